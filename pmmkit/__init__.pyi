@@ -44,6 +44,13 @@ from pmmkit.models.hull import hull_table as hull_table
 from pmmkit.reduction import Reduction as Reduction
 from pmmkit.reduction import contributions as contributions
 from pmmkit.reduction import reduce_campaign as reduce_campaign
+from pmmkit.reduction.budgets.budget import Budget as Budget
+from pmmkit.reduction.budgets.derivatives import derivative_budget as derivative_budget
+from pmmkit.reduction.budgets.grids import grid_study as grid_study
+from pmmkit.reduction.budgets.grids import grid_uncertainty as grid_uncertainty
+from pmmkit.reduction.budgets.grids import with_grids as with_grids
+from pmmkit.reduction.budgets.manoeuvres import imo_budget as imo_budget
+from pmmkit.reduction.budgets.manoeuvres import manoeuvre_budget as manoeuvre_budget
 from pmmkit.report import write_report as write_report
 from pmmkit.seakeeping.answers import Place as Place
 from pmmkit.seakeeping.hulls.library import load_hull as load_hull

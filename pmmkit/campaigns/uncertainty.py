@@ -11,10 +11,10 @@ from pmmkit.campaigns.settings import setting_key
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import DataError
 
-Of = Literal["gauge", "water", "rig", "setting"]
+Of = Literal["gauge", "cross-talk", "water", "rig", "hull", "setting"]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Statable:
     """Something whose standard uncertainty can be stated.
 
@@ -24,14 +24,21 @@ class Statable:
         Of a `TypeB`.
     unit : str
         In a campaign file, where it states none.
-    of : {"gauge", "water", "rig", "setting"}
-        What it is an error of: the reading of one channel, the density, the rig and the model on
-        it, or what a run was set to.
+    of : {"gauge", "cross-talk", "water", "rig", "hull", "setting"}
+        What it is an error of: the reading of one channel, what one channel shows of another, the
+        density, the rig and the model on it, the size of the hull, or what a run was set to.
+    title : str
+        In words.
+    zero : str
+        What an error of a setting that all runs share is called, where it is one of the zero and
+        not of the scale.
     """
 
     name: str
     unit: str
     of: Of
+    title: str
+    zero: str = ""
 
     @property
     def key(self) -> str:
@@ -44,40 +51,61 @@ class Statable:
         return self.name[0] if self.of == "gauge" else None
 
     @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels that an error needs; of cross-talk first the one that shows the other."""
+        if self.of == "cross-talk":
+            return self.name[0], self.name[-1]
+        return (self.name[0],) if self.of == "gauge" else ()
+
+    @property
     def single(self) -> bool:
         """Whether there is only one in a campaign: its error is the same in all runs."""
-        return self.of in ("water", "rig")
+        return self.of not in ("gauge", "setting")
 
 
-_UNITS: Final[Mapping[Of, Mapping[str, str]]] = {
-    "gauge": {"X_gauge": "N", "Y_gauge": "N", "N_gauge": "N m", "K_gauge": "N m"},
-    "setting": {
-        "drift": "deg",
-        "heel": "deg",
-        "rudder": "deg",
-        "speed": "m/s",
-        "propeller_rps": "1/s",
-        "period": "s",
-        "amplitude": "m",
-        "yaw_amplitude": "deg",
-        "phase": "deg",
-        "yaw_rate": "rad/s",
-        "radius": "m",
+_KNOWN: Final[Mapping[Of, Mapping[str, tuple[str, ...]]]] = {
+    "gauge": {
+        "X_gauge": ("N", "gauge of X"),
+        "Y_gauge": ("N", "gauge of Y"),
+        "N_gauge": ("N m", "gauge of N"),
+        "K_gauge": ("N m", "gauge of K"),
     },
-    "water": {"rho": "kg/m3"},
+    "cross-talk": {
+        "X_from_Y": ("-", "cross-talk: X of Y"),
+        "X_from_N": ("1/m", "cross-talk: X of N"),
+        "Y_from_X": ("-", "cross-talk: Y of X"),
+        "Y_from_N": ("1/m", "cross-talk: Y of N"),
+        "N_from_X": ("m", "cross-talk: N of X"),
+        "N_from_Y": ("m", "cross-talk: N of Y"),
+    },
+    "setting": {
+        "drift": ("deg", "drift angle", "alignment"),
+        "heel": ("deg", "heel", "zero"),
+        "rudder": ("deg", "rudder angle", "zero"),
+        "speed": ("m/s", "speed"),
+        "propeller_rps": ("1/s", "revolutions"),
+        "period": ("s", "period"),
+        "amplitude": ("m", "amplitude of surge or sway"),
+        "yaw_amplitude": ("deg", "amplitude of yaw"),
+        "phase": ("deg", "phase of the motion", "zero"),
+        "yaw_rate": ("rad/s", "yaw rate"),
+        "radius": ("m", "radius"),
+    },
+    "water": {"rho": ("kg/m3", "density of the water")},
+    "hull": {"L": ("m", "length of the model")},
     "rig": {
-        "mass": "kg",
-        "xG": "m",
-        "Izz": "kg m2",
-        "moment_reference_x": "m",
-        "motion_reference_x": "m",
+        "mass": ("kg", "mass"),
+        "xG": ("m", "centre of gravity"),
+        "Izz": ("kg m2", "yaw inertia"),
+        "moment_reference_x": ("m", "point of the moments"),
+        "motion_reference_x": ("m", "point of the motion"),
     },
 }
 STATABLE: Final[Mapping[str, Statable]] = MappingProxyType(
     {
-        name: Statable(name=name, unit=unit, of=of)
-        for of, units in _UNITS.items()
-        for name, unit in units.items()
+        name: Statable(name, words[0], of, *words[1:])
+        for of, known in _KNOWN.items()
+        for name, words in known.items()
     }
 )
 """By name. What each does to a run is said by `pmmkit.observations.stated`."""
@@ -97,6 +125,9 @@ class TypeB:
         True for a gain: a share of the value.
     shared : bool
         True if all runs have the same error, False if each run draws its own.
+    common : str
+        Name of a cause that errors share, such as the weights of a calibration: those of one name
+        are errors of the same sign and number of standard deviations. Empty for none.
 
     Examples
     --------
@@ -108,6 +139,7 @@ class TypeB:
     std: float
     relative: bool = False
     shared: bool = False
+    common: str = ""
 
     def __post_init__(self) -> None:
         if self.name not in STATABLE:
@@ -115,11 +147,36 @@ class TypeB:
                 f"No uncertainty of {self.name!r} can be stated"
                 f"{did_you_mean(self.name, STATABLE) or '.'}"
             )
+        if self.common and not self.shared:
+            raise DataError(
+                f"The uncertainty of {self.kind.key} has a common cause, {self.common!r}, so all "
+                "runs share it: state shared = true."
+            )
 
     @property
     def kind(self) -> Statable:
         """What it is an uncertainty of."""
         return STATABLE[self.name]
+
+    @property
+    def title(self) -> str:
+        """In words: what is uncertain, and which kind of error it is.
+
+        Examples
+        --------
+        >>> TypeB(name="Y_gauge", std=0.002, relative=True, shared=True).title
+        'gauge of Y: calibration'
+        >>> TypeB(name="drift", std=5e-4).title
+        'drift angle: setting of each run'
+        """
+        known = self.kind
+        if known.single:
+            return known.title
+        if known.of == "gauge":
+            shared, own = ("calibration", "gain") if self.relative else ("zero", "zero")
+        else:
+            shared, own = known.zero or "calibration", "setting"
+        return f"{known.title}: {shared if self.shared else f'{own} of each run'}"
 
     def moved(self, value: float) -> float:
         """A value that is wrong by one standard uncertainty.

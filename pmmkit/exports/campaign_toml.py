@@ -249,7 +249,8 @@ def _uncertainty(stated: tuple[TypeB, ...]) -> dict[str, Any]:
         elif item.kind.unit == "deg":
             std = _before(lambda degrees: degrees * (math.pi / 180), std, math.degrees(std))
         unit = {"unit": "%"} if item.relative else {}
-        entry = {"std": std, **unit, "shared": item.shared}
+        cause = {"common": item.common} if item.common else {}
+        entry = {"std": std, **unit, "shared": item.shared, **cause}
         found.setdefault(item.kind.key, []).append(entry)
     return {name: items[0] if len(items) == 1 else items for name, items in found.items()}
 

@@ -19,8 +19,7 @@ from pmmkit.models.estimates import estimated_table
 from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
 from pmmkit.models.store import load_model
-from pmmkit.numerics import coverage_factor
-from pmmkit.tables.table import CONFIDENCE, DerivativeTable
+from pmmkit.tables.table import DerivativeTable
 
 Missing = Literal["refuse", "zero", "library", "estimate"]
 HULL_TERMS: Final = ("Yv", "Yr", "Nv", "Nr")
@@ -346,20 +345,14 @@ def _value(table: DerivativeTable, name: str) -> Value:
 
 
 def _covariance(table: DerivativeTable, names: tuple[str, ...]) -> np.ndarray | None:
-    """Covariance of the normal law whose intervals are those of the table.
-
-    The table's are Student's: ships drawn with its standard uncertainties alone would spread too
-    little where few degrees of freedom stand behind them (JCGM 101:2008, 6.4.9).
-    """
+    """Covariance of the normal law whose intervals are those of the table."""
     columns = [table.index(name) for name in names]
     block = table.covariance[:, columns][:, :, :, columns]
     size = len(table.Fn) * len(names)
     flat = block.reshape(size, size)
     if not np.any(np.isfinite(np.diagonal(flat))):
         return None
-    wide = (coverage_factor(table.dof, CONFIDENCE) / coverage_factor(np.inf, CONFIDENCE))[
-        :, columns
-    ].ravel()
+    wide = table.widening[:, columns].ravel()
     flat = flat * np.outer(wide, wide)
     return (flat + flat.T) / 2
 

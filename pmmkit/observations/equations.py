@@ -232,10 +232,16 @@ def sensitivity(
         force |= {channel: x for channel, x in found.force.items() if channel in force}
         if found.density:
             design = {channel: found.density * x for channel, x in rows.design.items()}
-        if found.run is not result.run or found.rig is not rig:
+        other = campaign
+        if found.other_hull:
+            ship = replace(campaign.ship, L=source.moved(campaign.ship.L))
+            other = campaign.with_(ship=ship)
+        if found.run is not result.run or found.rig is not rig or other is not campaign:
             before, after = (
-                _nominal(run, own, result.labels, campaign, names, convention)
-                for run, own in ((result.run, rig), (found.run, found.rig))
+                _nominal(
+                    run, own, result.labels, whose, names, convention, result.run.settings.phase
+                )
+                for run, own, whose in ((result.run, rig, campaign), (found.run, found.rig, other))
             )
             force = {channel: after[0][channel] - before[0][channel] for channel in force}
             design = {channel: after[1][channel] - before[1][channel] for channel in names}
@@ -302,9 +308,10 @@ def _nominal(
     campaign: Campaign,
     names: Mapping[str, Sequence[str]],
     convention: Convention,
+    phase: float | None = None,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Inertia inside the forces, and regressors, on the nominal motion."""
-    path = nominal_path(run, rig, labels)
+    path = nominal_path(run, rig, labels, phase)
     inside = inertia_inside(run, path.motion, rig)
     return (
         {channel: path.projection @ x for channel, x in inside.items()},

@@ -44,12 +44,15 @@ class Altered:
         What is added to the harmonics of the force of the water at midship [N, N m].
     density : float
         Share by which all that a model makes of a motion grows.
+    other_hull : bool
+        Whether the length of the hull differs, by which all is made non-dimensional.
     """
 
     run: Run
     rig: Rig
     force: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     density: float = 0.0
+    other_hull: bool = False
 
 
 def acts(source: TypeB, run: Run, channels: Collection[str]) -> bool:
@@ -65,8 +68,8 @@ def acts(source: TypeB, run: Run, channels: Collection[str]) -> bool:
         Of X, Y, N, K.
     """
     name = source.name
-    if source.kind.channel:
-        return source.kind.channel in channels
+    if source.kind.channels:
+        return set(source.kind.channels) <= set(channels)
     if source.kind.of == "setting":
         return getattr(run.settings, name) is not None
     if name == "moment_reference_x":
@@ -128,13 +131,20 @@ def altered(
     if not acts(source, run, force):
         return None
     name = source.name
-    if channel := source.kind.channel:
-        step = _gauge_step(source, labels, force[channel])
+    if source.kind.channels:
+        channel, *others = source.kind.channels
+        step = (
+            source.std * np.nan_to_num(force[others[0]])
+            if others
+            else _gauge_step(source, labels, force[channel])
+        )
         more = moments_of_sway(step, rig) if channel == "Y" else {}
         return Altered(run=run, rig=rig, force={channel: step, **more})
     if source.kind.of == "water":
         share = source.std if source.relative else source.std / rho
         return Altered(run=run, rig=rig, density=share)
+    if source.kind.of == "hull":
+        return Altered(run=run, rig=rig, other_hull=True)
     if source.kind.of == "setting":
         changed: dict[str, Any] = {name: source.moved(getattr(run.settings, name))}
         return Altered(run=run.with_(settings=replace(run.settings, **changed)), rig=rig)
@@ -171,7 +181,7 @@ class Path:
     projection: Array
 
 
-def nominal_path(run: Run, rig: Rig, labels: Sequence[str]) -> Path:
+def nominal_path(run: Run, rig: Rig, labels: Sequence[str], phase: float | None = None) -> Path:
     """The motion that the settings of a run say: one cycle, or one instant.
 
     Parameters
@@ -180,6 +190,9 @@ def nominal_path(run: Run, rig: Rig, labels: Sequence[str]) -> Path:
         Settings, and the point to which the motion refers.
     labels : sequence of str
         Harmonics that are asked for.
+    phase : float, optional
+        To which the harmonics refer [rad]; that of the run by default. A run with another phase
+        leads or lags them.
     """
     omega = run.settings.omega
     theta: Array = np.zeros(1)
@@ -187,7 +200,7 @@ def nominal_path(run: Run, rig: Rig, labels: Sequence[str]) -> Path:
     if run.dynamic and omega:
         theta, order = one_cycle(), max(int(label[1:]) for label in labels)
         projection = projector(design_matrix(theta, order))[places_of(labels)]
-    t = (theta - run.settings.phase) / (omega or 1.0)
+    t = (theta - (run.settings.phase if phase is None else phase)) / (omega or 1.0)
     return Path(
         motion=move_motion(nominal_motion(run, t), rig.motion_x),
         t=theta / (omega or 1.0),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pmmkit.campaigns.settings import Settings
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Scatter
-from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.observations.equations import Rows
 from pmmkit.observations.noise import FLOOR, KIN, Noise, moderated, repeat_scatter, whiteners
 from pmmkit.reduction.fit import Fit, fit, optional_columns
 
@@ -482,99 +482,3 @@ def _scale(misfit: Array, freedom: int, noise: Noise) -> _Scale:
             doubt=np.column_stack([left, common]),
         ),
     )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Joint:
-    """All channels and Froude numbers together.
-
-    Parameters
-    ----------
-    labels : tuple of (int, str)
-        Froude group and coefficient of each entry.
-    value : array (P,)
-        Values.
-    covariance : array (P, P)
-        Type A and type B together.
-    type_a : array (P, P)
-        Type A alone.
-    dof : array (P,)
-        Effective degrees of freedom (Welch and Satterthwaite).
-    """
-
-    labels: tuple[tuple[int, str], ...]
-    value: Array
-    covariance: Array
-    type_a: Array
-    dof: Array
-
-
-def join(
-    fits: Sequence[tuple[int, ChannelFit]],
-    sensitivities: Sequence[Sequence[Sensitivity]],
-    run_of: Mapping[int, Sequence[int]],
-    known: Mapping[int, Mapping[str, float]],
-) -> Joint:
-    """Put the fits of all channels and Froude numbers together with their shared errors.
-
-    Parameters
-    ----------
-    fits : sequence of (group, ChannelFit)
-        The fits.
-    sensitivities : sequence (run) of sequence (source)
-        How each run's equations change with each source of uncertainty.
-    run_of : mapping of group to runs
-        Place in `sensitivities` of each run of a group.
-    known : mapping of group to values
-        Derivatives that were held.
-    """
-    labels: list[tuple[int, str]] = []
-    starts = []
-    for group, item in fits:
-        starts.append(len(labels))
-        labels += [(group, name) for name in item.fit.names]
-    total = len(labels)
-    type_a = np.zeros((total, total))
-    shares = np.zeros(total)
-    unknown = np.zeros(total, dtype=bool)
-    pushes: dict[tuple[str, int, int, str], Array] = {}
-    for (group, item), start in zip(fits, starts, strict=True):
-        span = slice(start, start + len(item.fit.names))
-        values = {**known.get(group, {}), **item.values()}
-        drawn = np.zeros(len(item.fit.names))
-        parts: list[Array] = []
-        pulls = item.pulls()
-        for index, (block, gain) in enumerate(zip(item.blocks, item.gains(), strict=True)):
-            pull = pulls[index]
-            part = pull @ item.noise.covariances[index] @ pull.T
-            type_a[span, span] += part
-            parts.append(np.diagonal(part))
-            run = run_of[group][block.run]
-            for kind, column in enumerate(item.width.columns[index].T):
-                drawn += (pull @ column) ** 2
-                key = ("drawn", kind, run, "" if kind == SETTING else item.channel)
-                pushes.setdefault(key, np.zeros(total))[span] += pull @ column
-            for number, change in enumerate(sensitivities[run]):
-                if not change.source.shared and block.covariance is None:
-                    continue
-                shift = change.residual(item.channel, values)[block.keep]
-                key = ("stated", number, -1 if change.source.shared else run, "")
-                push = pushes.setdefault(key, np.zeros(total))
-                push[span] += (gain if change.source.shared else pull) @ np.nan_to_num(shift)
-        variance = np.stack(parts)
-        doubt = item.noise.doubt
-        unknown[span] = np.any(variance[np.isinf(doubt).any(axis=1)] > 0, axis=0)
-        shares[span] += (
-            np.sum((np.where(np.isinf(doubt), 0.0, doubt).T @ variance) ** 2, axis=0) / 2
-        )
-        shares[span] += (np.diagonal(type_a)[span] + drawn) ** 2 / item.width.dof
-    covariance = type_a + sum(
-        (np.outer(push, push) for push in pushes.values()), np.zeros((total, total))
-    )
-    value = np.concatenate([item.fit.value for _, item in fits]) if fits else np.zeros(0)
-    blank = np.isnan(value) | unknown
-    covariance[blank] = math.nan
-    covariance[:, blank] = math.nan
-    with np.errstate(divide="ignore", invalid="ignore"):
-        dof = np.where(shares > 0, np.diagonal(covariance) ** 2 / shares, math.inf)
-    return Joint(labels=tuple(labels), value=value, covariance=covariance, type_a=type_a, dof=dof)

@@ -98,7 +98,12 @@ def _perturbed(
     rng: np.random.Generator,
 ) -> list[Rows]:
     sources = [change.source for change in sensitivities[0]] if sensitivities else []
-    common = rng.normal(size=len(sources))
+    first: dict[str, int] = {}
+    causes = [
+        first.setdefault(source.common, number) if source.common else number
+        for number, source in enumerate(sources)
+    ]
+    common = rng.normal(size=len(sources))[causes]
     made = []
     for place, item in enumerate(rows):
         sizes = np.where(

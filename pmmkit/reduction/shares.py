@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
-from pmmkit.reduction.estimate import SETTING
+from pmmkit.reduction.joint import with_their_causes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,47 +53,39 @@ def contributions(
     -----
     The variance of g'θ is the sum over runs of g'Gᵢ Σᵢ Gᵢ'g and over sources of (g'p)², with Gᵢ
     the map from the rows of a run to the derivatives and p the change of the derivatives per
-    standard deviation of a source: the sum that also makes the covariance of the table.
+    standard deviation of a source: the sum that also makes the covariance of the table. Sources of
+    one common cause each take half of what they have in common.
     """
     import pandas as pd
 
     solution = reduction.solution
     weight = _weights(solution.Fn, Fn)
+    joint = solution.joint
+    slope = np.array([weight[group] * slopes.get(name, 0.0) for group, name in joint.labels])
+    slope[~np.isfinite(joint.value)] = 0.0
     by_test: dict[str, float] = defaultdict(float)
     runs_of: dict[str, set[int]] = defaultdict(set)
-    pushes: dict[tuple[str, int, int, str], float] = defaultdict(float)
+    start = 0
     for group, item in solution.fits:
+        gradient = slope[start : start + len(item.fit.names)]
+        start += len(gradient)
         if weight[group] == 0.0:
             continue
-        there = np.isfinite(item.fit.value)
-        gradient = (
-            weight[group] * np.array([slopes.get(name, 0.0) for name in item.fit.names]) * there
-        )
-        values = item.values()
-        pulls = item.pulls()
-        for index, (block, gain) in enumerate(zip(item.blocks, item.gains(), strict=True)):
+        for block, gain, noise in zip(
+            item.blocks, item.pulls(), item.noise.covariances, strict=True
+        ):
             run = solution.groups[group][block.run]
             test = reduction.rows[run].result.run.test
-            pull = gradient @ pulls[index]
-            by_test[test] += float(pull @ item.noise.covariances[index] @ pull)
+            pull = gradient @ gain
+            by_test[test] += float(pull @ noise @ pull)
             runs_of[test].add(run)
-            for kind, column in enumerate(item.width.columns[index].T):
-                own = "" if kind == SETTING else item.channel
-                pushes["drawn", kind, run, own] += float(pull @ column)
-            for number, change in enumerate(reduction.sensitivities[run]):
-                if not change.source.shared and block.covariance is None:
-                    continue
-                shift = np.nan_to_num(change.residual(item.channel, values)[block.keep])
-                if change.source.shared:
-                    pushes["stated", number, -1, ""] += float(gradient @ gain @ shift)
-                else:
-                    pushes["stated", number, run, ""] += float(pull @ shift)
     shared: dict[str, float] = defaultdict(float)
-    for (_, number, run, _), push in pushes.items():
-        if run >= 0:
-            by_test[reduction.rows[run].result.run.test] += push**2
-        else:
-            shared[reduction.sensitivities[0][number].source.name] += push**2
+    for push, others in zip(joint.pushes, with_their_causes(joint.pushes), strict=True):
+        variance = float(slope @ push.column) * float(slope @ others)
+        if push.run is not None:
+            by_test[reduction.rows[push.run].result.run.test] += variance
+        elif isinstance(push.source, TypeB):
+            shared[push.source.name] += variance
     total = sum(by_test.values()) + sum(shared.values())
     if not total > 0.0:
         raise DataError("None of these derivatives was determined with an uncertainty.")
@@ -108,7 +101,7 @@ def contributions(
         {
             "source": name,
             "runs": len(reduction.rows),
-            "std": variance**0.5,
+            "std": float(np.sqrt(max(variance, 0.0))),
             "share": variance / total,
         }
         for name, variance in shared.items()

@@ -17,7 +17,8 @@ from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.observations.scatter import USUAL, Restricted, RunScatter, run_scatter
 from pmmkit.reduction.between_runs import BetweenRuns, Drawn, drawn, likelihood_of, size_of, widened
 from pmmkit.reduction.derivatives import Columns
-from pmmkit.reduction.estimate import Block, ChannelFit, Joint, blocks_of, fit_channel, join
+from pmmkit.reduction.estimate import Block, ChannelFit, blocks_of, fit_channel
+from pmmkit.reduction.joint import Joint, join
 from pmmkit.tables import DerivativeTable
 
 ROUNDS = 3

@@ -117,6 +117,17 @@ class DerivativeTable(Described):
         flat = self.covariance.reshape(k * n, k * n)
         return np.sqrt(np.diagonal(flat)).reshape(k, n)
 
+    @property
+    def widening(self) -> Array:
+        """Standard deviation of the normal law with the same 95 % interval, over `std` (k, n).
+
+        The intervals of the table are Student's: what is drawn with its standard uncertainties
+        alone would spread too little where few degrees of freedom stand behind them (JCGM
+        101:2008, 6.4.9).
+        """
+        wide: Array = coverage_factor(self.dof, CONFIDENCE) / coverage_factor(np.inf, CONFIDENCE)
+        return wide
+
     def interval(self, confidence: float = CONFIDENCE) -> tuple[Array, Array]:
         """Lower and upper ends of the confidence intervals, arrays (k, n)."""
         half = coverage_factor(self.dof, confidence) * self.std

@@ -83,7 +83,8 @@ def _change(
 
 def _by_setting(view: View, rig: Rig, forces: Forces, run: Run) -> dict[str, Array]:
     """The nominal motion with another setting: prediction, less the inertia on the balance."""
-    paths = [nominal_path(one, rig, view.labels) for one in (view.run, run)]
+    phase = view.run.settings.phase
+    paths = [nominal_path(one, rig, view.labels, phase) for one in (view.run, run)]
     before, after = (
         _less(forces(path.motion, path.t), inertia_inside(run, path.motion, rig)) for path in paths
     )

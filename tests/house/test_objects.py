@@ -81,6 +81,14 @@ def reduction():
     return pk.reduce_campaign(left, structure="cubic")
 
 
+def grid_study():
+    """Of one derivative that converges, and one that oscillates."""
+    water = pk.Water()
+    values = [{"Yv": -0.01 - 0.001 * h**2, "Nv": 0.01 * (h % 4)} for h in (1.0, 2.0, 4.0)]
+    tables = [pk.from_values(x, ship=pk.load_ship(SHIP), water=water) for x in values]
+    return pk.grid_study(tables, (1.0, 2.0, 4.0))
+
+
 @cache
 def model():
     return pk.to_model(reduction().table, parts=SHIP)
@@ -226,6 +234,9 @@ MADE = {
     "Reduction": reduction,
     "Document": document,
     "Estimate": cache(lambda: reduction().estimates["regression"]),
+    "Budget": cache(lambda: pk.derivative_budget(reduction())),
+    "GridUncertainty": lambda: pk.grid_uncertainty([0.9705, 0.96854, 0.96178], [1, 2, 4]),
+    "GridStudy": grid_study,
     "Campaign": cache(lambda: reduction().campaign),
     "Run": cache(lambda: reduction().campaign.runs[-1]),
     "Model": model,
@@ -275,6 +286,9 @@ SAID = {
     "Document": ("structured after", "1 Ship model", "2 What was not", "[report] customer"),
     "Estimate": ("by global regression", "±", "Derivatives"),
     "Reduction": ("63 runs", "wet <gauge>", "±", "Checks", "static drift"),
+    "Budget": ("11 sources", "Fn 0.217", "gauge of X: zero", "noise", "Not stated", "scale effect"),
+    "GridUncertainty": ("0.9705 ± 0.001", "1.79", "1.25", "0.9713"),
+    "GridStudy": ("1 derivative, 1 refused", "Yv", "95 %", "oscillate"),
     "Campaign": ("static drift", "27", "0.145, 0.217, 0.290", "wet <gauge>", "999.1", "Y_gauge"),
     "Run": ("yaw with drift", "m/s", "T ", "runs.h5"),
     "Model": ("measured: S175", "library: Son", "±", "D = 6.533 m", "joined", "6.00 to 12.00 m/s"),
@@ -310,6 +324,7 @@ SAID = {
 }
 DRAWN = (
     "Trial",
+    "Budget",
     "Run",
     "Campaign",
     "Reduction",

@@ -20,7 +20,7 @@ from pmmkit.observations.stated import INERTIA, RIG, altered, idle
 from pmmkit.reduction.reduce import reduce_campaign
 from pmmkit.validation.captive import compare_captive
 
-WHOLE = {name for name, item in STATABLE.items() if item.single}
+WHOLE = {name for name, item in STATABLE.items() if item.of in ("water", "rig")}
 """What there is one of in a campaign: it can be changed there for an independent truth."""
 
 
@@ -90,9 +90,25 @@ def test_every_source_can_be_stated_in_a_campaign_file_and_written_again(folder,
     assert {item.name for item in opened.uncertainty} == set(STATABLE)
     for item in opened.uncertainty:
         expected = math.radians(0.25) if item.kind.unit == "deg" else 0.25
-        assert (item.std, item.shared) == (pytest.approx(expected), item.name in WHOLE)
+        assert (item.std, item.shared) == (pytest.approx(expected), item.kind.single)
     pk.export(opened, tmp_path / "again")
     assert set(pk.open_campaign(tmp_path / "again").uncertainty) == set(opened.uncertainty)
+
+
+def test_errors_of_one_cause_are_stated_in_a_campaign_file(tmp_path):
+    made = small_campaign.write_campaign(tmp_path / "common")
+    toml = made / "campaign.toml"
+    text = toml.read_text(encoding="utf-8")
+    stated = 'Y_gauge = { std = 0.2, unit = "%", common = "weights" }'
+    toml.write_text(text.replace("[water]", f"[uncertainty]\n{stated}\n\n[water]", 1), "utf-8")
+    (source,) = pk.open_campaign(made).uncertainty
+    assert source == TypeB(name="Y_gauge", std=0.002, relative=True, shared=True, common="weights")
+    pk.export(pk.open_campaign(made), tmp_path / "again")
+    assert pk.open_campaign(tmp_path / "again").uncertainty == (source,)
+    wrong = stated.replace(" }", ", shared = false }")
+    toml.write_text(text.replace("[water]", f"[uncertainty]\n{wrong}\n\n[water]", 1), "utf-8")
+    with pytest.raises(DataError, match="all runs share it"):
+        pk.open_campaign(made)
 
 
 def test_the_page_on_files_lists_all_that_can_be_stated():
@@ -158,7 +174,7 @@ def test_the_comparison_changes_as_if_a_gauge_read_otherwise(balance, model, cha
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(WHOLE))
+@pytest.mark.parametrize("name", sorted({*WHOLE, "L"}))
 def test_the_reduction_changes_as_if_the_campaign_said_otherwise(balance, name):
     """Truth: the equations of all runs with the campaign changed by one standard uncertainty."""
     std = {"mass": 3.0, "Izz": 10.0, "rho": 2.0}.get(name, 0.03)
@@ -190,6 +206,23 @@ def test_a_gain_of_the_sway_force_moves_the_moments_that_refer_elsewhere(balance
     )
     assert found.force["Y"].tolist() == [0.5]
     assert found.force["N"].tolist() == [pytest.approx(0.2 * 0.5)]
+
+
+@pytest.mark.parametrize("name", ["Y_from_X", "N_from_Y"])
+def test_cross_talk_shows_a_share_of_another_channel(balance, name):
+    """With the moments about a point .2 m forward, a sway force too large is a moment too."""
+    force = {"X": np.array([-20.0]), "Y": np.array([50.0]), "N": np.array([7.0])}
+    found = altered(
+        TypeB(name=name, std=0.01, shared=True),
+        balance.runs[0],
+        rig_of(balance),
+        labels=("C0",),
+        force=force,
+        rho=1000.0,
+    )
+    moved = {channel: float(x[0]) for channel, x in found.force.items()}
+    expected = {"Y": -0.2, "N": 0.2 * -0.2} if name == "Y_from_X" else {"N": 0.5}
+    assert moved == pytest.approx(expected)
 
 
 # What does nothing is said

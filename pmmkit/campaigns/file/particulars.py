@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
@@ -343,9 +343,16 @@ def _uncertainty(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> 
 def _type_b(
     known: Statable, stated: UncertainEntry, entry: str, toml: str, problems: list[Problem]
 ) -> list[TypeB]:
-    shared = known.single if stated.shared is None else stated.shared
+    shared = stated.shared
+    if shared is None:
+        shared = known.single or bool(stated.common)
+    if stated.common and not shared:
+        message = "has a common cause, so all runs share it: take shared = false away."
+        problems.append(Problem(message=message, file=toml, entry=entry))
+        return []
+    found = TypeB(name=known.name, std=stated.std, shared=shared, common=stated.common)
     if stated.unit == "%":
-        return [TypeB(name=known.name, std=stated.std / 100, relative=True, shared=shared)]
+        return [replace(found, std=stated.std / 100, relative=True)]
     target = known.unit
     factor: float | None = 1.0
     if stated.unit not in (None, target):
@@ -362,7 +369,7 @@ def _type_b(
         )
         return []
     radians = math.pi / 180 if target == "deg" else 1.0
-    return [TypeB(name=known.name, std=stated.std * factor * radians, shared=shared)]
+    return [replace(found, std=stated.std * factor * radians)]
 
 
 def _corrections(

@@ -287,3 +287,4 @@ class UncertainEntry(Entry):
     std: Annotated[float, Field(ge=0)] = said("standard uncertainty")
     unit: str | None = said("its unit, or `%`", None)
     shared: bool | None = said("the same error in all runs; else each draws its own", None)
+    common: str = said("cause that it shares with others, such as the weights of a calibration", "")

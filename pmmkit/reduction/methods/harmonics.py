@@ -16,8 +16,9 @@ from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.conventions import bare, parse_derivative
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows
-from pmmkit.reduction.estimate import Block, ChannelFit, blocks_of, join
+from pmmkit.reduction.estimate import Block, ChannelFit, blocks_of
 from pmmkit.reduction.fit import Fit, fit
+from pmmkit.reduction.joint import join
 from pmmkit.reduction.methods.method import Estimate, Evidence
 
 TITLE: Final = "harmonics"

@@ -13,8 +13,9 @@ from pmmkit.numerics import Array, projector, rms
 from pmmkit.observations.equations import Sensitivity
 from pmmkit.observations.histories import History
 from pmmkit.observations.noise import FLOOR, whiteners
-from pmmkit.reduction.estimate import Block, ChannelFit, Width, join
+from pmmkit.reduction.estimate import Block, ChannelFit, Width
 from pmmkit.reduction.fit import fit
+from pmmkit.reduction.joint import join
 from pmmkit.reduction.solve import Solution
 
 CALM: Final = 0.25

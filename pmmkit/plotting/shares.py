@@ -1,0 +1,68 @@
+"""Shares of a whole as stacked bars."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.escaping import figure_text
+from pmmkit.numerics import Array
+from pmmkit.plotting import style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TOLD_APART: Final = 9
+"""Parts that are drawn each for itself; the rest are one."""
+
+
+def stacked_shares(
+    panels: Mapping[str, tuple[Sequence[str], Array]], parts: Sequence[str]
+) -> Figure:
+    """Shares as horizontal bars, in per cent; negative ones to the left of zero.
+
+    Parameters
+    ----------
+    panels : mapping of str to (names, array (parts, bars))
+        By title: names of the bars, and the share of each part in each.
+    parts : sequence of str
+        What the shares are of, the largest first.
+
+    Returns
+    -------
+    Figure
+        A panel a title, one legend.
+    """
+    labels = [*parts[:TOLD_APART], *(["all others"] if len(parts) > TOLD_APART else [])]
+    longest = max(len(names) for names, _ in panels.values())
+    with style.styled():
+        figure = style.canvas(0.25 * longest + 1.6)
+        axes = figure.subplots(1, len(panels), squeeze=False)[0]
+        for axis, (title, (names, shares)) in zip(axes, panels.items(), strict=True):
+            shown = [*shares[:TOLD_APART], shares[TOLD_APART:].sum(axis=0)][: len(labels)]
+            right, left = np.zeros(len(names)), np.zeros(len(names))
+            for number, (label, share) in enumerate(zip(labels, shown, strict=True)):
+                start = np.where(share >= 0.0, right, left)
+                axis.barh(
+                    np.arange(len(names)),
+                    100 * share,
+                    left=100 * start,
+                    height=0.72,
+                    color=style.colour(number) if number < TOLD_APART else style.REFERENCE,
+                    hatch=style.hatch(number // len(style.ORDERED)),
+                    edgecolor="white",
+                    lw=0.0,
+                    label=figure_text(label),
+                )
+                right = right + np.maximum(share, 0.0)
+                left = left + np.minimum(share, 0.0)
+            axis.set_yticks(np.arange(len(names)), [figure_text(name) for name in names])
+            axis.set_ylim(len(names) - 0.5, -0.5)
+            axis.set_xlim(min(0.0, 100 * float(left.min())), 100 * float(right.max(initial=1.0)))
+            axis.set_title(figure_text(title))
+            axis.set_xlabel("share of the variance [%]")
+            axis.grid(visible=False, axis="y")
+        style.legend_below(figure, list(axes), columns=3)
+    return figure

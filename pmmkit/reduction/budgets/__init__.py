@@ -1,0 +1,1 @@
+"""Budgets of uncertainty by source: of derivatives, of manoeuvres, and of computed grids."""

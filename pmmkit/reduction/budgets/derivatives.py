@@ -1,0 +1,196 @@
+"""The budget of the derivatives of a reduction."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.campaigns.motion.inertia import rig_of
+from pmmkit.campaigns.motion.nominal import has_nominal
+from pmmkit.campaigns.uncertainty import STATABLE, TypeB
+from pmmkit.errors import DataError
+from pmmkit.numerics import Array
+from pmmkit.observations.equations import sensitivity
+from pmmkit.observations.stated import acts
+from pmmkit.reduction.budgets.budget import Budget, Result, Source
+from pmmkit.reduction.joint import Push
+
+if TYPE_CHECKING:
+    from pmmkit.reduction.reduce import Reduction
+
+NOISE: Final = "noise, repeats and misfit"
+NUMERICAL: Final = "U_SN of the computation"
+SCATTER: Final = {
+    "offset": "scatter between runs: zero",
+    "gain": "scatter between runs: gain",
+    "drift": "scatter between runs: drift angle",
+}
+STEP: Final = 1e-3
+"""Error that asks whether runs feel a source [SI or share]."""
+ROUNDING: Final = 1e-9
+"""Change of the regressors over their size that says so."""
+OUTSIDE: Final = (
+    "residual current and waves between runs (waiting time)",
+    "blockage, and the finite depth of the tank",
+    "freedom in heave, pitch and roll",
+    "the facility: another tank with the same model",
+    "scale effect",
+    "form of the mathematical model",
+)
+"""What no statement in a campaign file covers."""
+
+
+def derivative_budget(reduction: Reduction) -> Budget:
+    """Which source makes how much of the uncertainty of each derivative.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        The reduced tests.
+
+    Returns
+    -------
+    Budget
+        Of the derivatives of the global regression that have an uncertainty, at each Froude
+        number. Its variances are those of the table's covariance.
+
+    Raises
+    ------
+    DataError
+        If none has an uncertainty.
+
+    Notes
+    -----
+    A source that is wrong by one standard uncertainty changes the equations of each run
+    (`pmmkit.observations.stated`); the regression, with its weights as they are, carries that to
+    the derivatives. An error of all runs moves them together; one that each run draws counts run by
+    run. Type A is the noise of the records with what repeats and residuals show beyond it, and
+    the scatter between runs (Simonsen 2004, ITTC 7.5-02-06-04 and JCGM 100:2008, 5.1).
+    """
+    joint = reduction.solution.joint
+    asked = set(next(iter(reduction.estimates.values())).table.names)
+    there = [
+        place
+        for place, (_, name) in enumerate(joint.labels)
+        if name in asked and np.isfinite(joint.covariance[place, place])
+    ]
+    if not there:
+        raise DataError(
+            "None of these derivatives was determined with an uncertainty: more runs than "
+            "derivatives are needed, or records that show their noise."
+        )
+    results = tuple(
+        Result(
+            name=joint.labels[place][1],
+            value=float(joint.value[place]),
+            Fn=float(reduction.solution.Fn[joint.labels[place][0]]),
+        )
+        for place in there
+    )
+    noise = Source(
+        title=NOISE, gum="A", acts="precision", factors=root(joint.type_a[np.ix_(there, there)])
+    )
+    campaign = reduction.campaign
+    return Budget(
+        subject=campaign.title or campaign.ship.name,
+        results=results,
+        sources=(noise, *_pushed(joint.pushes, there, campaign.uncertainty)),
+        not_stated=not_stated(reduction),
+        outside=OUTSIDE,
+    )
+
+
+def _pushed(
+    pushes: Sequence[Push], there: Sequence[int], stated: Collection[TypeB]
+) -> list[Source]:
+    """The sources behind the pushes; those that change nothing are left out.
+
+    What is not stated under ``[uncertainty]`` is the numerical uncertainty of ``[cfd]``.
+    """
+    rows: dict[TypeB | str, list[Array]] = {}
+    for push in pushes:
+        rows.setdefault(push.source, []).append(push.column[there])
+    found = []
+    for source, columns in rows.items():
+        factors = np.stack(columns)
+        if not factors.any():
+            continue
+        found.append(
+            Source(title=SCATTER[source], gum="A", acts="precision", factors=factors)
+            if isinstance(source, str)
+            else Source(
+                title=source.title if source in stated else f"{NUMERICAL}: {source.kind.channel}",
+                gum="B",
+                acts="bias" if source.shared else "precision",
+                factors=factors,
+                common=source.common,
+            )
+        )
+    return found
+
+
+def not_stated(reduction: Reduction) -> tuple[str, ...]:
+    """What acts on the runs of a reduction and nobody stated, in words.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        The reduced tests.
+    """
+    stated = [change.source for change in reduction.sensitivities[0]]
+    found = []
+    for known in STATABLE.values():
+        for relative in (False, True) if known.of == "gauge" else (False,):
+            source = TypeB(name=known.name, std=STEP, relative=relative, shared=True)
+            alike = [
+                item
+                for item in stated
+                if item.name == known.name
+                and (item.shared or not known.zero)
+                and (known.of != "gauge" or (item.shared and item.relative == relative))
+            ]
+            if not alike and _felt(source, reduction):
+                told = known.of == "gauge" or known.zero
+                found.append(source.title if told else known.title)
+    return tuple(found)
+
+
+def _felt(source: TypeB, reduction: Reduction) -> bool:
+    """Whether an error of a source changes the equations of any run."""
+    rig = rig_of(reduction.campaign)
+    for rows in reduction.rows:
+        run = rows.result.run
+        if not acts(source, run, tuple(rows.force)) or not has_nominal(run):
+            continue
+        change = sensitivity(
+            rows, source, reduction.campaign, rig, rows.names, reduction.convention
+        )
+        for channel in set(rows.force) & set(rows.design):
+            size = np.abs(np.nan_to_num(rows.design[channel])).max(initial=0.0)
+            moved = np.abs(np.nan_to_num(change.design[channel])).max(initial=0.0)
+            if moved > ROUNDING * size or np.nan_to_num(change.force[channel]).any():
+                return True
+    return False
+
+
+def root(covariance: Array) -> Array:
+    """Factors (q, n) of which the squares add up to a covariance.
+
+    Parameters
+    ----------
+    covariance : array (n, n)
+        Of errors that need not be independent.
+
+    Examples
+    --------
+    >>> factors = root(np.array([[4.0, 2.0], [2.0, 9.0]]))
+    >>> np.round(factors.T @ factors, 12).tolist()
+    [[4.0, 2.0], [2.0, 9.0]]
+    """
+    scale = np.sqrt(np.diagonal(covariance))
+    unit = np.where(scale > 0.0, scale, 1.0)
+    eigenvalues, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
+    factors: Array = (np.sqrt(np.maximum(eigenvalues, 0.0))[:, None] * vectors.T) * scale
+    return factors

@@ -1,0 +1,183 @@
+"""All derivatives together with their joint covariance, and what pushes them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pmmkit.campaigns.uncertainty import TypeB
+from pmmkit.numerics import Array
+from pmmkit.observations.channels import Scatter
+from pmmkit.observations.equations import Sensitivity
+from pmmkit.reduction.estimate import SETTING, ChannelFit
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Push:
+    """What one error of one standard deviation does to all derivatives.
+
+    Parameters
+    ----------
+    source : TypeB or str
+        A stated uncertainty, or a name of `Scatter`: what each run draws for itself.
+    run : int, optional
+        Place of the run that draws it; None for an error of all runs.
+    column : array (P,)
+        Change of the derivatives.
+    """
+
+    source: TypeB | str
+    run: int | None
+    column: Array
+
+    @property
+    def common(self) -> str:
+        """The cause that it shares with other sources; empty for none."""
+        return self.source.common if isinstance(self.source, TypeB) else ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Joint:
+    """All channels and Froude numbers together.
+
+    Parameters
+    ----------
+    labels : tuple of (int, str)
+        Froude group and coefficient of each entry.
+    value : array (P,)
+        Values.
+    covariance : array (P, P)
+        Type A and type B together.
+    type_a : array (P, P)
+        Type A alone.
+    pushes : tuple of Push
+        What makes the rest of the covariance: pushes of one common cause add up, others are
+        independent.
+    dof : array (P,)
+        Effective degrees of freedom (Welch and Satterthwaite).
+    """
+
+    labels: tuple[tuple[int, str], ...]
+    value: Array
+    covariance: Array
+    type_a: Array
+    pushes: tuple[Push, ...]
+    dof: Array
+
+
+def join(
+    fits: Sequence[tuple[int, ChannelFit]],
+    sensitivities: Sequence[Sequence[Sensitivity]],
+    run_of: Mapping[int, Sequence[int]],
+    known: Mapping[int, Mapping[str, float]],
+) -> Joint:
+    """Put the fits of all channels and Froude numbers together with their shared errors.
+
+    Parameters
+    ----------
+    fits : sequence of (group, ChannelFit)
+        The fits.
+    sensitivities : sequence (run) of sequence (source)
+        How each run's equations change with each source of uncertainty.
+    run_of : mapping of group to runs
+        Place in `sensitivities` of each run of a group.
+    known : mapping of group to values
+        Derivatives that were held.
+    """
+    labels: list[tuple[int, str]] = []
+    starts = []
+    for group, item in fits:
+        starts.append(len(labels))
+        labels += [(group, name) for name in item.fit.names]
+    total = len(labels)
+    type_a = np.zeros((total, total))
+    shares = np.zeros(total)
+    unknown = np.zeros(total, dtype=bool)
+    columns: dict[tuple[str, int, int | None, str], Array] = {}
+    for (group, item), start in zip(fits, starts, strict=True):
+        span = slice(start, start + len(item.fit.names))
+        values = {**known.get(group, {}), **item.values()}
+        drawn = np.zeros(len(item.fit.names))
+        parts: list[Array] = []
+        pulls = item.pulls()
+        for index, (block, gain) in enumerate(zip(item.blocks, item.gains(), strict=True)):
+            pull = pulls[index]
+            part = pull @ item.noise.covariances[index] @ pull.T
+            type_a[span, span] += part
+            parts.append(np.diagonal(part))
+            run = run_of[group][block.run]
+            for kind, column in enumerate(item.width.columns[index].T):
+                drawn += (pull @ column) ** 2
+                key = (_DRAWN, kind, run, "" if kind == SETTING else item.channel)
+                columns.setdefault(key, np.zeros(total))[span] += pull @ column
+            for number, change in enumerate(sensitivities[run]):
+                if not change.source.shared and block.covariance is None:
+                    continue
+                shift = change.residual(item.channel, values)[block.keep]
+                own = None if change.source.shared else run
+                push = columns.setdefault((_STATED, number, own, ""), np.zeros(total))
+                push[span] += (gain if change.source.shared else pull) @ np.nan_to_num(shift)
+        variance = np.stack(parts)
+        doubt = item.noise.doubt
+        unknown[span] = np.any(variance[np.isinf(doubt).any(axis=1)] > 0, axis=0)
+        shares[span] += (
+            np.sum((np.where(np.isinf(doubt), 0.0, doubt).T @ variance) ** 2, axis=0) / 2
+        )
+        shares[span] += (np.diagonal(type_a)[span] + drawn) ** 2 / item.width.dof
+    pushes = tuple(
+        Push(
+            source=Scatter.names()[number] if kind == _DRAWN else sensitivities[0][number].source,
+            run=run,
+            column=column,
+        )
+        for (kind, number, run, _), column in columns.items()
+    )
+    covariance = type_a + sum(
+        (
+            np.outer(push.column, others)
+            for push, others in zip(pushes, with_their_causes(pushes), strict=True)
+        ),
+        np.zeros((total, total)),
+    )
+    value = np.concatenate([item.fit.value for _, item in fits]) if fits else np.zeros(0)
+    blank = np.isnan(value) | unknown
+    covariance[blank] = math.nan
+    covariance[:, blank] = math.nan
+    with np.errstate(divide="ignore", invalid="ignore"):
+        dof = np.where(shares > 0, np.diagonal(covariance) ** 2 / shares, math.inf)
+    return Joint(
+        labels=tuple(labels),
+        value=value,
+        covariance=covariance,
+        type_a=type_a,
+        pushes=pushes,
+        dof=dof,
+    )
+
+
+_DRAWN = "drawn"
+_STATED = "stated"
+
+
+def with_their_causes(pushes: Sequence[Push]) -> list[Array]:
+    """For each push the sum of those that share its cause, itself among them.
+
+    Parameters
+    ----------
+    pushes : sequence of Push
+        Of all sources.
+
+    Returns
+    -------
+    list of array (P,)
+        The variance of a result g is the sum over pushes p with sums q of (g p)(g q): each takes
+        its own and half of what it has in common with each other.
+    """
+    causes: dict[str, Array] = {}
+    for push in pushes:
+        if push.common:
+            causes[push.common] = causes.get(push.common, 0.0) + push.column
+    return [causes.get(push.common, push.column) for push in pushes]
