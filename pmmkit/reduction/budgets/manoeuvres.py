@@ -140,8 +140,7 @@ def _carried(
             carry[row] = counts * slopes[known[item.name]]
     if not carry.any():
         raise DataError(
-            f"Model {model.name!r} holds no derivative of these tests: make it of them "
-            "(pmmkit.model_of)."
+            f"Model {model.name!r} holds no derivative of these tests: make it of their reduction."
         )
     tested = {item.name for item in budget.results}
     return replace(
