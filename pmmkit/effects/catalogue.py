@@ -129,7 +129,8 @@ def effect(**declared: Any) -> Callable[[Callable[..., Any]], Effect]:
 
 def forget_effect(name: str) -> None:
     """Take a registered effect out of the catalogue again; nothing where there is none."""
-    _registered.pop(name, None)
+    if _registered.pop(name, None) is not None:
+        _editions[name] = edition_of(name) + 1  # what a package offers under its name is another
 
 
 def arguments_of(effect: Effect) -> tuple[str, ...]:
