@@ -125,8 +125,9 @@ def test_an_effect_of_an_installed_package():
 @pytest.mark.slow
 def test_an_effect_of_a_package_is_not_the_one_that_was_forgotten():
     """Equations that were made of a registered effect of the same name are not taken for it."""
-    with pytest.raises(AssertionError, match="does not settle"):
-        check_effect(late(lambda v, U, L, s: (v + s) * U / L))
+    wrong = late(lambda v, U, L, s: (v + s) * U / L)
+    with registered(wrong), pytest.raises(AssertionError, match="does not settle"):
+        check_effect(wrong)
     test_an_effect_of_an_installed_package()
 
 
