@@ -84,7 +84,7 @@ def fitted(answers: Answers) -> Answers:
         name: _shorter(page) if name.startswith("misfit ") else page
         for name, page in answers.items()
     }
-    if own.get("missing"):
+    if own.get("missing") and size_of(own) > MOST:
         own["missing"] = _drawn_over_fewer(own["missing"], answers)
     places = [name for name in own if name.startswith("told ")]
     sizes = sorted(

@@ -129,6 +129,15 @@ def test_candidates_are_drawn_over_the_runs_with_the_largest_errors(several):
         assert set(runs) == {f"r{i}" for i in range(1000 - len(runs), 1000)}
 
 
+def test_candidates_over_records_are_kept_where_all_has_room():
+    own = {f"r{i}": {"x": [1.234567] * 5000} for i in range(2)}
+    missing = {"overlays": dict.fromkeys("abcdefghij", own), "base": own, "shares": {}}
+    answers = big(100) | {"missing": missing}
+    assert size_of(missing["overlays"]) > 0.3 * MOST
+    answers["told where"] = {"before": [], "after": [], "folded": []}
+    assert fitted(answers)["missing"] == missing
+
+
 def test_histories_are_as_fine_as_there_is_room_for():
     asked = []
 
