@@ -6,6 +6,8 @@ are written; JSON has its own in the standard library.
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import html
 import re
 import textwrap
@@ -245,3 +247,14 @@ def quoted(path: PurePath) -> str:
     """
     text = str(path)
     return f'"{text}"' if " " in text else text
+
+
+def content_hash(text: str) -> str:
+    """A script or a style sheet as a content security policy names it.
+
+    Examples
+    --------
+    >>> content_hash("")
+    "'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU='"
+    """
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import json
 import re
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.escaping import html_text
+from pmmkit.escaping import content_hash, html_text
 from pmmkit.json_text import plain
 from pmmkit.version import __version__
 from pmmkit.workbench.page_room import MOST, Answers, fitted
@@ -83,8 +81,8 @@ def page_file(answers: Answers) -> str:
     policy = "; ".join(
         (
             "default-src 'none'",
-            f"script-src {_hash(plots)} {_hash(page)}",
-            f"style-src {_hash(styles)}",
+            f"script-src {content_hash(plots)} {content_hash(page)}",
+            f"style-src {content_hash(styles)}",
             "img-src data:",
             "base-uri 'none'",
             "form-action 'none'",
@@ -131,7 +129,3 @@ def bundle() -> str:
 
 def _read(name: str) -> str:
     return (STATIC / name).read_text("utf-8")
-
-
-def _hash(text: str) -> str:
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import base64
-import hashlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Final
 
 from pmmkit.escaping import html_text, printable
 from pmmkit.presentation import ABSENT, Cell, Grid, Group, Picture, Section
+from pmmkit.report.bare_page import bare_page
 from pmmkit.report.captive.document import Chapter, Document, Item
-from pmmkit.version import __version__
 from pmmkit.workbench.pages.sections import Symbol
 
 STYLE: Final = Path(__file__).with_name("style.css")
@@ -37,30 +36,14 @@ def html_of(document: Document) -> str:
         does).
     """
     style = STYLE.read_text("utf-8") + _pages(document)
-    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
-    policy = f"default-src 'none'; style-src 'sha256-{digest}'; img-src data:; base-uri 'none'"
-    return "\n".join(
-        (
-            "<!doctype html>",
-            '<html lang="en">',
-            "<head>",
-            '<meta charset="utf-8">',
-            f'<meta http-equiv="content-security-policy" content="{policy}">',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f'<meta name="generator" content="pmmkit {__version__}">',
-            f"<title>{html_text(document.title)}</title>",
-            f"<style>{style}</style>",
-            "</head>",
-            "<body>",
-            *_cover(document),
-            "<main>",
-            *(line for mark, chapter in document.numbered for line in _chapter(mark, chapter)),
-            "</main>",
-            "</body>",
-            "</html>",
-            "",
-        )
-    )
+    body = [
+        *_cover(document),
+        "<main>",
+        *(line for mark, chapter in document.numbered for line in _chapter(mark, chapter)),
+        "</main>",
+    ]
+    text = "".join(f"{line}\n" for line in body)
+    return bare_page(document.title, style, text, pictures=True)
 
 
 def _pages(document: Document) -> str:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.escaping import html_text
 from pmmkit.presentation import Cell, Grid
+from pmmkit.report.bare_page import bare_page
 from pmmkit.report.imo_form.form import (
     ABSENT,
     BASES,
@@ -53,16 +52,7 @@ def form_html(form: Form) -> str:
         The form.
     """
     style = STYLE.read_text("utf-8")
-    mark = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
-    policy = f"default-src 'none'; style-src 'sha256-{mark}'; base-uri 'none'; form-action 'none'"
-    return (
-        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        f'<meta http-equiv="content-security-policy" content="{policy}">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f'<meta name="generator" content="pmmkit {__version__}">\n'
-        f"<title>{html_text(f'{TITLE}: {form.name}')}</title>\n<style>{style}</style>\n</head>\n"
-        f"<body>\n<main>\n{_body(form)}</main>\n</body>\n</html>\n"
-    )
+    return bare_page(f"{TITLE}: {form.name}", style, f"<main>\n{_body(form)}</main>\n")
 
 
 def _body(form: Form) -> str:
