@@ -36,8 +36,7 @@ def over_wave_length(
     Figure
     """
     with style.styled():
-        figure = style.canvas(2.1 * len(panels) + 0.9)
-        axes = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
+        figure, axes = _one_below_the_other(len(panels), 2.1, 0.9)
         for axis, (label, curves) in zip(axes, panels.items(), strict=True):
             for number, (name, values) in enumerate(curves.items()):
                 axis.plot(
@@ -71,8 +70,7 @@ def over_time(t: Array, panels: Mapping[str, Array]) -> Figure:
     Figure
     """
     with style.styled():
-        figure = style.canvas(1.7 * len(panels) + 0.6)
-        axes = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
+        figure, axes = _one_below_the_other(len(panels), 1.7, 0.6)
         for axis, (label, values) in zip(axes, panels.items(), strict=True):
             axis.plot(t, values, color=style.colour(0), lw=0.8)
             axis.set_ylabel(label)
@@ -95,8 +93,7 @@ def beside_measured(panels: Mapping[str, tuple[Array, Array, Array, Array]]) -> 
     Figure
     """
     with style.styled():
-        figure = style.canvas(2.1 * len(panels) + 0.9)
-        axes = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
+        figure, axes = _one_below_the_other(len(panels), 2.1, 0.9)
         for axis, (label, (omega, measured, std, computed)) in zip(
             axes, panels.items(), strict=True
         ):
@@ -107,6 +104,12 @@ def beside_measured(panels: Mapping[str, tuple[Array, Array, Array, Array]]) -> 
         axes[-1].set_xlabel("frequency of encounter [rad/s]")
         style.legend_below(figure, [axes[0]], 2)
     return figure
+
+
+def _one_below_the_other(count: int, each: float, more: float) -> tuple[Figure, Any]:
+    """A figure of panels of one abscissa, so high each and so much more [in]."""
+    figure = style.canvas(count * each + more)
+    return figure, np.atleast_1d(figure.subplots(count, 1, sharex=True))
 
 
 def polar(heading_deg: Array, curves: Mapping[str, Array], *, limit: float, label: str) -> Figure:

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pmmkit.errors import DataError
-from pmmkit.metrics import HARD_OVER, criteria, in_lengths, main_of
+from pmmkit.metrics import in_lengths, main_of
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
 from pmmkit.reduction.budgets.budget import Budget, Result, Source, beside
 from pmmkit.reduction.budgets.derivatives import derivative_budget, root
+from pmmkit.simulation.imo.judged import sided_tests
 from pmmkit.simulation.sensitivity import Sensitivities, sensitivities
-from pmmkit.simulation.simulate import steering
 from pmmkit.tables import DerivativeTable
 
 if TYPE_CHECKING:
@@ -90,15 +89,9 @@ def imo_budget(
         The full astern stop is not among them.
     """
     loaded = model if isinstance(model, Model) else load_model(model)
-    hard = min(HARD_OVER, steering(loaded).get("max_deg", HARD_OVER))
     budget = derivative_budget(reduction)
-    sided = [(metric, item) for metric, item in criteria() if "rudder_deg" in item.settings]
     parts = []
-    for (manoeuvre, given), pairs in groupby(
-        sided, key=lambda pair: (pair[1].manoeuvre, dict(pair[1].settings))
-    ):
-        rudder = given["rudder_deg"]
-        asked = {**given, "rudder_deg": hard if rudder == HARD_OVER else rudder}
+    for manoeuvre, asked, pairs in sided_tests(loaded):
         found = sensitivities(loaded, manoeuvre, speed=speed, **settings, **asked)
         subject = f"the IMO's numbers of {loaded.name} at {speed:.4g} m/s"
         whole = _carried(budget, reduction, loaded, speed, found, subject)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from pmmkit.metrics import HARD_OVER
@@ -94,16 +94,12 @@ def depth_condition(depth: float | None, draught: float, *, deep: bool = False) 
         Whether no depth means water without a bottom: that of a simulation.
     """
     standard = f"more than {DEEP:g} draughts"
+    asked = Condition(name="depth", title="depth", standard=standard)
     if depth is None:
-        shown = "no bottom" if deep else ""
-        return Condition(
-            name="depth", title="depth", standard=standard, shown=shown, met=deep or None
-        )
+        return replace(asked, shown="no bottom" if deep else "", met=deep or None)
     ratio = depth / draught
-    return Condition(
-        name="depth",
-        title="depth",
-        standard=standard,
+    return replace(
+        asked,
         value=ratio,
         shown=f"{depth:.4g} m, {ratio:.1f} draughts",
         met=ratio > DEEP,
@@ -116,14 +112,13 @@ def wind_condition(speed: float | None, number: int | None = None) -> Condition:
     """The wind: its mean true speed [m/s] as measured, else its Beaufort number as stated."""
     standard = f"at most Beaufort {WINDIEST}"
     own = number if speed is None else beaufort(speed)
+    asked = Condition(name="wind", title="wind", standard=standard)
     if own is None:
-        return Condition(name="wind", title="wind", standard=standard)
+        return asked
     shown = f"Beaufort {own}" + ("" if speed is None else f", {speed:.1f} m/s")
     said = f"is {speed:.1f} m/s" if speed is not None else f"is Beaufort {own}"
-    return Condition(
-        name="wind",
-        title="wind",
-        standard=standard,
+    return replace(
+        asked,
         value=own,
         shown=shown,
         met=own <= WINDIEST,
@@ -160,14 +155,12 @@ def current_condition(known: bool, shown: str) -> Condition:
 def draught_condition(draught: float, full: float | None) -> Condition:
     """The mean draught beside that of full load [m]."""
     standard = f"full load within {100 * LOADED:g} %"
+    asked = Condition(name="draught", title="draught", standard=standard)
     if full is None:
-        shown = f"{draught:.4g} m, that of full load not supplied"
-        return Condition(name="draught", title="draught", standard=standard, shown=shown)
+        return replace(asked, shown=f"{draught:.4g} m, that of full load not supplied")
     share = draught / full - 1.0
-    return Condition(
-        name="draught",
-        title="draught",
-        standard=standard,
+    return replace(
+        asked,
         value=share,
         shown=f"{draught:.4g} m, {100 * share:+.1f} % of full load {full:.4g} m",
         excess=abs(share),
@@ -180,20 +173,17 @@ def draught_condition(draught: float, full: float | None) -> Condition:
 def approach_condition(speed: float, full: float | None) -> Condition:
     """The approach speed beside that at 85 % of the engine's output [m/s]."""
     standard = f"at least {100 * FAST:g} % of that at 85 % of the engine's output"
+    asked = Condition(name="approach", title="approach speed", standard=standard)
     if full is None:
-        return Condition(
-            name="approach",
-            title="approach speed",
-            standard=standard,
+        return replace(
+            asked,
             excess=-speed,
             shown=f"{speed:.4g} m/s, that at 85 % not supplied",
             words=f"The approach speed, {speed:.4g} m/s, must be {standard}, which is not stated.",
         )
     share = speed / full
-    return Condition(
-        name="approach",
-        title="approach speed",
-        standard=standard,
+    return replace(
+        asked,
         value=share,
         shown=f"{speed:.4g} m/s, {100 * share:.1f} % of {full:.4g} m/s",
         excess=-share,

@@ -132,16 +132,12 @@ def imo_verdicts(
     (12, 13)
     """
     loaded = model if isinstance(model, Model) else load_model(model)
-    hard = min(HARD_OVER, steering(loaded).get("max_deg", HARD_OVER))
     drawn = n if spread is not None or loaded.covariance is not None else 0
-    sided = [(metric, item) for metric, item in criteria() if "rudder_deg" in item.settings]
-    tests = groupby(sided, key=lambda pair: (pair[1].manoeuvre, dict(pair[1].settings)))
-    asked = [(manoeuvre, given, tuple(pairs)) for (manoeuvre, given), pairs in tests]
+    tests = sided_tests(loaded)
     found: list[Verdict] = []
     for side in (1.0, -1.0):
-        for manoeuvre, given, pairs in asked:
-            rudder = given["rudder_deg"]
-            given = given | {"rudder_deg": side * (hard if rudder == HARD_OVER else rudder)}
+        for manoeuvre, starboard, pairs in tests:
+            given = starboard | {"rudder_deg": side * starboard["rudder_deg"]}
             track = simulate(loaded, manoeuvre, speed=speed, **settings, **given)
             many = _many(loaded, manoeuvre, speed, drawn, spread, seed, settings, given)
             for metric, item in pairs:
@@ -150,7 +146,8 @@ def imo_verdicts(
                     probability = many.probability(verdict.metric, verdict.limit)
                     verdict = replace(verdict, probability=probability)
                 found.append(verdict)
-    alone = [(metric, item) for metric, item in criteria() if (metric, item) not in sided]
+    sided = {item.name for _, _, pairs in tests for _, item in pairs}
+    alone = [(metric, item) for metric, item in criteria() if item.name not in sided]
     engine = FullAstern(
         turns=usual_turns() if astern is None else astern,
         reversal_s=math.nan if reversal is None else reversal,
@@ -160,6 +157,32 @@ def imo_verdicts(
         *found,
         *(_stopping(loaded, speed, engine, full_speed, settings, *pair) for pair in alone),
     ]
+
+
+def sided_tests(
+    model: Model,
+) -> list[tuple[str, dict[str, Any], tuple[tuple[Metric, Criterion], ...]]]:
+    """The tests of the standard that are made to both sides: manoeuvre, settings, what is limited.
+
+    Parameters
+    ----------
+    model : Model
+        Whose largest rudder stands for that of the turning circle where it is less.
+
+    Returns
+    -------
+    list of (str, dict, tuple)
+        Settings to starboard; limited are pairs of metric and criterion.
+    """
+    hard = min(HARD_OVER, steering(model).get("max_deg", HARD_OVER))
+    sided = [(metric, item) for metric, item in criteria() if "rudder_deg" in item.settings]
+    tests = groupby(sided, key=lambda pair: (pair[1].manoeuvre, dict(pair[1].settings)))
+    found = []
+    for (manoeuvre, given), pairs in tests:
+        rudder = given["rudder_deg"]
+        asked = given | {"rudder_deg": hard if rudder == HARD_OVER else rudder}
+        found.append((manoeuvre, asked, tuple(pairs)))
+    return found
 
 
 def _many(
