@@ -34,6 +34,8 @@ NEGLIGIBLE: Final = 1e-4
 """Share of the greatest weight below which a node does not count."""
 CHUNK: Final = 2**17
 """Numbers that one step over the nodes holds: a megabyte stays in the processor's cache."""
+WIDE: Final = 32
+"""Columns from which the sums of each node are faster made anew than weighed from shared ones."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,8 +87,33 @@ class Restricted:
     def _gram(self, sizes: Array) -> tuple[Array, Array]:
         """Products under the covariance of noise and scatter, and the log determinant of it.
 
-        Each run takes its own share off the sums of all (Woodbury). In its orthonormal basis no
-        weight of a share is above one, so that they are summed by one product of matrices.
+        Each run takes its own share off the sums of all (Woodbury).
+        """
+        taken, logs = self._one_by_one(sizes) if len(self.whole) > WIDE else self._at_once(sizes)
+        gram = self.whole - taken
+        diagonal = np.arange(self.model, self.model + self.floor)
+        gram[:, diagonal, diagonal] += 1.0
+        return gram, logs
+
+    def _one_by_one(self, sizes: Array) -> tuple[Array, Array]:
+        """What the runs take off (g, q, q), and log determinants (g,): I - (I + D D')⁻¹ is
+        D (I + D'D)⁻¹ D', a square, which is summed as one."""
+        k, q = self.own.shape[-1], len(self.whole)
+        taken, logs = np.empty((len(sizes), q, q)), np.empty(len(sizes))
+        for place, size in enumerate(sizes):
+            drawn = self.own * size
+            turned = np.swapaxes(drawn, 1, 2)
+            root = np.linalg.cholesky(turned @ drawn + np.eye(k))
+            shares = (np.linalg.solve(root, turned) @ self.across).reshape(-1, q)
+            taken[place] = shares.T @ shares
+            logs[place] = np.log(np.diagonal(root, axis1=1, axis2=2)).sum()
+        return taken, logs
+
+    def _at_once(self, sizes: Array) -> tuple[Array, Array]:
+        """The same where the columns are few, weighed from products that all sizes share.
+
+        In the orthonormal basis of a run no weight of a share is above one, so that they are summed
+        by one product of matrices.
         """
         k, q = self.own.shape[-1], len(self.whole)
         rows, columns = np.tril_indices(k)
@@ -102,10 +129,7 @@ class Restricted:
             weights = shares[:, part].reshape(-1, len(sizes))
             taken += weights.T @ products.reshape(-1, q * q)
         square = taken.reshape(-1, q, q)
-        gram = self.whole - 0.5 * (square + np.swapaxes(square, 1, 2))
-        diagonal = np.arange(self.model, self.model + self.floor)
-        gram[:, diagonal, diagonal] += 1.0
-        return gram, logs
+        return 0.5 * (square + np.swapaxes(square, 1, 2)), logs
 
     def _likelihood(self, sizes: Array) -> Array:
         gram, logs = self._gram(sizes)

@@ -5,13 +5,13 @@ import pytest
 from scipy.stats import multivariate_normal, norm
 
 from pmmkit.observations.channels import Channel
-from pmmkit.observations.scatter import USUAL, RunScatter, half_width, restricted, run_scatter
+from pmmkit.observations.scatter import USUAL, WIDE, RunScatter, half_width, restricted, run_scatter
 
 
-def few_runs(rng, sizes, *, runs=6, rows=5, noise=0.02):
-    """A channel of some runs whose rows follow a line in two coefficients."""
-    design = rng.normal(size=(runs * rows, 2))
-    mean = design @ [1.0, -2.0]
+def few_runs(rng, sizes, *, runs=6, rows=5, noise=0.02, columns=2):
+    """A channel of some runs whose rows follow a line in two coefficients, of so many."""
+    design = rng.normal(size=(runs * rows, columns))
+    mean = design[:, :2] @ [1.0, -2.0]
     own = np.zeros((runs * rows, 3))
     own[::rows, 0] = 3.0
     own[:, 1] = mean
@@ -42,12 +42,17 @@ def dense(channel, own, sizes):
     return cover
 
 
-def test_differences_of_the_likelihood_are_those_of_contrasts_of_the_rows():
+few_or_many = pytest.mark.parametrize(("columns", "runs"), [(2, 6), (WIDE + 8, 12)])
+
+
+@few_or_many
+def test_differences_of_the_likelihood_are_those_of_contrasts_of_the_rows(columns, runs):
     """The restricted likelihood is the density of what no coefficient reaches (Harville 1974)."""
-    channel, own = few_runs(np.random.default_rng(1), np.array([0.01, 0.02, 0.03]))
+    sizes = np.array([0.01, 0.02, 0.03])
+    channel, own = few_runs(np.random.default_rng(1), sizes, columns=columns, runs=runs)
     tried = np.array([[0.0, 0.0, 0.0], [0.01, 0.02, 0.03], [0.1, 0.001, 0.2]])
     q, _ = np.linalg.qr(channel.design, mode="complete")
-    contrasts = q[:, 2:].T
+    contrasts = q[:, columns:].T
     full = [
         multivariate_normal(cov=contrasts @ dense(channel, own, s) @ contrasts.T).logpdf(
             contrasts @ channel.y
@@ -58,8 +63,10 @@ def test_differences_of_the_likelihood_are_those_of_contrasts_of_the_rows():
     assert np.diff(told) == pytest.approx(np.diff(full), rel=1e-8)
 
 
-def test_estimates_are_generalised_least_squares():
-    channel, own = few_runs(np.random.default_rng(2), np.array([0.01, 0.02, 0.03]))
+@few_or_many
+def test_estimates_are_generalised_least_squares(columns, runs):
+    drawn = np.array([0.01, 0.02, 0.03])
+    channel, own = few_runs(np.random.default_rng(2), drawn, columns=columns, runs=runs)
     sizes = np.array([0.02, 0.01, 0.1])
     inverse = np.linalg.inv(dense(channel, own, sizes))
     cover = np.linalg.inv(channel.design.T @ inverse @ channel.design)
