@@ -363,7 +363,7 @@ def _notes(history: History) -> list[str]:
     if astern and any(item.effect == "propeller" for item in history.ready.structure.used):
         notes.append(
             "The propeller astern is carried on from its open-water characteristics ahead; the "
-            "effect four_quadrant_propeller describes it."
+            "effect four_quadrant_propeller describes it (pmmkit model astern estimates it)."
         )
     return notes
 

@@ -13,6 +13,7 @@ from pmmkit.campaigns.test_kinds.free_running import STOPPING
 from pmmkit.errors import DataError
 from pmmkit.metrics import Criterion, criteria
 from pmmkit.models import Model, load_model
+from pmmkit.models.astern import ESTIMATED, as_it_stops, knows_astern
 from pmmkit.presentation import Grid, Group, percent
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import LOADED
@@ -192,8 +193,10 @@ def _simulated(model: Model, trial: Trial, verdict: Verdict, settings: dict[str,
     criterion = next(item for _, item in criteria() if item.name == verdict.criterion)
     given = _sailed(model, trial, criterion)
     if criterion.manoeuvre == STOPPING.name:
-        if not any(part.known.astern for part in model.parts.values()):
+        stops = as_it_stops(model)
+        if stops is None:
             return math.nan
+        model = stops
         engine = verdict.full_astern
         if engine is not None:
             given["turns"] = engine.turns
@@ -258,7 +261,7 @@ def loading_notes(
     draught: float,
     full_draught: float | None,
 ) -> tuple[str, ...]:
-    """Where the draughts of the predictions are not those of the trial and of full load.
+    """What of the predictions is estimated, and where their draughts are not the ship's.
 
     Parameters
     ----------
@@ -268,9 +271,12 @@ def loading_notes(
         Of the ship; mean draughts of the trial and of full load [m].
     """
     asked = (("as tried", as_tried, draught), ("of full load", full_load, full_draught))
-    return tuple(
+    loaded = tuple(
         f"The prediction {name} ({item.name}) is for {item.draught * L / item.L:.4g} m of draught, "
         f"the ship draws {own:.4g} m."
         for name, item, own in asked
         if own is not None and abs(item.draught * L / item.L / own - 1.0) > LOADED
     )
+    models = [item.model for item in (as_tried, full_load) if item.model is not None]
+    stops = [x for x in models if not knows_astern(x) and as_it_stops(x) is not None]
+    return (*loaded, f"Stops of the models: {ESTIMATED}") if stops else loaded

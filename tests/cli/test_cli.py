@@ -201,7 +201,7 @@ def test_every_criterion_of_the_imo_to_both_sides(tmp_path, capsys):
     ]
     turn = pmmkit.simulate("kvlcc2", speed=7.97).metrics
     assert content["verdicts"][1]["value"] == turn["tactical_diameter_L"]
-    assert "not judged" in words
+    assert "What the propeller does astern is estimated" in words
     assert "Scale: full scale" in words
 
 

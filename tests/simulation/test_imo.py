@@ -100,7 +100,7 @@ def test_limits_are_those_of_the_standard_and_the_margin_decides(name, speed):
         assert (verdict.limit, verdict.unit) == limits[verdict.criterion]
         assert verdict.scale == load_model(name).scale
         assert verdict.probability is None
-        if verdict.criterion == "track_reach":
+        if verdict.criterion == "track_reach" and name == "mariner":
             continue
         assert verdict.margin == verdict.limit - verdict.value
         assert verdict.passed is (verdict.margin >= 0.0)
@@ -190,12 +190,11 @@ def test_a_ship_longer_than_100_m_is_not_flagged_but_the_engine_is_asked_about(n
     for verdict in imo_verdicts(name, speed):
         text = " ".join(verdict.conditions)
         assert "100 m and more" not in text
-        assert ("85 %" in text) == (verdict.criterion != "track_reach")
+        assert ("85 %" in text) == math.isfinite(verdict.value)
 
 
-@pytest.mark.parametrize(("name", "speed"), SHIPS.items())
-def test_a_stop_is_not_judged_where_the_model_says_nothing_of_going_astern(name, speed):
-    stop = imo_verdicts(name, speed)[-1]
+def test_a_stop_is_not_judged_where_the_model_has_no_propeller():
+    stop = imo_verdicts("mariner", SHIPS["mariner"])[-1]
     assert stop.criterion == "track_reach"
     assert stop.passed is None
     assert math.isnan(stop.value)

@@ -738,17 +738,18 @@ def test_the_command_corrects_to_full_load_and_fills_the_form(folder, tmp_path, 
     output = capsys.readouterr()
     rows = json.loads(output.out)["full_load"]
     assert {(row["run"], row["criterion"]) for row in rows} == {
-        (run, name) for run in ("T1", "T2") for name in ("advance", "tactical_diameter")
+        *((run, name) for run in ("T1", "T2") for name in ("advance", "tactical_diameter")),
+        ("S", "track_reach"),
     }
     for row in rows:
         assert row["B"] == row["F"]
         assert row["R"] == pytest.approx(row["T"])
-        assert abs(row["B_over_T_less_1"]) < 0.01
+        # the stop was recorded with a propeller that is carried on astern from ahead
+        assert abs(row["B_over_T_less_1"]) < (0.2 if row["run"] == "S" else 0.01)
     held = json.loads((out / "imo_form.json").read_text(encoding="utf-8"))
     assert held["basis"] == "corrected"
-    # neither model says what her propeller does astern: the stop stays as tried, and is not judged
-    assert held["verdict"].startswith("2 of 7 criteria met; 5 not judged")
-    assert "crash stop: track reach, as tried" in (out / "imo_form.html").read_text("utf-8")
+    assert held["verdict"].startswith("3 of 7 criteria met; 4 not judged")
+    assert "What the propeller does astern is estimated" in output.err
     assert "R = T F/B" in output.err
     assert main([*order, "--as-tried", "kvlcc2"]) == 2
 

@@ -27,12 +27,16 @@ class Action(Enum):
     show = "show"
     set = "set"
     replace = "replace"
+    astern = "astern"
 
 
 def model(
     action: Annotated[
         Action,
-        typer.Argument(help="show part by part; set values; replace a part by another ship's."),
+        typer.Argument(
+            help="show part by part; set values; replace a part by another ship's; estimate what "
+            "the propeller does astern."
+        ),
     ],
     model: Annotated[
         str, typer.Argument(help="Library ship (pmmkit ships) or model file (.toml).")
@@ -53,23 +57,27 @@ def model(
     ] = None,
     force: Force = False,
 ) -> Outcome:
-    """Show a model part by part with its sources, change values, or take a part of another ship.
+    """Show a model part by part with its sources, change values, take a part of another ship, or
+    estimate what its propeller does astern.
 
     Examples: pmmkit model show model.toml · pmmkit model set model.toml rudder.area=0.055
     --because 'as built' · pmmkit model replace model.toml propeller --from kvlcc2
     """
     from pmmkit.files import write_results
     from pmmkit.models import load_model, save_model
+    from pmmkit.models.astern import with_estimated_astern
     from pmmkit.models.revise import with_part_of, with_stated
 
     loaded = load_model(model)
     words = list(what or ())
+    if action in (Action.show, Action.astern) and (words or lender):
+        raise typer.BadParameter(f"{action.value} takes a model alone; set and replace change it.")
     if action is Action.show:
-        if words or lender:
-            raise typer.BadParameter("show takes a model alone; set and replace change it.")
         return _shown(loaded, [])
     if action is Action.set:
         made = with_stated(loaded, _values(words), because or "stated on the command line")
+    elif action is Action.astern:
+        made = with_estimated_astern(loaded)
     else:
         if len(words) != 1 or lender is None:
             raise typer.BadParameter(

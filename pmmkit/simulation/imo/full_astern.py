@@ -50,6 +50,8 @@ class FullAstern:
         Other revolutions astern, and the track reach that they give [L].
     limit : float
         Of the track reach [L].
+    propeller : str
+        What is assumed of the propeller astern, in a sentence; empty where the model knows it.
     """
 
     turns: float
@@ -59,6 +61,7 @@ class FullAstern:
     measured: bool = False
     others: tuple[tuple[float, float], ...] = ()
     limit: float = math.nan
+    propeller: str = ""
 
     @property
     def words(self) -> str:
@@ -88,6 +91,7 @@ class FullAstern:
         return (
             f"Full astern is {self.turns:g} of the approach's revolutions, {when}, {torque}; the "
             f"standard does not say them. Track reach with others: {said}."
+            + (f" {self.propeller}" if self.propeller else "")
         )
 
 

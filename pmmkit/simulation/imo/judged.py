@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.four_quadrant import FOUR_QUADRANT_PROPELLER
 from pmmkit.errors import DataError
 from pmmkit.metrics import HARD_OVER, Criterion, Metric, criteria
 from pmmkit.models import Model, load_model
+from pmmkit.models.astern import ESTIMATED, LOST, as_it_stops
 from pmmkit.simulation.imo.full_astern import (
     ASTERN,
     FullAstern,
@@ -118,8 +120,9 @@ def imo_verdicts(
     Returns
     -------
     list of Verdict
-        Turning circles, initial turning, zigzags 10/10 and 20/20, stopping. The stop is judged
-        only for a model that says what its propulsion does astern.
+        Turning circles, initial turning, zigzags 10/10 and 20/20, stopping. A model that does not
+        say what its propeller does astern stops by an estimate of that (`with_estimated_astern`),
+        which stands beside the verdict; without an open water ahead the stop is not judged.
 
     References
     ----------
@@ -129,7 +132,7 @@ def imo_verdicts(
     --------
     >>> found = imo_verdicts("kcs", 12.35)
     >>> sum(bool(verdict.passed) for verdict in found), len(found)
-    (12, 13)
+    (13, 13)
     """
     loaded = model if isinstance(model, Model) else load_model(model)
     drawn = n if spread is not None or loaded.covariance is not None else 0
@@ -214,8 +217,9 @@ def _stopping(
     metric: Metric,
     criterion: Criterion,
 ) -> Verdict:
-    """Track reach of a full astern stop, if the model knows what happens astern."""
-    if not any(part.known.astern for part in model.parts.values()):
+    """Track reach of a full astern stop, if it is known or can be estimated what happens astern."""
+    turning = as_it_stops(model)
+    if turning is None:
         return judge(
             metric,
             criterion,
@@ -226,30 +230,38 @@ def _stopping(
             manoeuvre="stopping, full astern",
             conditions=(
                 "Not judged: the model does not say what its propulsion does astern; the effects "
-                f"{', '.join(x.name for x in catalogue().values() if x.astern)} do.",
+                f"{', '.join(x.name for x in catalogue().values() if x.astern)} do, and it has no "
+                "propeller from whose open water they could be estimated.",
             ),
         )
     if not engine.turns < 0.0:
         raise DataError(f"Revolutions of a stop are negative: astern is {engine.turns:g}.")
     allowed = bool(settings.get("extrapolate"))
     limited = (
-        model
+        turning
         if engine.torque is None
-        else with_torque_limit(model, speed, engine.torque, extrapolate=allowed)
+        else with_torque_limit(turning, speed, engine.torque, extrapolate=allowed)
     )
     usual = REVERSAL * model.ship.L / speed
 
-    def stopped(own: float) -> Track:
+    def stopped(own: float, ship: Model) -> Track:
         given: dict[str, Any] = {"turns": own, **settings}
         if math.isfinite(engine.reversal_s):
             given["reversal_s"] = engine.reversal_s
         elif engine.torque is not None:
             given["reversal_s"] = (1.0 - own) * usual
-        return simulate(limited, criterion.manoeuvre, speed=speed, **given)
+        return simulate(ship, criterion.manoeuvre, speed=speed, **given)
 
-    track = stopped(engine.turns)
+    track = stopped(engine.turns, limited)
     verdict = verdict_of(metric, criterion, track, (*track_conditions(track, full_speed), LARGE))
-    reach = {own: stopped(own).metrics[verdict.metric] for own in ASTERN if own != engine.turns}
+    reach = {
+        own: stopped(own, limited).metrics[verdict.metric] for own in ASTERN if own != engine.turns
+    }
+    propeller = ""
+    if turning is not model:
+        losing = limited.with_values(FOUR_QUADRANT_PROPELLER.name, t_astern=LOST)
+        longer = stopped(engine.turns, losing).metrics[verdict.metric]
+        propeller = f"{ESTIMATED} With a thrust deduction astern of {LOST:g}: {longer:.3g} L."
     ahead = float(track.n[0])
     found = replace(
         engine,
@@ -257,5 +269,6 @@ def _stopping(
         most=float(track.n.min()) / ahead,
         others=tuple(reach.items()),
         limit=verdict.limit,
+        propeller=propeller,
     )
     return replace(verdict, full_astern=found)

@@ -1,0 +1,105 @@
+"""What a propeller does astern, where only its open water ahead is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
+
+from pmmkit.effects.four_quadrant import FOUR_QUADRANT_PROPELLER
+from pmmkit.effects.propeller import PROPELLER
+from pmmkit.errors import ModelError
+from pmmkit.models.model import Model
+from pmmkit.models.step import Step
+
+ESTIMATED: Final = (
+    "What the propeller does astern is estimated: curves of Wageningen B4-70 of the pitch at which "
+    "its thrust vanishes, joined to its open water ahead; no thrust deduction, wake or side force "
+    "astern."
+)
+LOST: Final = 0.2
+"""Thrust deduction astern with which an estimated stop is made again: few measure it."""
+
+
+def knows_astern(model: Model) -> bool:
+    """Whether a model says what its propulsion does astern."""
+    return any(part.known.astern for part in model.parts.values())
+
+
+def astern_can_be_estimated(model: Model) -> bool:
+    """Whether a model has a propeller with KT as a polynomial, which says nothing of astern."""
+    part = model.parts.get(PROPELLER.name)
+    return part is not None and "kt0" in part.values and not knows_astern(model)
+
+
+def as_it_stops(model: Model) -> Model | None:
+    """A model that knows what its propulsion does astern, by an estimate where it must be.
+
+    Parameters
+    ----------
+    model : Model
+        Any.
+
+    Returns
+    -------
+    Model or None
+        The model itself, or `with_estimated_astern`; None where nothing is known.
+    """
+    if knows_astern(model):
+        return model
+    return with_estimated_astern(model) if astern_can_be_estimated(model) else None
+
+
+def with_estimated_astern(model: Model) -> Model:
+    """A model whose propeller turns astern by the curves of a series.
+
+    Parameters
+    ----------
+    model : Model
+        With a part ``propeller`` and its KT as a polynomial of J.
+
+    Returns
+    -------
+    Model
+        Its propeller has curves in all four quadrants: ahead, from bollard pull to the J at which
+        the thrust vanishes, those that it had; beyond, those of Wageningen B4-70 as
+        `effects.four_quadrant.estimate` joins them. An estimate, not a measurement.
+
+    Raises
+    ------
+    ModelError
+        If it knows what its propulsion does astern, or has no such propeller.
+
+    Examples
+    --------
+    >>> from pmmkit.models.store import load_model
+    >>> made = with_estimated_astern(load_model("kvlcc2"))
+    >>> knows_astern(made), made.values("four_quadrant_propeller")["kt0"]
+    (True, 0.2931)
+    """
+    if not astern_can_be_estimated(model):
+        raise ModelError(
+            f"Model {model.name!r} "
+            + (
+                "says already what its propulsion does astern."
+                if knows_astern(model)
+                else "has no propeller whose KT is a polynomial of J, from which curves astern "
+                "could be estimated: state a part four_quadrant_propeller."
+            )
+        )
+    own = model.parts[PROPELLER.name]
+    shared = {item.name for item in FOUR_QUADRANT_PROPELLER.parameters}
+    turning = replace(
+        own,
+        effect=FOUR_QUADRANT_PROPELLER.name,
+        values=MappingProxyType({name: x for name, x in own.values.items() if name in shared}),
+        options=MappingProxyType(
+            {x: word for x, word in own.options.items() if x in FOUR_QUADRANT_PROPELLER.options}
+        ),
+    )
+    parts = {
+        turning.effect if name == own.effect else name: turning if name == own.effect else part
+        for name, part in model.parts.items()
+    }
+    made = model.with_(parts=MappingProxyType(parts))
+    return made.stepped(Step(action="noted", note=ESTIMATED))
