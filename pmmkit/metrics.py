@@ -228,8 +228,8 @@ METRICS: Final = (
     _metric("speed_ratio", "UC/U0", "steady speed over approach", "-", told=("turn", "comparison")),
     _metric("speed_loss", "1 - UC/U0", "loss of speed over approach", "-", told=("trial",)),
     _metric("steady_yaw_rate_deg_s", "rC", "steady yaw rate", "deg/s", told=("turn",)),
-    _metric("heel_max_deg", "φmax", "largest heel", "deg", rolls=True, told=("turn",)),
-    _metric("heel_steady_deg", "φC", "steady heel, outwards", "deg", rolls=True),
+    _metric("heel_max_deg", "φmax", "largest heel", "deg", rolls=True, told=("turn", "trial")),
+    _metric("heel_steady_deg", "φC", "steady heel, outwards", "deg", rolls=True, told=("trial",)),
     _metric(
         "initial_turning_distance",
         "s",

@@ -18,6 +18,7 @@ from pmmkit.trials.circle import Circle, fit_circle
 from pmmkit.trials.conditions import trial_conditions
 from pmmkit.trials.current import Current, mean_current
 from pmmkit.trials.equal_headings import equal_headings
+from pmmkit.trials.heel import Heel, heel_of_turn
 from pmmkit.trials.measures import of_stopping, of_turning, of_zigzag
 from pmmkit.trials.orders import Order, astern_order, held_until, rudder_orders
 from pmmkit.trials.path import path_of
@@ -188,6 +189,23 @@ def _rudder_rate(orders: Sequence[Order]) -> float:
     return math.degrees(rate) if math.isfinite(rate) else math.nan
 
 
+def _heel(part: _Part, campaign: Campaign) -> Heel | None:
+    """Heel of a turning circle whose record has it."""
+    record, order = part.record, part.orders[0]
+    phi, delta = record.others.get("phi"), record.others.get("delta")
+    if phi is None or part.run.kind_of_test is not TURNING:
+        return None
+    return heel_of_turn(
+        record.t,
+        phi,
+        record.psi,
+        order=order.t,
+        until=float(record.t[-1]) if delta is None else held_until(record.t, delta, order),
+        side=math.copysign(1.0, order.level),
+        pace=campaign.ship.L / part.run.settings.speed,
+    )
+
+
 def _engine(part: _Part, stopped: float) -> tuple[float, FullAstern | None]:
     """Revolutions of the approach [1/s], and what the engine did in a stop."""
     n, order = part.record.others.get("n"), part.orders[0].t
@@ -289,6 +307,11 @@ def _trial(
         found, _ = of_zigzag(path, part.orders, abs(switch), notes)
     else:
         found = of_stopping(path, part.orders[0], notes)
+    heel = _heel(part, campaign)
+    if heel is not None:
+        found.add("heel_max_deg", math.degrees(heel.largest), math.degrees(heel.largest_std))
+        found.add("heel_steady_deg", math.degrees(heel.steady), math.degrees(heel.steady_std))
+        notes += [heel.words] if heel.words else []
     metrics, std = found.frozen()
     wind = true_wind(record, path)
     around = trial_conditions(
