@@ -2,6 +2,7 @@
 
 from pmmkit.figures.checking import zeros_at_rest
 from pmmkit.figures.correlations import correlations
+from pmmkit.figures.cycles_by_froude import CycleForces, cycles_by_froude
 from pmmkit.figures.derivatives import beside_reference, derivatives_over_froude
 from pmmkit.figures.forces import Cycle, DriftPoints, forces_over_drift, over_a_cycle
 from pmmkit.figures.forests import forest
@@ -13,10 +14,12 @@ from pmmkit.plotting.turns import trajectory, turn_histories
 
 __all__ = [
     "Cycle",
+    "CycleForces",
     "DriftPoints",
     "band_histories",
     "beside_reference",
     "correlations",
+    "cycles_by_froude",
     "derivatives_over_froude",
     "forces_over_drift",
     "forest",

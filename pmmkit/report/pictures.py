@@ -10,13 +10,16 @@ import numpy as np
 from pmmkit.campaigns.motion.counted import counted_cycles
 from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT
+from pmmkit.conventions import force_unit
 from pmmkit.errors import TableError
 from pmmkit.escaping import figure_text
 from pmmkit.figures import (
     Cycle,
+    CycleForces,
     DriftPoints,
     beside_reference,
     correlations,
+    cycles_by_froude,
     derivatives_over_froude,
     forces_over_drift,
     forest,
@@ -26,6 +29,7 @@ from pmmkit.figures import (
 from pmmkit.figures.correlations import correlated, strongest
 from pmmkit.figures.forests import farthest
 from pmmkit.models.reference import Reference
+from pmmkit.observations.equations import Rows
 from pmmkit.presentation import Picture
 from pmmkit.reduction import Reduction, RunResult
 from pmmkit.report.drawn import drawn
@@ -69,6 +73,19 @@ def of_forces(reduction: Reduction) -> Iterator[Picture]:
             "Oscillating tests: the cycles that count, on top of each other, and their "
             "harmonics. One run per kind of test is shown, that with the largest amplitude at "
             "the middle speed.",
+        )
+    compared = cycles_at_speeds(reduction)
+    if compared:
+        yield drawn(
+            cycles_by_froude(
+                compared,
+                channels=_channels(reduction),
+                stroke="''" if reduction.table.convention.system == "bis" else "'",
+            ),
+            "Forces of the water over a cycle of the same motion at several speeds, by their "
+            "harmonics, with 95 % bands: curves that lie on top of each other do not depend on the "
+            "Froude number.",
+            file="cycles_by_froude",
         )
 
 
@@ -238,6 +255,75 @@ def typical_cycles(reduction: Reduction) -> list[Cycle]:
         if results:
             cycles.append(_cycle(_typical(results), reduction))
     return cycles
+
+
+def cycles_at_speeds(reduction: Reduction) -> dict[str, list[CycleForces]]:
+    """Runs of each oscillating test that differ in the speed alone, by title.
+
+    Of the amplitudes and frequencies ωL/U that were tried at several speeds the largest amplitude
+    is taken; tests for which there are none are left out.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        With the forces of the water at midship.
+    """
+    found = {}
+    for kind in captive_kinds():
+        rows = [x for x in reduction.rows if kind.oscillates and x.result.run.test == kind.name]
+        alike: dict[tuple[float, ...], dict[float, Rows]] = {}
+        for item in rows:
+            alike.setdefault(_motion_of(item.result, reduction.table), {}).setdefault(
+                round(item.result.froude, 3), item
+            )
+        several = {motion: own for motion, own in alike.items() if len(own) > 1}
+        if several:
+            best = max(several, key=lambda motion: (len(several[motion]), motion))
+            speeds = several[best]
+            found[f"{kind.title}, ω' {best[-1]:g}"] = [
+                _non_dimensional(speeds[froude], reduction.table) for froude in sorted(speeds)
+            ]
+    return found
+
+
+def _motion_of(result: RunResult, table: DerivativeTable) -> tuple[float, ...]:
+    """Amplitudes over the length and speed, drift and reduced frequency, as near as counts."""
+    settings, pace = result.run.settings, _pace(result, table)
+    omega = (result.frequency or 0.0) / pace
+    sway = (settings.amplitude or 0.0) / table.ship.L * omega
+    yaw = (settings.yaw_amplitude or 0.0) * omega
+    return round(sway, 2), round(yaw, 2), round(settings.drift, 2), round(omega, 1)
+
+
+def _pace(result: RunResult, table: DerivativeTable) -> float:
+    """Speed over ship length [1/s]."""
+    return table.ship.speed(result.froude, table.water.g) / table.ship.L
+
+
+def _non_dimensional(item: Rows, table: DerivativeTable) -> CycleForces:
+    ship, water, result = table.ship, table.water, item.result
+    units = {
+        channel: force_unit(
+            channel,
+            table.convention.system,
+            L=ship.L,
+            d=ship.d,
+            volume=ship.volume,
+            rho=water.rho,
+            g=water.g,
+            U=ship.speed(result.froude, water.g),
+        )
+        for channel in item.force
+    }
+    return CycleForces(
+        froude=result.froude,
+        coefficients={channel: x / units[channel] for channel, x in item.force.items()},
+        covariance={
+            channel: V / units[channel] ** 2
+            for channel, V in result.covariance.items()
+            if V is not None and channel in units
+        },
+    )
 
 
 def _typical(results: list[RunResult]) -> RunResult:

@@ -16,7 +16,7 @@ import pmmkit
 from pmmkit import figures
 from pmmkit.errors import DataError, TableError
 from pmmkit.plotting import style
-from pmmkit.report.pictures import drift_points, typical_cycles
+from pmmkit.report.pictures import cycles_at_speeds, drift_points, typical_cycles
 from pmmkit.ship import Ship, Water
 
 SHIP = Ship(name="m", L=L, B=0.705556, d=0.236111, volume=0.454861, mass=454.476, Izz=618.332)
@@ -397,3 +397,20 @@ def test_a_forest_shows_every_method_beside_published_values(table):
 def test_a_forest_of_one_method_is_refused(table):
     with pytest.raises(TableError, match="at least two"):
         figures.forest({"regression": table})
+
+
+@pytest.mark.slow
+def test_cycles_of_one_motion_at_several_speeds_are_those_of_the_tests(reduction):
+    """Of tests made by one set of derivatives the curves of all speeds are the same."""
+    found = cycles_at_speeds(reduction)
+    for runs in found.values():
+        speeds = [run.froude for run in runs]
+        assert speeds == sorted(set(speeds))
+        assert len(speeds) > 1
+        first, *others = runs
+        for other in others:
+            for channel, c in other.coefficients.items():
+                both = [np.diagonal(run.covariance[channel]) for run in (first, other)]
+                away = (c - first.coefficients[channel]) / np.sqrt(both[0] + both[1])
+                assert np.max(np.abs(away)) < 4.5
+    assert len(figures.cycles_by_froude(found).axes) == 3 * len(found)
