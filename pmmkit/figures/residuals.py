@@ -120,7 +120,7 @@ def _drawn(
 ) -> None:
     """Runs of one kind at one Froude number in one channel."""
     colour, label = style.colour(number), f"Fn {_speed(runs[0][0]):.3f}"
-    scales = [_scale(run, channel, comparison) for run, _ in runs]
+    scales = [prime_scale(run, channel, comparison) for run, _ in runs]
     if not runs[0][0].view.run.dynamic:
         axis.errorbar(
             [float(run.view.projection[0] @ x) for run, x in runs],
@@ -164,7 +164,18 @@ def _at_samples(run: CaptiveRun) -> Array:
     return run.view.basis if kept is None else run.view.basis[:, kept]
 
 
-def _scale(run: CaptiveRun, channel: str, comparison: Comparison) -> float:
+def prime_scale(run: CaptiveRun, channel: str, comparison: Comparison) -> float:
+    """What makes 10³ times a coefficient of a force: over ½ρL²U², moments ½ρL³U².
+
+    Parameters
+    ----------
+    run : CaptiveRun
+        Gives the carriage speed.
+    channel : str
+        X, Y, N or K.
+    comparison : Comparison
+        Gives ship and water.
+    """
     ship, water = comparison.ship, comparison.water
     return 1e3 / force_unit(
         channel,
