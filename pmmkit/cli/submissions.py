@@ -40,7 +40,7 @@ def compare_tables(
     if not isinstance(reference, DerivativeTable):
         raise typer.BadParameter(f"A table is compared with a table, and {measured} is none.")
     beside = compare(table, reference)
-    files = write_results(folder, _files(beside, table, reference, names[1], drawn))
+    files = write_results(folder, _files(beside, table, reference, names, drawn))
     try:
         worst = [f"Farthest apart: {worst_deviation(table, reference)}."]
     except ValueError:
@@ -59,12 +59,20 @@ def compare_tables(
 
 
 def _files(
-    beside: Any, table: DerivativeTable, reference: DerivativeTable, name: str, drawn: bool
+    beside: Any,
+    table: DerivativeTable,
+    reference: DerivativeTable,
+    names: tuple[str, str],
+    drawn: bool,
 ) -> Iterator[tuple[str, Any]]:
+    from pmmkit.figures.derivative_bars import derivative_bars
     from pmmkit.figures.derivatives import beside_reference
     from pmmkit.plotting.style import figure_files
 
     yield "derivatives_beside.csv", beside
     if drawn:
-        figure = beside_reference(table, reference, reference_name=name)
-        yield from figure_files({"derivatives_beside": figure}, "png")
+        figures = {
+            "derivative_bars": derivative_bars({names[1]: reference, names[0]: table}),
+            "derivatives_beside": beside_reference(table, reference, reference_name=names[1]),
+        }
+        yield from figure_files(figures, "png")

@@ -30,6 +30,24 @@ def errors_in_percent(runs: Sequence[CaptiveRun]) -> pd.DataFrame:
         U_V_percent (expanded, k = 2, over the size of D), within (whether D and S differ by no
         more than U_V), known. Where D is no larger than its own uncertainty with the floor it is
         no size to take a share of: there the per cents are NaN.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from pmmkit.campaigns.run import Campaign, Run
+    >>> from pmmkit.campaigns.settings import Settings
+    >>> from pmmkit.ship import Ship, Water
+    >>> from pmmkit.validation.submission import compare_submission
+    >>> ship = Ship(name="m", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=500.0)
+    >>> D, S = (
+    ...     Campaign(title=title, ship=ship, water=Water(), runs=(
+    ...         Run(id="SD_8", test="static_drift", kind="means", loader=lambda data=data: data,
+    ...             settings=Settings(speed=1.0, drift=0.14)),))
+    ...     for title, data in (("D", xr.Dataset({"Y": 80.0})), ("S", xr.Dataset({"Y": 84.0})))
+    ... )
+    >>> errors_in_percent(compare_submission(S, D).captive)[["channel", "D", "S", "E_percent"]]
+      channel     D     S  E_percent
+    0       Y  80.0  84.0       -5.0
     """
     import pandas as pd
 

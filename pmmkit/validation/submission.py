@@ -65,6 +65,21 @@ def compare_submission(
     References
     ----------
     .. [1] ASME V&V 20 (2009); ITTC 7.5-03-01-01.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from pmmkit.campaigns.settings import Settings
+    >>> from pmmkit.ship import Ship, Water
+    >>> ship = Ship(name="m", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=500.0)
+    >>> def towed(title, force):
+    ...     run = Run(id="SD_8", test="static_drift", kind="means",
+    ...               settings=Settings(speed=1.0, drift=0.14),
+    ...               loader=lambda: xr.Dataset({"Y": force}))
+    ...     return Campaign(title=title, ship=ship, water=Water(), runs=(run,))
+    >>> found = compare_submission(towed("S", 84.0), towed("D", 80.0))
+    >>> float(found.captive[0].error("Y")[0])
+    4.0
     """
     for tests in (submission, campaign):
         if tests.kind != "captive":

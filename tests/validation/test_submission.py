@@ -15,10 +15,14 @@ from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.cli import main
-from pmmkit.errors import DataError
+from pmmkit.errors import DataError, TableError
+from pmmkit.figures.derivative_bars import derivative_bars
+from pmmkit.figures.overlays import overlays
 from pmmkit.figures.workshop import forces_over_phase, static_forces
 from pmmkit.ship import Ship, Water
 from pmmkit.tables import from_values, write_table
+from pmmkit.trials import Trial
+from pmmkit.validation.free_running import Manoeuvre
 from pmmkit.validation.percent import errors_in_percent
 from pmmkit.validation.submission import compare_submission
 
@@ -163,6 +167,63 @@ def test_figures_show_the_coefficients_and_the_uncertainty():
     before, after = cycle.axes[0].lines
     assert before.get_ydata()[30] == pytest.approx(1e3 * (1.0 + 60.0) / UNIT)
     assert after.get_ydata() == pytest.approx(before.get_ydata())
+
+
+def test_bars_of_derivatives_have_the_values_and_intervals():
+    D, S = (
+        from_values({"Yv": x, "Yvvv": 9 * x}, std={"Yv": 0.01}, ship=SHIP, water=Water())
+        for x in (-0.2, -0.3)
+    )
+    first, higher = derivative_bars({"tank": D, "CFD": S}).axes
+    assert [bar.get_height() for bar in first.patches] == pytest.approx([-200.0, -300.0])
+    assert [bar.get_height() for bar in higher.patches] == pytest.approx([-1800.0, -2700.0])
+    low, high = first.containers[0].lines[2][0].get_segments()[0][:, 1]
+    assert (low, high) == pytest.approx((-219.6, -180.4), abs=0.1)
+    with pytest.raises(TableError, match="at least two"):
+        derivative_bars({"tank": D})
+
+
+def manoeuvre(test, rudder, track):
+    """A trial that went just as a simulation did."""
+    given = Settings(speed=track.speed, rudder=math.radians(rudder), switch=math.radians(10.0))
+    trial = Trial(
+        run="T",
+        test=test,
+        name="ship",
+        L=track.L,
+        speed=track.speed,
+        speed_std=0.0,
+        heading_deg=0.0,
+        rudder_deg=rudder,
+        order=0.0,
+        orders=track.orders,
+        metrics=dict(track.metrics),
+        std={},
+        noise=None,
+        **{name: getattr(track, name) for name in ("t", "x", "y", "psi", "delta")},
+        x_ground=track.x,
+        y_ground=track.y,
+    )
+    run = Run(id="T", test=test, kind="history", settings=given, loader=lambda: None)
+    return Manoeuvre(run=run, trial=trial, track=track)
+
+
+def test_tracks_lie_over_each_other():
+    """A trial that went as simulated: the same path, heading and yaw rate twice."""
+    turn = pk.simulate("kvlcc2-l7", "turning", rudder_deg=35, speed=1.179, compiled=False)
+    weave = pk.simulate(
+        "kvlcc2-l7", "zigzag", rudder_deg=10, switch_deg=10, speed=1.179, compiled=False
+    )
+    found = overlays([manoeuvre("turning", 35.0, turn), manoeuvre("zigzag", 10.0, weave)])
+    assert list(found) == ["turning_circles", "zigzag"]
+    measured, simulated = (
+        next(line for line in found["turning_circles"].axes[0].lines if said in line.get_label())
+        for said in ("T, measured", "T, simulated")
+    )
+    assert measured.get_xydata() == pytest.approx(simulated.get_xydata())
+    one, two = found["zigzag"].axes[1].lines[:2]
+    assert one.get_ydata() == pytest.approx(two.get_ydata(), abs=0.05)
+    assert overlays([]) == {}
 
 
 def test_the_command_takes_an_archive_for_a_submission(tmp_path, capsys):
