@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _BINS: Final = 21
 """Stretches of the abscissa in which oscillating runs are summed up; odd, so that one is at 0."""
+SPEED: Final = "Froude number [-]"
 _SMALL: Final = 1e-6
 _PANEL: Final = 1.75
 """Width of a panel [inch]."""
@@ -94,9 +95,7 @@ def abscissa(runs: Sequence[CaptiveRun], L: float) -> tuple[str, list[Array]]:
         ],
         "rudder δ [deg]": [np.degrees(x.delta) for x in motions],
         "heel φ [deg]": [np.degrees(x.phi) for x in motions],
-        "Froude number [-]": [
-            np.full_like(x.u, run.Fn) for x, run in zip(motions, runs, strict=True)
-        ],
+        SPEED: [np.full_like(x.u, run.Fn) for x, run in zip(motions, runs, strict=True)],
     }
     kind = runs[0].view.run.kind_of_test
     if kind.surges and not (kind.sways or kind.yaws):
@@ -107,7 +106,7 @@ def abscissa(runs: Sequence[CaptiveRun], L: float) -> tuple[str, list[Array]]:
             for name, values in every.items()
             if not name.startswith("surge") and np.ptp(np.concatenate(values)) > _SMALL
         ]
-        chosen = moved[0] if moved else "Froude number [-]"
+        chosen = moved[0] if moved else SPEED
     return chosen, every[chosen]
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from pmmkit.escaping import figure_text
-from pmmkit.figures.residuals import abscissa, prime_scale
+from pmmkit.figures.residuals import SPEED, abscissa, prime_scale
 from pmmkit.numerics import Array
 from pmmkit.observations.prepare import places_of
 from pmmkit.plotting import style
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _FINE: Final = 121
 """Phases of a cycle."""
+_ALL: Final = "each at its speed"
 _PANEL: Final = 2.3
 """Least width of a panel [inch]."""
 _SLENDER: Final = 0.6
@@ -47,7 +48,7 @@ def static_forces(comparison: Comparison) -> Figure:
     runs = [run for run in comparison.captive if not run.view.run.dynamic]
     channels = _channels(runs)
     tests = list(dict.fromkeys(run.view.run.test for run in runs))
-    speeds = sorted({round(run.Fn, 3) for run in runs})
+    looks: dict[str, int] = {}
     with style.styled():
         width = max(style.WIDTH * _SLENDER, _PANEL * len(tests) + 0.8)
         figure = style.canvas(1.9 * len(channels) + 1.1, width)
@@ -56,22 +57,28 @@ def static_forces(comparison: Comparison) -> Figure:
         for column, test in enumerate(tests):
             group = [run for run in runs if run.view.run.test == test]
             what, values = _condition(group, comparison)
-            places = {id(run): x for run, x in zip(group, values, strict=True)}
-            for row, channel in enumerate(channels):
-                for number, speed in enumerate(speeds):
-                    own = [
-                        run
-                        for run in group
-                        if round(run.Fn, 3) == speed and channel in run.channels
-                    ]
-                    own.sort(key=lambda run: places[id(run)])
-                    x = np.array([places[id(run)] for run in own])
-                    _points(axes[row, column], x, own, channel, comparison, number)
+            series: dict[str, list[tuple[float, CaptiveRun]]] = {}
+            for run, x in zip(group, values, strict=True):
+                label = _ALL if what == SPEED else f"Fn {run.Fn:.3f}"
+                series.setdefault(label, []).append((x, run))
+            for label, own in series.items():
+                own.sort(key=lambda item: item[0])
+                number = looks.setdefault(label, len(looks))
+                for axis, channel in zip(axes[:, column], channels, strict=True):
+                    some = [(x, run) for x, run in own if channel in run.channels]
+                    if some:
+                        _points(axis, some, channel, comparison, number, label)
             axes[0, column].set_title(group[0].view.run.kind_of_test.title)
-            axes[-1, column].set_xlabel(what)
+            lowest = [axis for axis in axes[:, column] if axis.has_data()][-1]
+            lowest.set_xlabel(what)
+            lowest.tick_params(labelbottom=True)
         for row, channel in enumerate(channels):
-            axes[row, 0].set_ylabel(f"$10^3\\,{channel}'$ [-]")
-        style.legend_below(figure, list(axes.ravel()), columns=2)
+            first = next(axis for axis in axes[row] if axis.has_data())
+            first.set_ylabel(f"$10^3\\,{channel}'$ [-]")
+        for axis in axes.flat:
+            axis.set_visible(axis.has_data())
+        _marks_told(next(axis for axis in axes.flat if axis.has_data()), comparison)
+        style.legend_below(figure, list(axes.ravel()))
     return figure
 
 
@@ -86,45 +93,31 @@ def _condition(runs: Sequence[CaptiveRun], comparison: Comparison) -> tuple[str,
 
 def _points(
     axis: Axes,
-    x: Array,
-    runs: Sequence[CaptiveRun],
+    runs: Sequence[tuple[float, CaptiveRun]],
     channel: str,
     comparison: Comparison,
     number: int,
+    label: str,
 ) -> None:
-    """Runs of one kind at one Froude number."""
-    if not runs:
-        return
-    scale = np.array([prime_scale(run, channel, comparison) for run in runs])
-    D = scale * [run.view.force[channel][0] for run in runs]
-    S = scale * [run.predicted[channel][0] for run in runs]
-    doubt = scale * [run.measurement_uncertainty(channel)[0] for run in runs]
-    colour, mark = style.colour(number), style.marker(number)
-    speed = f"Fn {runs[0].Fn:.3f}"
-    axis.errorbar(
-        x,
-        D,
-        doubt,
-        ls="",
-        marker=mark,
-        ms=4,
-        color=colour,
-        elinewidth=0.9,
-        capsize=2,
-        label=f"{speed}, measured, $U_D$",
-    )
+    """Runs of one kind, at one Froude number or each at its own."""
+    x = np.array([place for place, _ in runs])
+    scale = np.array([prime_scale(run, channel, comparison) for _, run in runs])
+    D = scale * [run.view.force[channel][0] for _, run in runs]
+    S = scale * [run.predicted[channel][0] for _, run in runs]
+    doubt = scale * [run.measurement_uncertainty(channel)[0] for _, run in runs]
+    look: dict[str, Any] = {"marker": style.marker(number), "color": style.colour(number)}
+    axis.errorbar(x, D, doubt, ls="", ms=4, elinewidth=0.9, capsize=2, label=label, **look)
     one_condition = len(np.unique(np.round(x, 6))) == len(x)
-    axis.plot(
-        x,
-        S,
-        ls="--" if one_condition else "",
-        lw=1.0,
-        marker=mark,
-        ms=6.5,
-        markerfacecolor="none",
-        color=colour,
-        label=f"{speed}, {_predicted(comparison)}",
-    )
+    line = "--" if one_condition else ""
+    axis.plot(x, S, ls=line, lw=1.0, ms=6.5, markerfacecolor="none", **look)
+
+
+def _marks_told(axis: Axes, comparison: Comparison) -> None:
+    """What filled and open marks mean."""
+    grey: dict[str, Any] = {"color": style.REFERENCE, "marker": "o"}
+    axis.errorbar([], [], [], ls="", ms=4, capsize=2, label="measured, with $U_D$", **grey)
+    predicted = _predicted(comparison)
+    axis.plot([], [], ls="--", lw=1.0, ms=6.5, markerfacecolor="none", label=predicted, **grey)
 
 
 def _predicted(comparison: Comparison) -> str:
@@ -166,7 +159,8 @@ def forces_over_phase(comparison: Comparison, runs: Sequence[CaptiveRun]) -> Fig
                 if channel in run.channels:
                     _cycle(axis, np.degrees(theta), basis, run, channel, comparison)
             title = run.view.run.kind_of_test.title
-            axes[0, column].set_title(f"{title}\n{figure_text(run.view.run.id)}")
+            lacks = "" if "C0" in run.view.labels else ", without the mean"
+            axes[0, column].set_title(f"{title}\n{figure_text(run.view.run.id)}{lacks}")
             axes[-1, column].set_xlabel("phase θ [deg]")
             axes[-1, column].set_xlim(0, 360)
             axes[-1, column].set_xticks([0, 90, 180, 270, 360])

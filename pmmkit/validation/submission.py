@@ -46,10 +46,10 @@ def compare_submission(
     Returns
     -------
     Comparison
-        Of the runs that both have: of the same id, else of the same kind and condition (Froude
-        number, drift, rudder, heel, ω', amplitudes, r'). Forces are brought to the scale and the
-        speed of the measurement as coefficients over ½ρL²U², without any other correction, and
-        compared in the harmonics that both have.
+        Of the runs that both have: of the same kind and condition (Froude number, drift, rudder,
+        heel, ω', amplitudes, r'), and of the same id where several are. Forces are brought to the
+        scale and the speed of the measurement as coefficients over ½ρL²U², without any other
+        correction, and compared in the harmonics that both have.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def compare_submission(
             found.append(run)
     if not found:
         raise DataError(
-            f"No run of {submission.title!r} has the id or the condition of one of "
+            f"No run of {submission.title!r} has kind and condition of one of "
             f"{campaign.title!r}: nothing can be compared."
         )
     return Comparison(
@@ -197,19 +197,19 @@ def _still(*_: object) -> dict[str, Array]:
 
 def _counterpart(view: View, ours: _Side, theirs: _Side) -> View | None:
     """The run of the submission that a measured run is compared with."""
-    alike = [other for other in theirs.views if other.run.test == view.run.test]
-    same = [other for other in alike if other.run.id == view.run.id]
-    if same:
-        return same[0]
     sizes, angles = ours.condition(view.run)
-    for other in alike:
+    near = []
+    for other in theirs.views:
+        if other.run.test != view.run.test:
+            continue
         other_sizes, other_angles = theirs.condition(other.run)
         if all(
             math.isclose(size, other_sizes[name], rel_tol=_SAME, abs_tol=1e-9)
             for name, size in sizes.items()
         ) and all(abs(angle - other_angles[name]) <= _ANGLE for name, angle in angles.items()):
-            return other
-    return None
+            near.append(other)
+    same = [other for other in near if other.run.id == view.run.id]
+    return next(iter([*same, *near]), None)
 
 
 def _beside(

@@ -114,6 +114,14 @@ def test_the_validation_uncertainty_is_that_of_both_sides():
     assert row["within"]
 
 
+def test_of_several_runs_in_one_condition_the_one_of_the_same_name_counts():
+    again = drift("again", 8.0, {"Y": 90.0})
+    S = campaign_of(again, drift("SD_8", 8.0, {"Y": 84.0}), title="S")
+    assert percents(compare_submission(S, measured()), "SD_8", "Y").loc["C0", "S"] == 84.0
+    S = campaign_of(again, title="S")
+    assert percents(compare_submission(S, measured()), "SD_8", "Y").loc["C0", "S"] == 90.0
+
+
 def test_what_is_no_larger_than_its_uncertainty_is_no_size_for_a_share():
     found = compare_submission(measured(title="S"), measured(), floor=0.01)
     row = percents(found, "SD_0", "Y").loc["C0"]
@@ -140,7 +148,7 @@ def test_harmonics_are_compared_that_both_have():
 def test_what_cannot_be_compared_is_refused():
     with pytest.raises(DataError, match="is free-running"):
         compare_submission(campaign_of(kind="free-running"), measured())
-    other = campaign_of(drift("B", 9.0, {"Y": 1.0}), title="S")
+    other = campaign_of(drift("SD_8", 9.0, {"Y": 1.0}), title="S")
     with pytest.raises(DataError, match="nothing can be compared"):
         compare_submission(other, measured())
 
@@ -156,13 +164,15 @@ def test_figures_show_the_coefficients_and_the_uncertainty():
     found = compare_submission(S, D)
     figure = static_forces(found)
     sway_force = figure.axes[1]
-    (line,) = [item for item in sway_force.lines if "S of somebody" in str(item.get_label())]
+    (line,) = [item for item in sway_force.lines if item.get_linestyle() == "--"]
     assert line.get_xdata() == pytest.approx([0.0, 8.0])
     assert line.get_ydata() == pytest.approx([0.0, 1e3 * 84.0 / UNIT])
     (container,) = sway_force.containers
     low, high = container.lines[2][0].get_segments()[1][:, 1]
     assert (low, high) == pytest.approx((1e3 * 76.0 / UNIT, 1e3 * 84.0 / UNIT))
     assert figure.axes[-1].get_xlabel() == "drift angle β [deg]"
+    told = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert sorted(told) == ["Fn 0.192", "S of somebody", "measured, with $U_D$"]
     cycle = forces_over_phase(found, [run for run in found.captive if run.view.run.dynamic])
     before, after = cycle.axes[0].lines
     assert before.get_ydata()[30] == pytest.approx(1e3 * (1.0 + 60.0) / UNIT)
