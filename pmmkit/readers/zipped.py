@@ -11,7 +11,8 @@ import zipfile
 import zlib
 from collections.abc import Callable
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Final
+from mmap import mmap
+from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.errors import PmmkitError
 from pmmkit.readers.bounds import Damaged, inflated_size
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 ZIP: Final = b"PK\x03\x04"
 """How an archive begins."""
 MOST_MEMBERS: Final = 10_000
+Packed = bytes | mmap
+"""An archive in memory, or on the disk as if it were."""
 _LOCAL_HEADER: Final = 30
 _FAULTS: Final = (zipfile.BadZipFile, zlib.error, ValueError, NotImplementedError, EOFError)
 
@@ -43,12 +46,12 @@ def damage_told(error: Callable[[str], Exception]) -> Iterator[None]:
         raise error(str(fault)) from fault
 
 
-def members_of(data: bytes) -> list[zipfile.ZipInfo]:
+def members_of(data: Packed) -> list[zipfile.ZipInfo]:
     """The entries of an archive, none of which is a link or encrypted.
 
     Parameters
     ----------
-    data : bytes
+    data : bytes or mmap
         The archive.
 
     Raises
@@ -56,7 +59,8 @@ def members_of(data: bytes) -> list[zipfile.ZipInfo]:
     Damaged, BadZipFile
         If it has more than 10,000 entries, two of one name, links, or encrypted ones; or is none.
     """
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+    stream: Any = io.BytesIO(data) if isinstance(data, bytes) else data
+    with zipfile.ZipFile(stream) as archive:
         members = archive.infolist()
     if len(members) > MOST_MEMBERS or len({item.filename for item in members}) != len(members):
         raise Damaged("it has too many parts, or two of one name")
@@ -66,12 +70,12 @@ def members_of(data: bytes) -> list[zipfile.ZipInfo]:
     return members
 
 
-def check_length(data: bytes, item: zipfile.ZipInfo) -> None:
+def check_length(data: Packed, item: zipfile.ZipInfo) -> None:
     """Refuse an entry that is not as long as it says, counted without keeping it.
 
     Parameters
     ----------
-    data : bytes
+    data : bytes or mmap
         The archive.
     item : ZipInfo
         One of its entries.
@@ -92,12 +96,12 @@ def check_length(data: bytes, item: zipfile.ZipInfo) -> None:
         raise Damaged(f"{item.filename} is not as long as it says")
 
 
-def content_of(data: bytes, item: zipfile.ZipInfo) -> bytes:
+def content_of(data: Packed, item: zipfile.ZipInfo) -> bytes:
     """The bytes of an entry whose length was checked.
 
     Parameters
     ----------
-    data : bytes
+    data : bytes or mmap
         The archive.
     item : ZipInfo
         One of its entries.
@@ -107,7 +111,7 @@ def content_of(data: bytes, item: zipfile.ZipInfo) -> bytes:
     return bytes(packed) if stored else zlib.decompress(packed, -15)
 
 
-def _packed(data: bytes, item: zipfile.ZipInfo) -> memoryview:
+def _packed(data: Packed, item: zipfile.ZipInfo) -> memoryview:
     """The bytes of an entry as they stand in the archive."""
     start = item.header_offset
     header = data[start : start + _LOCAL_HEADER]

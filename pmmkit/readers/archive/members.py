@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mmap
 import posixpath
 import tempfile
 import zipfile
@@ -28,15 +29,15 @@ class Contents:
 
     Parameters
     ----------
-    data : bytes
-        The archive.
+    data : mmap
+        The archive, of which only what is asked for is read.
     files : mapping of str to ZipInfo
         Its entries, without folders.
     request : Request
         Where it lies, for messages.
     """
 
-    data: bytes
+    data: mmap.mmap
     files: Mapping[str, zipfile.ZipInfo]
     request: Request
 
@@ -70,11 +71,12 @@ def contents_of(request: Request) -> Contents:
     CampaignError
         If it cannot be read, is damaged, or would expand to far more than its size.
     """
-    try:
-        data = request.path.read_bytes()
-    except OSError as error:
-        raise request.unreadable(error) from error
     with damage_told(lambda what: _damaged(request, what)):
+        try:
+            with request.path.open("rb") as file:
+                data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        except OSError as error:
+            raise request.unreadable(error) from error
         members = members_of(data)
     declared = sum(item.file_size for item in members)
     if declared > limit_of(len(data)):
