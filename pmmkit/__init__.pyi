@@ -88,4 +88,6 @@ from pmmkit.test_planning.programme import plan as plan
 from pmmkit.trials import evaluate_trials as evaluate_trials
 from pmmkit.validation.comparison import Comparison as Comparison
 from pmmkit.validation.comparison import compare as compare
+from pmmkit.validation.percent import errors_in_percent as errors_in_percent
+from pmmkit.validation.submission import compare_submission as compare_submission
 from pmmkit.version import __version__ as __version__

@@ -19,7 +19,9 @@ Data = Annotated[
     typer.Option("--data", help="Folder of measurements that do not lie beside the campaign file."),
 ]
 Model = Annotated[str, typer.Argument(help="Library ship (pmmkit ships) or model file (.toml).")]
-Campaign = Annotated[Path, typer.Argument(help="Folder with campaign.toml, such a file, or .h5.")]
+Campaign = Annotated[
+    Path, typer.Argument(help="Folder with campaign.toml, such a file, .h5 or .zip.")
+]
 Figures = Annotated[bool, typer.Option(help="Draw figures, which takes most of the time.")]
 DrawFigures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw figures.")]
 

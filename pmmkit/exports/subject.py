@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
+from pmmkit.campaigns.file.campaign_file import FILE_NAME, PACKED, open_campaign
 from pmmkit.campaigns.run import Campaign
 from pmmkit.errors import DataError, Problem
 from pmmkit.exports.track import read_track
@@ -34,8 +34,9 @@ def read_subject(what: str | Path, *, data: str | Path | None = None) -> Subject
     Parameters
     ----------
     what : str or path
-        A library ship; a model file; a folder with ``campaign.toml``, such a file or a saved
-        campaign; a derivative table (``.csv``, ``.nc``, ``.h5``, ``.xlsx``); a ``track.csv``.
+        A library ship; a model file; a folder with ``campaign.toml``, such a file, a saved or
+        a packed campaign; a derivative table (``.csv``, ``.nc``, ``.h5``, ``.xlsx``); a
+        ``track.csv``.
     data : path, optional
         Of a campaign, as for `open_campaign`.
 
@@ -75,7 +76,7 @@ def read_subject(what: str | Path, *, data: str | Path | None = None) -> Subject
         return read_table(path)
     if path.is_file() and suffix == ".toml" and _is_model(path):
         return load_model(path)
-    if path.is_file() and suffix not in (".toml", *_HDF5):
+    if path.is_file() and suffix not in (".toml", PACKED, *_HDF5):
         raise DataError(
             Problem(message="is nothing that can be exported.", file=str(what), remedy=_REMEDY)
         )

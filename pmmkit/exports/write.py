@@ -16,6 +16,7 @@ from pmmkit.exports.fmu.unit import VERSIONS, Version, model_to_fmu
 from pmmkit.exports.matlab.model import model_to_mss
 from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
+from pmmkit.exports.simman import write_simman
 from pmmkit.exports.subject import read_subject
 from pmmkit.exports.text import matlab_name
 from pmmkit.exports.track import write_track_csv, write_track_netcdf
@@ -32,7 +33,7 @@ FORMATS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "model": ("mss", "shipmmg", "fmu"),
         "table": ("mss", "csv", "excel", "latex", "netcdf"),
-        "campaign": ("csv", "netcdf"),
+        "campaign": ("csv", "netcdf", "simman"),
         "track": ("csv", "netcdf"),
     }
 )
@@ -46,6 +47,7 @@ ENDINGS: Final[Mapping[str, str]] = MappingProxyType(
         "excel": ".xlsx",
         "latex": ".tex",
         "netcdf": ".nc",
+        "simman": ".zip",
     }
 )
 """Ending of the files of each format."""
@@ -77,8 +79,8 @@ def export(
         nothing.
     to : str, optional
         ``mss`` (function file for MATLAB and Octave), ``shipmmg`` (Python), ``fmu`` (Simulink,
-        OpenModelica and others), ``csv``, ``excel``, ``latex``, ``netcdf``; by default the one that
-        the ending of `path` names.
+        OpenModelica and others), ``csv``, ``excel``, ``latex``, ``netcdf``, ``simman`` (archive of
+        model tests); by default the one that the ending of `path` names.
     speed : float, optional
         For models: speed [m/s] at whose Froude number the values are taken; of an FMU also that
         of the start.
@@ -140,6 +142,7 @@ def _writers(
         ("model", "fmu"): partial(_model_as_fmu, speed=speed, fmi=fmi, compile=compile),
         ("table", "mss"): _table_as_mss,
         ("campaign", "netcdf"): save_campaign,
+        ("campaign", "simman"): write_simman,
         ("track", "csv"): write_track_csv,
         ("track", "netcdf"): write_track_netcdf,
     }

@@ -11,7 +11,9 @@ from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.escaping import figure_text
 from pmmkit.figures.comparison_free import force_residuals
 from pmmkit.figures.errors import errors_beside_uncertainty
+from pmmkit.figures.overlays import overlays
 from pmmkit.figures.residuals import residuals_over
+from pmmkit.figures.workshop import forces_over_phase, static_forces
 from pmmkit.numerics import Array
 from pmmkit.observations.prepare import places_of
 from pmmkit.plotting import style
@@ -45,6 +47,7 @@ def comparison_figures(comparison: Comparison) -> dict[str, Figure]:
         return {
             "sailed": comparison.plot(),
             "force_residuals": force_residuals(comparison.worst_record()),
+            **overlays(comparison.manoeuvres),
         }
     found = {
         "misfit": comparison.plot(),
@@ -52,8 +55,12 @@ def comparison_figures(comparison: Comparison) -> dict[str, Figure]:
         "residuals": residuals_over(comparison),
     }
     dynamic = [run for run in comparison.captive if run.view.run.dynamic]
+    if len(dynamic) < len(comparison.captive):
+        found["static_forces"] = static_forces(comparison)
     if dynamic:
-        found["loops"] = loops(worst_of_each_test(dynamic))
+        worst = worst_of_each_test(dynamic)
+        found["over_phase"] = forces_over_phase(comparison, worst)
+        found["loops"] = loops(worst)
     records = [run for run in comparison.captive if run.view.run.kind == "history"]
     records = [run for run in records if run.view.run.dynamic] or records
     if records:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _BINS: Final = 21
 """Stretches of the abscissa in which oscillating runs are summed up; odd, so that one is at 0."""
+SPEED: Final = "Froude number [-]"
 _SMALL: Final = 1e-6
 _PANEL: Final = 1.75
 """Width of a panel [inch]."""
@@ -94,9 +95,7 @@ def abscissa(runs: Sequence[CaptiveRun], L: float) -> tuple[str, list[Array]]:
         ],
         "rudder δ [deg]": [np.degrees(x.delta) for x in motions],
         "heel φ [deg]": [np.degrees(x.phi) for x in motions],
-        "Froude number [-]": [
-            np.full_like(x.u, run.Fn) for x, run in zip(motions, runs, strict=True)
-        ],
+        SPEED: [np.full_like(x.u, run.Fn) for x, run in zip(motions, runs, strict=True)],
     }
     kind = runs[0].view.run.kind_of_test
     if kind.surges and not (kind.sways or kind.yaws):
@@ -107,7 +106,7 @@ def abscissa(runs: Sequence[CaptiveRun], L: float) -> tuple[str, list[Array]]:
             for name, values in every.items()
             if not name.startswith("surge") and np.ptp(np.concatenate(values)) > _SMALL
         ]
-        chosen = moved[0] if moved else "Froude number [-]"
+        chosen = moved[0] if moved else SPEED
     return chosen, every[chosen]
 
 
@@ -120,7 +119,7 @@ def _drawn(
 ) -> None:
     """Runs of one kind at one Froude number in one channel."""
     colour, label = style.colour(number), f"Fn {_speed(runs[0][0]):.3f}"
-    scales = [_scale(run, channel, comparison) for run, _ in runs]
+    scales = [prime_scale(run, channel, comparison) for run, _ in runs]
     if not runs[0][0].view.run.dynamic:
         axis.errorbar(
             [float(run.view.projection[0] @ x) for run, x in runs],
@@ -164,7 +163,18 @@ def _at_samples(run: CaptiveRun) -> Array:
     return run.view.basis if kept is None else run.view.basis[:, kept]
 
 
-def _scale(run: CaptiveRun, channel: str, comparison: Comparison) -> float:
+def prime_scale(run: CaptiveRun, channel: str, comparison: Comparison) -> float:
+    """What makes 10³ times a coefficient of a force: over ½ρL²U², moments ½ρL³U².
+
+    Parameters
+    ----------
+    run : CaptiveRun
+        Gives the carriage speed.
+    channel : str
+        X, Y, N or K.
+    comparison : Comparison
+        Gives ship and water.
+    """
     ship, water = comparison.ship, comparison.water
     return 1e3 / force_unit(
         channel,

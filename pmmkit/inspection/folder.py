@@ -10,7 +10,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
+from pmmkit.campaigns.file.campaign_file import FILE_NAME, PACKED, open_campaign
+from pmmkit.campaigns.file.packed import is_packed_campaign
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.inspection.file import look_at, with_numbers
 from pmmkit.inspection.seen import FileLook
@@ -165,7 +166,7 @@ def look(path: str | Path) -> Look:
         return _look_folder(place)
     if not (place.is_file() or place.is_dir()):
         raise CampaignError(Problem(message="this is neither file nor folder.", file=str(place)))
-    if place.suffix == ".toml":
+    if place.suffix == ".toml" or (place.suffix.lower() == PACKED and is_packed_campaign(place)):
         return Look(path=place, campaigns=(_campaign(place, place.name),))
     looks = look_at(place, place.name, numbers=False)
     if looks[0].is_campaign:

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from pmmkit.checks.finding import CheckFinding
 from pmmkit.files import write_text
-from pmmkit.presentation import sections_of
+from pmmkit.presentation import Grid, Group, Section, number, sections_of
 from pmmkit.report.checked import checked_section
 from pmmkit.validation.comparison import Comparison
+from pmmkit.validation.percent import errors_in_percent
 from pmmkit.workbench.page_file import page_file, state_of
 from pmmkit.workbench.page_room import Answers, with_runs, worst_first
 from pmmkit.workbench.pages.misfit import misfit_page
@@ -60,6 +61,31 @@ def comparison_answers(found: Comparison, findings: Sequence[CheckFinding] = ())
         ),
         "misfit 0": misfit,
         "told data": told_page(Place(after=[checked_section(findings)])),
-        "told where": told_page(Place(folded=sections_of(found))),
+        "told where": told_page(Place(folded=[*sections_of(found), *_in_percent(found)])),
     }
     return with_runs(answers, worst_first(misfit), partial(run_page, found), "run {} 0".format)
+
+
+def _in_percent(found: Comparison) -> list[Section]:
+    """The errors of static runs as workshops table them."""
+    static = [run for run in found.captive if not run.view.run.dynamic]
+    if not static:
+        return []
+    table = errors_in_percent(static)
+    channels = list(dict.fromkeys(table["channel"]))
+    cells = {
+        (row["run"], row["channel"]): f"{number(row['E_percent'], 3)} "
+        f"({number(row['U_D_percent'], 2)}, {number(row['U_V_percent'], 2)})"
+        for row in table.to_dict("records")
+    }
+    sizes = table["E_percent"].abs().groupby(table["channel"]).mean()
+    rows = [
+        [run.view.run.id, *(cells.get((run.view.run.id, name)) for name in channels)]
+        for run in static
+    ]
+    rows.append(["mean size", *(number(float(sizes[name]), 3) for name in channels)])
+    grid = Grid(
+        head=["run", *(f"{name}: E (U_D, U_V)" for name in channels)], groups=[Group(rows=rows)]
+    )
+    title = "Static runs: E = measured less predicted, in per cent of the measured (k = 2)"
+    return [Section(title=title, tables=[grid])]

@@ -20,6 +20,7 @@ from pmmkit.progress import Progress
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
 from pmmkit.validation.uncertainty import (
     COVERAGE,
+    OF_MEASUREMENT,
     SHARES,
     Share,
     model_share,
@@ -66,6 +67,12 @@ class CaptiveRun:
     def uncertainty(self, channel: str) -> Array:
         """Expanded validation uncertainty of each harmonic (k = 2) [N, N m]."""
         squares = [self.shares[name][channel] ** 2 for name in SHARES]
+        found: Array = COVERAGE * np.sqrt(np.sum(squares, axis=0))
+        return found
+
+    def measurement_uncertainty(self, channel: str) -> Array:
+        """The measurement's own part of it, U_D: noise, scatter, stated, numerical [N, N m]."""
+        squares = [self.shares[name][channel] ** 2 for name in OF_MEASUREMENT]
         found: Array = COVERAGE * np.sqrt(np.sum(squares, axis=0))
         return found
 
@@ -196,7 +203,7 @@ def _compared(
     predicted = {name: view.project(x) for name, x in history.items()}
     noise = {name: np.sqrt(np.diagonal(view.covariance[name])) for name in predicted}
     again = {
-        name: np.full(view.rows, _beyond(scatter.get(name, 0.0) * view.speed**2, noise[name]))
+        name: np.full(view.rows, beyond(scatter.get(name, 0.0) * view.speed**2, noise[name]))
         for name in predicted
     }
     sources = sources_of(campaign, repeated=bool(scatter))
@@ -233,8 +240,16 @@ def _compared(
     )
 
 
-def _beyond(scatter: float, noise: Array) -> float:
-    """Scatter of repeats beyond what noise explains."""
+def beyond(scatter: float, noise: Array) -> float:
+    """Scatter of repeats beyond what noise explains, as a standard deviation [N, N m].
+
+    Parameters
+    ----------
+    scatter : float
+        Standard deviation between repeats.
+    noise : array (m,)
+        Standard uncertainties by the records' own noise.
+    """
     return math.sqrt(max(scatter**2 - float(np.mean(noise**2)), 0.0))
 
 

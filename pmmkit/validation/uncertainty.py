@@ -23,6 +23,8 @@ COVERAGE: Final = 2.0
 """Expanded uncertainty over standard uncertainty."""
 SHARES: Final = ("noise", "scatter", "stated", "model", "numerical", "floor")
 """What a validation uncertainty is made of."""
+OF_MEASUREMENT: Final = ("noise", "scatter", "stated", "numerical")
+"""What of it is the measurement's."""
 
 
 def stated_share(

@@ -282,6 +282,9 @@ def test_compare_writes_errors_uncertainties_and_figures(campaign, tmp_path, cap
             "misfit.csv",
             "misfit.png",
             "loops.png",
+            "over_phase.png",
+            "percent.csv",
+            "static_forces.png",
             "residuals.png",
             "in_time.png",
         }

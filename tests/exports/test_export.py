@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from small_campaign import write_campaign
 
 import pmmkit as pk
+from pmmkit.campaigns.open_water import open_water
 from pmmkit.campaigns.run import Campaign, Correction, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
@@ -205,6 +206,16 @@ def mixed() -> Campaign:
         free=("heave",),
         moment_reference_x=0.25,
     )
+
+
+def test_the_open_water_curve_goes_along_with_its_factors(tmp_path):
+    (tmp_path / "curve.csv").write_text("J,Kt,10Kq\n0,0.3,0.35\n0.5,0.15,0.2\n")
+    propeller = {"D": 0.2, "open_water": "curve.csv", "KT_factor": 1.1, "KQ_factor": 0.5}
+    one = mixed().with_(propeller=propeller, folder=tmp_path)
+    pk.export(one, tmp_path / "there")
+    found = open_water(pk.open_campaign(tmp_path / "there"))
+    assert np.array_equal(found, open_water(one))
+    assert found[1].tolist() == pytest.approx([0.33, 0.165])
 
 
 @pytest.mark.parametrize("name", ["campaign.nc", "folder"])

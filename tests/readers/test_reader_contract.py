@@ -56,7 +56,7 @@ def test_the_reader_of_saved_campaigns_keeps_its_word(tmp_path):
 
 def test_no_reader_is_left_out(tmp_path):
     seen = {recognise(written(form, tmp_path / str(place))) for place, form in enumerate(FORMS)}
-    assert seen | {"pmmkit"} == set(readers())
+    assert seen | {"pmmkit", "zip"} == set(readers())
 
 
 def test_every_key_of_a_source_is_tried():

@@ -715,8 +715,9 @@ def test_hsva_zigzags_are_sailed(shared_data, datasets):
 @pytest.mark.slow
 def test_every_figure_of_captive_tests_says_what_and_in_which_unit(lacking):
     figures = comparison_figures(lacking)
-    assert set(figures) == {"misfit", "errors", "residuals", "loops", "in_time"}
-    for name in ("errors", "residuals", "loops", "in_time"):
+    drawn = {"errors", "residuals", "static_forces", "over_phase", "loops", "in_time"}
+    assert set(figures) == {"misfit", *drawn}
+    for name in drawn:
         for axis in figures[name].axes:
             for text in (axis.get_xlabel(), axis.get_ylabel()):
                 assert not text or text.endswith("]")
@@ -779,7 +780,7 @@ def test_the_measured_loop_is_that_of_its_harmonics(s175, truth):
 @pytest.mark.slow
 def test_figures_of_free_running_tests(tanker, sea):
     figures = comparison_figures(pk.compare(tanker, sea))
-    assert set(figures) == {"sailed", "force_residuals"}
+    assert set(figures) == {"sailed", "force_residuals", "turning_circles", "zigzag"}
     assert [axis.get_ylabel() for axis in figures["force_residuals"].axes][::2] == [
         "X [N]",
         "Y [N]",

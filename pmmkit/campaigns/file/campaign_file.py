@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import re
 import tomllib
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+from pmmkit.campaigns.file.search import InArchive, Search
 from pmmkit.campaigns.run import Campaign
 from pmmkit.channels import did_you_mean
-from pmmkit.errors import CampaignError, Problem, Remedy, setting
+from pmmkit.errors import CampaignError, Problem
 from pmmkit.escaping import quoted
-from pmmkit.files import datasets_folder, matching
+from pmmkit.files import datasets_folder
 from pmmkit.readers.hdf5.guard import SIGNATURE
 from pmmkit.toml_files import CAMPAIGN, check_numbers, refuse_other
 
@@ -24,9 +24,10 @@ if TYPE_CHECKING:
     from pmmkit.campaigns.file.assembly import Assembled, Setup
 
 FILE_NAME: Final = CAMPAIGN.file
-DATA_VARIABLE: Final = "PMMKIT_DATA"
 _TESTS: Final = ("runs", "matrix", "tables", "corrections")
 _SAVED: Final = (".h5", ".hdf5", ".nc")
+PACKED: Final = ".zip"
+"""Ending of an archive that holds a campaign."""
 
 
 def open_campaign(
@@ -37,8 +38,8 @@ def open_campaign(
     Parameters
     ----------
     path : path
-        A folder with ``campaign.toml``, such a file itself, or a campaign saved by pmmkit
-        (``.h5``, ``.nc``).
+        A folder with ``campaign.toml``, such a file itself, a campaign saved by pmmkit
+        (``.h5``, ``.nc``), or a zip archive that holds a ``campaign.toml`` and its text files.
     data : path, optional
         Folder of measurements that do not lie beside the campaign file. Files are looked for in
         ``data/data_folder`` (the key of ``[campaign]``), then in ``data``, then beside the
@@ -93,14 +94,29 @@ def open_campaign(
 
         stored = load_campaign(place)
         return stored if runs else stored.with_(runs=(), excluded=())
-    text, digest = _text(place)
-    raw = _toml(text, place)
+    if place.suffix.lower() == PACKED:
+        from pmmkit.campaigns.file.packed import packed_campaign
+
+        packed = packed_campaign(place)
+        raw, digest = _content(packed.text(), packed.place)
+        search: Search = InArchive(own=place.parent, data=None, archive=place)
+        return _assemble(_asked(packed.pointed(raw), runs), packed.place, search, digest, runs)
+    raw, digest = _content(_bytes(place), place)
+    return _assemble(_asked(raw, runs), place, Search.of(place, data), digest, runs)
+
+
+def _content(data: bytes, place: Path) -> tuple[dict[str, Any], str]:
+    """What a campaign file holds, and the hash of its bytes."""
+    raw = _toml(_text(data, place), place)
     refuse_other(raw, CAMPAIGN, place.name, CampaignError)
     check_numbers(raw, place.name, CampaignError)
     _check_end(raw, place)
-    if not runs:
-        raw = {name: item for name, item in raw.items() if name not in _TESTS}
-    return _assemble(raw, place, _Search.of(place, data), digest, runs)
+    return raw, hashlib.sha256(data).hexdigest()
+
+
+def _asked(raw: dict[str, Any], runs: bool) -> dict[str, Any]:
+    """The content with or without the tests."""
+    return raw if runs else {name: item for name, item in raw.items() if name not in _TESTS}
 
 
 def campaign_of(raw: Mapping[str, Any], place: Path, *, data: str | Path | None = None) -> Campaign:
@@ -120,68 +136,7 @@ def campaign_of(raw: Mapping[str, Any], place: Path, *, data: str | Path | None 
     CampaignError
         As `open_campaign`.
     """
-    return _assemble(raw, place, _Search.of(place, data), "", runs=True)
-
-
-@dataclass(frozen=True)
-class _Search:
-    """Folders in which the files of a campaign are looked for."""
-
-    own: Path
-    data: Path | None
-    folder: str | None = None
-
-    @classmethod
-    def of(cls, place: Path, data: str | Path | None) -> _Search:
-        given = data if data is not None else os.environ.get(DATA_VARIABLE) or None
-        return cls(place.parent, None if given is None else Path(given).expanduser())
-
-    def folders(self) -> list[Path]:
-        found = []
-        if self.data is not None:
-            found += [self.data / self.folder] if self.folder else []
-            found.append(self.data)
-        return [*found, self.own]
-
-    def find(self, file: str) -> Path | None:
-        """Path of a file, else of a folder of that name or of a pattern that files fit, or None."""
-        names = (file, file.replace("\\", "/"))
-        places = [_joined(folder, name) for name in names for folder in self.folders()]
-        kinds: tuple[Callable[[Path], object], ...] = (Path.is_file, Path.is_dir, matching)
-        try:
-            return next((place for there in kinds for place in places if there(place)), None)
-        except (OSError, ValueError):
-            return None
-
-    def withheld(self, path: Path) -> bool:
-        """Whether a file lies outside of all these folders and no reader knows what it is."""
-        from pmmkit.readers import recognise
-
-        place = path.resolve()
-        if any(place.is_relative_to(folder.resolve()) for folder in self.folders()):
-            return False
-        return recognise(next(iter(matching(path)), path)) is None
-
-    def missing(self, file: str, entry: str, toml: str) -> Problem:
-        """The problem of a file that is nowhere."""
-        tried = ", ".join(str(folder) for folder in self.folders())
-        remedy = None
-        if self.data is None or self.folder:
-            remedy = Remedy(
-                f"{{}} or {DATA_VARIABLE} names the folder of the measurements.", (setting("data"),)
-            )
-        return Problem(
-            message=f"the file {file!r} is not there. Looked in: {tried}.",
-            file=toml,
-            entry=entry,
-            remedy=remedy,
-        )
-
-
-def _joined(folder: Path, name: str) -> Path:
-    """A place seen from a folder; ``..`` leads up from one too that is still to be made."""
-    path = folder / name
-    return path if folder.is_dir() else Path(os.path.normpath(path))
+    return _assemble(raw, place, Search.of(place, data), "", runs=True)
 
 
 def _place(path: Path) -> Path:
@@ -204,7 +159,8 @@ def _place(path: Path) -> Path:
             Problem(
                 message="there is no such file or folder.",
                 file=str(path),
-                remedy=f"Name a folder with {FILE_NAME}, a .toml file or a saved campaign (.h5).",
+                remedy=f"Name a folder with {FILE_NAME}, a .toml file, a saved campaign (.h5) or a "
+                f"zip archive with a {FILE_NAME}.",
             )
         )
     return path
@@ -226,15 +182,18 @@ def _draft(folder: Path) -> str:
     return f"The command pmmkit new-campaign {quoted(folder)} drafts one from its files."
 
 
-def _text(place: Path) -> tuple[str, str]:
+def _bytes(place: Path) -> bytes:
     try:
-        data = place.read_bytes()
+        return place.read_bytes()
     except OSError as error:
         raise CampaignError(
             Problem(message=f"cannot be read: {error.strerror}.", file=place.name)
         ) from error
+
+
+def _text(data: bytes, place: Path) -> str:
     try:
-        text = data.removeprefix(b"\xef\xbb\xbf").decode("utf-8")
+        return data.removeprefix(b"\xef\xbb\xbf").decode("utf-8")
     except UnicodeDecodeError as error:
         if data.startswith(SIGNATURE):
             raise CampaignError(
@@ -252,7 +211,6 @@ def _text(place: Path) -> tuple[str, str]:
                 remedy="Save the campaign file as UTF-8.",
             )
         ) from error
-    return text, hashlib.sha256(data).hexdigest()
 
 
 def _toml(text: str, place: Path) -> dict[str, Any]:
@@ -319,7 +277,7 @@ def _toml_remedy(line: str, message: str) -> str | None:
 
 
 def _assemble(
-    raw: Mapping[str, Any], place: Path, search: _Search, digest: str, runs: bool
+    raw: Mapping[str, Any], place: Path, search: Search, digest: str, runs: bool
 ) -> Campaign:
     from pmmkit.campaigns.file import particulars, schema
     from pmmkit.campaigns.file.assembly import Assembled
@@ -347,7 +305,7 @@ def _assemble(
             )
         )
     top = particulars.read_top(raw, toml, problems)
-    search = _Search(search.own, search.data, top.campaign.data_folder)
+    search = replace(search, folder=top.campaign.data_folder)
     setup = particulars.setup_of(
         top,
         find=search.find,

@@ -80,5 +80,11 @@ class ReportEntry(Entry):
     friction_correction: str | None = said("correction of friction during the tests", None)
     inspection: str | None = said("what was seen by eye: waves, spray, air, vibration", None)
 
+    geometry_deviations: str | None = said(
+        "deviations of the geometry from that of the benchmark", None
+    )
+    condition_deviations: str | None = said(
+        "deviations of the test conditions from those of the benchmark", None
+    )
     deviations: str | None = said("deviations from what was agreed", None)
     remarks: str | None = said("remarks and reservations", None)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Campaign, Data, Figures, Model, patterns, sound_campaign, stem
+from pmmkit.cli.options import Data, Figures, patterns, sound_campaign, stem
 from pmmkit.cli.output import Outcome, warned
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.sea import (
@@ -20,8 +21,11 @@ from pmmkit.cli.sea import (
     new_notes,
     stated_sea,
 )
+from pmmkit.cli.submissions import compare_tables, submitted
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.checks.finding import CheckFinding
     from pmmkit.validation.comparison import Comparison
 
 
@@ -29,8 +33,20 @@ EXAMPLE: Final = "pmmkit compare model.toml my-campaign"
 
 
 def compare(
-    model: Model,
-    campaign: Campaign,
+    model: Annotated[
+        str,
+        typer.Argument(
+            help="Library ship, model file, or what was submitted: a campaign or SIMMAN archive, a "
+            "derivative table."
+        ),
+    ],
+    campaign: Annotated[
+        Path,
+        typer.Argument(
+            help="The tests: folder with campaign.toml, such a file, .h5 or .zip; a derivative "
+            "table where one was submitted."
+        ),
+    ],
     floor: Annotated[
         float,
         typer.Option(
@@ -66,22 +82,28 @@ def compare(
     data: Data = None,
     out: Out = None,
 ) -> Outcome:
-    """Compare a model with tests: errors against their uncertainty, and where it fails."""
+    """Compare a model, or what was submitted, with tests: errors against their uncertainty."""
     from statistics import median
 
-    from pmmkit.files import write_results
-    from pmmkit.identification.chosen import matching
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.models import load_model
     from pmmkit.progress import shown
-    from pmmkit.report import write_comparison
     from pmmkit.validation import comparison
     from pmmkit.validation.free_running import as_tested
+    from pmmkit.validation.submission import compare_submission
 
     folder = results_folder(out, f"{stem(campaign)}-compared")
+    other = submitted(model, data)
+    if other is not None and (window or wave_height or extrapolate):
+        raise typer.BadParameter("Windows, waves and extrapolation are for models alone.")
+    if isinstance(other, Campaign):
+        opened, findings = _chosen(campaign, data, runs)
+        return _written(compare_submission(other, opened, floor=floor), findings, folder, figures)
+    if other is not None:
+        names = (stem(model), stem(campaign))
+        return compare_tables(other, campaign, folder, names, drawn=figures)
     known = load_model(model)
-    opened, findings = sound_campaign(campaign, data)
-    if runs:
-        opened = opened.with_(runs=tuple(matching(opened, patterns(runs) or ())))
+    opened, findings = _chosen(campaign, data, runs)
     rough = Carried(model=known)
     if (sea := stated_sea(wave_height, wave_period)) is not None:
         if opened.kind != "free-running":
@@ -98,22 +120,50 @@ def compare(
             extrapolate=extrapolate,
             progress=progress,
         )
+    return _written(found, findings, folder, figures, new_notes(rough, known))
+
+
+def _chosen(
+    path: Path, data: Path | None, runs: list[str] | None
+) -> tuple[Campaign, tuple[CheckFinding, ...]]:
+    """The tests, those that are wanted, and what the checks say of them."""
+    from pmmkit.identification.chosen import matching
+
+    opened, findings = sound_campaign(path, data)
+    if runs:
+        opened = opened.with_(runs=tuple(matching(opened, patterns(runs) or ())))
+    return opened, findings
+
+
+def _written(
+    found: Comparison,
+    findings: Sequence[CheckFinding],
+    folder: Path,
+    drawn: bool,
+    notes: Sequence[str] = (),
+) -> Outcome:
+    """The results of a comparison in their folder."""
+    from pmmkit.files import write_results
+    from pmmkit.report import write_comparison
+
     content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
     page = partial(write_comparison, found, findings=findings)
-    files = write_results(folder, (*_files(found, content, figures), ("report.html", page)))
+    files = write_results(folder, (*_files(found, content, drawn), ("report.html", page)))
     ends = [f"Results: {folder}", f"Report:  {folder / 'report.html'}"]
-    lines = [str(found), *warned(findings), *new_notes(rough, known), "", *ends]
+    lines = [str(found), *warned(findings), *notes, "", *ends]
     return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
 
 
 def _files(found: Comparison, content: Mapping[str, Any], drawn: bool) -> Iterator[tuple[str, Any]]:
     from pmmkit.figures.comparison import comparison_figures
     from pmmkit.plotting.style import figure_files
+    from pmmkit.validation.percent import errors_in_percent
 
     yield "comparison.csv", found.to_pandas()
     yield "misfit.csv", found.misfit()
     if found.captive:
         yield "harmonics.csv", found.harmonics()
+        yield "percent.csv", errors_in_percent(found.captive)
     if found.manoeuvres:
         yield "manoeuvres.csv", found.metrics()
     yield "comparison.json", content

@@ -33,6 +33,7 @@ class Format(StrEnum):
     excel = "excel"
     latex = "latex"
     netcdf = "netcdf"
+    simman = "simman"
 
 
 def export(
@@ -67,7 +68,7 @@ def export(
         bool, typer.Option("--compile", help="For fmu: put a library for this machine into it.")
     ] = False,
 ) -> Outcome:
-    """Write a model, table, campaign or track for MATLAB, Simulink, shipmmg, Excel and others."""
+    """Write a model, table, campaign or track for MATLAB, Simulink, Excel, SIMMAN and others."""
     from pmmkit import exports
     from pmmkit.exports.subject import read_subject
     from pmmkit.exports.write import ENDINGS, file_name

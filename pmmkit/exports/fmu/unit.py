@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 import io
 import uuid
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final, Literal
 
 from pmmkit.equations import prepare
 from pmmkit.errors import DataError, ModelError, Problem, Remedy, setting
+from pmmkit.exports.archive import write_archive
 from pmmkit.exports.fmu.compiler import library
 from pmmkit.exports.fmu.description import build_text, description_text
 from pmmkit.exports.fmu.equations import equations_text
@@ -26,7 +26,6 @@ _ANY_FROUDE: Final = 0.2
 """Froude number of the approach where none is asked for and the values depend on none."""
 _SOURCES: Final = Path(__file__).with_name("sources")
 _SHARED: Final = ("calls.h", "ship.h")
-_DATE: Final = (1980, 1, 1, 0, 0, 0)
 
 
 def model_to_fmu(
@@ -109,7 +108,9 @@ def model_to_fmu(
     if compile:
         place, made = library(sources, main, identifier, fmi=fmi)
         files[place] = made
-    return _archive(files)
+    room = io.BytesIO()
+    write_archive(room, files.items())
+    return room.getvalue()
 
 
 def approach_of(model: Model, speed: float | None) -> float:
@@ -143,16 +144,3 @@ def _token(parts: Mapping[str, str]) -> uuid.UUID:
     for name, text in sorted(parts.items()):
         digest.update(f"{name}\0{text}\0".encode())
     return uuid.UUID(bytes=digest.digest()[:16], version=5)
-
-
-def _archive(files: Mapping[str, bytes]) -> bytes:
-    """A zip archive without times and owners."""
-    room = io.BytesIO()
-    with zipfile.ZipFile(room, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in files.items():
-            entry = zipfile.ZipInfo(name, _DATE)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.create_system = 3
-            entry.external_attr = 0o644 << 16
-            archive.writestr(entry, content)
-    return room.getvalue()

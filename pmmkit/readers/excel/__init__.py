@@ -23,7 +23,8 @@ class Workbook(Reader):
 
     def recognises(self, path: Path, head: bytes) -> bool:  # noqa: ARG002
         """Whether a file is a workbook, by its first bytes."""
-        from pmmkit.readers.excel.guard import CFB, ZIP
+        from pmmkit.readers.excel.guard import CFB
+        from pmmkit.readers.zipped import ZIP
 
         if head.startswith(ZIP):
             return any(part in head for part in _PARTS)

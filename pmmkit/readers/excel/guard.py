@@ -8,11 +8,7 @@ cells with one long text; no memory is enough for that.
 from __future__ import annotations
 
 import hashlib
-import io
 import re
-import stat
-import zipfile
-import zlib
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
@@ -23,14 +19,12 @@ import numpy as np
 
 from pmmkit.errors import CampaignError
 from pmmkit.readers.base import Options, Request
-from pmmkit.readers.bounds import inflated_size, limit_of, too_large
+from pmmkit.readers.bounds import limit_of, too_large
+from pmmkit.readers.zipped import ZIP, check_length, content_of, damage_told, members_of
 
-ZIP: Final = b"PK\x03\x04"
 CFB: Final = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 _CELL: Final = 32
 """Bytes that the library takes for a cell."""
-_MOST_MEMBERS: Final = 10_000
-_LOCAL_HEADER: Final = 30
 _XML: Final = re.compile(rb"(?:\xef\xbb\xbf)?\s*<[^\0]")
 _CELLS_OR_TEXTS: Final = re.compile(rb"sheetData|<(?:\w+:)?si\b|table:table-row")
 _CELL_TAG: Final = re.compile(rb"<(?:\w+:)?c[ >]")
@@ -76,10 +70,8 @@ def _check(request: Request, digest: bytes) -> None:
     data = request.path.read_bytes()
     if hashlib.sha256(data).digest() != digest:
         raise _damaged(request, "it changes while it is read")
-    try:
+    with damage_told(lambda what: _damaged(request, what)):
         parts = dict(_parts(data, request))
-    except (zipfile.BadZipFile, zlib.error, ValueError, NotImplementedError, EOFError) as error:
-        raise _damaged(request, str(error)) from error
     for name, cells in _extents(parts):
         if cells * _CELL > limit_of(len(data)):
             raise too_large(request, cells * _CELL, len(data), f"the cells of {name}")
@@ -87,45 +79,18 @@ def _check(request: Request, digest: bytes) -> None:
 
 def _parts(data: bytes, request: Request) -> Iterator[tuple[str, bytes]]:
     """The parts that hold cells and texts, every part having been unpacked once to count."""
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        members = archive.infolist()
-    if len(members) > _MOST_MEMBERS or len({item.filename for item in members}) != len(members):
-        raise _damaged(request, "it has too many parts, or two of one name")
+    members = members_of(data)
     declared = sum(item.file_size for item in members)
     if declared > limit_of(len(data)):
         raise too_large(request, declared, len(data), "the workbook unpacked")
     for item in members:
-        if stat.S_ISLNK(item.external_attr >> 16) or item.flag_bits & 1:
-            raise _damaged(request, f"{item.filename} is a link or encrypted")
-        packed = _packed(data, item)
-        if item.compress_type == zipfile.ZIP_STORED:
-            count = len(packed)
-        elif item.compress_type == zipfile.ZIP_DEFLATED:
-            count = inflated_size(packed, item.file_size, raw=True)
-        else:
-            raise _damaged(request, f"{item.filename} is packed in an unusual way")
-        if count != item.file_size:
-            raise _damaged(request, f"{item.filename} is not as long as it says")
+        check_length(data, item)
         if item.filename.endswith((".xml", ".bin")):
-            stored = item.compress_type == zipfile.ZIP_STORED
-            part = bytes(packed) if stored else zlib.decompress(packed, -15)
+            part = content_of(data, item)
             if _XML.match(part) is None and item.filename.endswith(".xml"):
                 raise _damaged(request, f"{item.filename} is not UTF-8")
             if _CELLS_OR_TEXTS.search(part) or item.filename.endswith(".bin"):
                 yield item.filename, part
-
-
-def _packed(data: bytes, item: zipfile.ZipInfo) -> memoryview:
-    """The bytes of a part as they stand in the archive."""
-    start = item.header_offset
-    header = data[start : start + _LOCAL_HEADER]
-    if len(header) < _LOCAL_HEADER or not header.startswith(ZIP):
-        raise zipfile.BadZipFile(f"{item.filename} has no header")
-    start += _LOCAL_HEADER + int.from_bytes(header[26:28], "little")
-    start += int.from_bytes(header[28:30], "little")
-    if start + item.compress_size > len(data):
-        raise zipfile.BadZipFile(f"{item.filename} is cut off")
-    return memoryview(data)[start : start + item.compress_size]
 
 
 def _extents(parts: dict[str, bytes]) -> Iterator[tuple[str, int]]:

@@ -218,6 +218,7 @@ def use(reduction: Reduction) -> Chapter:
                 what="Derivatives that these runs do not determine",
                 value=", ".join(symbol(name, table.convention) for name in undetermined) or "none",
             ),
+            *of_report(reduction.campaign, "geometry_deviations", "condition_deviations"),
             *of_report(reduction.campaign, "deviations", "remarks"),
         ],
         sections=[

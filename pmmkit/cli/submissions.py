@@ -1,0 +1,78 @@
+"""What is compared with tests and is no model: the campaign or the table of somebody else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from pmmkit.cli.output import Outcome
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.tables import DerivativeTable
+
+
+def submitted(what: str, data: Path | None) -> Campaign | DerivativeTable | None:
+    """A campaign or a derivative table by its path; None where a model is meant."""
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.exports.subject import read_subject
+    from pmmkit.ship_library import ships
+    from pmmkit.tables import DerivativeTable
+
+    if what in ships() or not Path(what).expanduser().exists():
+        return None
+    found = read_subject(what, data=data)
+    return found if isinstance(found, Campaign | DerivativeTable) else None
+
+
+def compare_tables(
+    table: DerivativeTable, measured: Path, folder: Path, names: tuple[str, str], *, drawn: bool
+) -> Outcome:
+    """A derivative table beside another: differences with their uncertainty, bars side by side."""
+    from pmmkit.exports.subject import read_subject
+    from pmmkit.files import write_results
+    from pmmkit.tables import DerivativeTable, compare, worst_deviation
+
+    reference = read_subject(measured)
+    if not isinstance(reference, DerivativeTable):
+        raise typer.BadParameter(f"A table is compared with a table, and {measured} is none.")
+    beside = compare(table, reference)
+    files = write_results(folder, _files(beside, table, reference, names, drawn))
+    try:
+        worst = [f"Farthest apart: {worst_deviation(table, reference)}."]
+    except ValueError:
+        worst = []
+    inside = int(beside["inside"].sum())
+    known = int(beside["std"].notna().sum())
+    lines = [
+        f"{names[0]} beside {names[1]}: {len(beside)} derivatives; {inside} of {known} 95 % "
+        "intervals hold the value compared with.",
+        *worst,
+        "",
+        f"Results: {folder}",
+    ]
+    rows = beside.to_dict("records")
+    return Outcome(content={"out": str(folder), "files": files, "derivatives": rows}, lines=lines)
+
+
+def _files(
+    beside: Any,
+    table: DerivativeTable,
+    reference: DerivativeTable,
+    names: tuple[str, str],
+    drawn: bool,
+) -> Iterator[tuple[str, Any]]:
+    from pmmkit.figures.derivative_bars import derivative_bars
+    from pmmkit.figures.derivatives import beside_reference
+    from pmmkit.plotting.style import figure_files
+
+    yield "derivatives_beside.csv", beside
+    if drawn:
+        figures = {
+            "derivative_bars": derivative_bars({names[1]: reference, names[0]: table}),
+            "derivatives_beside": beside_reference(table, reference, reference_name=names[1]),
+        }
+        yield from figure_files(figures, "png")

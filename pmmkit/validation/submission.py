@@ -1,0 +1,284 @@
+"""A submission beside a measurement: two campaigns, run by run, as if the one were a prediction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.campaigns.motion.inertia import rig_of
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.uncertainty import TypeB
+from pmmkit.conventions import force_unit
+from pmmkit.errors import DataError
+from pmmkit.numerics import Array
+from pmmkit.observations.views import View, repeat_scatter
+from pmmkit.observations.whitening import FLOOR
+from pmmkit.validation.captive import CaptiveRun, beyond, observed
+from pmmkit.validation.comparison import Comparison
+from pmmkit.validation.uncertainty import Share, scales, sources_of, stated_share
+
+_SAME: Final = 0.01
+"""Share by which speeds, frequencies and amplitudes of the same condition may differ."""
+_ANGLE: Final = math.radians(0.1)
+"""Angles may differ by this."""
+
+
+def compare_submission(
+    submission: Campaign, campaign: Campaign, *, floor: float = FLOOR
+) -> Comparison:
+    """A campaign beside another that is held to be the measurement.
+
+    Parameters
+    ----------
+    submission : Campaign
+        Captive tests of the same hull form, measured or computed, at any scale: what workshops
+        call S.
+    campaign : Campaign
+        The measurement, D.
+    floor : float
+        As for `compare`.
+
+    Returns
+    -------
+    Comparison
+        Of the runs that both have: of the same kind and condition (Froude number, drift, rudder,
+        heel, ω', amplitudes, r'), and of the same id where several are. Forces are brought to the
+        scale and the speed of the measurement as coefficients over ½ρL²U², without any other
+        correction, and compared in the harmonics that both have.
+
+    Raises
+    ------
+    DataError
+        If a campaign is free-running, or no run has a counterpart.
+
+    Notes
+    -----
+    The validation uncertainty [1]_ is that of `compare` with the submission's own in the place of
+    the model's: noise, scatter of repeats, gauges and U_SN. Uncertainties of settings, which act
+    through a slope that nobody states here, are not in it.
+
+    References
+    ----------
+    .. [1] ASME V&V 20 (2009); ITTC 7.5-03-01-01.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from pmmkit.campaigns.settings import Settings
+    >>> from pmmkit.ship import Ship, Water
+    >>> ship = Ship(name="m", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=500.0)
+    >>> def towed(title, force):
+    ...     run = Run(id="SD_8", test="static_drift", kind="means",
+    ...               settings=Settings(speed=1.0, drift=0.14),
+    ...               loader=lambda: xr.Dataset({"Y": force}))
+    ...     return Campaign(title=title, ship=ship, water=Water(), runs=(run,))
+    >>> found = compare_submission(towed("S", 84.0), towed("D", 80.0))
+    >>> float(found.captive[0].error("Y")[0])
+    4.0
+    """
+    for tests in (submission, campaign):
+        if tests.kind != "captive":
+            raise DataError(f"{tests.title!r} is free-running: only captive tests are compared.")
+    theirs, ours = _Side.of(submission), _Side.of(campaign)
+    scale = scales(list(ours.views))
+    found: list[CaptiveRun] = []
+    alone: list[str] = []
+    for view in ours.views:
+        other = _counterpart(view, ours, theirs)
+        if other is None:
+            alone.append(view.run.id)
+            continue
+        run = _beside(view, other, ours, theirs, scale, floor)
+        if run.channels:
+            found.append(run)
+    if not found:
+        raise DataError(
+            f"No run of {submission.title!r} has kind and condition of one of "
+            f"{campaign.title!r}: nothing can be compared."
+        )
+    return Comparison(
+        model=submission.title,
+        campaign=campaign.title,
+        kind="captive",
+        ship=campaign.ship,
+        water=campaign.water,
+        floor=floor,
+        captive=tuple(found),
+        free=(),
+        manoeuvres=(),
+        rig=rig_of(campaign),
+        notes=tuple(_notes(found, alone, submission, campaign)),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Side:
+    """A campaign with what its runs say."""
+
+    campaign: Campaign
+    views: tuple[View, ...]
+    scatter: Mapping[str, float]
+
+    @classmethod
+    def of(cls, campaign: Campaign) -> _Side:
+        views = observed(campaign)
+        return cls(campaign=campaign, views=views, scatter=repeat_scatter(views))
+
+    def unit(self, channel: str, view: View) -> float:
+        """½ρL²U² of a run, ½ρL³U² of moments."""
+        ship, water = self.campaign.ship, self.campaign.water
+        return force_unit(
+            channel,
+            "prime",
+            L=ship.L,
+            d=ship.d,
+            volume=ship.volume,
+            rho=water.rho,
+            g=water.g,
+            U=view.speed,
+        )
+
+    def condition(self, run: Run) -> tuple[Mapping[str, float], Mapping[str, float]]:
+        """What a run was set to without dimension: sizes, and angles [rad]."""
+        given, ship = run.settings, self.campaign.ship
+        turned = given.speed / given.radius if given.radius else (given.yaw_rate or 0.0)
+        sizes = {
+            "Fn": self.campaign.froude(run),
+            "omega": ((given.omega or 0.0) if run.dynamic else 0.0) * ship.L / given.speed,
+            "amplitude": (given.amplitude or 0.0) / ship.L,
+            "yaw rate": turned * ship.L / given.speed,
+        }
+        angles = {name: getattr(given, name) for name in ("drift", "rudder", "heel")}
+        return sizes, {**angles, "yaw": given.yaw_amplitude or 0.0}
+
+    def doubts(self, view: View) -> Mapping[str, Share]:
+        """Standard uncertainties of a run's harmonics, from what is known without a model."""
+        channels = tuple(view.force)
+        noise = {name: np.sqrt(np.diagonal(view.covariance[name])) for name in channels}
+        again = {
+            name: np.full(
+                view.rows, beyond(self.scatter.get(name, 0.0) * view.speed**2, noise[name])
+            )
+            for name in channels
+        }
+        told = {name for name in channels if view.noise.get(name) == "stated"}
+        sources = [
+            item
+            for item in sources_of(self.campaign, repeated=bool(self.scatter))
+            if _acts_alone(item) and item.kind.channel not in told
+        ]
+        stated = stated_share(
+            view, rig_of(self.campaign), _still, sources, self.campaign.water.rho, view.force
+        )
+        known = {name for name in channels if view.noise.get(name) == "numerical"}
+        numerical = {
+            name: np.full(
+                view.rows, 0.0 if name in known else self.campaign.numerical.get(name, 0.0)
+            )
+            for name in channels
+        }
+        return {"noise": noise, "scatter": again, "stated": stated, "numerical": numerical}
+
+
+def _acts_alone(source: TypeB) -> bool:
+    """Whether a stated uncertainty changes a force without a slope that only a model knows."""
+    return source.kind.of != "setting" and source.name != "motion_reference_x"
+
+
+def _still(*_: object) -> dict[str, Array]:
+    """The prediction of nobody, which no source that acts alone asks for."""
+    return {}
+
+
+def _counterpart(view: View, ours: _Side, theirs: _Side) -> View | None:
+    """The run of the submission that a measured run is compared with."""
+    sizes, angles = ours.condition(view.run)
+    near = []
+    for other in theirs.views:
+        if other.run.test != view.run.test:
+            continue
+        other_sizes, other_angles = theirs.condition(other.run)
+        if all(
+            math.isclose(size, other_sizes[name], rel_tol=_SAME, abs_tol=1e-9)
+            for name, size in sizes.items()
+        ) and all(abs(angle - other_angles[name]) <= _ANGLE for name, angle in angles.items()):
+            near.append(other)
+    same = [other for other in near if other.run.id == view.run.id]
+    return next(iter([*same, *near]), None)
+
+
+def _beside(
+    view: View, other: View, ours: _Side, theirs: _Side, scale: Mapping[str, float], floor: float
+) -> CaptiveRun:
+    """A measured run with the submission's harmonics for its prediction."""
+    channels = [name for name in view.force if name in other.force]
+    cut = _cut(view, [label in other.labels for label in view.labels], channels)
+    places = [other.labels.index(label) for label in cut.labels]
+    factor = {name: ours.unit(name, view) / theirs.unit(name, other) for name in channels}
+    predicted = {name: factor[name] * other.force[name][places] for name in channels}
+    own, beside = ours.doubts(cut), theirs.doubts(other)
+    submitted = {
+        name: factor[name]
+        * np.sqrt(np.sum([share[name][places] ** 2 for share in beside.values()], axis=0))
+        for name in channels
+    }
+    least = {name: np.full(cut.rows, floor * scale[name] * cut.speed**2) for name in channels}
+    basis = cut.basis if cut.kept is None else cut.basis[:, cut.kept]
+    return CaptiveRun(
+        view=cut,
+        Fn=ours.campaign.froude(view.run),
+        predicted=predicted,
+        history={name: basis @ x for name, x in predicted.items()},
+        shares={**own, "model": submitted, "floor": least},
+    )
+
+
+def _cut(view: View, common: Sequence[bool], channels: Sequence[str]) -> View:
+    """A view with the harmonics and channels that another has too."""
+    rows: NDArray[np.bool_] = np.array(common)
+    force = {name: view.force[name][rows] for name in channels}
+    covariance = {name: view.covariance[name][np.ix_(rows, rows)] for name in channels}
+    if rows.all():
+        return replace(view, force=force, covariance=covariance)
+    kept = np.full(view.rows, True) if view.kept is None else view.kept.copy()
+    kept[np.flatnonzero(kept)[~rows]] = False
+    return replace(
+        view,
+        force=force,
+        covariance=covariance,
+        projection=view.projection[rows],
+        every=view.projection if view.every is None else view.every,
+        kept=kept,
+        labels=tuple(label for label, own in zip(view.labels, rows, strict=True) if own),
+    )
+
+
+def _notes(
+    found: Sequence[CaptiveRun], alone: Sequence[str], submission: Campaign, campaign: Campaign
+) -> list[str]:
+    notes = [
+        "Uncertainties of settings (speed, angles, periods) are not in U_V: only a model tells "
+        "what they do to a force."
+    ]
+    if alone:
+        notes.append(f"Without a counterpart in the submission: {', '.join(alone)}.")
+    ratio = submission.ship.L / campaign.ship.L
+    if not math.isclose(ratio, 1.0, rel_tol=1e-3):
+        notes.append(
+            f"The submission's model is {ratio:.4g} times as long: its coefficients are compared "
+            "as they are, without correction of friction or wake."
+        )
+    unknown = sorted(
+        {name for item in found for name in item.channels if not item.view.known(name)}
+    )
+    if unknown:
+        notes.append(
+            f"Nothing is known of the noise of {', '.join(unknown)} in the measurement's tables: "
+            "U_V holds only the floor and what else is named."
+        )
+    return notes
