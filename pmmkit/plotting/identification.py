@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_COLUMNS, _BINS = 4, 30
+_COLUMNS, _BINS = 4, 20
 _FARTHEST: Final = 6.0
 """Distance from the prior, in its standard deviations, up to which values are drawn."""
 
@@ -137,6 +137,7 @@ def marginals(tree: xr.DataTree, convention: Convention | None = None) -> Figure
             shown = name if convention is None else parameter_symbol(name, convention)
             axis.set_title(figure_text(shown.replace("_", " ")) if "_" in name else shown)
             axis.set_yticks([])
+            axis.locator_params(axis="x", nbins=3)
         for axis in axes[len(names) :]:
             axis.set_visible(False)
         style.legend_below(figure, [axes[0]], columns=5)
