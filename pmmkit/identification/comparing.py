@@ -15,7 +15,7 @@ from pmmkit.equations.compilation import compiled
 from pmmkit.errors import DataError, ModelError, PmmkitError, UnknownNameError
 from pmmkit.identification.binding import AROUND, bound, driven
 from pmmkit.identification.filters import STEP
-from pmmkit.identification.methods import METHODS, Identified, identify
+from pmmkit.identification.methods import METHODS, SECONDS, Identified, identify
 from pmmkit.identification.parameters import places
 from pmmkit.identification.predict import Prediction, predict
 from pmmkit.identification.prior import Prior, asked_names, prior_of
@@ -199,7 +199,7 @@ def compare_methods(
     records: Sequence[FreeRecord],
     names: Sequence[str] | None = None,
     *,
-    methods: Sequence[str] = METHODS,
+    methods: Sequence[str] = SECONDS,
     references: Sequence[Smoothed] = (),
     window: float = 60.0,
     prior: Prior | None = None,
@@ -220,7 +220,8 @@ def compare_methods(
     names : sequence of str, optional
         As for `identify`.
     methods : sequence of str
-        Of ``ekf``, ``ukf``, ``trajectory``, ``regression``, ``sindy``.
+        Of ``ekf``, ``ukf``, ``trajectory``, ``regression``, ``sindy``, and ``posterior``, which is
+        left out where none are named since it takes minutes.
     references : sequence of Smoothed, optional
         Records that were not used, from `reference`; without them nothing is predicted.
     window : float

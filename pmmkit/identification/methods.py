@@ -36,7 +36,9 @@ POINTED_AT: Final = 3.0
 """The same of a report."""
 WHITE: Final = 1.5
 """Variance of the residuals over that of white ones up to which they count as white."""
-METHODS: Final = ("ekf", "ukf", "trajectory", "regression", "sindy")
+METHODS: Final = ("ekf", "ukf", "trajectory", "regression", "sindy", "posterior")
+SECONDS: Final = METHODS[:-1]
+"""Those that take seconds and are set side by side where nothing else is asked for."""
 UNSEEN: Final = 0.9
 """A standard deviation above this share of the prior's: the records say nothing of a value."""
 
@@ -133,7 +135,8 @@ class Identified(Described):
 
     def remarks(self) -> list[str]:
         """What is wrong or at a limit."""
-        said = [f"{text[0].upper()}{text[1:]}." for text in self.missing]
+        said = [*getattr(self.detail, "unconverged", ())]
+        said += [f"{text[0].upper()}{text[1:]}." for text in self.missing]
         if self.unseen:
             said.append(
                 f"The records do not determine {', '.join(self.unseen)}; the model keeps what was "
@@ -153,8 +156,9 @@ class Identified(Described):
 
     def _headline(self) -> str:
         unseen = f", {len(self.unseen)} not determined" if self.unseen else ""
+        doubt = ", NOT converged" if getattr(self.detail, "unconverged", ()) else ""
         names = counted(len(self.names), "parameter")
-        return f"{names} of {self.model.name} by {self.method}{unseen}, {self.seconds:.2f} s"
+        return f"{names} of {self.model.name} by {self.method}{doubt}{unseen}, {self.seconds:.2f} s"
 
     def _sections(self) -> Sequence[Section]:
         rows = [
@@ -215,9 +219,10 @@ def identify(
     names : sequence of str, optional
         Derivatives (``Yv``), parameters with their effect (``rudder_mmg.aH``), ``current_x`` and
         ``current_y``; by default all derivatives of the hull.
-    method : {"ekf", "ukf", "trajectory", "regression", "sindy"}
+    method : {"ekf", "ukf", "trajectory", "regression", "sindy", "posterior"}
         Kalman filters; a fit through the simulator; regression of the forces that the smoother
-        implies; the same with terms left out that the records do not need.
+        implies; the same with terms left out that the records do not need; draws from the
+        posterior, which take minutes where the others take seconds.
     prior : Prior, optional
         What is known before; by default from the model's covariance, or `spread`.
     spread : float or mapping, optional
@@ -230,7 +235,7 @@ def identify(
         Told what the method does: passes, steps, records.
     **settings
         Of the method: `roughness`, `iterations` (filters), `window` (trajectory), `memory`
-        (regression), or those of `sparse_regression`.
+        (regression), or those of `sparse_regression` and `sample_posterior`.
 
     Returns
     -------
@@ -297,6 +302,11 @@ def identify(
             else "residuals as white as the sensors'",
             *_lost(found.tried),
         )
+    elif method == "posterior":
+        from pmmkit.identification.posterior.posterior import sample_posterior
+
+        found = sample_posterior(model, records, before, progress=progress, **shared, **settings)
+        notes = (*found.notes(), *_lost(found.tried))
     else:
         memory = {"memory": settings["memory"]} if "memory" in settings else {}
         forces = []

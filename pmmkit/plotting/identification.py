@@ -9,15 +9,18 @@ import numpy as np
 
 from pmmkit.conventions import Convention
 from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.escaping import figure_text
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 from pmmkit.plotting.marks import beyond
 from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_COLUMNS, _BINS = 4, 20
 _FARTHEST: Final = 6.0
 """Distance from the prior, in its standard deviations, up to which values are drawn."""
 
@@ -91,6 +94,53 @@ def parameters(found: Sequence[Result], convention: Convention) -> Figure:
         axis.grid(visible=False, axis="y")
         axis.set_xlabel("(value - prior mean) / standard deviation of the prior [-]")
         style.legend_below(figure, [axis], columns=3)
+    return figure
+
+
+def marginals(tree: xr.DataTree, convention: Convention | None = None) -> Figure:
+    """Distributions of everything drawn from a posterior, a line an ensemble, beside the prior.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        With the groups posterior and prior.
+    convention : Convention, optional
+        Of the derivatives, for their symbols.
+
+    Returns
+    -------
+    Figure
+        A panel a parameter, over the range of its draws; lines that lie on each other are
+        ensembles that agree.
+    """
+    drawn, before = tree["posterior"].to_dataset(), tree["prior"].to_dataset()
+    names = [str(name) for name in drawn.data_vars]
+    rows = -(-len(names) // _COLUMNS)
+    with style.styled():
+        figure = style.canvas(0.4 + 1.5 * rows)
+        axes = figure.subplots(rows, _COLUMNS, squeeze=False).ravel()
+        for axis, name in zip(axes, names, strict=False):
+            values = drawn[name].to_numpy()
+            edges = np.linspace(values.min(), values.max(), _BINS + 1)
+            inside = before[name].to_numpy().ravel()
+            share = np.histogram(inside, edges)[0] / inside.size / np.diff(edges)
+            axis.stairs(share, edges, fill=True, color="#e6e6e6", label="prior")
+            for number, own in enumerate(values):
+                axis.hist(
+                    own,
+                    edges,
+                    density=True,
+                    histtype="step",
+                    color=style.colour(number),
+                    label=f"ensemble {number + 1}",
+                )
+            shown = name if convention is None else parameter_symbol(name, convention)
+            axis.set_title(figure_text(shown.replace("_", " ")) if "_" in name else shown)
+            axis.set_yticks([])
+            axis.locator_params(axis="x", nbins=3)
+        for axis in axes[len(names) :]:
+            axis.set_visible(False)
+        style.legend_below(figure, [axes[0]], columns=5)
     return figure
 
 

@@ -16,7 +16,7 @@ from pmmkit.numerics import Array, turned
 from pmmkit.simulation.ensemble import Batch, batch_of
 from pmmkit.simulation.run import History, run_plan
 from pmmkit.simulation.simulate import simulate, track_of
-from pmmkit.simulation.spread import spread_of
+from pmmkit.simulation.spread import Draws, spread_of
 from pmmkit.simulation.track import Track
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def bands_of(
     *,
     speed: float,
     n: int = SHIPS,
-    spread: float | None = None,
+    spread: float | Draws | None = None,
     seed: int = 0,
     compiled: bool | None = None,
     extrapolate: bool = False,

@@ -31,7 +31,7 @@ from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_plan, run_ships, settings_for
 from pmmkit.simulation.simulate import ENVIRONMENT, RTOL, RudderLaw, check_request, gear_of
-from pmmkit.simulation.spread import CHUNK, spread_of
+from pmmkit.simulation.spread import CHUNK, Draws, spread_of
 from pmmkit.simulation.spread import Spread as Drawn
 
 if TYPE_CHECKING:
@@ -366,7 +366,7 @@ def monte_carlo(
     *,
     speed: float,
     n: int = 10_000,
-    spread: float | None = None,
+    spread: float | Draws | None = None,
     seed: int = 0,
     executor: Workers = None,
     progress: Progress | None = None,
@@ -384,9 +384,9 @@ def monte_carlo(
         Approach speed [m/s].
     n : int
         Number of ships.
-    spread : float, optional
+    spread : float or Draws, optional
         Relative standard deviation of each derivative where the model has no covariance, or in
-        its place.
+        its place; or draws of values, as those of a posterior.
     seed : int
         Of the draws: the same seed gives the same ships, bit for bit.
     executor : int, str or concurrent.futures.Executor, optional
@@ -466,6 +466,8 @@ def monte_carlo(
     )
 
 
-def _drawn(batch: Batch, drawn: Drawn, seed: int, piece: tuple[int, int], **how: Any) -> Sailed:
+def _drawn(
+    batch: Batch, drawn: Drawn | Draws, seed: int, piece: tuple[int, int], **how: Any
+) -> Sailed:
     """The ships from some number on, so many."""
     return batch.run(drawn.names, drawn.draw(seed, *piece), **how)

@@ -82,14 +82,61 @@ class Spread:
         return drawn
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Draws:
+    """Values that differ between ships: draws that were made of them, as from a posterior.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Derivatives, and values of other parts as ``rudder_mmg.aH``.
+    values : array (n, m)
+        A row per draw.
+    origin : str
+        Where they come from, in words.
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    origin: str
+
+    @property
+    def mean(self) -> Array:
+        """Of the draws (m,)."""
+        middle: Array = self.values.mean(axis=0)
+        return middle
+
+    @property
+    def covariance(self) -> Array:
+        """Of the draws (m, m)."""
+        away = self.values - self.mean
+        found: Array = away.T @ away / (len(away) - 1)
+        return found
+
+    def draw(self, seed: int, first: int, count: int) -> Array:
+        """Values (count, m) of the ships from number `first` on; the same whatever the chunks.
+
+        Each draw is one ship, in an order of the seed's; after the last the first comes again.
+
+        Examples
+        --------
+        >>> found = Draws(names=("Yv",), values=np.arange(3.0)[:, None], origin="")
+        >>> sorted(found.draw(0, 0, 3).ravel().tolist()), found.draw(0, 3, 1) == found.draw(0, 0, 1)
+        ([0.0, 1.0, 2.0], array([[ True]]))
+        """
+        order = np.random.default_rng(seed).permutation(len(self.values))
+        rows: Array = self.values[order[np.arange(first, first + count) % len(order)]]
+        return rows
+
+
 def spread_of(
     model: Model,
     speed: float,
-    spread: float | None = None,
+    spread: float | Draws | None = None,
     *,
     extrapolate: bool = False,
     fn: Follow = "approach",
-) -> Spread:
+) -> Spread | Draws:
     """How the derivatives of a model differ between ships at a speed.
 
     Parameters
@@ -98,9 +145,9 @@ def spread_of(
         With a covariance, or without.
     speed : float
         Approach speed [m/s].
-    spread : float, optional
-        Relative standard deviation of each derivative of hull and added mass, independent; by
-        default the covariance of the model counts.
+    spread : float or Draws, optional
+        Relative standard deviation of each derivative of hull and added mass, independent, or
+        draws of values; by default the covariance of the model counts.
     extrapolate : bool
         Allow a speed outside the range of the model's values.
     fn : {"approach", "instant"}
@@ -109,13 +156,15 @@ def spread_of(
 
     Returns
     -------
-    Spread
+    Spread or Draws
 
     Raises
     ------
     ModelError
-        If the model has no covariance and `spread` is not given.
+        If the model has no covariance and `spread` is not given, or lacks what was drawn.
     """
+    if isinstance(spread, Draws):
+        return _fitting(spread, model, speed, extrapolate=extrapolate, fn=fn)
     speeds = (known_speeds(model, speed) if fn == "instant" else ()) or (speed,)
     values = [values_at(model, each, extrapolate=extrapolate) for each in speeds]
     given = [
@@ -182,6 +231,21 @@ def spread_of(
         speeds=len(speeds),
     )
     return tested if alone is None else tested.beside(alone)
+
+
+def _fitting(draws: Draws, model: Model, speed: float, *, extrapolate: bool, fn: Follow) -> Draws:
+    """The draws, if the model has all that they are of."""
+    if fn == "instant" and known_speeds(model, speed):
+        raise DataError("Draws are of one speed: let the derivatives be those of the approach.")
+    values = values_at(model, speed, extrapolate=extrapolate)
+    there = {place_name(effect, name) for effect, own in values.items() for name in own}
+    lost = [name for name in draws.names if name not in there]
+    if lost:
+        raise ModelError(
+            f"Model {model.name!r} has no {', '.join(lost)}, which were drawn: take the model that "
+            f"they were identified in."
+        )
+    return draws
 
 
 def _alike(means: Array, std: Array) -> Array:

@@ -21,7 +21,8 @@ from pmmkit.figures import save
 from pmmkit.identification.comparing import compare_methods, predicted_window
 from pmmkit.identification.consistency import consistency
 from pmmkit.identification.known import known_before, parameters_of
-from pmmkit.identification.methods import METHODS
+from pmmkit.identification.methods import SECONDS
+from pmmkit.identification.posterior import read_posterior
 from pmmkit.identification.predict import reference
 from pmmkit.identification.record import FreeRecord
 from pmmkit.plotting.identification import parameters
@@ -139,6 +140,41 @@ def identified(capsys, campaign, start, out, *options):
 
 
 @pytest.mark.slow
+def test_a_posterior_is_written_with_how_well_its_ensembles_agree(
+    campaign, start, tmp_path, capsys
+):
+    pytest.importorskip("emcee", reason="emcee is not installed")
+    (tmp_path / "short").mkdir()
+    lines = (campaign / "ZZ10.csv").read_text(encoding="utf-8").splitlines()
+    short = "\n".join([lines[0], *lines[1:64:2]])
+    (tmp_path / "short" / "ZZ10.csv").write_text(short, encoding="utf-8")
+    head = HEAD.format(kind="free-running", L=7.0)
+    run = RUN.format(name="ZZ10", rudder=10, switch=10)
+    (tmp_path / "short" / "campaign.toml").write_text(head + run, encoding="utf-8")
+    out = tmp_path / "found"
+    status, content, words = identified(
+        capsys,
+        tmp_path / "short",
+        start,
+        out,
+        *("--method", "posterior", "--derivatives", "Nr", "--shortest", "20", "--window", "10"),
+        *("--steps", "60", "--seed", "3"),
+    )
+    assert status == 0
+    assert {"posterior.nc", "posterior.svg", "model.toml"} <= set(content["files"])
+    own = content["methods"]["posterior"]
+    told = own["convergence"]["Nr"]
+    agree = [x["r_hat"] < 1.01 and x["ess_tail"] > 400 for x in own["convergence"].values()]
+    assert own["converged"] <= all(agree)
+    assert f"R-hat at most {max(x['r_hat'] for x in own['convergence'].values()):.3f}" in words
+    assert told["ess_bulk"] > 0
+    tree = read_posterior(out / "posterior.nc")
+    assert tree.attrs["seed"] == 3
+    np.testing.assert_array_equal(tree["convergence/r_hat"][0], told["r_hat"])
+    assert pk.load_model(out / "model.toml").covariance_names == ("Nr",)
+
+
+@pytest.mark.slow
 def test_one_method_writes_its_files_and_predicts_what_was_held_out(
     campaign, start, tmp_path, capsys
 ):
@@ -211,8 +247,8 @@ def test_all_methods_side_by_side(campaign, start, tmp_path, capsys):
         "ZZ35",
     )
     assert status == 0
-    assert (tuple(content["methods"]), content["failed"]) == (METHODS, {})
-    assert {f"model_{name}.toml" for name in METHODS} <= set(content["files"])
+    assert (tuple(content["methods"]), content["failed"]) == (SECONDS, {})
+    assert {f"model_{name}.toml" for name in SECONDS} <= set(content["files"])
     assert {"innovations_ekf.svg", "history_ukf.svg"} <= set(content["files"])
     rows = rows_of(out / "identified.csv")
     assert [row["method"] for row in rows].count("trajectory") == 4
@@ -387,7 +423,7 @@ def test_a_method_that_fails_beside_others_is_named(records):
 def test_the_comparison_as_tables(compared):
     found, _ = compared
     frame = found.to_pandas()
-    assert list(frame.columns) == ["before", *METHODS]
+    assert list(frame.columns) == ["before", *SECONDS]
     assert frame.loc[("value", "Yv"), "before"] == START["Yv"]
     assert np.isnan(frame.loc[("value", "rudder_mmg.aH"), "sindy"])
     assert (
@@ -396,7 +432,7 @@ def test_the_comparison_as_tables(compared):
     )
     assert np.isnan(frame.loc[("seconds", ""), "before"])
     assert list(found.parameters().columns) == COLUMNS
-    assert len(found.errors()) == 2 * (1 + len(METHODS))
+    assert len(found.errors()) == 2 * (1 + len(SECONDS))
 
 
 @pytest.mark.parametrize("asked", [None, ["Yrvv", "Yvvr", "rudder_mmg.aH", "current_x"]])

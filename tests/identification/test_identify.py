@@ -64,7 +64,7 @@ def test_sparse_regression_is_a_method_too():
 
 
 def test_all_methods_are_tested():
-    assert set(METHODS) == {"ekf", "ukf", "trajectory", "regression", "sindy"}
+    assert set(METHODS) == {"ekf", "ukf", "trajectory", "regression", "sindy", "posterior"}
 
 
 def test_what_is_found_is_a_model_with_its_covariance_and_where_it_comes_from(tmp_path):

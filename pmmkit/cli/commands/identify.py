@@ -11,7 +11,17 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from pmmkit.channels import did_you_mean
-from pmmkit.cli.options import Campaign, Data, patterns, sensors_of, sound_campaign, stem, words
+from pmmkit.cli.options import (
+    Campaign,
+    Data,
+    Scheduler,
+    patterns,
+    sensors_of,
+    sound_campaign,
+    stem,
+    where,
+    words,
+)
 from pmmkit.cli.output import Outcome, warned
 from pmmkit.cli.outputs import Force, Out, results_folder
 
@@ -34,6 +44,7 @@ class Method(StrEnum):
     trajectory = "trajectory"
     regression = "regression"
     sindy = "sindy"
+    posterior = "posterior"
     all = "all"
 
 
@@ -54,7 +65,13 @@ def identify(
             "keeps its values."
         ),
     ],
-    method: Annotated[Method, typer.Option(help="all compares the methods.")] = Method.ekf,
+    method: Annotated[
+        Method,
+        typer.Option(
+            help="all compares the methods that take seconds; posterior draws, in minutes (pip "
+            "install 'pmmkit[posterior]')."
+        ),
+    ] = Method.ekf,
     derivatives: Annotated[
         str | None,
         typer.Option(
@@ -116,6 +133,19 @@ def identify(
     extrapolate: Annotated[
         bool, typer.Option("--extrapolate", help="Allow speeds outside the model's range.")
     ] = False,
+    steps: Annotated[
+        int | None, typer.Option(min=60, help="posterior: most steps of a walker; 2000 if absent.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="posterior: of the draws.")] = 0,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            help="posterior: how many ensembles are moved side by side on this machine; one after "
+            "another if absent.",
+        ),
+    ] = None,
+    scheduler: Scheduler = None,
     data: Data = None,
     out: Out = None,
     force: Force = False,
@@ -128,7 +158,7 @@ def identify(
     from pmmkit.identification.consistency import consistency
     from pmmkit.identification.filters import Filtered
     from pmmkit.identification.known import known_before, parameters_of
-    from pmmkit.identification.methods import METHODS
+    from pmmkit.identification.methods import SECONDS
     from pmmkit.identification.predict import reference
     from pmmkit.identification.record import CHANNELS
     from pmmkit.models import load_model
@@ -169,12 +199,19 @@ def identify(
             base,
             used.records,
             names,
-            methods=METHODS if method is Method.all else (method.value,),
+            methods=SECONDS if method is Method.all else (method.value,),
             references=references,
             window=window,
             prior=before,
             sensors=stds,
             extrapolate=extrapolate,
+            settings={
+                Method.posterior.value: {
+                    "seed": seed,
+                    "executor": where(workers, scheduler),
+                    **({} if steps is None else {"steps": steps}),
+                }
+            },
             progress=progress,
         )
     tests = {
@@ -213,6 +250,7 @@ class _Work:
 def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterator[tuple[str, Any]]:
     from pmmkit.figures import identification as figures
     from pmmkit.identification.comparing import BEFORE, predicted_window
+    from pmmkit.identification.posterior import Posterior, write_posterior
     from pmmkit.models import save_model
     from pmmkit.plotting.style import save
 
@@ -232,6 +270,10 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
         yield f"history_{name}.svg", partial(save, drawn)
         drawn = figures.innovation_figure(detail, records)
         yield f"innovations_{name}.svg", partial(save, drawn)
+    for item in found.found.values():
+        if isinstance(item.detail, Posterior):
+            yield "posterior.nc", partial(write_posterior, item.detail.tree)
+            yield "posterior.svg", partial(save, item.detail.plot(item.model.convention))
     models = {BEFORE: found.model, **{name: x.model for name, x in found.found.items()}}
     sailed = predicted_window(models, work.references, window=found.window, extrapolate=extrapolate)
     yield "prediction.svg", partial(save, figures.window_figure(sailed))
@@ -239,6 +281,7 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
 
 def _content(work: _Work) -> dict[str, Any]:
     from pmmkit.identification.comparing import BEFORE, UNITS
+    from pmmkit.identification.posterior import Posterior
 
     found = work.found
     predictions = {
@@ -265,6 +308,7 @@ def _content(work: _Work) -> dict[str, Any]:
                 if name in work.tests
                 else None,
                 "judgement": list(work.tests[name].words()) if name in work.tests else [],
+                **(item.detail.content() if isinstance(item.detail, Posterior) else {}),
             }
             for name, item in found.found.items()
         },

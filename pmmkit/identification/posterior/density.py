@@ -1,0 +1,291 @@
+"""How probable parameters are: the likelihood of a Kalman filter's innovations times a prior."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from types import ModuleType
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.equations.code_generation import ESTIMATING
+from pmmkit.equations.compilation import compiled
+from pmmkit.equations.layouts import Status
+from pmmkit.errors import SimulationError
+from pmmkit.identification.binding import Binding, bound, driven
+from pmmkit.identification.filters import LOST, Filtered, first_state, kind_of, process, state_steps
+from pmmkit.identification.prior import Prior
+from pmmkit.identification.record import FreeRecord, sensors_of
+from pmmkit.models import Model
+from pmmkit.numerics import Array
+
+STEP: Final = 0.1
+"""Longest step of the integration in ship lengths over the speed of the approach."""
+ROUGHNESS: Final = 0.03
+"""Mean of the exponential prior of the process noise, in U²/L over the root of L/U."""
+DEGREES: Final = 10.0
+"""Degrees of freedom of the prior of the sensors' common variance, a scaled inverse χ²."""
+PROCESS_NOISE, SENSOR_SCALE = "process_noise", "sensor_scale"
+"""What is drawn beside the parameters."""
+_NOTHING, _NOWHERE = np.zeros(0), np.zeros(0, np.int64)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Seen:
+    """A record as the filter takes it: instants, inputs, measurements, and what is known of the
+    states at the first instant."""
+
+    t: Array
+    inputs: Array
+    measured: Array
+    kinds: NDArray[np.int64]
+    variances: Array
+    start: Array
+    spread: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Density:
+    """Posterior density over numbers whose prior is a standard normal, each.
+
+    Parameters
+    ----------
+    prior : Prior
+        Of the parameters; the first numbers, through the root of its covariance.
+    roughness : float, optional
+        Process noise; where it is not given, the last number stands for it.
+    binding : Binding
+        Constants over the parameters.
+    functions : module
+        Compiled equations.
+    records : tuple of Seen
+        Independent of each other.
+    speed, L : float
+        Of the approach [m/s], length of the ship [m].
+    """
+
+    prior: Prior
+    roughness: float | None
+    binding: Binding
+    functions: ModuleType
+    records: tuple[Seen, ...]
+    speed: float
+    L: float
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For another process, which compiles the equations or has them."""
+        given = {x.name: getattr(self, x.name) for x in fields(self) if x.name != "functions"}
+        return _compiled_anew, (given,)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the numbers."""
+        return (*self.prior.names, *(() if self.roughness is not None else (PROCESS_NOISE,)))
+
+    @cached_property
+    def _root(self) -> Array:
+        """Of the prior's covariance."""
+        scale = self.prior.std
+        return scale[:, None] * np.linalg.cholesky(self.prior.covariance / np.outer(scale, scale))
+
+    @cached_property
+    def measurements(self) -> int:
+        """That are taken in, of all records."""
+        return sum(int(np.isfinite(item.measured).sum()) for item in self.records)
+
+    def parameters(self, numbers: Array) -> Array:
+        """Parameters (…, m) and, where it is drawn, process noise, of numbers (…, d)."""
+        from scipy.special import log_ndtr
+
+        m = len(self.prior.names)
+        values = self.prior.mean + numbers[..., :m] @ self._root.T
+        rough = -ROUGHNESS * log_ndtr(-numbers[..., m:])
+        return np.concatenate([values, rough], axis=-1)
+
+    def numbers(self, parameters: Array) -> Array:
+        """Numbers (…, d) of parameters; the inverse of `parameters`."""
+        from scipy.special import ndtri
+
+        m = len(self.prior.names)
+        away = (parameters[..., :m] - self.prior.mean) @ np.linalg.inv(self._root).T
+        return np.concatenate([away, -ndtri(np.exp(-parameters[..., m:] / ROUGHNESS))], axis=-1)
+
+    def __call__(self, numbers: Array) -> tuple[float, float, float]:
+        """ln of the posterior density, of the likelihood, and the innovations' squares summed.
+
+        Minus infinity where no ship has such a mass, or the motion is lost.
+        """
+        own = self.parameters(numbers)
+        m = len(self.prior.names)
+        rough = float(own[m]) if self.roughness is None else self.roughness
+        squares, volume = self.innovations(own[:m], rough)
+        if not math.isfinite(squares + volume):
+            return -math.inf, -math.inf, math.nan
+        likelihood = likelihood_of(squares, volume, self.measurements)
+        return likelihood - 0.5 * float(numbers @ numbers), likelihood, squares
+
+    def innovations(self, values: Array, roughness: float) -> tuple[float, float]:
+        """Squares of all innovations over their variances, summed, and ln of these variances."""
+        base = self.binding.constants(values)
+        squares = volume = 0.0
+        for item in self.records:
+            residuals, spreads = np.empty_like(item.measured), np.empty_like(item.measured)
+            if self.filtered(item, base, roughness, residuals, spreads) != Status.done:
+                return math.inf, math.inf
+            squares += float(np.nansum(residuals * residuals / spreads))
+            volume += float(np.nansum(np.log(spreads)))
+        return squares, volume
+
+    def filtered(
+        self,
+        item: Seen,
+        base: Array,
+        roughness: float,
+        residuals: Array,
+        spreads: Array,
+        kept: Array | None = None,
+    ) -> Status:
+        """One pass of the compiled filter, which has no parameters: its states are the ship's."""
+        states = self.binding.structure.states
+        status = self.functions.extended(
+            item.t,
+            item.inputs,
+            item.measured,
+            item.kinds,
+            item.variances,
+            base,
+            np.zeros(1, np.int64),
+            _NOWHERE,
+            _NOTHING,
+            _NOTHING,
+            _NOTHING,
+            item.start.copy(),
+            np.diag(item.spread),
+            _NOTHING,
+            process(states, roughness, self.speed, self.L),
+            state_steps(states, self.speed, self.L),
+            STEP * self.L / self.speed,
+            math.inf,
+            np.empty((len(item.t), 2 * len(states))),
+            residuals,
+            spreads,
+            np.empty((0, 0)) if kept is None else kept,
+        )
+        return Status(status)
+
+
+def _compiled_anew(given: Mapping[str, Any]) -> Density:
+    return Density(functions=compiled(given["binding"].structure, ESTIMATING), **given)
+
+
+def likelihood_of(squares: float, volume: float, count: int) -> float:
+    """ln of how probable measurements are, averaged over the common scale of all variances.
+
+    Parameters
+    ----------
+    squares : float
+        Sum of the squared innovations over their variances.
+    volume : float
+        Sum of the logarithms of these variances.
+    count : int
+        Number of the innovations.
+
+    Notes
+    -----
+    Multiplying every variance (of sensors, process noise and starts) by one factor leaves the
+    filter's means as they are. With a scaled inverse χ² of `DEGREES` about 1 for the factor, the
+    innovations are a multivariate t (Gelman et al. 2013).
+
+    Examples
+    --------
+    >>> from scipy.stats import t
+    >>> bool(np.isclose(likelihood_of(1.7**2 / 4.0, np.log(4.0), 1), t(10, scale=2.0).logpdf(1.7)))
+    True
+    """
+    both = DEGREES + count
+    size = math.lgamma(0.5 * both) - math.lgamma(0.5 * DEGREES)
+    size -= 0.5 * count * math.log(math.pi * DEGREES)
+    return size - 0.5 * volume - 0.5 * both * math.log1p(squares / DEGREES)
+
+
+def density_of(
+    model: Model,
+    records: Sequence[FreeRecord],
+    prior: Prior,
+    about: Filtered,
+    *,
+    sensors: Mapping[str, float],
+    roughness: float | None = None,
+    extrapolate: bool = False,
+) -> Density:
+    """The posterior density of parameters, made ready.
+
+    Parameters
+    ----------
+    model, records, prior, sensors, extrapolate
+        As for `identify`.
+    about : Filtered
+        An estimate: about the starts that it implies the filter is linearised, and what it did not
+        take in (outliers) is left out.
+    roughness : float, optional
+        Process noise, where it is not to be drawn.
+
+    Raises
+    ------
+    SimulationError
+        If the motion is lost at the estimate.
+    """
+    ready = driven(model)
+    speed, L = records[0].speed, ready.ship.L
+    binding = bound(
+        ready, prior.names, speed, conditions=records[0].conditions, extrapolate=extrapolate
+    )
+    states = binding.structure.states
+    known = sensors_of(records, sensors)
+    seen = []
+    for record in records:
+        channels = tuple(record.measured)
+        measured = np.stack([record.measured[name] for name in channels], axis=1)
+        unknown = record.with_(measured={})
+        seen.append(
+            Seen(
+                t=record.t,
+                inputs=record.inputs,
+                measured=np.where(about.innovations[record.name].gated, np.nan, measured),
+                kinds=np.array([kind_of(name, states) for name in channels], np.int64),
+                variances=np.array([known[name] ** 2 for name in channels]),
+                start=first_state(record, states, known, L)[0],
+                spread=first_state(unknown, states, known, L)[1],
+            )
+        )
+    made = Density(
+        prior=prior,
+        roughness=roughness,
+        binding=binding,
+        functions=compiled(binding.structure, ESTIMATING),
+        records=tuple(seen),
+        speed=speed,
+        L=L,
+    )
+    return _from_starts(made, records, about)
+
+
+def _from_starts(density: Density, records: Sequence[FreeRecord], about: Filtered) -> Density:
+    """The density with the starts that an estimate implies in place of the first measurements."""
+    base = density.binding.constants(about.values)
+    n = len(density.binding.structure.states)
+    seen = []
+    for item, record in zip(density.records, records, strict=True):
+        kept = np.zeros((len(item.t), 2 * n * n + 2 * n + n * n))
+        residuals, spreads = np.empty_like(item.measured), np.empty_like(item.measured)
+        status = density.filtered(item, base, about.roughness, residuals, spreads, kept)
+        if status != Status.done:
+            raise SimulationError(LOST[status].format(record.name))
+        means, covariances = np.empty((len(kept), n)), np.empty((len(kept), n, n))
+        density.functions.smoothed(kept, n, means, covariances)
+        seen.append(replace(item, start=means[0]))
+    return replace(density, records=tuple(seen))
