@@ -28,7 +28,7 @@ def gallery(paths: tuple[Path, ...]) -> tuple[Notebook, ...]:
     found = []
     for path in paths:
         notebook = executed(path, BUILD / "notebooks")
-        print(f"{path.relative_to(ROOT)}: {notebook.seconds:.1f} s", flush=True)
+        print(f"{path.relative_to(ROOT)}: {notebook.time}", flush=True)
         found.append(notebook)
     return tuple(found)
 
