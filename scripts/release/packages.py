@@ -110,8 +110,11 @@ def main() -> int:
         for python in options.python:
             for package in fresh:
                 started = time.monotonic()
-                wrong += tried(package, python)
-                print(f"{python}: {package.name}: {time.monotonic() - started:.0f} s", flush=True)
+                found = tried(package, python)
+                told = "; ".join(found) or "all commands ran"
+                took = f"{time.monotonic() - started:.0f} s"
+                print(f"{python}: {package.name}: {took}, {told}", flush=True)
+                wrong += found
         options.out.mkdir(parents=True, exist_ok=True)
         for package in fresh:
             (options.out / package.name).write_bytes(package.read_bytes())
