@@ -1,4 +1,4 @@
-"""Sets everything up, then runs: ``python -m scripts demo``, ``… check`` and ``… test``."""
+"""Sets everything up, then runs a command: ``python -m scripts demo``, ``… docs``, ``… test``."""
 
 import os
 import subprocess
@@ -25,6 +25,7 @@ python -m scripts demo [options of pmmkit demo]    set up, reduce the S175 tests
 python -m scripts test [options of pytest]         set up, check format, types and rooms, run tests
 python -m scripts test --fast [options of pytest]  the same without the tests that take long
 python -m scripts check [format lint types rooms]  set up, and these checks alone
+python -m scripts docs [--without-notebooks]       set up, build the documentation site
 On Windows write py instead of python."""
 
 
@@ -42,6 +43,13 @@ def check(options):
         return 2
     environment.ensure(development=True)
     return run({name: CHECKS[name] for name in options or CHECKS})
+
+
+def docs(options):
+    """Set up and build the documentation site."""
+    environment.ensure(documentation=True)
+    command = [str(environment.PYTHON), "-m", "scripts.documentation.site", *options]
+    return subprocess.call(command, cwd=environment.ROOT, env=ONE_THREAD | os.environ)
 
 
 def test(options):
@@ -79,7 +87,7 @@ def main(arguments):
             "and start again.".format(*sys.version_info)
         )
         return 1
-    commands = {"demo": demo, "check": check, "test": test}
+    commands = {"demo": demo, "docs": docs, "check": check, "test": test}
     if not arguments or arguments[0] not in commands:
         environment.say(USAGE)
         return 2

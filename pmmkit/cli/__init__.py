@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from pmmkit.errors import PmmkitError
@@ -57,7 +59,8 @@ def _run(given: list[str]) -> int:
     as_json = "--json" in given
     usage_error: Any = typer.BadParameter.__base__
     try:
-        status = application(*given[:1])(given, prog_name="pmmkit", standalone_mode=False)
+        with _one_line_each():
+            status = application(*given[:1])(given, prog_name="pmmkit", standalone_mode=False)
     except (typer.Abort, KeyboardInterrupt):
         status = STOPPED
     except PmmkitError as error:
@@ -74,6 +77,18 @@ def _run(given: list[str]) -> int:
     if status == STOPPED:
         print("Stopped. No output was left half-written.", file=sys.stderr)
     return status if isinstance(status, int) else DONE
+
+
+@contextmanager
+def _one_line_each() -> Iterator[None]:
+    """Warnings are a line for the person at the keyboard, without the place in the code."""
+
+    def told(message: Warning | str, *_: object, **__: object) -> None:
+        print(f"pmmkit: {message}", file=sys.stderr)
+
+    with warnings.catch_warnings():
+        warnings.showwarning = told
+        yield
 
 
 def _open_streams() -> None:

@@ -6,10 +6,13 @@ import hashlib
 import os
 import sys
 import warnings
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
+
+import numpy as np
 
 from pmmkit.effects import primitives
 from pmmkit.equations.code_generation import ENGINE, module_text
@@ -34,10 +37,7 @@ def cache_folder() -> Path:
 @cache
 def interpreted(structure: Structure, files: tuple[str, ...] = ENGINE) -> ModuleType:
     """The functions of a structure, run by Python itself; lists stand for their arrays."""
-    module = ModuleType("pmmkit_equations")
-    module.__dict__.update(entry=_same, inner=_same, use=_same, vector=lambda size: [0.0] * size)
-    exec(compile(module_text(structure, files), "<equations of a model>", "exec"), module.__dict__)
-    return module
+    return _plain(structure, files, lambda size: [0.0] * size)
 
 
 @cache
@@ -46,9 +46,17 @@ def compiled(structure: Structure, files: tuple[str, ...] = ENGINE) -> ModuleTyp
 
     The text is written to `cache_folder` under its hash, with the machine code beside it. Where
     that folder cannot be written, or others could have written into it, the functions are compiled
-    in each session; what is damaged is compiled again.
+    in each session; what is damaged is compiled again. Where numba cannot be imported, Python
+    itself runs them, on arrays.
     """
-    from pmmkit.equations import compiled_cache
+    try:
+        from pmmkit.equations import compiled_cache
+    except ImportError as error:
+        warnings.warn(
+            f"Equations are interpreted, which takes many times as long: {error}. Install numba.",
+            stacklevel=2,
+        )
+        return _plain(structure, files, np.zeros)
 
     text = _HEAD + module_text(structure, files)
     name = f"pmmkit_equations_{_fingerprint(structure, text)}"
@@ -64,6 +72,17 @@ def compiled(structure: Structure, files: tuple[str, ...] = ENGINE) -> ModuleTyp
     module = sys.modules[name] = ModuleType(name)
     module.__dict__["entry"] = entry
     exec(compile(text, place, "exec"), module.__dict__)
+    return module
+
+
+def _plain(
+    structure: Structure, files: tuple[str, ...], vector: Callable[[int], Any]
+) -> ModuleType:
+    """The functions of a structure for Python itself, with what makes their empty arrays."""
+    module = ModuleType("pmmkit_equations")
+    given = {"entry": _same, "inner": _same, "use": _same, "vector": vector}
+    module.__dict__.update(given, np=np, numpy=np)
+    exec(compile(module_text(structure, files), "<equations of a model>", "exec"), module.__dict__)
     return module
 
 

@@ -111,9 +111,9 @@ def _families() -> list[str]:
 
 def canvas(height: float, width: float = WIDTH) -> Figure:
     """An empty figure that lays itself out, without pyplot and its global state."""
-    from matplotlib.figure import Figure
+    from pmmkit.plotting.shown import Shown
 
-    return Figure(figsize=(width, height), layout="constrained")
+    return Shown(figsize=(width, height), layout="constrained")
 
 
 def in_powers(axes: Iterable[Axes]) -> None:

@@ -70,13 +70,15 @@ def program(name):
     return str(PROGRAMS / (name + ".exe" if os.name == "nt" else name))
 
 
-def ensure(development=False):
+def ensure(development=False, documentation=False):
     """Make the environment, or bring it up to date; nothing happens where it is.
 
     Parameters
     ----------
     development : bool
         Whether the tools of the group ``dev`` are needed too.
+    documentation : bool
+        Whether what builds the documentation site is needed too.
 
     Raises
     ------
@@ -86,7 +88,9 @@ def ensure(development=False):
     done = _stamped()
     current = done.get("fingerprint") == _fingerprint()
     development = development or bool(done.get("development"))
-    if current and done["development"] >= development:
+    documentation = documentation or bool(done.get("documentation"))
+    wanted = {"development": development, "documentation": documentation}
+    if current and all(done.get(name) or not needed for name, needed in wanted.items()):
         return
     started = time.monotonic()
     say(f"Setting up {FOLDER} (once, and when pyproject.toml changes) ...")
@@ -94,8 +98,9 @@ def ensure(development=False):
         _create()
     if STAMP.exists():
         STAMP.unlink()
-    _run([*_installer(), "--editable", str(ROOT), *(_tools() if development else [])])
-    stamp = {"fingerprint": _fingerprint(), "development": development}
+    project = f"{ROOT}[docs]" if documentation else str(ROOT)
+    _run([*_installer(), "--editable", project, *(_tools() if development else [])])
+    stamp = {"fingerprint": _fingerprint(), **wanted}
     STAMP.write_text(json.dumps(stamp), encoding="utf-8")
     say(f"Set up in {time.monotonic() - started:.0f} s.")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,16 @@ def test_a_closed_or_full_output_is_no_traceback(redirected, status, said):
 def test_an_error_with_both_outputs_closed_still_has_its_status():
     status, _ = shell(f"{sys.executable} -m pmmkit stability nothing --speed 1 >&- 2>&-")
     assert status == 1
+
+
+def test_a_warning_is_one_line_without_the_place_in_the_code(monkeypatch, capsys):
+    def ships():
+        warnings.warn("Equations are interpreted.", stacklevel=1)
+        return ("kvlcc2",)
+
+    monkeypatch.setattr("pmmkit.ship_library.ships", ships)
+    assert main(["ships"]) == 0
+    assert capsys.readouterr().err == "pmmkit: Equations are interpreted.\n"
 
 
 def test_a_short_error_is_shown_as_it_is(capsys):

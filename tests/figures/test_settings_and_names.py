@@ -108,3 +108,12 @@ def test_a_ship_with_mathematics_in_its_name_turns(tmp_path):
     pk.save_model(model, tmp_path / "model.toml")
     out = ["--out", str(tmp_path / "out")]
     assert main(["simulate", str(tmp_path / "model.toml"), "--speed", "1.2", *out]) == 0
+
+
+def test_a_notebook_shows_a_figure_without_pyplot(track):
+    """A notebook draws what is not pyplot's by the method that the object has for it."""
+    figure = track.plot()
+    header = figure._repr_png_()[:24]
+    assert header.startswith(b"\x89PNG")
+    width, height = (int.from_bytes(header[at : at + 4]) for at in (16, 20))
+    assert width > height > 200

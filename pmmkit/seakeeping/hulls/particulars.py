@@ -55,8 +55,8 @@ def hull_from_particulars(
 ) -> Hull:
     """A hull of Lewis forms with the particulars of a ship whose lines are not known.
 
-    Area and breadth fall from midship to both ends as 1 - |2x/L|ⁿ, with an exponent forward and
-    one aft from the coefficient and the centre of each curve. The keel is level.
+    Area and breadth fall from midship to both ends as ``1 - |2x/L|ⁿ``, with an exponent forward
+    and one aft from the coefficient and the centre of each curve. The keel is level.
 
     Parameters
     ----------

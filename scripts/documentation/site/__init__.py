@@ -1,0 +1,1 @@
+"""The documentation site, gathered from the README, docs/ and the program."""
