@@ -97,7 +97,8 @@ def overlays(manoeuvres: Sequence[Manoeuvre]) -> dict[str, Figure]:
         found["turning_circles"] = trajectory(*_tracks(turns))
     weaves = [item for item in manoeuvres if kind_of(item.run.test).switches]
     if weaves:
-        found["zigzag"] = zigzag(*_tracks([max(weaves, key=_off)]))
+        worst = max(weaves, key=_off)
+        found[worst.run.test] = zigzag(*_tracks([worst]))
     return found
 
 

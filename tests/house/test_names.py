@@ -95,6 +95,7 @@ REGISTRIES = {
     "parts of models": (
         [x.name for x in EVERY if x.enters and not x.coefficients],
         {
+            "campaigns/file/packed.py": OTHER_WORDS,
             "campaigns/file/particulars.py": OTHER_WORDS,
             "campaigns/file/schema.py": OTHER_WORDS,
             "campaigns/file/single_tables.py": OTHER_WORDS,
