@@ -102,7 +102,7 @@ def r_hat(draws: Array) -> float:
     --------
     >>> apart = np.random.default_rng(0).normal(size=(4, 500))
     >>> round(r_hat(apart), 3), round(r_hat(apart + np.arange(4)[:, None]), 1)
-    (1.001, 1.7)
+    (1.001, 1.5)
     """
     halves = _halves(draws)
     folded = np.abs(halves - np.median(halves))

@@ -73,8 +73,8 @@ def heel_of_turn(
     Notes
     -----
     The largest heel is that of parabolas through the samples about each; the steady one a mean from
-    half a turn on, with the scatter of means over a ship length. Without an approach heel counts
-    from zero.
+    half a turn on, with the scatter of means over a ship length and half of what it still changes
+    by. Without an approach heel counts from zero.
     """
     known = np.isfinite(phi)
     t, phi, psi = t[known], phi[known], psi[known]
@@ -96,7 +96,10 @@ def heel_of_turn(
         means = np.bincount(block, heel[late]) / np.maximum(np.bincount(block), 1)
         means = means[np.bincount(block) > 0]
         if len(means) > 1:
-            std = float(means.std(ddof=1)) / math.sqrt(len(means))
+            # What the heel still changes by is no noise, and does not go down with the blocks.
+            half = len(means) // 2
+            change = float(means[half:].mean() - means[:half].mean())
+            std = math.hypot(float(means.std(ddof=1)) / math.sqrt(len(means)), 0.5 * change)
     return Heel(
         upright=upright,
         largest=abs(most.value),

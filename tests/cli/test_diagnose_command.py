@@ -249,6 +249,8 @@ def test_records_of_a_ship_that_is_the_model_name_nothing(tmp_path, capsys):
         "0.02",
         "--window",
         "40",
+        "--candidates",
+        "asymmetry,rudder_stall,yaw_sway_coupling,fault_rudder_zero",
         "--json",
         "--out",
         tmp_path / "found",

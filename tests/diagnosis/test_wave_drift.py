@@ -224,12 +224,6 @@ def test_waves_are_named_among_the_whole_catalogue(named):
 
 
 @pytest.mark.slow
-def test_waves_and_wind_from_two_sides_are_both_named(table):
-    found = asked(with_table(SHIP, table), sailed(Hidden(waves=1.0, windage=1.0)))
-    assert set(found.group[0][0]) == {"wave_drift", "wind"}
-
-
-@pytest.mark.slow
 def test_no_waves_are_named_where_none_act(table):
     """A sea is stated, and the ship does not feel it."""
     assert asked(with_table(SHIP, table), sailed(NOTHING)).group == ()

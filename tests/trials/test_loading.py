@@ -11,6 +11,7 @@ import pmmkit as pk
 from pmmkit.campaigns.run import Campaign
 from pmmkit.errors import DataError
 from pmmkit.models import estimated_model
+from pmmkit.models.astern import ESTIMATED, with_estimated_astern
 from pmmkit.report.imo_form import form_of_trials
 from pmmkit.ship import Ship, Water
 from pmmkit.simulation.imo import imo_turning
@@ -136,10 +137,22 @@ def test_the_uncertainty_of_the_measure_is_carried_with_it():
 
 
 def test_what_a_model_cannot_sail_stays_as_tried():
-    """These models say nothing of their propellers astern."""
+    """The Mariner's model has no propeller."""
+    ship = pk.load_model("mariner")
     stopped = replace(sailed(tanker(*BALLAST)).verdicts[0], criterion="track_reach", value=7.0)
-    trial = replace(sailed(tanker(*BALLAST)), verdicts=(stopped,))
-    assert corrected(trial) == ()
+    trial = replace(sailed(tanker(*BALLAST)), L=ship.ship.L, verdicts=(stopped,))
+    assert to_full_load([trial], predicted_by(ship), predicted_by(ship)) == ()
+
+
+def test_a_stop_by_an_estimate_of_the_propeller_astern_is_corrected_with_that_said():
+    stopped = replace(sailed(tanker(*BALLAST)).verdicts[0], criterion="track_reach", value=7.0)
+    (found,) = corrected(replace(sailed(tanker(*BALLAST)), verdicts=(stopped,)))
+    reach = [
+        pk.simulate(with_estimated_astern(tanker(*loaded)), "stopping", speed=SPEED)
+        for loaded in (BALLAST, FULL)
+    ]
+    ratio = reach[1].metrics["track_reach_L"] / reach[0].metrics["track_reach_L"]
+    assert found.verdict.value == pytest.approx(7.0 * ratio, rel=1e-6)
 
 
 def test_models_of_another_length_or_draught_are_named():
@@ -148,8 +161,9 @@ def test_models_of_another_length_or_draught_are_named():
         to_full_load([trial], predicted_by("kvlcc2-l7"), predicted_by("kvlcc2-l7"))
     full = predicted_by(tanker(*FULL))
     notes = loading_notes(full, full, L=320.0, draught=11.0, full_draught=20.8)
-    assert len(notes) == 1
+    assert len(notes) == 2
     assert "is for 20.8 m of draught, the ship draws 11 m" in notes[0]
+    assert ESTIMATED in notes[1]
 
 
 def test_the_table_names_its_columns_by_the_letters_of_the_notes():
