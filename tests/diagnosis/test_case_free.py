@@ -1,4 +1,4 @@
-"""Real free-running records: HSVA's zigzags with HMRI's captive model, Esso Osaka in wind."""
+"""Real free-running records: Esso Osaka in wind. HSVA's zigzags are in the typed chain and a study."""
 
 from __future__ import annotations
 
@@ -7,10 +7,8 @@ import pytest
 import pmmkit as pk
 from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.identification.from_run import free_records
 from scripts.studies import diagnose_esso_osaka as esso
 from scripts.studies.identify_esso_osaka import SENSORS, records
-from scripts.studies.kvlcc2_hsva import ROOT, as_at_hsva, captive_model
 
 FEW = ("wind", "rudder_slipstream", "asymmetry")
 
@@ -68,25 +66,3 @@ def test_the_answer_does_not_hang_on_the_last_digit(outdoors, found):
     assert found.entries[0].log_evidence == pytest.approx(other.entries[0].log_evidence, abs=0.5)
     for name, value in found.base.items():
         assert other.base[name] == pytest.approx(value, rel=0.1, abs=1e-3), name
-
-
-@pytest.mark.slow
-def test_hsvas_asymmetry_is_found_by_what_it_does_to_records_left_out(shared_data):
-    """Every second zigzag, against two rivals (the study asks all). Another flow straightening has
-    more evidence over windows and predicts headings worse: 7.9° over 80 s."""
-    captive = as_at_hsva(captive_model(shared_data)[0], shared_data)
-    campaign = pk.open_campaign(ROOT / "datasets" / "kvlcc2_hsva", data=shared_data)
-    runs = sorted(campaign.runs, key=lambda run: run.id)
-    used, kept = (
-        [x for run in half for x in free_records(run, captive)] for half in (runs[::2], runs[1::2])
-    )
-    few = ("asymmetry", "rudder_stall", "flow_straightening")
-    some = [x for x in candidates_for(captive, used) if x.name in few]
-    found = diagnose_free(captive, used, candidates=some, held_out=kept, held_out_window=80.0)
-    assert set(found.best) == {"asymmetry", "rudder_stall"}
-    heading = [
-        found.errors[f"held out, {x}"]["heading"]
-        for x in ("model as given", "base refitted", "with the effects")
-    ]
-    assert heading[0] > 20.0
-    assert heading[2] < 4.2 < heading[1]
