@@ -1,4 +1,4 @@
-"""Real free-running records: Esso Osaka in wind. HSVA's zigzags are in the typed chain and a study."""
+"""Real free-running records: Esso Osaka in wind; HSVA's zigzags are in the typed chain."""
 
 from __future__ import annotations
 
