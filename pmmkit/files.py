@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from itertools import chain, count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.errors import FileExists
 from pmmkit.escaping import safe_cell
@@ -228,6 +228,43 @@ def sha256(path: str | Path) -> str:
     """Hexadecimal SHA-256 of a file's bytes."""
     with Path(path).open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+SEAL: Final = b"\npmmkit sha256 "
+"""What stands before the checksum behind the content of a sealed file."""
+
+
+def seal(path: Path) -> None:
+    """Put the SHA-256 of a file's content behind it.
+
+    Behind the end that HDF5 knows of its library does not look; it can run forever on a file with
+    damaged texts, so a damaged one must be known before it is opened.
+    """
+    with path.open("ab") as stream:
+        stream.write(SEAL + sha256(path).encode())
+
+
+def is_intact(path: str | Path) -> bool | None:
+    """Whether a file is what was sealed; None where it has no seal.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> place = Path(tempfile.mkdtemp()) / "a"
+    >>> _ = place.write_bytes(b"12")
+    >>> found = [is_intact(place)]
+    >>> seal(place)
+    >>> found.append(is_intact(place))
+    >>> _ = place.write_bytes(b"3" + place.read_bytes()[1:])
+    >>> [*found, is_intact(place)]
+    [None, True, False]
+    """
+    whole = Path(path).read_bytes()
+    length = len(SEAL) + 2 * hashlib.sha256().digest_size
+    body, end = whole[:-length], whole[-length:]
+    if not end.startswith(SEAL):
+        return None
+    return end == SEAL + hashlib.sha256(body).hexdigest().encode()
 
 
 def matching(pattern: str | Path) -> tuple[Path, ...]:

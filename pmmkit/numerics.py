@@ -123,6 +123,20 @@ def _scaled(gram: Array) -> tuple[Array, Array] | None:
     return (unit, scale) if values[0] > WELL * values[-1] else None
 
 
+def root_of(covariance: Array) -> Array:
+    """A lower root of a covariance whose numbers may differ by orders of magnitude.
+
+    Examples
+    --------
+    >>> root_of(np.array([[4.0, 2e-6], [2e-6, 2e-12]])).round(7)
+    array([[2.e+00, 0.e+00],
+           [1.e-06, 1.e-06]])
+    """
+    scale = np.sqrt(np.diagonal(covariance))
+    root: Array = scale[:, None] * np.linalg.cholesky(covariance / np.outer(scale, scale))
+    return root
+
+
 def turned(psi: Array) -> Array:
     """Change of heading in the sense of the turn as a whole, never going back [rad].
 

@@ -48,7 +48,12 @@ class Convergence:
     @property
     def reached(self) -> bool:
         """Whether every R-hat is below 1.01 and every chain has 100 effective draws."""
-        return bool(np.all(self.r_hat < R_HAT)) and self.least >= DRAWS * self.chains
+        return bool(np.all(self.r_hat < R_HAT)) and self.least >= self.asked
+
+    @property
+    def asked(self) -> float:
+        """The least effective sample size that counts as enough."""
+        return DRAWS * self.chains
 
     def words(self) -> str:
         """The worst of it."""

@@ -113,7 +113,7 @@ def forces_over_drift(
             for number, group in enumerate(points):
                 if channel not in group.force:
                     continue
-                divide = _unit(table, channel, group.froude) if table else 1.0
+                divide = unit_in(table, channel, group.froude) if table else 1.0
                 shrunk = min(1.0, math.sqrt(_ROOMY / len(group.drift)))
                 scale = factor / divide
                 if table:
@@ -139,7 +139,8 @@ def forces_over_drift(
     return figure
 
 
-def _unit(table: DerivativeTable, channel: str, froude: float) -> float:
+def unit_in(table: DerivativeTable, channel: str, froude: float) -> float:
+    """What a force [N, N m] is divided by in the convention of a table, at a Froude number."""
     ship, water = table.ship, table.water
     return force_unit(
         channel,

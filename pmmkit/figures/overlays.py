@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.campaigns.test_kinds.free_running import TURNING
 from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.numerics import Array
 from pmmkit.plotting.histories import zigzag
 from pmmkit.plotting.turns import trajectory
 from pmmkit.simulation.track import Track
@@ -24,39 +22,13 @@ if TYPE_CHECKING:
 _FIRST: Final = "overshoot_1_deg"
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Measured:
+def _measured(trial: Trial) -> Track:
     """A trial from its order on, in the shape of a simulated track."""
-
-    t: Array
-    x: Array
-    y: Array
-    psi: Array
-    u: Array
-    v: Array
-    r: Array
-    phi: Array
-    delta: Array
-    n: Array
-    name: str
-    L: float
-    speed: float
-    Fn: float
-    rudder_deg: float
-    metrics: Mapping[str, float]
-    orders: tuple[float, ...]
-    settings: Mapping[str, Any]
-
-    def __len__(self) -> int:
-        return len(self.t)
-
-
-def _measured(trial: Trial) -> _Measured:
     after = trial.t >= 0.0
     t, x, y, psi = (part[after] for part in (trial.t, trial.x, trial.y, trial.psi))
     ahead, aside = np.gradient(x, t), np.gradient(y, t)
     unknown = np.full(len(t), math.nan)
-    return _Measured(
+    return Track(
         t=t,
         x=x,
         y=y,
@@ -64,17 +36,18 @@ def _measured(trial: Trial) -> _Measured:
         u=ahead * np.cos(psi) + aside * np.sin(psi),
         v=aside * np.cos(psi) - ahead * np.sin(psi),
         r=np.gradient(psi, t),
+        p=unknown,
         phi=unknown,
         delta=trial.delta[after],
         n=unknown,
         name=trial.name,
+        manoeuvre=trial.test,
         L=trial.L,
         speed=trial.speed,
         Fn=math.nan,
         rudder_deg=trial.rudder_deg,
         metrics=trial.metrics,
         orders=trial.orders,
-        settings={},
     )
 
 
@@ -114,8 +87,8 @@ def _off(item: Manoeuvre) -> float:
     return abs(error) if math.isfinite(error) else 0.0
 
 
-def _tracks(items: Sequence[Manoeuvre]) -> tuple[list[_Measured | Track], list[str]]:
-    tracks: list[_Measured | Track] = []
+def _tracks(items: Sequence[Manoeuvre]) -> tuple[list[Track], list[str]]:
+    tracks: list[Track] = []
     names: list[str] = []
     for item in items:
         tracks += [_measured(item.trial), item.track]

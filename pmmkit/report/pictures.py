@@ -10,7 +10,6 @@ import numpy as np
 from pmmkit.campaigns.motion.counted import counted_cycles
 from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT
-from pmmkit.conventions import force_unit
 from pmmkit.errors import TableError
 from pmmkit.escaping import figure_text
 from pmmkit.figures import (
@@ -27,6 +26,7 @@ from pmmkit.figures import (
     zeros_at_rest,
 )
 from pmmkit.figures.correlations import correlated, strongest
+from pmmkit.figures.forces import unit_in
 from pmmkit.figures.forests import farthest
 from pmmkit.models.reference import Reference
 from pmmkit.observations.equations import Rows
@@ -301,20 +301,8 @@ def _pace(result: RunResult, table: DerivativeTable) -> float:
 
 
 def _non_dimensional(item: Rows, table: DerivativeTable) -> CycleForces:
-    ship, water, result = table.ship, table.water, item.result
-    units = {
-        channel: force_unit(
-            channel,
-            table.convention.system,
-            L=ship.L,
-            d=ship.d,
-            volume=ship.volume,
-            rho=water.rho,
-            g=water.g,
-            U=ship.speed(result.froude, water.g),
-        )
-        for channel in item.force
-    }
+    result = item.result
+    units = {channel: unit_in(table, channel, result.froude) for channel in item.force}
     return CycleForces(
         froude=result.froude,
         coefficients={channel: x / units[channel] for channel, x in item.force.items()},

@@ -43,6 +43,7 @@ class _Part:
     notes: tuple[str, ...]
     drift: Current | None = None
     turned_deg: float = math.nan
+    heel: Heel | None = None
 
 
 def evaluate_trials(
@@ -155,9 +156,9 @@ def _part(run: Run, campaign: Campaign, given: float | None) -> _Part:
     record = read_record(run)
     notes = list(record.notes)
     orders = _orders(run, record, given, notes)
-    circle, drift, turned = None, None, math.nan
+    circle, drift, turned, heel = None, None, math.nan, None
     if run.kind_of_test is TURNING:
-        delta = record.others.get("delta")
+        delta, pace = record.others.get("delta"), campaign.ship.L / run.settings.speed
         end = float(record.t[-1]) if delta is None else held_until(record.t, delta, orders[0])
         inside = (record.t >= orders[0].t) & (record.t <= end)
         held = [part[inside] for part in (record.t, record.x, record.y, record.psi)]
@@ -166,12 +167,22 @@ def _part(run: Run, campaign: Campaign, given: float | None) -> _Part:
                 raise DataError("The record ends with the order.")
             drift = equal_headings(*held)
             turned = math.degrees(float(np.abs(held[-1] - held[-1][0]).max()))
-            circle = fit_circle(*held, pace=campaign.ship.L / run.settings.speed)
+            circle = fit_circle(*held, pace=pace)
             circle = replace(
                 circle, current=replace(circle.current, origin=f"turning circle {run.id}")
             )
         except DataError as error:
             notes.append(f"No current from this turn. {error}")
+        if "phi" in record.others:
+            heel = heel_of_turn(
+                record.t,
+                record.others["phi"],
+                record.psi,
+                order=orders[0].t,
+                until=end,
+                side=math.copysign(1.0, orders[0].level),
+                pace=pace,
+            )
     return _Part(
         run=run,
         record=record,
@@ -180,6 +191,7 @@ def _part(run: Run, campaign: Campaign, given: float | None) -> _Part:
         notes=tuple(notes),
         drift=drift,
         turned_deg=turned,
+        heel=heel,
     )
 
 
@@ -187,23 +199,6 @@ def _rudder_rate(orders: Sequence[Order]) -> float:
     """The usual rate of the rudder [deg/s]; NaN where it steps."""
     rate = float(np.median([order.rate for order in orders]))
     return math.degrees(rate) if math.isfinite(rate) else math.nan
-
-
-def _heel(part: _Part, campaign: Campaign) -> Heel | None:
-    """Heel of a turning circle whose record has it."""
-    record, order = part.record, part.orders[0]
-    phi, delta = record.others.get("phi"), record.others.get("delta")
-    if phi is None or part.run.kind_of_test is not TURNING:
-        return None
-    return heel_of_turn(
-        record.t,
-        phi,
-        record.psi,
-        order=order.t,
-        until=float(record.t[-1]) if delta is None else held_until(record.t, delta, order),
-        side=math.copysign(1.0, order.level),
-        pace=campaign.ship.L / part.run.settings.speed,
-    )
 
 
 def _engine(part: _Part, stopped: float) -> tuple[float, FullAstern | None]:
@@ -307,8 +302,8 @@ def _trial(
         found, _ = of_zigzag(path, part.orders, abs(switch), notes)
     else:
         found = of_stopping(path, part.orders[0], notes)
-    heel = _heel(part, campaign)
-    if heel is not None:
+    if part.heel is not None:
+        heel = part.heel
         found.add("heel_max_deg", math.degrees(heel.largest), math.degrees(heel.largest_std))
         found.add("heel_steady_deg", math.degrees(heel.steady), math.degrees(heel.steady_std))
         notes += [heel.words] if heel.words else []

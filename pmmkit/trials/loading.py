@@ -13,7 +13,7 @@ from pmmkit.campaigns.test_kinds.free_running import STOPPING
 from pmmkit.errors import DataError
 from pmmkit.metrics import Criterion, criteria
 from pmmkit.models import Model, load_model
-from pmmkit.models.astern import ESTIMATED, as_it_stops, knows_astern
+from pmmkit.models.astern import ESTIMATED, as_it_stops, astern_can_be_estimated
 from pmmkit.presentation import Grid, Group, percent
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import LOADED
@@ -278,5 +278,5 @@ def loading_notes(
         if own is not None and abs(item.draught * L / item.L / own - 1.0) > LOADED
     )
     models = [item.model for item in (as_tried, full_load) if item.model is not None]
-    stops = [x for x in models if not knows_astern(x) and as_it_stops(x) is not None]
-    return (*loaded, f"Stops of the models: {ESTIMATED}") if stops else loaded
+    estimated = any(astern_can_be_estimated(model) for model in models)
+    return (*loaded, f"Stops of the models: {ESTIMATED}") if estimated else loaded

@@ -10,6 +10,7 @@ import numpy as np
 
 from pmmkit.campaigns.motion.inertia import Rig, force_of_water, rig_of
 from pmmkit.campaigns.run import Campaign
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import CHANNELS
 from pmmkit.errors import DataError, ExtrapolationError
 from pmmkit.models import Model
@@ -201,12 +202,49 @@ def _compared(
     if not predictor.model.rolls:
         history.pop("K", None)
     predicted = {name: view.project(x) for name, x in history.items()}
+    sources = sources_of(campaign, repeated=bool(scatter))
+    own = measured_shares(view, campaign, rig, scatter, sources, forces, predicted)
+    least = {name: np.full(view.rows, floor * scale[name] * view.speed**2) for name in predicted}
+    return CaptiveRun(
+        view=view,
+        Fn=Fn,
+        predicted=predicted,
+        history=history,
+        shares={**own, "model": model_share(view, predictor, Fn), "floor": least},
+    )
+
+
+def measured_shares(
+    view: View,
+    campaign: Campaign,
+    rig: Rig,
+    scatter: Mapping[str, float],
+    sources: Sequence[TypeB],
+    forces: Forces,
+    predicted: Mapping[str, Array],
+) -> dict[str, Share]:
+    """Standard uncertainties of a run's harmonics that are the measurement's: `OF_MEASUREMENT`.
+
+    Parameters
+    ----------
+    view : View
+        The run.
+    campaign : Campaign
+        States what it is uncertain by.
+    rig : Rig
+        Inertia and reference points.
+    scatter : mapping of channel to float
+        Of repeats, over U².
+    sources : sequence of TypeB
+        What is stated.
+    forces, predicted
+        As for `stated_share`; the channels of `predicted` are asked.
+    """
     noise = {name: np.sqrt(np.diagonal(view.covariance[name])) for name in predicted}
     again = {
-        name: np.full(view.rows, beyond(scatter.get(name, 0.0) * view.speed**2, noise[name]))
+        name: np.full(view.rows, _beyond(scatter.get(name, 0.0) * view.speed**2, noise[name]))
         for name in predicted
     }
-    sources = sources_of(campaign, repeated=bool(scatter))
     told = {name for name in predicted if view.noise.get(name) == "stated"}
     stated = stated_share(
         view,
@@ -223,33 +261,11 @@ def _compared(
         )
         for name in predicted
     }
-    least = {name: np.full(view.rows, floor * scale[name] * view.speed**2) for name in predicted}
-    return CaptiveRun(
-        view=view,
-        Fn=Fn,
-        predicted=predicted,
-        history=history,
-        shares={
-            "noise": noise,
-            "scatter": again,
-            "stated": stated,
-            "model": model_share(view, predictor, Fn),
-            "numerical": numerical,
-            "floor": least,
-        },
-    )
+    return {"noise": noise, "scatter": again, "stated": stated, "numerical": numerical}
 
 
-def beyond(scatter: float, noise: Array) -> float:
-    """Scatter of repeats beyond what noise explains, as a standard deviation [N, N m].
-
-    Parameters
-    ----------
-    scatter : float
-        Standard deviation between repeats.
-    noise : array (m,)
-        Standard uncertainties by the records' own noise.
-    """
+def _beyond(scatter: float, noise: Array) -> float:
+    """Scatter of repeats beyond what noise explains."""
     return math.sqrt(max(scatter**2 - float(np.mean(noise**2)), 0.0))
 
 

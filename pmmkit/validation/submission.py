@@ -18,9 +18,9 @@ from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View, repeat_scatter
 from pmmkit.observations.whitening import FLOOR
-from pmmkit.validation.captive import CaptiveRun, beyond, observed
+from pmmkit.validation.captive import CaptiveRun, measured_shares, observed
 from pmmkit.validation.comparison import Comparison
-from pmmkit.validation.uncertainty import Share, scales, sources_of, stated_share
+from pmmkit.validation.uncertainty import Share, scales, sources_of
 
 _SAME: Final = 0.01
 """Share by which speeds, frequencies and amplitudes of the same condition may differ."""
@@ -158,31 +158,14 @@ class _Side:
 
     def doubts(self, view: View) -> Mapping[str, Share]:
         """Standard uncertainties of a run's harmonics, from what is known without a model."""
-        channels = tuple(view.force)
-        noise = {name: np.sqrt(np.diagonal(view.covariance[name])) for name in channels}
-        again = {
-            name: np.full(
-                view.rows, beyond(self.scatter.get(name, 0.0) * view.speed**2, noise[name])
-            )
-            for name in channels
-        }
-        told = {name for name in channels if view.noise.get(name) == "stated"}
         sources = [
             item
             for item in sources_of(self.campaign, repeated=bool(self.scatter))
-            if _acts_alone(item) and item.kind.channel not in told
+            if _acts_alone(item)
         ]
-        stated = stated_share(
-            view, rig_of(self.campaign), _still, sources, self.campaign.water.rho, view.force
+        return measured_shares(
+            view, self.campaign, rig_of(self.campaign), self.scatter, sources, _still, view.force
         )
-        known = {name for name in channels if view.noise.get(name) == "numerical"}
-        numerical = {
-            name: np.full(
-                view.rows, 0.0 if name in known else self.campaign.numerical.get(name, 0.0)
-            )
-            for name in channels
-        }
-        return {"noise": noise, "scatter": again, "stated": stated, "numerical": numerical}
 
 
 def _acts_alone(source: TypeB) -> bool:

@@ -21,7 +21,7 @@ from pmmkit.identification.filters import LOST, Filtered, first_state, kind_of, 
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.models import Model
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, root_of
 
 STEP: Final = 0.1
 """Longest step of the integration in ship lengths over the speed of the approach."""
@@ -89,8 +89,7 @@ class Density:
     @cached_property
     def _root(self) -> Array:
         """Of the prior's covariance."""
-        scale = self.prior.std
-        return scale[:, None] * np.linalg.cholesky(self.prior.covariance / np.outer(scale, scale))
+        return root_of(self.prior.covariance)
 
     @cached_property
     def measurements(self) -> int:

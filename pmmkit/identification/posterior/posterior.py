@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.errors import DataError, SimulationError
-from pmmkit.estimation.convergence import Convergence
+from pmmkit.estimation.convergence import R_HAT, Convergence
 from pmmkit.executors import Workers
 from pmmkit.identification.lack import Lack
 from pmmkit.identification.posterior.density import (
@@ -32,7 +32,7 @@ from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.restarts import filtered
 from pmmkit.models import Model
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, root_of
 from pmmkit.progress import Progress
 from pmmkit.simulation.spread import Draws
 
@@ -117,7 +117,7 @@ class Posterior:
         return (
             f"The posterior is NOT converged after {self.steps} steps: "
             f"{self.convergence.words()}, where {self.convergence.chains} ensembles need R-hat "
-            f"below 1.01 and an effective sample size of {100 * self.convergence.chains}. Values "
+            f"below {R_HAT:g} and an effective sample size of {self.convergence.asked:.0f}. Values "
             f"and intervals are not to be used: allow more steps, or name fewer parameters.",
         )
 
@@ -295,9 +295,7 @@ def _starts(
 ) -> Array:
     """Numbers (w, d) of the walkers of an ensemble, all where the density is not nothing."""
     rng = np.random.default_rng(seed)
-    scale = np.sqrt(np.diagonal(covariance))
-    root = scale[:, None] * np.linalg.cholesky(covariance / np.outer(scale, scale))
-    drawn = WIDER * rng.standard_normal((walkers, len(values))) @ root.T
+    drawn = WIDER * rng.standard_normal((walkers, len(values))) @ root_of(covariance).T
     rough = max(roughness, LEAST_ROUGH) * np.exp(APART * rng.standard_normal((walkers, 1)))
     own = PROCESS_NOISE in density.names
     middle = density.numbers(np.append(values, [max(roughness, LEAST_ROUGH)] * own))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.errors import DataError, Problem
-from pmmkit.files import atomic_path
+from pmmkit.files import atomic_path, is_intact, seal
 from pmmkit.identification.binding import AROUND
 from pmmkit.identification.posterior.density import DEGREES, PROCESS_NOISE, SENSOR_SCALE, Density
 from pmmkit.identification.posterior.ensembles import Drawn
@@ -30,8 +29,6 @@ LARGEST: Final = 2**30
 """Bytes of a file above which it is not read."""
 GROWTH: Final = 4
 """Times the size of the file that its content may take."""
-_SEAL: Final = b"\npmmkit sha256 "
-_SEAL_LENGTH: Final = len(_SEAL) + 64
 _NOT_READ: Final = "The posterior is not read"
 
 
@@ -178,8 +175,7 @@ def write_posterior(tree: xr.DataTree, path: str | Path) -> None:
     """
     with atomic_path(path) as part:
         tree.to_netcdf(part, engine="h5netcdf")
-        whole = part.read_bytes()
-        part.write_bytes(whole + _SEAL + hashlib.sha256(whole).hexdigest().encode())
+        seal(part)
 
 
 def read_posterior(path: str | Path) -> xr.DataTree:
@@ -201,9 +197,8 @@ def read_posterior(path: str | Path) -> xr.DataTree:
 
     Notes
     -----
-    As with tables, the checksum behind the end of the file is looked at before the file is opened:
-    the HDF5 library can run forever on a damaged one. So a file that another program has saved
-    again is not read here, but by ``xarray.open_datatree``.
+    As with tables, the seal is looked at before the file is opened (`files.seal`). So a file that
+    another program has saved again is not read here, but by ``xarray.open_datatree``.
     """
     import h5py
     import xarray as xr
@@ -218,13 +213,12 @@ def read_posterior(path: str | Path) -> xr.DataTree:
         size = Path(path).stat().st_size
         if size > LARGEST:
             raise refused(f"is of {size / 2**20:.0f} MB, which is too large for draws.")
-        whole = Path(path).read_bytes()
+        intact = is_intact(path)
     except OSError as error:
         raise refused(f"cannot be read: {error}") from error
-    body, seal = whole[:-_SEAL_LENGTH], whole[-_SEAL_LENGTH:]
-    if not seal.startswith(_SEAL):
+    if intact is None:
         raise refused("is no posterior that pmmkit wrote: it has no checksum.")
-    if seal != _SEAL + hashlib.sha256(body).hexdigest().encode():
+    if not intact:
         raise refused("is damaged: its checksum is another.")
     try:
         with h5py.File(path, "r") as raw:

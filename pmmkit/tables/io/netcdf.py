@@ -1,13 +1,11 @@
 """Derivative tables as NetCDF4 (HDF5).
 
-Behind the end that HDF5 knows of stands the SHA-256 of all before it: the HDF5 library can run
-forever on a file with damaged texts, so a damaged file is refused before it is opened. Files
-without that line (saved again by other programs) are read and checked by their fingerprint.
+They are sealed (`files.seal`): a damaged file is refused before it is opened. Files without a seal
+(saved again by other programs) are read and checked by their fingerprint.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 from pathlib import Path
 from typing import Any, Final
@@ -15,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.errors import Problem, TableError
-from pmmkit.files import atomic_path
+from pmmkit.files import atomic_path, is_intact, seal
 from pmmkit.tables.attributes import NESTED, flat
 from pmmkit.tables.io.content import NOT_READ, assemble
 from pmmkit.tables.table import DerivativeTable
@@ -33,8 +31,6 @@ _DIMENSIONS: Final = {
 }
 _TEXTS: Final = frozenset({"derivative", "derivative_2", "method"})
 _REMEDY: Final = "Write the file again."
-_SEAL: Final = b"\npmmkit sha256 "
-_SEAL_LENGTH: Final = len(_SEAL) + 64
 
 
 def write_netcdf(table: DerivativeTable, path: str | Path) -> None:
@@ -63,8 +59,7 @@ def write_netcdf(table: DerivativeTable, path: str | Path) -> None:
             for name, dimensions in _DIMENSIONS.items():
                 kind = h5py.string_dtype() if name in _TEXTS else content[name].dtype
                 file.create_variable(name, dimensions, kind, data=content[name])
-        whole = part.read_bytes()
-        part.write_bytes(whole + _SEAL + hashlib.sha256(whole).hexdigest().encode())
+        seal(part)
 
 
 def read_netcdf(path: str | Path) -> DerivativeTable:
@@ -73,9 +68,7 @@ def read_netcdf(path: str | Path) -> DerivativeTable:
     import h5py
 
     name = str(path)
-    whole = Path(path).read_bytes()
-    body, seal = whole[:-_SEAL_LENGTH], whole[-_SEAL_LENGTH:]
-    if seal.startswith(_SEAL) and seal != _SEAL + hashlib.sha256(body).hexdigest().encode():
+    if is_intact(path) is False:
         raise TableError(
             Problem(message="is damaged: its checksum is another.", file=name, remedy=_REMEDY),
             title=NOT_READ,
