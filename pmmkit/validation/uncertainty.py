@@ -55,22 +55,27 @@ def stated_share(
     Returns
     -------
     dict of channel to array (m,)
-        Standard uncertainties, sources added in squares.
+        Standard uncertainties: the errors of one cause added with their signs, causes in squares
+        (JCGM 100:2008, F.1.2.3).
     """
-    square = {name: np.zeros(view.rows) for name in view.force}
     read = as_read(view.force, view.run, view.motion, rig, view.project)
-    for source in sources:
+    causes: dict[str, dict[str, Array]] = {}
+    for number, source in enumerate(sources):
         change = _change(view, rig, forces, source, water_rho, predicted, read)
-        for name, moved in change.items():
-            if name in square:
-                square[name] = square[name] + moved**2
-    return {name: np.sqrt(x) for name, x in square.items()}
+        together = causes.setdefault(source.common or f"{number}", {})
+        for name in view.force:
+            if name in change:
+                together[name] = together.get(name, 0.0) + change[name]
+    return {
+        name: np.sqrt(sum((x[name] ** 2 for x in causes.values() if name in x), np.zeros(rows)))
+        for name, rows in dict.fromkeys(view.force, view.rows).items()
+    }
 
 
 def _change(
     view: View, rig: Rig, forces: Forces, source: TypeB, rho: float, predicted: Share, read: Share
 ) -> Share:
-    """Change of the difference by one standard uncertainty of one source, whatever its sign."""
+    """Change of prediction less measurement by one standard uncertainty of one source."""
     found = altered(source, view.run, rig, labels=view.labels, force=read, rho=rho)
     if found is None:
         return {}
@@ -80,7 +85,7 @@ def _change(
         return _by_setting(view, rig, forces, found.run)
     if found.rig is not rig:
         return _by_rig(view, rig, forces, found.rig)
-    return found.force
+    return {name: -x for name, x in found.force.items()}
 
 
 def _by_setting(view: View, rig: Rig, forces: Forces, run: Run) -> dict[str, Array]:

@@ -258,6 +258,31 @@ def test_gauges_act_on_means_or_in_proportion(small, one_set):
         assert not np.any(share["X"])
 
 
+def test_errors_of_one_cause_add_with_their_signs(small, one_set):
+    """Two errors of one gauge; and a gain and a density that grow alike, which cancel."""
+
+    def stated(*sources):
+        runs, _ = compare_captive(
+            one_set, small.select("static_drift").with_(uncertainty=sources), floor=0.0
+        )
+        return [(run, run.shares["stated"]["Y"][0]) for run in runs]
+
+    def zero(std, common=""):
+        return TypeB(name="Y_gauge", std=std, shared=True, common=common)
+
+    independent = stated(zero(0.3), zero(0.4))
+    together = stated(zero(0.3, "weights"), zero(0.4, "weights"))
+    for (_, apart), (_, alike) in zip(independent, together, strict=True):
+        assert apart == pytest.approx(0.5)
+        assert alike == pytest.approx(0.7)
+    gain, density = (
+        TypeB(name=name, std=0.01, relative=True, shared=True, common="weights")
+        for name in ("Y_gauge", "rho")
+    )
+    for run, share in stated(gain, density):
+        assert share == pytest.approx(0.01 * abs(run.error("Y")[0]), rel=1e-6)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("forces", ["hydrodynamic", "balance"])
 def test_an_uncertain_point_of_the_motions_is_the_difference_when_it_is_moved(
