@@ -184,7 +184,7 @@ def in_step(t: ArrayLike, theta: ArrayLike, y: ArrayLike, surge: int = 0) -> Tra
     if tail - head < LEAST * A_CYCLE:
         return whole
     pull = float(np.mean(cells[surge, head:tail]))
-    if abs(pull) < PULL * float(np.sqrt(np.mean(cells[surge, head:tail] ** 2))):
+    if abs(pull) <= PULL * float(np.sqrt(np.mean(cells[surge, head:tail] ** 2))):
         return whole
     gained = change[surge] / pull
     start, stop = 0, time.size

@@ -103,6 +103,14 @@ def test_a_swing_that_builds_up_is_no_ramp():
     assert in_step(t, 2 * np.pi * t / PERIOD, forces).reason == ""
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_model_that_is_not_pulled_at_all_tells_nothing():
+    t = np.linspace(0, 6 * PERIOD, 3000)
+    theta = 2 * np.pi * t / PERIOD
+    found = in_step(t, theta, np.stack([np.zeros(t.size), np.cos(theta)]))
+    assert (found.start, found.stop, found.reason) == (0, t.size, "")
+
+
 def test_a_damaged_record_is_refused():
     t = np.arange(0.0, 30.0, 0.05)
     speed = np.ones_like(t)
