@@ -47,7 +47,7 @@ def comparison_figures(comparison: Comparison) -> dict[str, Figure]:
         return {
             "sailed": comparison.plot(),
             "force_residuals": force_residuals(comparison.worst_record()),
-            **overlays(comparison.manoeuvres),
+            **overlays([(item.trial, item.track) for item in comparison.manoeuvres]),
         }
     found = {
         "misfit": comparison.plot(),

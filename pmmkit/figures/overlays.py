@@ -1,4 +1,4 @@
-"""Measured manoeuvres with the simulated ones over them: turning circles, zigzags."""
+"""Measured manoeuvres with simulated or submitted ones over them: turning circles, zigzags."""
 
 from __future__ import annotations
 
@@ -6,58 +6,32 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from pmmkit.campaigns.test_kinds.free_running import TURNING
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.plotting.histories import zigzag
 from pmmkit.plotting.turns import trajectory
 from pmmkit.simulation.track import Track
 from pmmkit.trials import Trial
-from pmmkit.validation.free_running import Manoeuvre
+from pmmkit.trials.track import track_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _FIRST: Final = "overshoot_1_deg"
 
-
-def _measured(trial: Trial) -> Track:
-    """A trial from its order on, in the shape of a simulated track."""
-    after = trial.t >= 0.0
-    t, x, y, psi = (part[after] for part in (trial.t, trial.x, trial.y, trial.psi))
-    ahead, aside = np.gradient(x, t), np.gradient(y, t)
-    unknown = np.full(len(t), math.nan)
-    return Track(
-        t=t,
-        x=x,
-        y=y,
-        psi=psi,
-        u=ahead * np.cos(psi) + aside * np.sin(psi),
-        v=aside * np.cos(psi) - ahead * np.sin(psi),
-        r=np.gradient(psi, t),
-        p=unknown,
-        phi=unknown,
-        delta=trial.delta[after],
-        n=unknown,
-        name=trial.name,
-        manoeuvre=trial.test,
-        L=trial.L,
-        speed=trial.speed,
-        Fn=math.nan,
-        rudder_deg=trial.rudder_deg,
-        metrics=trial.metrics,
-        orders=trial.orders,
-    )
+Sailed = tuple[Trial, Track]
+"""A manoeuvre as it was measured, and as something or somebody else has it."""
 
 
-def overlays(manoeuvres: Sequence[Manoeuvre]) -> dict[str, Figure]:
-    """Turning circles to both sides, and the zigzag that is simulated worst.
+def overlays(sailed: Sequence[Sailed], *, other: str = "simulated") -> dict[str, Figure]:
+    """Turning circles to both sides, and the zigzag whose first overshoot is off most.
 
     Parameters
     ----------
-    manoeuvres : sequence of Manoeuvre
-        Of a comparison.
+    sailed : sequence of (Trial, Track)
+        Each manoeuvre as measured, and the other one.
+    other : str
+        What the other one is.
 
     Returns
     -------
@@ -65,32 +39,32 @@ def overlays(manoeuvres: Sequence[Manoeuvre]) -> dict[str, Figure]:
         ``turning_circles`` and ``zigzag``, as far as there are such tests.
     """
     found: dict[str, Figure] = {}
-    turns = _each_side([item for item in manoeuvres if item.run.kind_of_test is TURNING])
+    turns = _each_side([item for item in sailed if kind_of(item[0].test) is TURNING])
     if turns:
-        found["turning_circles"] = trajectory(*_tracks(turns))
-    weaves = [item for item in manoeuvres if kind_of(item.run.test).switches]
+        found["turning_circles"] = trajectory(*_tracks(turns, other))
+    weaves = [item for item in sailed if kind_of(item[0].test).switches]
     if weaves:
         worst = max(weaves, key=_off)
-        found[worst.run.test] = zigzag(*_tracks([worst]))
+        found[worst[0].test] = zigzag(*_tracks([worst], other))
     return found
 
 
-def _each_side(turns: Sequence[Manoeuvre]) -> list[Manoeuvre]:
+def _each_side(turns: Sequence[Sailed]) -> list[Sailed]:
     """The first turn to each side."""
-    sides = {item.trial.rudder_deg > 0: item for item in reversed(turns)}
+    sides = {item[0].rudder_deg > 0: item for item in reversed(turns)}
     return [sides[side] for side in (True, False) if side in sides]
 
 
-def _off(item: Manoeuvre) -> float:
+def _off(item: Sailed) -> float:
     """By how much the first overshoot is off [deg]."""
-    error = item.track.metrics.get(_FIRST, math.nan) - item.trial.metrics.get(_FIRST, math.nan)
-    return abs(error) if math.isfinite(error) else 0.0
+    measured, other = (one.metrics.get(_FIRST, math.nan) for one in item)
+    return abs(other - measured) if math.isfinite(other - measured) else 0.0
 
 
-def _tracks(items: Sequence[Manoeuvre]) -> tuple[list[Track], list[str]]:
+def _tracks(items: Sequence[Sailed], other: str) -> tuple[list[Track], list[str]]:
     tracks: list[Track] = []
     names: list[str] = []
-    for item in items:
-        tracks += [_measured(item.trial), item.track]
-        names += [f"{item.run.id}, measured", f"{item.run.id}, simulated"]
+    for trial, track in items:
+        tracks += [track_of(trial), track]
+        names += [f"{trial.run}, measured", f"{trial.run}, {other}"]
     return tracks, names

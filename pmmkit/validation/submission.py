@@ -83,7 +83,10 @@ def compare_submission(
     """
     for tests in (submission, campaign):
         if tests.kind != "captive":
-            raise DataError(f"{tests.title!r} is free-running: only captive tests are compared.")
+            raise DataError(
+                f"{tests.title!r} is free-running: forces are compared of captive tests alone "
+                "(`compare_trials` compares manoeuvres)."
+            )
     theirs, ours = _Side.of(submission), _Side.of(campaign)
     scale = scales(list(ours.views))
     found: list[CaptiveRun] = []

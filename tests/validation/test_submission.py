@@ -22,7 +22,6 @@ from pmmkit.figures.workshop import forces_over_phase, static_forces
 from pmmkit.ship import Ship, Water
 from pmmkit.tables import from_values, write_table
 from pmmkit.trials import Trial
-from pmmkit.validation.free_running import Manoeuvre
 from pmmkit.validation.percent import errors_in_percent
 from pmmkit.validation.submission import compare_submission
 
@@ -194,8 +193,7 @@ def test_bars_of_derivatives_have_the_values_and_intervals():
 
 
 def manoeuvre(test, rudder, track):
-    """A trial that went just as a simulation did."""
-    given = Settings(speed=track.speed, rudder=math.radians(rudder), switch=math.radians(10.0))
+    """A trial that went just as a simulation did, and the simulation."""
     trial = Trial(
         run="T",
         test=test,
@@ -214,8 +212,7 @@ def manoeuvre(test, rudder, track):
         x_ground=track.x,
         y_ground=track.y,
     )
-    run = Run(id="T", test=test, kind="history", settings=given, loader=lambda: None)
-    return Manoeuvre(run=run, trial=trial, track=track)
+    return trial, track
 
 
 def test_tracks_lie_over_each_other():

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.finding import CheckFinding
     from pmmkit.validation.comparison import Comparison
+    from pmmkit.validation.submitted_trials import TrialComparison
 
 
 EXAMPLE: Final = "pmmkit compare model.toml my-campaign"
@@ -91,6 +92,7 @@ def compare(
     from pmmkit.validation import comparison
     from pmmkit.validation.free_running import as_tested
     from pmmkit.validation.submission import compare_submission
+    from pmmkit.validation.submitted_trials import compare_trials
 
     folder = results_folder(out, f"{stem(campaign)}-compared")
     other = submitted(model, data)
@@ -98,6 +100,8 @@ def compare(
         raise typer.BadParameter("Windows, waves and extrapolation are for models alone.")
     if isinstance(other, Campaign):
         opened, findings = _chosen(campaign, data, runs)
+        if other.kind == opened.kind == "free-running":
+            return _trials(compare_trials(other, opened), findings, folder, figures)
         return _written(compare_submission(other, opened, floor=floor), findings, folder, figures)
     if other is not None:
         names = (stem(model), stem(campaign))
@@ -152,6 +156,32 @@ def _written(
     ends = [f"Results: {folder}", f"Report:  {folder / 'report.html'}"]
     lines = [str(found), *warned(findings), *notes, "", *ends]
     return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
+
+
+def _trials(
+    found: TrialComparison, findings: Sequence[CheckFinding], folder: Path, drawn: bool
+) -> Outcome:
+    """The manoeuvres of a submission beside the measured ones, in their folder."""
+    from pmmkit.files import write_results
+
+    content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
+    files = write_results(folder, _files_of_trials(found, content, drawn))
+    lines = [str(found), *warned(findings), "", f"Results: {folder}"]
+    return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
+
+
+def _files_of_trials(
+    found: TrialComparison, content: Mapping[str, Any], drawn: bool
+) -> Iterator[tuple[str, Any]]:
+    from pmmkit.figures.overlays import overlays
+    from pmmkit.plotting.style import figure_files
+    from pmmkit.trials.track import track_of
+
+    yield "percent.csv", found.to_pandas()
+    yield "comparison.json", content
+    if drawn:
+        sailed = [(pair.measured, track_of(pair.submitted)) for pair in found.pairs]
+        yield from figure_files(overlays(sailed, other="submitted"), "png")
 
 
 def _files(found: Comparison, content: Mapping[str, Any], drawn: bool) -> Iterator[tuple[str, Any]]:

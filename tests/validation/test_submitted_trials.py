@@ -1,0 +1,132 @@
+"""Manoeuvres of one campaign beside those of another: in ship lengths, with both uncertainties."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import pmmkit as pk
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.settings import Settings
+from pmmkit.cli import main
+from pmmkit.errors import DataError
+from pmmkit.trials import evaluate_trials
+from pmmkit.validation.submitted_trials import compare_trials, resized
+
+SPEED = 1.18
+LARGE = 320.0 / 7.0
+"""Full scale over the model of 7 m."""
+
+
+@pytest.fixture(scope="module")
+def turn():
+    return pk.simulate("kvlcc2-l7", "turning", rudder_deg=35, speed=SPEED, compiled=False)
+
+
+@pytest.fixture(scope="module")
+def weave():
+    return pk.simulate(
+        "kvlcc2-l7", "zigzag", rudder_deg=10, switch_deg=10, speed=SPEED, compiled=False
+    )
+
+
+def sailed(title, *tracks, scale=1.0, wider=1.0, noise=0.0):
+    """Records of tracks at another scale by Froude's law, paths wider by a factor."""
+    rng = np.random.default_rng(3)
+    time, pace = math.sqrt(scale), math.sqrt(scale) * wider
+
+    def run(number, track):
+        def loader():
+            places = {
+                name: ("t", scale * wider * getattr(track, name) + rng.normal(0, noise, len(track)))
+                for name in "xy"
+            }
+            angles = {name: ("t", getattr(track, name)) for name in ("psi", "delta")}
+            return xr.Dataset({**places, **angles}, coords={"t": time * track.t})
+
+        degrees = {"rudder": math.radians(track.rudder_deg), "switch": math.radians(10.0)}
+        switch = degrees if track.manoeuvre == "zigzag" else {"rudder": degrees["rudder"]}
+        settings = Settings(speed=pace * track.speed, **switch)
+        return Run(
+            id=f"R{number}", test=track.manoeuvre, kind="history", settings=settings, loader=loader
+        )
+
+    ship = pk.load_ship("kvlcc2-l7" if scale == 1.0 else "kvlcc2")
+    runs = tuple(run(number, track) for number, track in enumerate(tracks))
+    return Campaign(title=title, kind="free-running", ship=ship, water=pk.Water(), runs=runs)
+
+
+def errors(found, run):
+    return {row["measure"]: row["E_percent"] for row in found.rows() if row["run"] == run}
+
+
+def test_the_same_ship_at_another_scale_has_no_error(turn, weave):
+    found = compare_trials(sailed("S", turn, weave, scale=LARGE), sailed("D", turn, weave))
+    assert len(found.pairs) == 2
+    for row in found.rows():
+        assert row["S"] == pytest.approx(row["D"], rel=1e-3, abs=1e-3), row["measure"]
+
+
+def test_a_path_that_is_three_per_cent_wider_is_three_per_cent_off(turn, weave):
+    found = compare_trials(
+        sailed("S", turn, weave, scale=LARGE, wider=1.03), sailed("D", turn, weave)
+    )
+    turned, swung = errors(found, "R0"), errors(found, "R1")
+    # places come from parabolas over a time that goes by L/U: 3 per cent less of it
+    for name in ("advance_L", "transfer_L", "tactical_diameter_L"):
+        assert turned[name] == pytest.approx(-3.0, abs=0.1)
+    assert swung["overshoot_1_deg"] == pytest.approx(0.0, abs=0.01)
+
+
+def test_the_uncertainty_is_that_of_both(turn):
+    """Fixes with noise on one side, on the other, on both: squares add."""
+    one, other, both = (
+        next(
+            row
+            for row in compare_trials(
+                sailed("S", turn, noise=theirs), sailed("D", turn, noise=ours)
+            ).rows()
+            if row["measure"] == "tactical_diameter_L"
+        )
+        for theirs, ours in ((0.0, 0.1), (0.1, 0.0), (0.1, 0.1))
+    )
+    assert one["U_D"] == pytest.approx(both["U_D"])
+    assert both["U_V"] == pytest.approx(math.hypot(one["U_V"], other["U_V"]), rel=0.05)
+    assert both["U_V"] > 1.2 * both["U_D"] > 0.0
+
+
+def test_a_trial_of_another_size_is_the_same_in_ship_lengths(turn):
+    (trial,) = evaluate_trials(sailed("D", turn))
+    large = resized(trial, 320.0, 8.0)
+    for name, value in trial.metrics.items():
+        if name.endswith("_L"):
+            assert large.metrics[name] == value
+            assert large.metrics[name.removesuffix("_L")] == pytest.approx(320.0 * value)
+    assert large.metrics["time_90"] / (320.0 / 8.0) == pytest.approx(
+        trial.metrics["time_90"] / (trial.L / trial.speed)
+    )
+
+
+def test_what_has_no_counterpart_is_named(turn, weave):
+    found = compare_trials(sailed("S", turn), sailed("D", turn, weave))
+    assert found.notes == ("Without a counterpart in the submission: R1.",)
+    with pytest.raises(DataError, match="has the orders of one"):
+        compare_trials(sailed("S", weave), sailed("D", turn))
+    with pytest.raises(DataError, match="is captive"):
+        compare_trials(sailed("S", turn).with_(kind="captive"), sailed("D", turn))
+
+
+def test_the_command_compares_two_laboratories(turn, weave, tmp_path, capsys):
+    for title, wider in (("S", 1.03), ("D", 1.0)):
+        tests = sailed(title, turn, weave, wider=wider)
+        pk.save_campaign(tests, tmp_path / f"{title}.h5")
+    command = ["compare", str(tmp_path / "S.h5"), str(tmp_path / "D.h5")]
+    assert main([*command, "--out", str(tmp_path / "out"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert {row["measure"] for row in told["measures"]} > {"advance_L", "overshoot_1_deg"}
+    written = {path.name for path in (tmp_path / "out").iterdir()}
+    assert written == {"percent.csv", "comparison.json", "turning_circles.png", "zigzag.png"}
