@@ -10,9 +10,12 @@ import math
 import re
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from pmmkit.errors import DataError, UnknownNameError
+
+if TYPE_CHECKING:
+    from pmmkit.ship import Ship, Water
 
 Channel = Literal["X", "Y", "N", "K"]
 CHANNELS: Final[tuple[str, ...]] = ("X", "Y", "N", "K")
@@ -224,29 +227,45 @@ class Convention:
         return replace(self, **changes)  # type: ignore[arg-type]
 
 
-def force_unit(
-    channel: str, system: str, *, L: float, d: float, volume: float, rho: float, g: float, U: float
-) -> float:
+def force_unit(channel: str, system: str, *, ship: Ship, water: Water, U: float) -> float:
     """Unit [N or N m] by which a channel is divided in a non-dimensional system.
+
+    Parameters
+    ----------
+    channel : str
+        X or Y, or a moment: N or K.
+    system : str
+        Of `SYSTEMS`.
+    ship, water : Ship, Water
+        Length, draught and volume; density and gravity.
+    U : float
+        Speed [m/s]; it does not count in the bis system.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such system.
 
     Examples
     --------
-    >>> force_unit("Y", "prime", L=4.0, d=.25, volume=.5, rho=1000., g=9.81, U=2.0)
+    >>> from pmmkit.ship import Ship, Water
+    >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
+    >>> force_unit("Y", "prime", ship=ship, water=Water(rho=1000.0), U=2.0)
     32000.0
     """
-    arm = 1.0 if channel in FORCES else L
+    arm = 1.0 if channel in FORCES else ship.L
     if system == "prime":
-        return 0.5 * rho * L**2 * U**2 * arm
+        return 0.5 * water.rho * ship.L**2 * U**2 * arm
     if system == "prime-d":
-        return 0.5 * rho * L * d * U**2 * arm
+        return 0.5 * water.rho * ship.L * ship.d * U**2 * arm
     if system == "bis":
-        return rho * g * volume * arm
+        return water.rho * water.g * ship.volume * arm
     raise UnknownNameError(f"System {system!r} is not known: {', '.join(SYSTEMS)}.")
 
 
-def speed_unit(system: str, *, L: float, g: float, U: float) -> float:
+def speed_unit(system: str, *, ship: Ship, water: Water, U: float) -> float:
     """Speed [m/s] by which velocities are divided in a non-dimensional system."""
-    return math.sqrt(g * L) if system == "bis" else U
+    return math.sqrt(water.g * ship.L) if system == "bis" else U
 
 
 _UNITS: Final[dict[str, tuple[str, float]]] = {

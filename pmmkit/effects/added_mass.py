@@ -73,17 +73,8 @@ def dimensional(name: str, *, ship: Ship, water: Water, convention: Convention) 
     32000.0
     """
     derivative = parse_derivative(name)
-    force = force_unit(
-        derivative.channel,
-        convention.system,
-        L=ship.L,
-        d=ship.d,
-        volume=ship.volume,
-        rho=water.rho,
-        g=water.g,
-        U=1.0,
-    )
-    speed = speed_unit(convention.system, L=ship.L, g=water.g, U=1.0)
+    force = force_unit(derivative.channel, convention.system, ship=ship, water=water, U=1.0)
+    speed = speed_unit(convention.system, ship=ship, water=water, U=1.0)
     sign = -1.0 if convention.sway == "beta" and "vdot" in derivative.factors else 1.0
     return sign * force * ship.L**derivative.length_power / speed**2
 

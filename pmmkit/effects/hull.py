@@ -146,20 +146,11 @@ def shared_regressors(
     """
     U = state.speed if convention.U == "instantaneous" else np.full_like(state.u, approach_speed)
     pressure = {
-        channel: force_unit(
-            channel,
-            convention.system,
-            L=ship.L,
-            d=ship.d,
-            volume=ship.volume,
-            rho=water.rho,
-            g=water.g,
-            U=1.0,
-        )
+        channel: force_unit(channel, convention.system, ship=ship, water=water, U=1.0)
         for channel in {"X", *(name[0] for name in names)}
     }
     bis = convention.system == "bis"
-    speed = speed_unit(convention.system, L=ship.L, g=water.g, U=1.0)
+    speed = speed_unit(convention.system, ship=ship, water=water, U=1.0)
     reference = np.full_like(U, speed) if bis else U
     square = np.ones_like(U) if bis else U**2
     surge = state.u - approach_speed if convention.surge == "delta-u" else state.u
@@ -234,16 +225,7 @@ def polynomial(
             sign *= derivative.sign_under_flip("v")
         if convention.rudder_positive == "port":
             sign *= derivative.sign_under_flip("d")
-        unit = force_unit(
-            derivative.channel,
-            convention.system,
-            L=ship.L,
-            d=ship.d,
-            volume=ship.volume,
-            rho=water.rho,
-            g=water.g,
-            U=1.0,
-        )
+        unit = force_unit(derivative.channel, convention.system, ship=ship, water=water, U=1.0)
         for factors in products:
             places = tuple(FACTOR_PLACES.index(factor) for factor in factors if factor != "0")
             entry = collected.setdefault(places, {})

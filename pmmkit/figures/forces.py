@@ -143,14 +143,7 @@ def unit_in(table: DerivativeTable, channel: str, froude: float) -> float:
     """What a force [N, N m] is divided by in the convention of a table, at a Froude number."""
     ship, water = table.ship, table.water
     return force_unit(
-        channel,
-        table.convention.system,
-        L=ship.L,
-        d=ship.d,
-        volume=ship.volume,
-        rho=water.rho,
-        g=water.g,
-        U=ship.speed(froude, water.g),
+        channel, table.convention.system, ship=ship, water=water, U=ship.speed(froude, water.g)
     )
 
 

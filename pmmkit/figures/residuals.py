@@ -176,16 +176,7 @@ def prime_scale(run: CaptiveRun, channel: str, comparison: Comparison) -> float:
         Gives ship and water.
     """
     ship, water = comparison.ship, comparison.water
-    return 1e3 / force_unit(
-        channel,
-        "prime",
-        L=ship.L,
-        d=ship.d,
-        volume=ship.volume,
-        rho=water.rho,
-        g=water.g,
-        U=run.view.speed,
-    )
+    return 1e3 / force_unit(channel, "prime", ship=ship, water=water, U=run.view.speed)
 
 
 def summed_up(x: Array, y: Array) -> tuple[Array, Array, Array, Array]:

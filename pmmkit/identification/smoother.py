@@ -214,16 +214,7 @@ def units(model: Model, speed: float) -> dict[str, float]:
     """½ρLdU² and ½ρL²dU² by channel [N, N m]."""
     ship, water = model.ship, model.water
     return {
-        channel: force_unit(
-            channel,
-            "prime-d",
-            L=ship.L,
-            d=ship.d,
-            volume=ship.volume,
-            rho=water.rho,
-            g=water.g,
-            U=speed,
-        )
+        channel: force_unit(channel, "prime-d", ship=ship, water=water, U=speed)
         for channel in ("X", "Y", "N", "K")
     }
 

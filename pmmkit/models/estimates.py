@@ -204,10 +204,7 @@ def resistance_derivative(
     >>> round(value, 5), round(std, 5)
     (-0.00069, 0.00017)
     """
-    unit = force_unit(
-        "X", convention.system, L=ship.L, d=ship.d, volume=ship.volume, rho=water.rho, g=water.g,
-        U=speed,
-    )  # fmt: skip
+    unit = force_unit("X", convention.system, ship=ship, water=water, U=speed)
     if resistance:
         return -resistance / unit, 0.0
     value = -_resistance(ship, water, speed) / unit

@@ -137,11 +137,9 @@ def _in_the_system_of(model: Model, move: Move) -> Move:
 def _from_prime(model: Model, name: str) -> float:
     """A derivative of the prime system in the system and signs of a model, per unit."""
     convention, ship, water = model.convention, model.ship, model.water
-    U = speed_unit(convention.system, L=ship.L, g=water.g, U=1.0)
-    shape = {"L": ship.L, "d": ship.d, "volume": ship.volume, "rho": water.rho, "g": water.g}
-    ratio = force_unit(name[0], "prime", U=U, **shape) / force_unit(
-        name[0], convention.system, U=1.0, **shape
-    )
+    U = speed_unit(convention.system, ship=ship, water=water, U=1.0)
+    prime = force_unit(name[0], "prime", ship=ship, water=water, U=U)
+    ratio = prime / force_unit(name[0], convention.system, ship=ship, water=water, U=1.0)
     derivative, sign = parse_derivative(name), 1.0
     if convention.sway == "beta":
         sign *= derivative.sign_under_flip("v")

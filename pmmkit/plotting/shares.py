@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 TOLD_APART: Final = 9
 """Parts that are drawn each for itself; the rest are one."""
+BESIDE: Final = 3
+"""Panels in a row."""
 
 
 def stacked_shares(
@@ -36,11 +38,19 @@ def stacked_shares(
         A panel a title, one legend.
     """
     labels = [*parts[:TOLD_APART], *(["all others"] if len(parts) > TOLD_APART else [])]
-    longest = max(len(names) for names, _ in panels.values())
+    count = [len(names) for names, _ in panels.values()]
+    longest = [max(count[start : start + BESIDE]) for start in range(0, len(count), BESIDE)]
     with style.styled():
-        figure = style.canvas(0.25 * longest + 1.6)
-        axes = figure.subplots(1, len(panels), squeeze=False)[0]
-        for axis, (title, (names, shares)) in zip(axes, panels.items(), strict=True):
+        figure = style.canvas(0.25 * sum(longest) + 0.6 * (len(longest) - 1) + 1.6)
+        grid = figure.subplots(
+            len(longest), min(BESIDE, len(count)), squeeze=False, height_ratios=longest
+        )
+        axes = list(grid.flat)
+        for axis in axes[len(count) :]:
+            axis.remove()
+        for place, (axis, (title, (names, shares))) in enumerate(
+            zip(axes, panels.items(), strict=False)
+        ):
             shown = [*shares[:TOLD_APART], shares[TOLD_APART:].sum(axis=0)][: len(labels)]
             right, left = np.zeros(len(names)), np.zeros(len(names))
             for number, (label, share) in enumerate(zip(labels, shown, strict=True)):
@@ -59,10 +69,11 @@ def stacked_shares(
                 right = right + np.maximum(share, 0.0)
                 left = left + np.minimum(share, 0.0)
             axis.set_yticks(np.arange(len(names)), [figure_text(name) for name in names])
-            axis.set_ylim(len(names) - 0.5, -0.5)
+            axis.set_ylim(longest[place // BESIDE] - 0.5, -0.5)
             axis.set_xlim(min(0.0, 100 * float(left.min())), 100 * float(right.max(initial=1.0)))
             axis.set_title(figure_text(title))
-            axis.set_xlabel("share of the variance [%]")
+            if place + BESIDE >= len(count):
+                axis.set_xlabel("share of the variance [%]")
             axis.grid(visible=False, axis="y")
-        style.legend_below(figure, list(axes), columns=3)
+        style.legend_below(figure, axes[: len(count)], columns=3)
     return figure

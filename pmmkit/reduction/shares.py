@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+import math
+from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
-from pmmkit.reduction.joint import with_their_causes
+from pmmkit.reduction.budgets.budget import Result
+from pmmkit.reduction.budgets.derivatives import measured_budget
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,75 +40,43 @@ def contributions(
     Returns
     -------
     DataFrame
-        A row per test type (the noise of its runs and what each draws for itself: offset, gain, the
-        setting of the drift angle) and per source that all runs share (such as a gauge), with the
-        number of runs, the standard deviation of the result by it alone, and its share of the
-        variance, the largest first. The shares sum to 1.
+        `derivative_budget` grouped by test: a row per test type (the noise of its runs and what
+        each draws for itself: offset, gain, the setting of the drift angle) and per source that
+        all runs share (such as a gauge), with the number of runs, the standard deviation of the
+        result by it alone, and its share of the variance, the largest first. The shares sum to 1.
 
     Raises
     ------
     DataError
         If no derivative with a slope was determined.
-
-    Notes
-    -----
-    The variance of g'θ is the sum over runs of g'Gᵢ Σᵢ Gᵢ'g and over sources of (g'p)², with Gᵢ
-    the map from the rows of a run to the derivatives and p the change of the derivatives per
-    standard deviation of a source: the sum that also makes the covariance of the table. Sources of
-    one common cause each take half of what they have in common.
     """
-    import pandas as pd
-
-    solution = reduction.solution
-    weight = _weights(solution.Fn, Fn)
-    joint = solution.joint
-    slope = np.array([weight[group] * slopes.get(name, 0.0) for group, name in joint.labels])
-    slope[~np.isfinite(joint.value)] = 0.0
-    by_test: dict[str, float] = defaultdict(float)
-    runs_of: dict[str, set[int]] = defaultdict(set)
-    start = 0
-    for group, item in solution.fits:
-        gradient = slope[start : start + len(item.fit.names)]
-        start += len(gradient)
-        if weight[group] == 0.0:
-            continue
-        for block, gain, noise in zip(
-            item.blocks, item.pulls(), item.noise.covariances, strict=True
-        ):
-            run = solution.groups[group][block.run]
-            test = reduction.rows[run].result.run.test
-            pull = gradient @ gain
-            by_test[test] += float(pull @ noise @ pull)
-            runs_of[test].add(run)
-    shared: dict[str, float] = defaultdict(float)
-    for push, others in zip(joint.pushes, with_their_causes(joint.pushes), strict=True):
-        variance = float(slope @ push.column) * float(slope @ others)
-        if push.run is not None:
-            by_test[reduction.rows[push.run].result.run.test] += variance
-        elif isinstance(push.source, TypeB):
-            shared[push.source.name] += variance
-    total = sum(by_test.values()) + sum(shared.values())
-    if not total > 0.0:
+    budget, known = measured_budget(reduction), reduction.solution.Fn
+    weights = _weights(known, Fn)
+    carry = np.zeros((len(budget.results), 1))
+    for place, item in enumerate(budget.results):
+        weight = weights[0] if len(known) == 1 else weights[known == item.Fn][0]
+        if math.isfinite(item.value):
+            carry[place] = weight * slopes.get(item.name, 0.0)
+    result = Result(name="", value=math.nan)
+    carried = budget.carried(carry, [result], budget.subject).by_test()
+    if not carried.std[0] > 0.0:
         raise DataError("None of these derivatives was determined with an uncertainty.")
-    rows = [
-        {
-            "source": test,
-            "runs": len(runs_of[test]),
-            "std": variance**0.5,
-            "share": variance / total,
-        }
-        for test, variance in by_test.items()
-    ] + [
-        {
-            "source": name,
-            "runs": len(reduction.rows),
-            "std": float(np.sqrt(max(variance, 0.0))),
-            "share": variance / total,
-        }
-        for name, variance in shared.items()
-    ]
-    frame = pd.DataFrame(rows).set_index("source")
-    return frame.sort_values("share", ascending=False)
+    runs, every = _runs(reduction, weights), len(reduction.rows)
+    frame = carried.to_pandas().set_index("source")
+    frame["runs"] = [runs[item.title] if item.drawn else every for item in carried.sources]
+    kept = frame.loc[frame["runs"] > 0, ["runs", "std", "share"]]
+    return kept.sort_values("share", ascending=False)
+
+
+def _runs(reduction: Reduction, weights: Array) -> Counter[str]:
+    """How many runs of each kind of test count at a Froude number."""
+    groups = reduction.solution.groups
+    return Counter(
+        reduction.rows[run].result.run.test
+        for weight, runs in zip(weights.tolist(), groups, strict=True)
+        for run in runs
+        if weight > 0.0
+    )
 
 
 def _weights(known: Array, Fn: float | None) -> Array:

@@ -12,7 +12,7 @@ from pmmkit.reduction.agreement import differences
 from pmmkit.reduction.methods.registry import METHODS
 from pmmkit.report import pictures, tables
 from pmmkit.report.drawn import drawn
-from pmmkit.report.words import flattened
+from pmmkit.report.words import flattened, gathered
 
 
 def influence(reduction: Reduction) -> Section:
@@ -171,7 +171,7 @@ def provenance(reduction: Reduction, reference: Reference | None) -> Section:
     reference : Reference or None
         Values that stand beside ours.
     """
-    rows = [list(pair) for pair in flattened(reduction.table.provenance)]
+    rows = gathered(flattened(reduction.table.provenance))
     return Section(
         title="Provenance and sources",
         points=list(_sources(reduction, reference)),

@@ -65,3 +65,33 @@ def flattened(content: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterabl
                     yield ": ".join(here), str(item)
         elif value not in (None, ""):
             yield ": ".join(here), str(value)
+
+
+def gathered(pairs: Iterable[tuple[str, str]]) -> list[list[str]]:
+    """Pairs of a name and a text as rows of a table, without what repeats the row above.
+
+    Parameters
+    ----------
+    pairs : iterable of (str, str)
+        Of `flattened`: names under one name that have the same text stand in one row, and a name
+        with several texts stands once.
+
+    Examples
+    --------
+    >>> gathered([("left out: SD_1", "again"), ("left out: SD_2", "again"), ("made", "x")])
+    [['left out: SD_1, SD_2', 'again'], ['made', 'x']]
+    >>> gathered([("made", "x"), ("made", "y")])
+    [['made', 'x'], ['', 'y']]
+    """
+    found: list[tuple[str, str, list[str]]] = []
+    for name, text in pairs:
+        above, _, own = name.rpartition(": ")
+        if above and found and found[-1][:2] == (above, text):
+            found[-1][2].append(own)
+        else:
+            found.append((above, text, [own]))
+    names = [f"{above}: {', '.join(own)}" if above else own[0] for above, _, own in found]
+    return [
+        ["" if place and name == names[place - 1] else name, text]
+        for place, (name, (_, text, _)) in enumerate(zip(names, found, strict=True))
+    ]

@@ -134,17 +134,8 @@ class _Side:
 
     def unit(self, channel: str, view: View) -> float:
         """½ρL²U² of a run, ½ρL³U² of moments."""
-        ship, water = self.campaign.ship, self.campaign.water
-        return force_unit(
-            channel,
-            "prime",
-            L=ship.L,
-            d=ship.d,
-            volume=ship.volume,
-            rho=water.rho,
-            g=water.g,
-            U=view.speed,
-        )
+        own = self.campaign
+        return force_unit(channel, "prime", ship=own.ship, water=own.water, U=view.speed)
 
     def condition(self, run: Run) -> tuple[Mapping[str, float], Mapping[str, float]]:
         """What a run was set to without dimension: sizes, and angles [rad]."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -151,7 +152,8 @@ class TestUnits:
 
 
 class TestSystems:
-    lengths = {"L": 4.0, "d": 0.25, "volume": 0.5, "rho": 1000.0, "g": 10.0}  # noqa: RUF012
+    ship = Ship(name="m", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=500.0)
+    water = Water(rho=1000.0, g=10.0)
 
     @pytest.mark.parametrize(
         ("channel", "system", "unit"),
@@ -165,15 +167,16 @@ class TestSystems:
         ],
     )
     def test_units_of_force_and_moment(self, channel, system, unit):
-        assert force_unit(channel, system, **self.lengths, U=2.0) == pytest.approx(unit)
+        assert force_unit(channel, system, ship=self.ship, water=self.water, U=2.0) == unit
 
     def test_units_of_speed(self):
-        assert speed_unit("prime", L=4.9, g=10.0, U=2.0) == 2.0
-        assert speed_unit("bis", L=4.9, g=10.0, U=2.0) == pytest.approx(7.0)
+        ship = replace(self.ship, L=4.9)
+        assert speed_unit("prime", ship=ship, water=self.water, U=2.0) == 2.0
+        assert speed_unit("bis", ship=ship, water=self.water, U=2.0) == pytest.approx(7.0)
 
     def test_unknown_system(self):
         with pytest.raises(UnknownNameError, match="prime-d"):
-            force_unit("Y", "imperial", **self.lengths, U=2.0)
+            force_unit("Y", "imperial", ship=self.ship, water=self.water, U=2.0)
 
 
 class TestHullPolynomial:

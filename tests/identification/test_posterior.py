@@ -261,6 +261,14 @@ def test_damaged_foreign_and_swollen_files_are_refused(found, tmp_path):
         file["posterior"] = h5py.ExternalLink(str(tmp_path / "whole.nc"), "/posterior")
     with pytest.raises(DataError, match="posterior lies elsewhere"):
         read_posterior(sealed(tmp_path / "linked.nc"))
+    with h5py.File(tmp_path / "nested.nc", "w") as file:
+        group = file.create_group("posterior")
+        for _ in range(30):  # each twice in the one before: a thousand million ways to the last
+            inner = group.create_group("a")
+            group["b"] = inner
+            group = inner
+    with pytest.raises(DataError, match="has another name too"):
+        read_posterior(sealed(tmp_path / "nested.nc"))
     with h5py.File(tmp_path / "other.nc", "w") as file:
         file["x"] = [1.0]
     with pytest.raises(DataError, match="has no group posterior"):

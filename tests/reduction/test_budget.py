@@ -157,6 +157,32 @@ def test_shares_are_the_mean_over_all_orders_in_which_errors_come(drawn):
         assert total == pytest.approx(1.0) or std < 1e-6
 
 
+def test_what_single_runs_draw_goes_to_their_kind_of_test_and_nothing_is_lost():
+    """Two runs of sway and one of drift: 3² + 4² and 1² of noise, 2² of speed in the drift."""
+    noise = Source(
+        title="noise",
+        gum="A",
+        acts="precision",
+        factors=np.array([[3.0], [1.0], [4.0]]),
+        drawn=("pure_sway", "static_drift", "pure_sway"),
+    )
+    speed = Source(
+        title="speed", gum="B", acts="precision", factors=np.array([[2.0]]), drawn=("static_drift",)
+    )
+    gauge = Source(title="gauge", gum="B", acts="bias", factors=np.array([[5.0]]))
+    budget = Budget(
+        subject="", results=(Result(name="a", value=1.0),), sources=(noise, speed, gauge)
+    )
+    by_test = budget.by_test()
+    assert [(item.title, item.gum) for item in by_test.sources] == [
+        ("pure_sway", "A"),
+        ("static_drift", "A, B"),
+        ("gauge", "B"),
+    ]
+    assert by_test.variances[:, 0].tolist() == [25.0, 5.0, 25.0]
+    assert by_test.std == budget.std
+
+
 def test_gauges_of_one_calibration_share_what_they_have_in_common():
     """Weights that are 1 % off leave Nv/Yv as it is; two errors of 1 % are √2 % of it."""
 

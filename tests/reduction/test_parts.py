@@ -434,9 +434,10 @@ def test_a_gauge_that_all_runs_share_has_the_closed_form():
         )
     )
     shares = contributions(found, {"Yv": 1.0})
-    assert shares.loc["Y_gauge", "std"] == pytest.approx(-0.01 * SON_NOMOTO["Yv"], rel=1e-6)
-    assert shares.loc["rho", "std"] == pytest.approx(-0.002 * SON_NOMOTO["Yv"], rel=1e-6)
-    assert shares.loc["Y_gauge", "share"] == pytest.approx(25 / 26, rel=1e-4)
+    gauge, water = "gauge of Y: calibration", "density of the water"
+    assert shares.loc[gauge, "std"] == pytest.approx(-0.01 * SON_NOMOTO["Yv"], rel=1e-6)
+    assert shares.loc[water, "std"] == pytest.approx(-0.002 * SON_NOMOTO["Yv"], rel=1e-6)
+    assert shares.loc[gauge, "share"] == pytest.approx(25 / 26, rel=1e-4)
 
 
 @pytest.mark.slow

@@ -185,16 +185,7 @@ def to_ours(
 
 
 def _unit(channel: str, system: str, ship: Ship, water: Water, speed: float) -> float:
-    return force_unit(
-        "N" if channel in MOMENTS else "X",
-        system,
-        L=ship.L,
-        d=ship.d,
-        volume=ship.volume,
-        rho=water.rho,
-        g=water.g,
-        U=speed,
-    )
+    return force_unit("N" if channel in MOMENTS else "X", system, ship=ship, water=water, U=speed)
 
 
 def in_phase_parts(name: str, phase: str) -> tuple[str, int]:

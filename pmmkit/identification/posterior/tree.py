@@ -17,6 +17,8 @@ from pmmkit.identification.posterior.density import DEGREES, PROCESS_NOISE, SENS
 from pmmkit.identification.posterior.ensembles import Drawn
 from pmmkit.identification.record import FreeRecord
 from pmmkit.numerics import Array
+from pmmkit.readers.hdf5.datasets import declared_bytes
+from pmmkit.readers.hdf5.guard import open_hdf5
 from pmmkit.simulation.spread import Draws
 from pmmkit.version import __version__
 
@@ -200,7 +202,6 @@ def read_posterior(path: str | Path) -> xr.DataTree:
     As with tables, the seal is looked at before the file is opened (`files.seal`). So a file that
     another program has saved again is not read here, but by ``xarray.open_datatree``.
     """
-    import h5py
     import xarray as xr
 
     name = str(path)
@@ -221,10 +222,10 @@ def read_posterior(path: str | Path) -> xr.DataTree:
     if not intact:
         raise refused("is damaged: its checksum is another.")
     try:
-        with h5py.File(path, "r") as raw:
+        with open_hdf5(Path(path)) as raw:
             if "posterior" not in raw:
                 raise refused("has no group posterior.")
-            if _held(raw) > GROWTH * size:
+            if declared_bytes(raw) > GROWTH * size:
                 raise refused("declares far more than it holds.")
         with xr.open_datatree(path, engine="h5netcdf") as opened:
             return opened.load()
@@ -232,23 +233,3 @@ def read_posterior(path: str | Path) -> xr.DataTree:
         raise
     except Exception as error:
         raise refused(f"is no readable posterior ({type(error).__name__}: {error}).") from error
-
-
-def _held(group: Any) -> int:
-    """Bytes of all that a group of a file declares.
-
-    Raises
-    ------
-    OSError
-        If a part of it lies elsewhere.
-    """
-    import h5py
-
-    total = 0
-    for name in group:
-        link = group.get(name, getlink=True)
-        item = group[name] if isinstance(link, h5py.HardLink) else None
-        if item is None or (isinstance(item, h5py.Dataset) and (item.is_virtual or item.external)):
-            raise OSError(f"{group.name}{name} lies elsewhere")
-        total += item.nbytes if isinstance(item, h5py.Dataset) else _held(item)
-    return total

@@ -64,6 +64,39 @@ def new_to(seen: set[int], item: Any) -> bool:
     return not known
 
 
+def lies_elsewhere(item: Any) -> bool:
+    """Whether an object is a dataset whose numbers are in other files."""
+    import h5py
+
+    return isinstance(item, h5py.Dataset) and bool(item.is_virtual or item.external)
+
+
+def declared_bytes(file: Any) -> int:
+    """Bytes of all that a file declares.
+
+    Raises
+    ------
+    OSError
+        If a part of it lies elsewhere, or has two names, by which some programs read it twice.
+    """
+    import h5py
+
+    seen: set[int] = set()
+
+    def total(group: Any) -> int:
+        own = dict(members(group))
+        lost = [name for name in group if name not in own or lies_elsewhere(own[name])]
+        if lost:
+            raise OSError(f"{group.name.rstrip('/')}/{lost[0]} lies elsewhere")
+        again = [name for name, item in own.items() if not new_to(seen, item)]
+        if again:
+            raise OSError(f"{group.name.rstrip('/')}/{again[0]} has another name too")
+        inside = own.values()
+        return sum(x.nbytes if isinstance(x, h5py.Dataset) else total(x) for x in inside)
+
+    return total(file)
+
+
 def numbers(dataset: Any, request: Request) -> NDArray[Any]:
     """All values of a dataset.
 
@@ -74,7 +107,7 @@ def numbers(dataset: Any, request: Request) -> NDArray[Any]:
     """
     size = request.path.stat().st_size
     shown = f"dataset {dataset.name}"
-    if dataset.is_virtual or dataset.external:
+    if lies_elsewhere(dataset):
         raise request.error(
             request.problem(
                 f"{shown} lies in another file.", remedy="Save it with its data inside."

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, cast
 
 import numpy as np
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-Gum = Literal["A", "B"]
+Gum = Literal["A", "B", "A, B"]
 Acts = Literal["bias", "precision"]
 BESIDE: Final = 6
 """Results that stand side by side with all their sources."""
@@ -36,8 +36,8 @@ class Source:
     ----------
     title : str
         In words.
-    gum : {"A", "B"}
-        Evaluated from the measurements, or stated (JCGM 100:2008, 3.3.4).
+    gum : {"A", "B", "A, B"}
+        Evaluated from the measurements, or stated (JCGM 100:2008, 3.3.4), or both.
     acts : {"bias", "precision"}
         The same error in all runs, or one that each run draws for itself.
     factors : array (q, n)
@@ -47,6 +47,9 @@ class Source:
         none.
     tested : bool
         Whether it is one of the tests; else of what was estimated or lent beside them.
+    drawn : tuple of str
+        Of each of the q errors the name of the kind of test whose run draws it; empty where all
+        runs have the same.
     """
 
     title: str
@@ -55,6 +58,7 @@ class Source:
     factors: Array
     common: str = ""
     tested: bool = True
+    drawn: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,6 +186,57 @@ class Budget(Described):
             self,
             subject=f"{self.subject}, as if what was not tested were known",
             sources=tuple(item for item in self.sources if item.tested),
+        )
+
+    def by_test(self) -> Budget:
+        """The same variances with what single runs draw put together by kind of test.
+
+        Noise, scatter and the settings of each run are told by the kind of test, under its name;
+        sources of all runs stay as they are. What the budget sums to does not change.
+        """
+        drawn: dict[str, list[Array]] = {}
+        evaluated: dict[str, set[str]] = {}
+        for source in self.sources:
+            for test in dict.fromkeys(source.drawn):
+                own = np.array([name == test for name in source.drawn])
+                drawn.setdefault(test, []).append(source.factors[own])
+                evaluated.setdefault(test, set()).add(source.gum)
+        return replace(
+            self,
+            sources=(
+                *(
+                    Source(
+                        title=test,
+                        gum=cast(Gum, ", ".join(sorted(evaluated[test]))),
+                        acts="precision",
+                        factors=np.concatenate(factors),
+                        drawn=(test,) * sum(map(len, factors)),
+                    )
+                    for test, factors in drawn.items()
+                ),
+                *(source for source in self.sources if not source.drawn),
+            ),
+        )
+
+    def carried(self, carry: Array, results: Sequence[Result], subject: str) -> Budget:
+        """The budget of other results, which are linear in these.
+
+        Parameters
+        ----------
+        carry : array (n, m)
+            Change of each new result by each of these.
+        results : sequence of m Result
+            What they are.
+        subject : str
+            What it is a budget of.
+        """
+        return replace(
+            self,
+            subject=subject,
+            results=tuple(results),
+            sources=tuple(
+                replace(source, factors=source.factors @ carry) for source in self.sources
+            ),
         )
 
     def to_pandas(self) -> pd.DataFrame:

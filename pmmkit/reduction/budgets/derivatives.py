@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -69,6 +70,17 @@ def derivative_budget(reduction: Reduction) -> Budget:
     run. Type A is the noise of the records with what repeats and residuals show beyond it, and
     the scatter between runs (Simonsen 2004, ITTC 7.5-02-06-04 and JCGM 100:2008, 5.1).
     """
+    return replace(measured_budget(reduction), not_stated=not_stated(reduction), outside=OUTSIDE)
+
+
+def measured_budget(reduction: Reduction) -> Budget:
+    """The same without what was not stated, which takes longer to find than the budget itself.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        The reduced tests.
+    """
     joint = reduction.solution.joint
     asked = set(next(iter(reduction.estimates.values())).table.names)
     there = [
@@ -89,36 +101,51 @@ def derivative_budget(reduction: Reduction) -> Budget:
         )
         for place in there
     )
-    noise = Source(
-        title=NOISE, gum="A", acts="precision", factors=root(joint.type_a[np.ix_(there, there)])
-    )
     campaign = reduction.campaign
     return Budget(
         subject=campaign.title or campaign.ship.name,
         results=results,
-        sources=(noise, *_pushed(joint.pushes, there, campaign.uncertainty)),
-        not_stated=not_stated(reduction),
-        outside=OUTSIDE,
+        sources=(_noise(reduction, there), *_pushed(reduction, there)),
     )
 
 
-def _pushed(
-    pushes: Sequence[Push], there: Sequence[int], stated: Collection[TypeB]
-) -> list[Source]:
+def _noise(reduction: Reduction, there: Sequence[int]) -> Source:
+    """What the noise of each run does, channel by channel."""
+    solution = reduction.solution
+    factors, drawn, start = [], [], 0
+    for group, item in solution.fits:
+        end = start + len(item.fit.names)
+        for block, pull, noise in zip(
+            item.blocks, item.pulls(), item.noise.covariances, strict=True
+        ):
+            own = root(noise)
+            wide = np.zeros((len(own), len(solution.joint.labels)))
+            wide[:, start:end] = own @ pull.T
+            factors.append(wide[:, there])
+            drawn += len(own) * [_test(reduction, solution.groups[group][block.run])]
+        start = end
+    return Source(
+        title=NOISE, gum="A", acts="precision", factors=np.concatenate(factors), drawn=tuple(drawn)
+    )
+
+
+def _pushed(reduction: Reduction, there: Sequence[int]) -> list[Source]:
     """The sources behind the pushes; those that change nothing are left out.
 
     What is not stated under ``[uncertainty]`` is the numerical uncertainty of ``[cfd]``.
     """
-    rows: dict[TypeB | str, list[Array]] = {}
-    for push in pushes:
-        rows.setdefault(push.source, []).append(push.column[there])
+    stated = reduction.campaign.uncertainty
+    pushes: dict[TypeB | str, list[Push]] = {}
+    for push in reduction.solution.joint.pushes:
+        pushes.setdefault(push.source, []).append(push)
     found = []
-    for source, columns in rows.items():
-        factors = np.stack(columns)
+    for source, own in pushes.items():
+        factors = np.stack([push.column[there] for push in own])
         if not factors.any():
             continue
+        drawn = tuple(_test(reduction, push.run) for push in own if push.run is not None)
         found.append(
-            Source(title=SCATTER[source], gum="A", acts="precision", factors=factors)
+            Source(title=SCATTER[source], gum="A", acts="precision", factors=factors, drawn=drawn)
             if isinstance(source, str)
             else Source(
                 title=source.title if source in stated else f"{NUMERICAL}: {source.kind.channel}",
@@ -126,9 +153,14 @@ def _pushed(
                 acts="bias" if source.shared else "precision",
                 factors=factors,
                 common=source.common,
+                drawn=drawn,
             )
         )
     return found
+
+
+def _test(reduction: Reduction, run: int) -> str:
+    return reduction.rows[run].result.run.test
 
 
 def not_stated(reduction: Reduction) -> tuple[str, ...]:

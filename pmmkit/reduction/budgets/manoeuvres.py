@@ -136,18 +136,12 @@ def _carried(
             f"Model {model.name!r} holds no derivative of these tests: make it of their reduction."
         )
     tested = {item.name for item in budget.results}
-    return replace(
-        budget,
-        subject=subject,
-        results=tuple(
-            Result(name=name, value=found.nominal[name], unit=found.units.get(name, "-"))
-            for name in names
-        ),
-        sources=(
-            *(replace(item, factors=item.factors @ carry) for item in budget.sources),
-            *_untested(found, slopes, tested),
-        ),
-    )
+    results = [
+        Result(name=name, value=found.nominal[name], unit=found.units.get(name, "-"))
+        for name in names
+    ]
+    carried = budget.carried(carry, results, subject)
+    return replace(carried, sources=(*carried.sources, *_untested(found, slopes, tested)))
 
 
 def _untested(found: Sensitivities, slopes: Array, tested: set[str]) -> list[Source]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,19 +14,21 @@ from pmmkit.checks.finding import CheckFinding
 from pmmkit.conventions import Convention
 from pmmkit.errors import DataError
 from pmmkit.observations.blockage import speed_increase
-from pmmkit.presentation import Cell, Grid, Group, Section
+from pmmkit.presentation import Cell, Grid, Group, Section, at_froude
 from pmmkit.reduction import Reduction
-from pmmkit.reduction.shares import contributions
+from pmmkit.reduction.budgets.budget import Budget
+from pmmkit.reduction.budgets.derivatives import derivative_budget
 from pmmkit.report import pictures, sections
 from pmmkit.report.captive.document import Chapter, Item, untitled
 from pmmkit.report.captive.stated import of_report, of_uncertainties
 from pmmkit.report.checked import checked_section
+from pmmkit.report.drawn import drawn
 from pmmkit.report.words import symbol
 
 SHARED = ("Yv", "Nv", "Yr", "Nr")
 """Derivatives whose uncertainty is shared out: those of straight-line stability."""
-LEAST = 0.05
-"""Percent below which a source has no row."""
+FEW = 4
+"""How many are, where there is none of these."""
 
 
 def analysis(reduction: Reduction) -> Chapter:
@@ -125,7 +129,7 @@ def _left(reduction: Reduction) -> Grid:
 
 
 def uncertainty(reduction: Reduction) -> Chapter:
-    """Stated uncertainties, scatter between runs, and shares of both.
+    """Stated uncertainties, the budget of the derivatives, and what each run does to them.
 
     Parameters
     ----------
@@ -133,7 +137,6 @@ def uncertainty(reduction: Reduction) -> Chapter:
         What was found.
     """
     channels = list(dict.fromkeys(name for item in reduction.runs for name in item.measured))
-    shares = _shares(reduction)
     return Chapter(
         title="Uncertainty",
         items=of_uncertainties(reduction.campaign, channels),
@@ -146,42 +149,78 @@ def uncertainty(reduction: Reduction) -> Chapter:
                     "not supplied counts as zero, so that intervals are too narrow by it."
                 ]
             ),
-            *([Section(title="Shares of the variance", tables=[shares])] if shares else []),
+            *_budget(reduction),
             sections.influence(reduction),
         ],
     )
 
 
-def _shares(reduction: Reduction) -> Grid | None:
-    """Which tests and which shared sources make the uncertainty of the linear derivatives [%]."""
-    table = reduction.table
-    known = np.isfinite([table[name] for name in SHARED if name in table]).sum(axis=0)
-    best = np.flatnonzero(known == np.max(known, initial=0))
-    row = int(best[len(best) // 2])
-    Fn = None if table.pooled else float(table.Fn[row])
-    found = {}
-    for name in SHARED:
-        if name in table and math.isfinite(table[name][row]):
-            try:
-                found[name] = contributions(reduction, {name: 1.0}, Fn=Fn)["share"]
-            except DataError:
-                continue
-    titles = {name: kind.title for name, kind in kinds().items()}
-    rows: list[list[Cell]] = []
-    for source in dict.fromkeys(str(source) for own in found.values() for source in own.index):
-        shares = [100 * float(own.get(source, 0.0)) for own in found.values()]
-        if max(shares) >= LEAST:
-            rows.append([titles.get(source, source), *(f"{share:.1f}" for share in shares)])
-    if not rows:
-        return None
-    rows.append(["together", *(f"{100 * float(np.sum(own)):.1f}" for own in found.values())])
-    at = "" if Fn is None else f" at Fn {Fn:.3f}"
-    return Grid(
-        head=["Source", *(symbol(name, table.convention) for name in found)],
-        groups=[Group(rows=rows)],
-        caption=f"Percent of the variance{at}: by kind of test (noise and scatter of its runs), "
-        "and by source that all runs share.",
+def _budget(reduction: Reduction) -> list[Section]:
+    """The budget of the derivatives; nothing where none has an uncertainty."""
+    try:
+        budget = derivative_budget(reduction)
+    except DataError:
+        return []
+    shown = _shown(budget)
+    convention, at = reduction.table.convention, at_froude(shown.results[0].Fn)
+    return [
+        Section(
+            title="Where the uncertainty comes from",
+            paragraphs=[
+                "Shares of each source in the variance of a derivative. They add up to the "
+                "variance behind the interval of that derivative: nothing is left over. A bias "
+                "is the same error in all runs; of a precision each run draws its own.",
+                *_listed("Not stated, so not in the budget", budget.not_stated),
+                *_listed("Not covered by any statement", budget.outside),
+            ],
+            tables=[
+                _shares(shown, convention, f"By source{at}, type A or B of the Guide."),
+                _by_test(shown, convention, at),
+            ],
+            figures=[
+                drawn(item.plot(), "Shares of each source in the variance of each derivative.")
+                for item in [budget]
+                if len(item.sources) > 1
+            ],
+        )
+    ]
+
+
+def _listed(what: str, names: Sequence[str]) -> list[str]:
+    return [f"{what}: {'; '.join(names)}."] if names else []
+
+
+def _shown(budget: Budget) -> Budget:
+    """The derivatives of straight-line stability at a speed in the middle that tells most."""
+    known = {item.name for item in budget.results}
+    chosen = budget.of(*([name for name in SHARED if name in known] or list(known)[:FEW]))
+    count = Counter(item.Fn for item in chosen.results if not math.isnan(item.Fn))
+    best = sorted(Fn for Fn, number in count.items() if number == max(count.values()))
+    return chosen.of(Fn=best[len(best) // 2]) if best else chosen
+
+
+def _shares(budget: Budget, convention: Convention, caption: str) -> Grid:
+    grid = budget.grid()
+    symbols = [symbol(item.name, convention) for item in budget.results]
+    first = len(grid.head) - len(symbols)
+    head = ["Source", *(text[:1].upper() + text[1:] for text in grid.head[1:first]), *symbols]
+    return replace(grid, head=head, caption=caption, texts=tuple(range(first)))
+
+
+def _by_test(budget: Budget, convention: Convention, at: str) -> Grid:
+    """The same budget with what single runs draw under their kind of test."""
+    by_test, names = budget.by_test(), kinds()
+    titled = [
+        replace(item, title=names[item.title].title) if item.drawn else item
+        for item in by_test.sources
+    ]
+    caption = (
+        f"The same variance{at}, with what single runs draw (noise, scatter, their settings) "
+        "under their kind of test."
     )
+    grid = _shares(replace(by_test, sources=tuple(titled)), convention, caption)
+    shares, (together, *_) = grid.groups[0].rows, grid.groups[1].rows
+    return replace(grid, groups=[Group(rows=shares), Group(rows=[together])])
 
 
 def checks(reduction: Reduction) -> Chapter:

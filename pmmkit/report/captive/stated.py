@@ -9,6 +9,7 @@ from typing import Any
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.uncertainty import STATABLE
 from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.effects.effect import Parameter
 from pmmkit.models.stated_parts import numbers_of, words_of
 from pmmkit.presentation import number
 from pmmkit.report.captive.document import Item
@@ -90,9 +91,7 @@ def of_part(campaign: Campaign, section: str) -> list[Item]:
     known = numbers_of(section)
     rows = [
         Item(
-            what=f"{section.capitalize()}: {_unquoted(known[key].text)} [{known[key].unit or '–'}]"
-            if key in known
-            else f"{section.capitalize()}: {key.replace('_', ' ')}",
+            what=f"{section.capitalize()}: {_particular(key, known)}",
             value=_text(value),
             table=section,
             key=key,
@@ -104,6 +103,12 @@ def of_part(campaign: Campaign, section: str) -> list[Item]:
         *fitted,
         *(rows or [Item(what=f"{section.capitalize()}: particulars", value=None, table=section)]),
     ]
+
+
+def _particular(key: str, known: Mapping[str, Parameter]) -> str:
+    if key not in known:
+        return key.replace("_", " ")
+    return f"{_unquoted(known[key].text)} [{_unit(known[key].unit) or '–'}]"
 
 
 def of_gauges(campaign: Campaign) -> list[Item]:
@@ -155,14 +160,14 @@ def of_uncertainties(campaign: Campaign, channels: Sequence[str]) -> list[Item]:
             (
                 f"{number(100 * item.std)} %"
                 if item.relative
-                else f"{number(_shown(item.std, kind.unit))} {kind.unit}"
+                else f"{number(_shown(item.std, kind.unit))} {_unit(kind.unit)}"
             )
             + (", the same in all runs" if item.shared else ", anew in each run")
             for item in stated
         ]
         items.append(
             Item(
-                what=f"Standard uncertainty of {kind.name.replace('_', ' ')}",
+                what=f"Standard uncertainty: {kind.title}",
                 value="; ".join(told) or None,
                 table="uncertainty",
                 key=kind.key,
@@ -183,6 +188,11 @@ def of_uncertainties(campaign: Campaign, channels: Sequence[str]) -> list[Item]:
 
 def _shown(value: float, unit: str) -> float:
     return math.degrees(value) if unit == "deg" else value
+
+
+def _unit(unit: str) -> str:
+    """A unit with its powers set high."""
+    return unit.translate({ord("2"): "²", ord("3"): "³"})
 
 
 def _unquoted(text: str) -> str:

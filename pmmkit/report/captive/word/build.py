@@ -1,0 +1,254 @@
+"""A report as a Word document: what stands where."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from pmmkit.errors import DataError
+from pmmkit.escaping import printable
+from pmmkit.presentation import Grid, Picture, Section
+from pmmkit.report.captive.document import Chapter, Document, Item
+from pmmkit.report.captive.word.own_style import contents, own_style
+from pmmkit.report.captive.word.pages import inside, lay
+from pmmkit.report.captive.word.parts import add_bookmark, add_field, chapter_mark, spacer, style_of
+from pmmkit.report.captive.word.tables import GRID, columns_for, grid_table, items_table
+from pmmkit.report.drawn import Drawn
+
+if TYPE_CHECKING:
+    from docx.document import Document as WordFile
+    from docx.text.paragraph import Paragraph
+
+DATE: Final = datetime(1980, 1, 1)
+"""Of every part of the file, so that the same report gives the same bytes."""
+HIGHEST: Final = 0.78
+"""Part of the height of a page that a figure may have."""
+NARROW: Final = 0.6
+"""Part of the width that a narrow figure has."""
+BODY: Final = "PMMKIT-REPORT-BODY"
+"""Stands where a template has ``{{ body }}`` until the chapters are put there."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Sheet:
+    """A document that is being written.
+
+    Parameters
+    ----------
+    file : Document
+        Of python-docx, which grows.
+    width : float
+        Of an upright page between its margins [cm].
+    grid : str, optional
+        Style of its tables, for lines of the laboratory's own.
+    captions : Counter
+        How many tables and figures have been numbered.
+    """
+
+    file: WordFile
+    width: float
+    grid: str | None = None
+    captions: Counter[str] = field(default_factory=Counter)
+
+
+def word_bytes(document: Document, template: str | Path | None = None) -> bytes:
+    """A report as a Word document.
+
+    Parameters
+    ----------
+    document : Document
+        What is written.
+    template : path, optional
+        The laboratory's document. Its fields ``{{ title }}``, ``{{ report.customer }}`` … are
+        filled with text, and the chapters stand where a paragraph holds ``{{ body }}``, in its
+        styles. Texts of the campaign are put in as they stand: nothing in them is a field.
+
+    Raises
+    ------
+    DataError
+        If the template is no Word document or cannot be filled.
+    """
+    import docx
+
+    if template is None:
+        file = docx.Document()
+        own_style(file, document)
+        sheet = _Sheet(file=file, width=inside(file)[0])
+        _cover(sheet, document)
+        _chapters(sheet, document, anew=True)
+    else:
+        file = _filled(document, Path(template))
+    file.core_properties.title = printable(document.title)[:255]
+    file.core_properties.author = "pmmkit"
+    file.core_properties.created = file.core_properties.modified = DATE
+    return _undated(file)
+
+
+def fields_of(document: Document) -> dict[str, Any]:
+    """What a template can name.
+
+    Parameters
+    ----------
+    document : Document
+        The report.
+
+    Returns
+    -------
+    dict
+        ``title``, ``subtitle``, ``body``; ``report``, the texts of ``[report]`` by key; ``items``
+        and ``chapters``, lists with what is printed; ``missing``, what was not supplied.
+    """
+
+    def plain(items: Iterable[Item]) -> list[dict[str, str]]:
+        return [{"what": x.what, "value": x.text, "supply": x.supply} for x in items]
+
+    every = [*document.items, *(item for x in document.chapters for item in x.items)]
+    return {
+        "title": document.title,
+        "subtitle": document.subtitle,
+        "body": BODY,
+        "report": {item.key: item.text for item in every if item.table == "report"},
+        "items": plain(document.items),
+        "chapters": [
+            {"number": mark, "title": chapter.title, "items": plain(chapter.items)}
+            for mark, chapter in document.numbered
+        ],
+        "missing": plain(item for _, item in document.missing),
+    }
+
+
+def _filled(document: Document, template: Path) -> WordFile:
+    """The template with its fields filled, and the chapters in their place."""
+    import docxtpl
+    from jinja2 import TemplateError
+    from jinja2.sandbox import SandboxedEnvironment
+
+    try:
+        made = docxtpl.DocxTemplate(template)
+        made.render(_printable(fields_of(document)), SandboxedEnvironment(autoescape=True))
+    except (TemplateError, OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        raise DataError(f"{template.name} cannot be filled: {error}.") from error
+    file: WordFile = made.docx
+    place = next((x for x in file.paragraphs if x.text.strip() == BODY), None)
+    if place is None:
+        return file
+    begin = len(file.element.body)
+    _chapters(_Sheet(file=file, width=inside(file)[0], grid=GRID), document)
+    added = list(file.element.body)[begin - 1 : -1]  # before the properties of the last section
+    for element in added:
+        place._p.addprevious(element)
+    place._p.getparent().remove(place._p)
+    return file
+
+
+def _printable(value: Any) -> Any:
+    """Texts without what Word's XML cannot hold."""
+    if isinstance(value, dict):
+        return {key: _printable(item) for key, item in value.items()}
+    return [_printable(item) for item in value] if isinstance(value, list) else printable(value)
+
+
+def _cover(sheet: _Sheet, document: Document) -> None:
+    file = sheet.file
+    file.add_paragraph(printable(document.title), style="Title")
+    file.add_paragraph(printable(document.subtitle), style="Subtitle")
+    items_table(file, document.items, sheet.width, sheet.grid)
+    for text in document.basis:
+        file.add_paragraph(printable(text))
+    contents(file, document)
+
+
+def _chapters(sheet: _Sheet, document: Document, *, anew: bool = False) -> None:
+    """All chapters, the appendices on pages of their own, and the first one if it begins anew."""
+    file = sheet.file
+    for number, (mark, chapter) in enumerate(document.numbered):
+        heading = file.add_paragraph(f"{mark} {chapter.title}", style=style_of(file, "Heading 1"))
+        heading.paragraph_format.page_break_before = chapter.appendix or (anew and number == 0)
+        add_bookmark(heading, chapter_mark(mark), number)
+        _chapter(sheet, chapter)
+        lay(file, across=False)
+
+
+def _chapter(sheet: _Sheet, chapter: Chapter) -> None:
+    if chapter.items:
+        items_table(sheet.file, chapter.items, sheet.width, sheet.grid)
+    for section in chapter.sections:
+        _section(sheet, section)
+
+
+def _section(sheet: _Sheet, section: Section) -> None:
+    file = sheet.file
+    lay(file, across=False)
+    if section.title:
+        file.add_paragraph(printable(section.title), style=style_of(file, "Heading 2"))
+    for text in section.paragraphs:
+        file.add_paragraph(printable(text))
+    for text in section.points:
+        file.add_paragraph(printable(text), style=style_of(file, "List Bullet"))
+    for found in section.findings:
+        told = file.add_paragraph()
+        told.paragraph_format.keep_together = True
+        runs = f" ({found['runs']})" if found["runs"] else ""
+        told.add_run(printable(f"{found['severity']}: {found['check']}")).bold = True
+        told.add_run(printable(runs)).add_break()
+        told.add_run(printable(f"{found['message']} {found['remedy']}".rstrip()))
+    for table in section.tables:
+        _table(sheet, table)
+    for figure in section.figures:
+        _figure(sheet, figure)
+
+
+def _table(sheet: _Sheet, table: Grid) -> None:
+    """A table with its caption above; on a page across where its numbers need it."""
+    file = sheet.file
+    across = not columns_for(table, sheet.width).fits
+    lay(file, across=across)
+    if table.caption:
+        _caption(sheet, "Table", table.caption).paragraph_format.keep_with_next = True
+    grid_table(file, table, columns_for(table, inside(file)[0]), sheet.grid)
+    spacer(file)
+
+
+def _figure(sheet: _Sheet, figure: Picture) -> None:
+    from docx.shared import Cm
+
+    if isinstance(figure, Drawn):
+        lay(sheet.file, across=False)
+        across, along = inside(sheet.file)
+        wide, high = figure.figure.get_size_inches()
+        width = min(across * (NARROW if figure.narrow else 1.0), HIGHEST * along * wide / high)
+        place = sheet.file.add_paragraph()
+        place.paragraph_format.keep_with_next = True
+        shape = place.add_run().add_picture(io.BytesIO(figure.png()), width=Cm(width))
+        shape._inline.docPr.set("descr", printable(figure.alt))
+    _caption(sheet, "Figure", figure.caption)
+
+
+def _caption(sheet: _Sheet, kind: str, text: str) -> Paragraph:
+    """A caption with its number, which Word counts anew where a laboratory adds its own."""
+    sheet.captions[kind] += 1
+    style = style_of(sheet.file, "Caption")
+    caption = sheet.file.add_paragraph(f"{kind} ", style=style)
+    add_field(caption, f"SEQ {kind} \\* ARABIC", str(sheet.captions[kind]))
+    caption.add_run(printable(f". {text}"))
+    if style is None:
+        for run in caption.runs:
+            run.italic = True
+    return caption
+
+
+def _undated(file: WordFile) -> bytes:
+    """The document as bytes whose parts bear one date."""
+    raw, made = io.BytesIO(), io.BytesIO()
+    file.save(raw)
+    with zipfile.ZipFile(raw) as parts, zipfile.ZipFile(made, "w") as result:
+        for item in parts.infolist():
+            entry = zipfile.ZipInfo(item.filename, DATE.timetuple()[:6])
+            result.writestr(entry, parts.read(item), zipfile.ZIP_DEFLATED)
+    return made.getvalue()
