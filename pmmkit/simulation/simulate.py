@@ -19,6 +19,8 @@ from pmmkit.equations.layouts import Control, End, State
 from pmmkit.equations.prepared import feels_depth, feels_waves
 from pmmkit.errors import DataError, Problem, SimulationError
 from pmmkit.models import Model, load_model
+from pmmkit.models.astern import reversed_by_bucket
+from pmmkit.models.caution import caution
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
@@ -43,7 +45,7 @@ LINEAR: Final = (
 ONE_SET: Final = "The model has one set of values for all speeds: nothing follows the moment's."
 REVERSAL: Final = 2.0
 """Time in ship lengths over the approach speed in which revolutions fall to zero, in a model
-without a shaft."""
+without a shaft, and in which the bucket of a waterjet goes down."""
 
 
 def simulate(
@@ -170,7 +172,9 @@ def simulate(
     calm = wave_height is None and not any(around.values())
     conditions = CALM if calm else Conditions(**around)
     ready = prepared(loaded, speed, fn, conditions=conditions, extrapolate=extrapolate)
-    plan = chosen.plan(speed / ready.L, wind=wind_speed > 0.0, **settings)
+    plan = chosen.plan(
+        speed / ready.L, wind=wind_speed > 0.0, bucket=reversed_by_bucket(loaded), **settings
+    )
     lag = rudder_lag if rudder_law == "lag" else 0.0
     gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
@@ -186,7 +190,7 @@ def simulate(
         drift = float(np.degrees(np.abs(np.arctan2(-track.v, track.u))).max())
         rate = float((np.abs(track.r) * track.L / speeds).max())
         more.append(LINEAR.format(drift=drift, rate=rate))
-    return replace(track, notes=(*track.notes, *more))
+    return replace(track, notes=(*track.notes, *more, *caution(loaded, speed)))
 
 
 def has_linear_hull(model: Model) -> bool:
@@ -288,7 +292,7 @@ def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: 
         rudder_rate=math.radians(rate) if rate is not None else INSTANT,
         rudder_lag=lag,
         revolutions_rate=usual if plan.revolutions_rate is None else plan.revolutions_rate,
-        bucket_rate=pace / REVERSAL,
+        bucket_rate=pace / REVERSAL if plan.bucket_rate is None else plan.bucket_rate,
     )
 
 

@@ -21,12 +21,18 @@ TURNS: Final = Setting(
 
 
 def stopping(
-    pace: float, *, turns: float, rudder_deg: float, reversal_s: float | None = None
+    pace: float,
+    *,
+    turns: float,
+    rudder_deg: float,
+    reversal_s: float | None = None,
+    bucket: bool = False,
 ) -> Plan:
-    """Crash stop: revolutions astern (and the bucket of a waterjet down) until the ship stops."""
+    """Crash stop: revolutions astern, or the bucket of a waterjet down, until the ship stops."""
+    ordered = abs(turns) if bucket else turns
     phases = (
         Phase(
-            revolutions=turns,
+            revolutions=ordered,
             bucket=1.0,
             rudder=math.radians(rudder_deg),
             until=End.surge,
@@ -47,8 +53,15 @@ def stopping(
             "heading_at_stop_deg": degrees(a.at("stop", "psi")),
         }
 
-    rate = None if reversal_s is None else abs(1.0 - turns) / reversal_s
-    return Plan(phases=phases, probes=probes, measure=measure, revolutions_rate=rate)
+    if reversal_s is None:
+        return Plan(phases=phases, probes=probes, measure=measure)
+    return Plan(
+        phases=phases,
+        probes=probes,
+        measure=measure,
+        revolutions_rate=abs(1.0 - ordered) / reversal_s or None,
+        bucket_rate=1.0 / reversal_s,
+    )
 
 
 def accelerating(pace: float, *, turns: float) -> Plan:
@@ -79,12 +92,17 @@ MANOEUVRES: Final = (
         name="stopping",
         title="crash stop",
         settings=(
-            replace(TURNS, default=-0.7),
+            replace(
+                TURNS,
+                default=-0.7,
+                text=f"{TURNS.text}; of pumps whose thrust a bucket turns the size counts",
+            ),
             replace(rudder_setting(0.0), takes="angle"),
             Setting(
                 name="reversal_s",
-                text="time until the revolutions astern are reached; if absent, they fall to zero "
-                "in two ship lengths over the speed and go on at that rate",
+                text="time until the revolutions astern are reached and the bucket is down; if "
+                "absent, they fall to zero in two ship lengths over the speed and go on at that "
+                "rate, and the bucket goes down in that time",
                 unit="s",
             ),
         ),
@@ -92,6 +110,7 @@ MANOEUVRES: Final = (
         metrics=metrics_named(
             "head_reach", "track_reach", "lateral_deviation", "time_to_stop", "heading_at_stop_deg"
         ),
+        asks_for_bucket=True,
     ),
     Manoeuvre(
         name="accelerating",
