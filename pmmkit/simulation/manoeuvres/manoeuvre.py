@@ -111,6 +111,11 @@ class Manoeuvre:
         Whether `orders` takes the keyword ``wind`` too: whether there is wind.
     asks_for_bucket : bool
         The same of ``bucket``: whether a bucket turns the ship's thrust astern.
+    asks_for_speed : bool
+        The same of ``speed``: the approach speed [m/s].
+    held_straight : bool
+        Whether the ship is held straight, with a hull that resists astern as ahead
+        (`pmmkit.models.straight`): of a manoeuvre in which she moves astern.
     """
 
     name: str
@@ -121,6 +126,8 @@ class Manoeuvre:
     drawn: Drawn = "path"
     asks_for_wind: bool = False
     asks_for_bucket: bool = False
+    asks_for_speed: bool = False
+    held_straight: bool = False
 
     def problems(self, given: Mapping[str, Any]) -> list[str]:
         """What is wrong with settings, all of it."""
@@ -139,7 +146,13 @@ class Manoeuvre:
         return found
 
     def plan(
-        self, pace: float, *, wind: bool = False, bucket: bool = False, **settings: Any
+        self,
+        pace: float,
+        *,
+        speed: float = math.nan,
+        wind: bool = False,
+        bucket: bool = False,
+        **settings: Any,
     ) -> Plan:
         """The plan for a ship.
 
@@ -147,6 +160,8 @@ class Manoeuvre:
         ----------
         pace : float
             Approach speed over the ship length [1/s].
+        speed : float
+            Approach speed [m/s], for a manoeuvre that asks for it.
         wind : bool
             Whether there is wind.
         bucket : bool
@@ -159,12 +174,18 @@ class Manoeuvre:
         DataError
             If settings do not go together.
         """
-        around = tuple(self.around(wind=wind, bucket=bucket).items())
+        around = tuple(self.around(speed=speed, wind=wind, bucket=bucket).items())
         return _planned(self, pace, around, tuple(settings.items()))
 
-    def around(self, *, wind: bool = False, bucket: bool = False) -> dict[str, bool]:
+    def around(
+        self, *, speed: float = 1.0, wind: bool = False, bucket: bool = False
+    ) -> dict[str, float]:
         """What `orders` asks for beside the settings, with its answers."""
-        asked = {"wind": (self.asks_for_wind, wind), "bucket": (self.asks_for_bucket, bucket)}
+        asked = {
+            "speed": (self.asks_for_speed, speed),
+            "wind": (self.asks_for_wind, wind),
+            "bucket": (self.asks_for_bucket, bucket),
+        }
         return {name: answer for name, (asks, answer) in asked.items() if asks}
 
     def filled(self, given: Mapping[str, Any]) -> dict[str, Any]:
@@ -181,7 +202,7 @@ class Manoeuvre:
 def _planned(
     manoeuvre: Manoeuvre,
     pace: float,
-    around: tuple[tuple[str, bool], ...],
+    around: tuple[tuple[str, float], ...],
     given: tuple[tuple[str, Any], ...],
 ) -> Plan:
     settings = manoeuvre.filled(dict(given))

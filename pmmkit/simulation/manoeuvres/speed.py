@@ -19,6 +19,8 @@ TURNS: Final = Setting(
     takes="any",
 )
 
+PUMPS: Final = "of pumps whose thrust a bucket turns the size counts"
+
 
 def stopping(
     pace: float,
@@ -64,6 +66,56 @@ def stopping(
     )
 
 
+def astern_to_ahead(
+    pace: float,
+    *,
+    astern: float,
+    turns: float,
+    share: float,
+    speed: float,
+    reversal_s: float | None = None,
+    bucket: bool = False,
+) -> Plan:
+    """Astern to ahead: from steady speed astern to a share of the approach speed ahead."""
+    backing = abs(astern) if bucket else astern
+    phases = (
+        Phase(
+            revolutions=backing,
+            bucket=1.0,
+            until=End.steady,
+            level=1e-5,
+            shortest=2.0 / pace,
+            longest=500.0 / pace,
+        ),
+        Phase(revolutions=turns, bucket=0.0, until=End.surge, level=0.0, longest=500.0 / pace),
+        Phase(until=End.surge, level=share * speed, longest=500.0 / pace),
+    )
+    probes = {
+        "order": Probe(ask=Ask.begin, first=1, last=1),
+        "stop": Probe(ask=Ask.reached, first=1, last=1),
+        "speed": Probe(ask=Ask.reached, first=2, last=2),
+    }
+
+    def measure(a: ProbeResults) -> dict[str, Any]:
+        return {
+            "astern_speed": -a.at("order", "u"),
+            "time_to_stop": a.t("stop") - a.t("order"),
+            "astern_reach": a.at("order", "x") - a.at("stop", "x"),
+            "time_to_speed": a.t("speed") - a.t("order"),
+            "way_ahead": a.at("speed", "x") - a.at("stop", "x"),
+        }
+
+    if reversal_s is None:
+        return Plan(phases=phases, probes=probes, measure=measure)
+    return Plan(
+        phases=phases,
+        probes=probes,
+        measure=measure,
+        revolutions_rate=abs(turns - backing) / reversal_s or None,
+        bucket_rate=1.0 / reversal_s,
+    )
+
+
 def accelerating(pace: float, *, turns: float) -> Plan:
     """Accelerating: more revolutions straight ahead until the speed stays."""
     phases = (
@@ -92,11 +144,7 @@ MANOEUVRES: Final = (
         name="stopping",
         title="crash stop",
         settings=(
-            replace(
-                TURNS,
-                default=-0.7,
-                text=f"{TURNS.text}; of pumps whose thrust a bucket turns the size counts",
-            ),
+            replace(TURNS, default=-0.7, text=f"{TURNS.text}; {PUMPS}"),
             replace(rudder_setting(0.0), takes="angle"),
             Setting(
                 name="reversal_s",
@@ -118,5 +166,38 @@ MANOEUVRES: Final = (
         settings=(replace(TURNS, default=1.5),),
         orders=accelerating,
         metrics=metrics_named("final_speed", "speed_ratio", "time", "distance"),
+    ),
+    Manoeuvre(
+        name="astern_to_ahead",
+        title="astern to ahead, held straight",
+        settings=(
+            replace(
+                TURNS,
+                name="astern",
+                default=-0.7,
+                text=f"revolutions of the run astern over those of the approach, negative; {PUMPS}",
+            ),
+            replace(TURNS, default=1.0, text="revolutions ahead over those of the approach"),
+            Setting(
+                name="share",
+                text="speed to be reached over that of the approach",
+                unit="-",
+                default=0.9,
+            ),
+            Setting(
+                name="reversal_s",
+                text="time from the one to the other, and until the bucket is up; if absent, "
+                "revolutions change by those of the approach in two ship lengths over the speed, "
+                "and the bucket goes up in that time",
+                unit="s",
+            ),
+        ),
+        orders=astern_to_ahead,
+        metrics=metrics_named(
+            "astern_speed", "time_to_stop", "astern_reach", "time_to_speed", "way_ahead"
+        ),
+        asks_for_bucket=True,
+        asks_for_speed=True,
+        held_straight=True,
     ),
 )
