@@ -16,6 +16,7 @@ from pmmkit.errors import ModelError
 from pmmkit.models.astern import as_it_stops, reversed_by_bucket
 from pmmkit.models.changes import covariance_of
 from pmmkit.models.model import Model, Part, needs_roll, place_name
+from pmmkit.models.roles import drives
 from pmmkit.models.step import Step
 
 T = TypeVar("T")
@@ -77,7 +78,7 @@ def held_straight(model: Model) -> Model:
         elif name == INERTIA:
             kept = [own for own in part.values if own != "lx" and not needs_roll(own)]
             parts[name] = _only(part, dict(zip(kept, kept, strict=True)))
-        elif "propulsion" in part.known.roles or "n" in part.known.states:
+        elif drives(part.known) or "n" in part.known.states:
             parts[name] = _along_the_ship(part)
     parts.setdefault(RUDDER_POLYNOMIAL, Part(effect=RUDDER_POLYNOMIAL))
     there = {place_name(x, own) for x, part in parts.items() for own in part.values}
