@@ -51,7 +51,7 @@ def test_the_surge_of_constant_jets_is_the_closed_form():
     Q = prepare(held_straight(model), speed).self_propulsion()
     assert RHO * Q * (Q / NOZZLE - speed) == pytest.approx(CXU * speed**2, rel=1e-8)
     A, B, C = RHO * Q**2 / NOZZLE, RHO * Q, CXU
-    found = sailed(model, "astern_to_ahead", speed, astern=-1.0, share=0.9)
+    found = sailed(model, "astern_to_ahead", speed, astern=1.0, share=0.9)
 
     backing = (-B + math.sqrt(B**2 + 2.0 * A * C)) / (2.0 * C)
     assert found["astern_speed"] == pytest.approx(backing, rel=2e-4)
@@ -82,7 +82,7 @@ def test_without_intake_it_is_the_hyperbolic_tangent():
 
 def test_it_mirrors_the_stop_of_a_ship_that_is_alike_ahead_and_astern():
     """Jets whose bucket turns all of them: the forces change sign with speed and bucket."""
-    found = sailed(jet_ship(1.0), "astern_to_ahead", 12.0, astern=-1.0)
+    found = sailed(jet_ship(1.0), "astern_to_ahead", 12.0, astern=1.0)
     stop = sailed(jet_ship(1.0), "stopping", 12.0, turns=-1.0)
     assert found["astern_speed"] == pytest.approx(12.0, rel=2e-4)
     assert found["time_to_stop"] == pytest.approx(stop["time_to_stop"], rel=3e-4)
@@ -122,6 +122,8 @@ def test_what_it_cannot_do_is_refused():
             pk.simulate(name, "astern_to_ahead", speed=speed)
     with pytest.raises(DataError, match="leave out wind_speed"):
         pk.simulate("kvlcc2", "astern_to_ahead", speed=8.0, wind_speed=5.0)
+    with pytest.raises(DataError, match=r"astern = -0\.7 must be positive"):
+        pk.simulate("kvlcc2", "astern_to_ahead", speed=8.0, astern=-0.7)
 
 
 def test_ships_that_are_drawn_are_held_as_well():

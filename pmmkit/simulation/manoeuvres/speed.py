@@ -18,7 +18,6 @@ TURNS: Final = Setting(
     unit="-",
     takes="any",
 )
-
 PUMPS: Final = "of pumps whose thrust a bucket turns the size counts"
 
 
@@ -77,7 +76,7 @@ def astern_to_ahead(
     bucket: bool = False,
 ) -> Plan:
     """Astern to ahead: from steady speed astern to a share of the approach speed ahead."""
-    backing = abs(astern) if bucket else astern
+    backing = astern if bucket else -astern
     phases = (
         Phase(
             revolutions=backing,
@@ -171,13 +170,18 @@ MANOEUVRES: Final = (
         name="astern_to_ahead",
         title="astern to ahead, held straight",
         settings=(
-            replace(
-                TURNS,
+            Setting(
                 name="astern",
-                default=-0.7,
-                text=f"revolutions of the run astern over those of the approach, negative; {PUMPS}",
+                text="revolutions of the run astern, their size over those of the approach",
+                unit="-",
+                default=0.7,
             ),
-            replace(TURNS, default=1.0, text="revolutions ahead over those of the approach"),
+            Setting(
+                name="turns",
+                text="revolutions ahead over those of the approach",
+                unit="-",
+                default=1.0,
+            ),
             Setting(
                 name="share",
                 text="speed to be reached over that of the approach",
