@@ -29,7 +29,7 @@ Manoeuvre = Annotated[
     str,
     typer.Option(
         help="turning, initial_turning, zigzag, spiral, pull_out, stopping, accelerating, "
-        "course_change, williamson, straight or weave."
+        "astern_to_ahead, course_change, williamson, straight or weave."
     ),
 ]
 RudderDeg = Annotated[

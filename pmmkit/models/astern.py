@@ -17,6 +17,8 @@ ESTIMATED: Final = (
     "its thrust vanishes, joined to its open water ahead; no thrust deduction, wake or side force "
     "astern."
 )
+BUCKET: Final = "bucket"
+"""What an effect asks for whose thrust a bucket turns astern."""
 LOST: Final = 0.2
 """Thrust deduction astern with which an estimated stop is made again: few measure it."""
 
@@ -24,6 +26,18 @@ LOST: Final = 0.2
 def knows_astern(model: Model) -> bool:
     """Whether a model says what its propulsion does astern."""
     return any(part.known.astern for part in model.parts.values())
+
+
+def reversed_by_bucket(model: Model) -> bool:
+    """Whether a bucket turns the thrust of a model astern, as that of a waterjet does.
+
+    Examples
+    --------
+    >>> from pmmkit.models.store import load_model
+    >>> reversed_by_bucket(load_model("kvlcc2"))
+    False
+    """
+    return any(BUCKET in part.known.needs for part in model.parts.values())
 
 
 def astern_can_be_estimated(model: Model) -> bool:

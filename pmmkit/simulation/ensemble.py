@@ -21,7 +21,9 @@ from pmmkit.errors import DataError
 from pmmkit.executors import Workers, each, opened
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model
+from pmmkit.models.astern import reversed_by_bucket
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.straight import held_straight
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.progress import Progress
@@ -342,9 +344,17 @@ def batch_of(
         rudder_lag=rudder_lag,
         revolutions=revolutions,
     )
+    if chosen.held_straight:
+        loaded = held_straight(loaded)
     conditions = Conditions(**around)
     pace = speed / loaded.ship.L
-    plan = chosen.plan(pace, wind=conditions.wind_speed > 0.0, **settings)
+    plan = chosen.plan(
+        pace,
+        speed=speed,
+        wind=conditions.wind_speed > 0.0,
+        bucket=reversed_by_bucket(loaded),
+        **settings,
+    )
     return Batch(
         model=loaded,
         plan=plan,

@@ -158,6 +158,8 @@ class Plan:
     revolutions_rate : float, optional
         Rate at which the revolutions go to their order, over those of the approach [1/s]; by
         default what is usual, or what a part ``shaft`` gives.
+    bucket_rate : float, optional
+        Rate at which the bucket of a waterjet goes to its order [1/s]; by default what is usual.
     name : str
         Of the manoeuvre, which fills it in.
     metrics : tuple of Metric
@@ -170,6 +172,7 @@ class Plan:
     rudder: float = 0.0
     settles: bool = False
     revolutions_rate: float | None = None
+    bucket_rate: float | None = None
     name: str = ""
     metrics: tuple[Metric, ...] = METRICS
 

@@ -19,6 +19,9 @@ from pmmkit.equations.layouts import Control, End, State
 from pmmkit.equations.prepared import feels_depth, feels_waves
 from pmmkit.errors import DataError, Problem, SimulationError
 from pmmkit.models import Model, load_model
+from pmmkit.models.astern import ESTIMATED, knows_astern, reversed_by_bucket
+from pmmkit.models.caution import caution
+from pmmkit.models.straight import HELD, held_straight
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
@@ -30,6 +33,8 @@ RudderLaw = Literal["ramp", "lag"]
 RTOL: Final = 1e-8
 ENVIRONMENT: Final = tuple(item.name for item in fields(Conditions))
 """Settings that say what is around the ship."""
+ACROSS: Final = ("wind_speed", "wave_height")
+"""Of these what turns a ship out of a straight run."""
 NO_BOTTOM: Final = (
     "The model does not feel the bottom: the depth changes nothing without a part shallow_water."
 )
@@ -43,7 +48,7 @@ LINEAR: Final = (
 ONE_SET: Final = "The model has one set of values for all speeds: nothing follows the moment's."
 REVERSAL: Final = 2.0
 """Time in ship lengths over the approach speed in which revolutions fall to zero, in a model
-without a shaft."""
+without a shaft, and in which the bucket of a waterjet goes down."""
 
 
 def simulate(
@@ -143,7 +148,7 @@ def simulate(
     >>> round(float(track.metrics["overshoot_1_deg"]), 1)
     4.9
     """
-    loaded = model if isinstance(model, Model) else load_model(model)
+    stated = model if isinstance(model, Model) else load_model(model)
     around: dict[str, Any] = {
         "wind_speed": wind_speed,
         "wind_direction_deg": wind_direction_deg,
@@ -167,10 +172,17 @@ def simulate(
         rtol=rtol,
         revolutions=revolutions,
     )
+    loaded = held_straight(stated) if chosen.held_straight else stated
     calm = wave_height is None and not any(around.values())
     conditions = CALM if calm else Conditions(**around)
     ready = prepared(loaded, speed, fn, conditions=conditions, extrapolate=extrapolate)
-    plan = chosen.plan(speed / ready.L, wind=wind_speed > 0.0, **settings)
+    plan = chosen.plan(
+        speed / ready.L,
+        speed=speed,
+        wind=wind_speed > 0.0,
+        bucket=reversed_by_bucket(loaded),
+        **settings,
+    )
     lag = rudder_lag if rudder_law == "lag" else 0.0
     gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
@@ -186,7 +198,9 @@ def simulate(
         drift = float(np.degrees(np.abs(np.arctan2(-track.v, track.u))).max())
         rate = float((np.abs(track.r) * track.L / speeds).max())
         more.append(LINEAR.format(drift=drift, rate=rate))
-    return replace(track, notes=(*track.notes, *more))
+    if chosen.held_straight:
+        more += [HELD, *([] if knows_astern(stated) else [ESTIMATED])]
+    return replace(track, notes=(*track.notes, *more, *caution(loaded, speed)))
 
 
 def has_linear_hull(model: Model) -> bool:
@@ -239,6 +253,9 @@ def check_request(
     if not 1e-13 < rtol < 0.1:
         found.append(f"rtol = {rtol} must lie between 1e-13 and 0.1.")
     found += _environment_problems(environment) + manoeuvre.problems(settings)
+    across = [name for name in ACROSS if environment.get(name)]
+    if manoeuvre.held_straight and across:
+        found.append(f"{manoeuvre.name} holds the ship straight: leave out {', '.join(across)}.")
     if found:
         raise DataError([Problem(message=text) for text in found], title="Cannot simulate")
 
@@ -288,7 +305,7 @@ def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: 
         rudder_rate=math.radians(rate) if rate is not None else INSTANT,
         rudder_lag=lag,
         revolutions_rate=usual if plan.revolutions_rate is None else plan.revolutions_rate,
-        bucket_rate=pace / REVERSAL,
+        bucket_rate=pace / REVERSAL if plan.bucket_rate is None else plan.bucket_rate,
     )
 
 
@@ -347,7 +364,9 @@ def _notes(history: History) -> list[str]:
             End.heading: f"the heading does not reach {math.degrees(phase.level):g}°",
             End.steady_turn: f"the heading does not reach {math.degrees(phase.level):g}°",
             End.yaw_rate: "the ship does not stop turning",
-            End.surge: "the ship does not stop",
+            End.surge: f"the ship does not reach {phase.level:.4g} m/s"
+            if phase.level
+            else "the ship does not stop",
         }
         if phase.until in waited and not ended:
             notes.append(f"Within {phase.longest:.4g} s {waited[phase.until]}.")

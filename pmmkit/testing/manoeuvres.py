@@ -147,10 +147,10 @@ def _faults_of_entry(manoeuvre: Manoeuvre) -> Iterator[str]:
     names = [setting.name for setting in manoeuvre.settings]
     if len(set(names)) < len(names):
         yield "a setting comes twice"
-    wind = ["wind"] if manoeuvre.asks_for_wind else []
+    around = list(manoeuvre.around())
     takes = list(signature(manoeuvre.orders).parameters)[1:]
-    if set(takes) != {*names, *wind}:
-        yield f"its function takes {', '.join(takes)}; declared are {', '.join([*names, *wind])}"
+    if set(takes) != {*names, *around}:
+        yield f"its function takes {', '.join(takes)}; declared are {', '.join([*names, *around])}"
     for setting in manoeuvre.settings:
         yield from _faults_of_setting(manoeuvre, setting)
 
@@ -172,7 +172,7 @@ def _faults_of_plan(manoeuvre: Manoeuvre, settings: Mapping[str, Any]) -> Iterat
     if missing:
         yield from missing
         return
-    given = manoeuvre.filled(settings) | ({"wind": False} if manoeuvre.asks_for_wind else {})
+    given = manoeuvre.filled(settings) | manoeuvre.around()
     one, other = (manoeuvre.orders(_PACE, **given) for _ in range(2))
     if one != other:
         yield "its plan is not the same twice"

@@ -87,7 +87,6 @@ REGISTRIES = {
             "seakeeping/explained.py": "a number of the loading of that name",
             "simulation/manoeuvres/manoeuvre.py": OTHER_WORDS,
             "simulation/imo/conditions.py": "conditions of the standard",
-            "testing/manoeuvres.py": OTHER_WORDS,
             "trials/table.py": "what a trial corrects",
             "validation/prediction.py": OTHER_WORDS,
         },

@@ -638,7 +638,14 @@ def test_air_and_water_that_move_together_are_calm():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("manoeuvre", sorted(set(manoeuvres()) - {"turning", "zigzag"}))
+@pytest.mark.parametrize(
+    "manoeuvre",  # one that is held straight has a structure of its own: 10 s to compile
+    sorted(
+        name
+        for name, item in manoeuvres().items()
+        if name not in ("turning", "zigzag") and not item.held_straight
+    ),
+)
 @pytest.mark.parametrize("name", ["s175", "esso190k"])
 def test_interpreted_and_compiled_agree(name, manoeuvre):
     given = {"rudder_deg": 10.0, "step_deg": 10.0} if manoeuvre == "spiral" else {}
@@ -668,7 +675,7 @@ def test_the_rudder_never_turns_faster_than_its_gear(manoeuvre):
     track = simulate(SHIP, manoeuvre, speed=9.0, dt=0.5, rudder_rate_deg=1.5, **given)
     rates = np.abs(np.diff(np.degrees(track.delta)) / np.diff(track.t))
     assert np.max(rates) <= 1.5 * (1 + 1e-9)
-    if manoeuvre not in ("stopping", "accelerating", "straight"):
+    if manoeuvre not in ("stopping", "accelerating", "straight", "astern_to_ahead"):
         assert np.max(rates) == pytest.approx(1.5)
 
 

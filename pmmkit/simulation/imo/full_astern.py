@@ -39,7 +39,8 @@ class FullAstern:
     turns : float
         Revolutions astern over those of the approach, negative: as ordered, or as measured.
     reversal_s : float
-        Time from the order until they are reached [s]; NaN where they never are.
+        Time from the order until they are reached, or the bucket is down [s]; NaN where they
+        never are.
     most : float
         The farthest astern that the revolutions went, over those of the approach.
     torque : float, optional
@@ -52,6 +53,8 @@ class FullAstern:
         Of the track reach [L].
     propeller : str
         What is assumed of the propeller astern, in a sentence; empty where the model knows it.
+    bucket : bool
+        Whether a bucket turns the thrust: then the size of the revolutions counts.
     """
 
     turns: float
@@ -62,6 +65,7 @@ class FullAstern:
     others: tuple[tuple[float, float], ...] = ()
     limit: float = math.nan
     propeller: str = ""
+    bucket: bool = False
 
     @property
     def words(self) -> str:
@@ -77,6 +81,17 @@ class FullAstern:
             if math.isfinite(self.reversal_s)
             else f"never reached (at most {self.most:.2g})"
         )
+        others = ", ".join(
+            f"{self._turns(own):g} {number(reach, 3)} L"
+            f"{'' if reach <= self.limit else ' (not met)'}"
+            for own, reach in self.others
+        )
+        if self.bucket:
+            return (
+                f"Full astern is the bucket down, {self.reversal_s:.0f} s after the order, and "
+                f"pumps at {self._turns(self.turns):g} of the approach's revolutions; the standard "
+                f"does not say them. Track reach with others: {others}."
+            )
         if self.measured:
             return f"Full astern was {self.turns:.2g} of the approach's revolutions, {when}."
         torque = (
@@ -84,15 +99,14 @@ class FullAstern:
             if self.torque is None
             else f"with a torque of at most {self.torque:g} of the approach's"
         )
-        said = ", ".join(
-            f"{own:g} {number(reach, 3)} L{'' if reach <= self.limit else ' (not met)'}"
-            for own, reach in self.others
-        )
         return (
             f"Full astern is {self.turns:g} of the approach's revolutions, {when}, {torque}; the "
-            f"standard does not say them. Track reach with others: {said}."
+            f"standard does not say them. Track reach with others: {others}."
             + (f" {self.propeller}" if self.propeller else "")
         )
+
+    def _turns(self, own: float) -> float:
+        return abs(own) if self.bucket else own
 
 
 def usual_turns() -> float:

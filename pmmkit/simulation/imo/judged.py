@@ -14,7 +14,8 @@ from pmmkit.effects.four_quadrant import FOUR_QUADRANT_PROPELLER
 from pmmkit.errors import DataError
 from pmmkit.metrics import HARD_OVER, Criterion, Metric, criteria
 from pmmkit.models import Model, load_model
-from pmmkit.models.astern import ESTIMATED, LOST, as_it_stops
+from pmmkit.models.astern import ESTIMATED, LOST, as_it_stops, reversed_by_bucket
+from pmmkit.models.caution import caution
 from pmmkit.simulation.imo.full_astern import (
     ASTERN,
     FullAstern,
@@ -137,6 +138,7 @@ def imo_verdicts(
     loaded = model if isinstance(model, Model) else load_model(model)
     drawn = n if spread is not None or loaded.covariance is not None else 0
     tests = sided_tests(loaded)
+    warned = caution(loaded, speed)
     found: list[Verdict] = []
     for side in (1.0, -1.0):
         for manoeuvre, starboard, pairs in tests:
@@ -144,7 +146,9 @@ def imo_verdicts(
             track = simulate(loaded, manoeuvre, speed=speed, **settings, **given)
             many = _many(loaded, manoeuvre, speed, drawn, spread, seed, settings, given)
             for metric, item in pairs:
-                verdict = verdict_of(metric, item, track, track_conditions(track, full_speed))
+                verdict = verdict_of(
+                    metric, item, track, (*track_conditions(track, full_speed), *warned)
+                )
                 if many is not None:
                     probability = many.probability(verdict.metric, verdict.limit)
                     verdict = replace(verdict, probability=probability)
@@ -243,17 +247,19 @@ def _stopping(
         else with_torque_limit(turning, speed, engine.torque, extrapolate=allowed)
     )
     usual = REVERSAL * model.ship.L / speed
+    bucket = reversed_by_bucket(model)
 
     def stopped(own: float, ship: Model) -> Track:
         given: dict[str, Any] = {"turns": own, **settings}
         if math.isfinite(engine.reversal_s):
             given["reversal_s"] = engine.reversal_s
-        elif engine.torque is not None:
+        elif engine.torque is not None and not bucket:
             given["reversal_s"] = (1.0 - own) * usual
         return simulate(ship, criterion.manoeuvre, speed=speed, **given)
 
     track = stopped(engine.turns, limited)
-    verdict = verdict_of(metric, criterion, track, (*track_conditions(track, full_speed), LARGE))
+    said = (*track_conditions(track, full_speed), LARGE, *caution(model, speed))
+    verdict = verdict_of(metric, criterion, track, said)
     reach = {
         own: stopped(own, limited).metrics[verdict.metric] for own in ASTERN if own != engine.turns
     }
@@ -263,9 +269,13 @@ def _stopping(
         longer = stopped(engine.turns, losing).metrics[verdict.metric]
         propeller = f"{ESTIMATED} With a thrust deduction astern of {LOST:g}: {longer:.3g} L."
     ahead = float(track.n[0])
+    there = reached(track.t, track.n, ahead, engine.turns)
+    if bucket:
+        there = usual if math.isnan(engine.reversal_s) else engine.reversal_s
     found = replace(
         engine,
-        reversal_s=reached(track.t, track.n, ahead, engine.turns),
+        bucket=bucket,
+        reversal_s=there,
         most=float(track.n.min()) / ahead,
         others=tuple(reach.items()),
         limit=verdict.limit,

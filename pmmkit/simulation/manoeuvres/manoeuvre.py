@@ -109,6 +109,13 @@ class Manoeuvre:
         The figure that shows it.
     asks_for_wind : bool
         Whether `orders` takes the keyword ``wind`` too: whether there is wind.
+    asks_for_bucket : bool
+        The same of ``bucket``: whether a bucket turns the ship's thrust astern.
+    asks_for_speed : bool
+        The same of ``speed``: the approach speed [m/s].
+    held_straight : bool
+        Whether the ship is held straight, with a hull that resists astern as ahead
+        (`pmmkit.models.straight`): of a manoeuvre in which she moves astern.
     """
 
     name: str
@@ -118,6 +125,9 @@ class Manoeuvre:
     metrics: tuple[Metric, ...]
     drawn: Drawn = "path"
     asks_for_wind: bool = False
+    asks_for_bucket: bool = False
+    asks_for_speed: bool = False
+    held_straight: bool = False
 
     def problems(self, given: Mapping[str, Any]) -> list[str]:
         """What is wrong with settings, all of it."""
@@ -135,15 +145,27 @@ class Manoeuvre:
                 found.append(wrong)
         return found
 
-    def plan(self, pace: float, *, wind: bool = False, **settings: Any) -> Plan:
+    def plan(
+        self,
+        pace: float,
+        *,
+        speed: float = math.nan,
+        wind: bool = False,
+        bucket: bool = False,
+        **settings: Any,
+    ) -> Plan:
         """The plan for a ship.
 
         Parameters
         ----------
         pace : float
             Approach speed over the ship length [1/s].
+        speed : float
+            Approach speed [m/s], for a manoeuvre that asks for it.
         wind : bool
             Whether there is wind.
+        bucket : bool
+            Whether a bucket turns the ship's thrust astern.
         **settings
             Of the manoeuvre; the others have their defaults.
 
@@ -152,7 +174,19 @@ class Manoeuvre:
         DataError
             If settings do not go together.
         """
-        return _planned(self, pace, wind and self.asks_for_wind, tuple(settings.items()))
+        around = tuple(self.around(speed=speed, wind=wind, bucket=bucket).items())
+        return _planned(self, pace, around, tuple(settings.items()))
+
+    def around(
+        self, *, speed: float = 1.0, wind: bool = False, bucket: bool = False
+    ) -> dict[str, float]:
+        """What `orders` asks for beside the settings, with its answers."""
+        asked = {
+            "speed": (self.asks_for_speed, speed),
+            "wind": (self.asks_for_wind, wind),
+            "bucket": (self.asks_for_bucket, bucket),
+        }
+        return {name: answer for name, (asks, answer) in asked.items() if asks}
 
     def filled(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """All settings, those that are not given with their defaults."""
@@ -166,10 +200,11 @@ class Manoeuvre:
 
 @lru_cache(maxsize=256)
 def _planned(
-    manoeuvre: Manoeuvre, pace: float, wind: bool, given: tuple[tuple[str, Any], ...]
+    manoeuvre: Manoeuvre,
+    pace: float,
+    around: tuple[tuple[str, float], ...],
+    given: tuple[tuple[str, Any], ...],
 ) -> Plan:
     settings = manoeuvre.filled(dict(given))
-    if manoeuvre.asks_for_wind:
-        settings["wind"] = wind
-    plan = manoeuvre.orders(pace, **settings)
+    plan = manoeuvre.orders(pace, **settings, **dict(around))
     return replace(plan, name=manoeuvre.name, metrics=manoeuvre.metrics)

@@ -18,15 +18,22 @@ TURNS: Final = Setting(
     unit="-",
     takes="any",
 )
+PUMPS: Final = "of pumps whose thrust a bucket turns the size counts"
 
 
 def stopping(
-    pace: float, *, turns: float, rudder_deg: float, reversal_s: float | None = None
+    pace: float,
+    *,
+    turns: float,
+    rudder_deg: float,
+    reversal_s: float | None = None,
+    bucket: bool = False,
 ) -> Plan:
-    """Crash stop: revolutions astern (and the bucket of a waterjet down) until the ship stops."""
+    """Crash stop: revolutions astern, or the bucket of a waterjet down, until the ship stops."""
+    ordered = abs(turns) if bucket else turns
     phases = (
         Phase(
-            revolutions=turns,
+            revolutions=ordered,
             bucket=1.0,
             rudder=math.radians(rudder_deg),
             until=End.surge,
@@ -47,8 +54,65 @@ def stopping(
             "heading_at_stop_deg": degrees(a.at("stop", "psi")),
         }
 
-    rate = None if reversal_s is None else abs(1.0 - turns) / reversal_s
-    return Plan(phases=phases, probes=probes, measure=measure, revolutions_rate=rate)
+    if reversal_s is None:
+        return Plan(phases=phases, probes=probes, measure=measure)
+    return Plan(
+        phases=phases,
+        probes=probes,
+        measure=measure,
+        revolutions_rate=abs(1.0 - ordered) / reversal_s or None,
+        bucket_rate=1.0 / reversal_s,
+    )
+
+
+def astern_to_ahead(
+    pace: float,
+    *,
+    astern: float,
+    turns: float,
+    share: float,
+    speed: float,
+    reversal_s: float | None = None,
+    bucket: bool = False,
+) -> Plan:
+    """Astern to ahead: from steady speed astern to a share of the approach speed ahead."""
+    backing = astern if bucket else -astern
+    phases = (
+        Phase(
+            revolutions=backing,
+            bucket=1.0,
+            until=End.steady,
+            level=1e-5,
+            shortest=2.0 / pace,
+            longest=500.0 / pace,
+        ),
+        Phase(revolutions=turns, bucket=0.0, until=End.surge, level=0.0, longest=500.0 / pace),
+        Phase(until=End.surge, level=share * speed, longest=500.0 / pace),
+    )
+    probes = {
+        "order": Probe(ask=Ask.begin, first=1, last=1),
+        "stop": Probe(ask=Ask.reached, first=1, last=1),
+        "speed": Probe(ask=Ask.reached, first=2, last=2),
+    }
+
+    def measure(a: ProbeResults) -> dict[str, Any]:
+        return {
+            "astern_speed": -a.at("order", "u"),
+            "time_to_stop": a.t("stop") - a.t("order"),
+            "astern_reach": a.at("order", "x") - a.at("stop", "x"),
+            "time_to_speed": a.t("speed") - a.t("order"),
+            "way_ahead": a.at("speed", "x") - a.at("stop", "x"),
+        }
+
+    if reversal_s is None:
+        return Plan(phases=phases, probes=probes, measure=measure)
+    return Plan(
+        phases=phases,
+        probes=probes,
+        measure=measure,
+        revolutions_rate=abs(turns - backing) / reversal_s or None,
+        bucket_rate=1.0 / reversal_s,
+    )
 
 
 def accelerating(pace: float, *, turns: float) -> Plan:
@@ -79,12 +143,13 @@ MANOEUVRES: Final = (
         name="stopping",
         title="crash stop",
         settings=(
-            replace(TURNS, default=-0.7),
+            replace(TURNS, default=-0.7, text=f"{TURNS.text}; {PUMPS}"),
             replace(rudder_setting(0.0), takes="angle"),
             Setting(
                 name="reversal_s",
-                text="time until the revolutions astern are reached; if absent, they fall to zero "
-                "in two ship lengths over the speed and go on at that rate",
+                text="time until the revolutions astern are reached and the bucket is down; if "
+                "absent, they fall to zero in two ship lengths over the speed and go on at that "
+                "rate, and the bucket goes down in that time",
                 unit="s",
             ),
         ),
@@ -92,6 +157,7 @@ MANOEUVRES: Final = (
         metrics=metrics_named(
             "head_reach", "track_reach", "lateral_deviation", "time_to_stop", "heading_at_stop_deg"
         ),
+        asks_for_bucket=True,
     ),
     Manoeuvre(
         name="accelerating",
@@ -99,5 +165,43 @@ MANOEUVRES: Final = (
         settings=(replace(TURNS, default=1.5),),
         orders=accelerating,
         metrics=metrics_named("final_speed", "speed_ratio", "time", "distance"),
+    ),
+    Manoeuvre(
+        name="astern_to_ahead",
+        title="astern to ahead, held straight",
+        settings=(
+            Setting(
+                name="astern",
+                text="revolutions of the run astern, their size over those of the approach",
+                unit="-",
+                default=0.7,
+            ),
+            Setting(
+                name="turns",
+                text="revolutions ahead over those of the approach",
+                unit="-",
+                default=1.0,
+            ),
+            Setting(
+                name="share",
+                text="speed to be reached over that of the approach",
+                unit="-",
+                default=0.9,
+            ),
+            Setting(
+                name="reversal_s",
+                text="time from the one to the other, and until the bucket is up; if absent, "
+                "revolutions change by those of the approach in two ship lengths over the speed, "
+                "and the bucket goes up in that time",
+                unit="s",
+            ),
+        ),
+        orders=astern_to_ahead,
+        metrics=metrics_named(
+            "astern_speed", "time_to_stop", "astern_reach", "time_to_speed", "way_ahead"
+        ),
+        asks_for_bucket=True,
+        asks_for_speed=True,
+        held_straight=True,
     ),
 )
