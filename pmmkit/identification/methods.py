@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,7 +21,7 @@ from pmmkit.identification.restarts import filtered
 from pmmkit.identification.smoother import implied_forces, smooth
 from pmmkit.identification.trajectory import fit_trajectories
 from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.model import DERIVATIVE_PARTS, place_name
 from pmmkit.models.step import Step
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, with_uncertainty
@@ -62,7 +63,7 @@ class Identified(Described):
     unseen : tuple of str
         Parameters of which the records say nothing; the model keeps their prior.
     model : Model
-        With the new values and, for derivatives, their covariance.
+        With the new values and, where it has one set of them for all speeds, their covariance.
     seconds : float
         It took.
     notes : tuple of str
@@ -390,32 +391,29 @@ def _told(
 def _with_values(
     model: Model, names: Sequence[str], values: Array, covariance: Array, how: str
 ) -> Model:
-    """The model with new values, their source, and the covariance of its derivatives."""
+    """The model with new values, their source and their covariance."""
     own = [name for name in names if not name.startswith("current_")]
     at = places(model, own)
     number = [list(names).index(name) for name in own]
     made = with_parameters(model, at, values[number])
+    block = covariance[np.ix_(number, number)]
     parts = dict(made.parts)
-    for effect, name in at:
+    for (effect, name), variance in zip(at, np.diagonal(block).tolist(), strict=True):
         part = parts[effect]
+        std = {known: x for known, x in part.std.items() if known != name}
+        if model.Fn and effect not in DERIVATIVE_PARTS:
+            std[name] = math.sqrt(variance)
         parts[effect] = replace(
-            part, sources=MappingProxyType({**part.sources, name: f"identified: {how}"})
+            part,
+            sources=MappingProxyType({**part.sources, name: f"identified: {how}"}),
+            std=MappingProxyType(std),
         )
-    derivatives = [
-        (i, name)
-        for i, (name, (effect, _)) in zip(number, zip(own, at, strict=True), strict=True)
-        if effect in DERIVATIVE_PARTS and "." not in name
-    ]
-    block = None
-    if derivatives and not model.Fn:
-        places_of = [i for i, _ in derivatives]
-        block = covariance[np.ix_(places_of, places_of)]
-        block = 0.5 * (block + block.T)
+    named = () if model.Fn else tuple(place_name(*place) for place in at)
     return replace(
         made,
         parts=MappingProxyType(parts),
-        covariance=block,
-        covariance_names=tuple(name for _, name in derivatives) if block is not None else (),
+        covariance=0.5 * (block + block.T) if named else None,
+        covariance_names=named,
         steps=(*model.steps, Step(action="identified", names=tuple(own), method=how)),
     )
 

@@ -14,7 +14,7 @@ from pmmkit.errors import DataError
 from pmmkit.identification.binding import AROUND
 from pmmkit.identification.parameters import places
 from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.model import DERIVATIVE_PARTS, place_name
 from pmmkit.numerics import Array
 
 SPREAD: Final = 0.3
@@ -63,7 +63,7 @@ def prior_of(
     spread: float | Mapping[str, float] | None = None,
     extrapolate: bool = False,
 ) -> Prior:
-    """The prior of parameters: the covariance of the model, or a spread about its values.
+    """The prior of parameters: what the model says of its values, or a spread about them.
 
     Parameters
     ----------
@@ -113,10 +113,10 @@ def prior_of(
     known = [i for i, name in enumerate(names) if (name, name) in measured and name not in relative]
     for i in known:
         for j in known:
-            covariance[i, j] = measured[names[i], names[j]]
+            covariance[i, j] = measured.get((names[i], names[j]), 0.0)
     told = f"{100 * (default or SPREAD):g} % of each value"
     origin = (
-        f"the covariance of the model for {len(known)} of {len(names)}, else {told}"
+        f"the uncertainty that the model states for {len(known)} of {len(names)}, else {told}"
         if known
         else told
     )
@@ -138,15 +138,21 @@ def _size(
 
 
 def _covariance(model: Model, speed: float, extrapolate: bool) -> dict[tuple[str, str], float]:
-    """The covariance of a model at a speed, by pairs of names."""
+    """The covariance of a model at a speed, by pairs of names; a part's values stand alone."""
+    alone = {
+        (place_name(effect, name), place_name(effect, name)): std**2
+        for effect, part in model.parts.items()
+        for name, std in part.std.items()
+        if std > 0
+    }
     if model.covariance is None:
-        return {}
+        return alone
     froude = model.ship.froude(speed, model.water.g)
     weights = np.array(model.weights(froude, extrapolate=extrapolate) if model.Fn else (1.0,))
     size = len(model.covariance_names)
     full = model.covariance.reshape(len(weights), size, len(weights), size)
     at = np.einsum("a,aibj,b->ij", weights, np.nan_to_num(full, nan=0.0), weights)
-    return {
+    return alone | {
         (a, b): float(at[i, j])
         for i, a in enumerate(model.covariance_names)
         for j, b in enumerate(model.covariance_names)

@@ -81,6 +81,22 @@ def test_what_is_found_is_a_model_with_its_covariance_and_where_it_comes_from(tm
     assert prior.mean == pytest.approx(found.values, rel=1e-9)
 
 
+def test_uncertainties_of_parts_are_the_prior_and_go_with_what_is_found():
+    """A value of a part counts with the uncertainty that it states, and leaves with its own."""
+    names = ("Nr", "rudder_mmg.aH")
+    parts = dict(SKEWED.parts)
+    parts["rudder_mmg"] = replace(parts["rudder_mmg"], std={"aH": 0.05, "tR": 0.1})
+    model = SKEWED.with_(parts=parts)
+    prior = prior_of(model, names, SPEED)
+    assert prior.std == pytest.approx([0.3 * 0.058, 0.05])
+    found = identify(model, [one_record()], names, method="trajectory", sensors=SENSORS)
+    assert found.model.covariance_names == names
+    np.testing.assert_allclose(found.model.covariance, found.covariance, rtol=1e-9)
+    assert dict(found.model.parts["rudder_mmg"].std) == {"tR": 0.1}
+    again = prior_of(found.model, names, SPEED)
+    np.testing.assert_allclose(again.covariance, found.covariance, rtol=1e-9)
+
+
 def test_the_table_has_a_row_per_parameter():
     found = found_by("trajectory")
     table = found.to_pandas()
