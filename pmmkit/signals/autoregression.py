@@ -77,9 +77,7 @@ def levinson(autocovariance: Array, limit: float) -> tuple[Array, Array]:
     """
     c, size = autocovariance.shape
     variance = autocovariance[:, :1]
-    correlation = np.divide(
-        autocovariance, variance, out=np.zeros((c, size)), where=variance > 0
-    )
+    correlation = np.divide(autocovariance, variance, out=np.zeros((c, size)), where=variance > 0)
     filters = np.zeros((c, size))
     filters[:, 0] = 1.0
     unexplained = np.ones((c, 1))
