@@ -125,9 +125,9 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset, known: Known | N
     raw = np.asarray(data["t"].values, float)
     facts = {**clock_facts(raw), **density_facts(data), **axis_facts(data)}
     columns = {
-        name: np.asarray(data[name].values, float)
+        name: np.asarray(data.variables[name].values, float)
         for name in (*FORCES, *(("x", "y") if campaign.kind == "free-running" else ()))
-        if name in data and data[name].dims == ("t",)
+        if name in data and data.variables[name].dims == ("t",)
     }
     columns = {
         name: part for name, part in columns.items() if np.count_nonzero(np.isfinite(part)) > 16
@@ -213,7 +213,7 @@ def _oscillating(
         else:
             counted = counted_cycles(run, data, t, forces, names)
             part = counted.cut
-            state = measured_motion(run, data.isel(t=part), t[part], counted.kept)
+            state = measured_motion(run, data, t[part], counted.kept, within=part)
     except DataError:
         means = dict(zip(names, forces.mean(axis=1).tolist(), strict=True))
         return Summary(means=means, **shared)

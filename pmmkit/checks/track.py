@@ -247,7 +247,7 @@ def _columns(data: xr.Dataset) -> Mapping[str, Array]:
         "lon",
         "sog",
     )
-    found = {name: np.asarray(data[name].values, float) for name in names if name in data}
+    found = {name: np.asarray(data.variables[name].values, float) for name in names if name in data}
     return {name: part for name, part in found.items() if part.ndim and np.isfinite(part).any()}
 
 

@@ -237,11 +237,10 @@ def _from_history(
     run: Run, campaign: Campaign, data: xr.Dataset, channels: list[str], _: CycleChoice
 ) -> Prepared:
     times = np.asarray(data["t"].values, float)
-    record = np.stack([np.asarray(data[name].values, float) for name in channels])
+    record = np.stack([np.asarray(data.variables[name].values, float) for name in channels])
     window = counted_window(run, data, times, record, channels)
     cut = slice(window.start, window.stop)
     mean = steady_mean(times[cut], record[:, cut])
-    steady = data.isel(t=cut)
     weights = time_weights(times[cut])
     weights = weights / weights.sum()
     return Prepared(
@@ -257,11 +256,11 @@ def _from_history(
             samples=window.stop - window.start,
             duration=_lasting(times[cut]),
             window=window.reason,
-            extras=_extras(steady, weights),
+            extras=_extras(data, weights, cut),
             notes=() if window.steady else (f"{run.id}: {window.reason}",),
         ),
         projection=weights[None, :],
-        motion=measured_motion(run, steady, times[cut]),
+        motion=measured_motion(run, data, times[cut], within=cut),
         t=times[cut],
         begin=float(times[0]),
         window=window,
@@ -289,7 +288,7 @@ def _from_cycles(
     integrated: bool,
 ) -> Prepared:
     times = np.asarray(data["t"].values, float)
-    record = np.stack([np.asarray(data[name].values, float) for name in channels])
+    record = np.stack([np.asarray(data.variables[name].values, float) for name in channels])
     counted = counted_cycles(run, data, times, record, channels, cycles=cycles)
     cut = counted.cut
     notes: tuple[str, ...] = ()
@@ -305,7 +304,6 @@ def _from_cycles(
             run = run.with_(settings=replace(run.settings, period=2 * math.pi / own))
             counted = counted_cycles(run, data, times, record, channels, cycles=cycles)
             cut = counted.cut
-    part = data.isel(t=cut)
     kept, basis = counted.cycles, counted.kept
     projection = trapezoid_projector(basis.phase, ORDER) if integrated else basis.projector
     found: Harmonics | None = harmonics(basis, record[:, cut], order=ORDER) if noise else None
@@ -326,12 +324,12 @@ def _from_cycles(
             cycles=kept.count,
             scatter={} if scatter is None else dict(zip(channels, scatter, strict=True)),
             frequency=run.settings.omega,
-            extras=_extras(part, np.full(len(basis.phase), 1 / len(basis.phase))),
+            extras=_extras(data, np.full(len(basis.phase), 1 / len(basis.phase)), cut),
             notes=notes,
             ramp=counted.travel.reason,
         ),
         projection=projection,
-        motion=measured_motion(run, part, times[cut], basis),
+        motion=measured_motion(run, data, times[cut], basis, within=cut),
         t=times[cut],
         begin=float(times[0]),
         phase=basis.phase,
@@ -339,11 +337,12 @@ def _from_cycles(
     )
 
 
-def _extras(data: xr.Dataset, weights: Array) -> dict[str, float]:
+def _extras(data: xr.Dataset, weights: Array, cut: slice) -> dict[str, float]:
+    there = {name: data.variables[name].values for name in EXTRAS if name in data}
     return {
-        name: float(weights @ np.asarray(data[name].values, float))
-        for name in EXTRAS
-        if name in data and data[name].ndim == 1
+        name: float(weights @ np.asarray(values[cut], float))
+        for name, values in there.items()
+        if values.ndim == 1
     }
 
 

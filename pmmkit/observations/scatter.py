@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Final
 
@@ -34,8 +35,49 @@ NEGLIGIBLE: Final = 1e-4
 """Share of the greatest weight below which a node does not count."""
 CHUNK: Final = 2**17
 """Numbers that one step over the nodes holds: a megabyte stays in the processor's cache."""
+STEPS: Final = 60
+"""Steps by which a half width is found at most: Newton's, or a bisection where those leave it."""
 WIDE: Final = 32
 """Columns from which the sums of each node are faster made anew than weighed from shared ones."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Kind:
+    """Products of runs that all sizes of the scatter share.
+
+    Parameters
+    ----------
+    own : array (k (k + 1) / 2, runs, columns)
+        Of pairs of rows of what each run draws, row by row of a lower triangle.
+    products : array (k (k + 1) / 2 runs, q (q + 1) / 2)
+        Of the same pairs, of the products with all columns: lower triangles of their sums.
+    unit : array (k (k + 1) / 2, 1, 1)
+        The unit matrix.
+    """
+
+    own: Array
+    products: Array
+    unit: Array
+
+    @classmethod
+    def of(cls, own: Array, across: Array) -> _Kind:
+        """From what runs draw (runs, k, columns) and the products (runs, k, q) of its basis."""
+        one, other = np.tril_indices(own.shape[1])
+        up, down = np.tril_indices(across.shape[2])
+        left, right = across[:, one].swapaxes(0, 1), across[:, other].swapaxes(0, 1)
+        products = left[..., up] * right[..., down]
+        apart = one != other
+        products[apart] += left[apart][..., down] * right[apart][..., up]
+        return cls(
+            own=(own[:, one] * own[:, other]).swapaxes(0, 1),
+            products=products.reshape(-1, len(up)),
+            unit=np.where(apart, 0.0, 1.0)[:, None, None],
+        )
+
+    @property
+    def rank(self) -> int:
+        """Rows of each run's own basis."""
+        return int(np.count_nonzero(self.unit))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -115,21 +157,23 @@ class Restricted:
         In the orthonormal basis of a run no weight of a share is above one, so that they are summed
         by one product of matrices.
         """
-        k, q = self.own.shape[-1], len(self.whole)
-        rows, columns = np.tril_indices(k)
-        own, across = np.swapaxes(self.own, 0, 1), np.swapaxes(self.across, 0, 1)
-        inverse, logs = _inverse((own[rows] * own[columns]) @ sizes.T**2, k)
-        shares = np.where(rows == columns, 1.0, 0.0)[:, None, None] - inverse
-        shares[rows != columns] *= 2.0
-        taken = np.zeros((len(sizes), q * q))
-        held = max(1, CHUNK // (len(rows) * q * q))
-        for begin in range(0, len(self.own), held):
-            part = slice(begin, begin + held)
-            products = across[rows, part, :, None] * across[columns, part, None]
-            weights = shares[:, part].reshape(-1, len(sizes))
-            taken += weights.T @ products.reshape(-1, q * q)
-        square = taken.reshape(-1, q, q)
-        return 0.5 * (square + np.swapaxes(square, 1, 2)), logs
+        q = len(self.whole)
+        up, down = np.tril_indices(q)
+        taken, logs = np.zeros((len(sizes), len(up))), np.zeros(len(sizes))
+        for kind in self._kinds:
+            inverse, own = _inverse(kind.own @ sizes.T**2, kind.rank)
+            logs += own
+            taken += (kind.unit - inverse).reshape(-1, len(sizes)).T @ kind.products
+        square = np.empty((len(sizes), q, q))
+        square[:, up, down] = square[:, down, up] = taken
+        return square, logs
+
+    @cached_property
+    def _kinds(self) -> tuple[_Kind, ...]:
+        """The runs by how many rows their own basis has: one where only a mean was measured."""
+        ranks = np.any(self.own != 0.0, axis=2).sum(axis=1)
+        kinds = [(rank, ranks == rank) for rank in np.unique(ranks[ranks > 0]).tolist()]
+        return tuple(_Kind.of(self.own[runs, :k], self.across[runs, :k]) for k, runs in kinds)
 
     def _likelihood(self, sizes: Array) -> Array:
         gram, logs = self._gram(sizes)
@@ -415,9 +459,16 @@ def half_width(
     away = value - centre
     low = np.zeros_like(centre)
     high: Array = np.max(np.abs(away) + 10.0 * std, axis=0)
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        inside = weight @ (ndtr((middle - away) / std) - ndtr((-middle - away) / std))
-        short = inside < confidence
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
-    return high
+    half: Array = 2.0 * np.sqrt(weight @ (variance + away**2))
+    for _ in range(STEPS):
+        right, left = (half - away) / std, (-half - away) / std
+        short = weight @ (ndtr(right) - ndtr(left)) - confidence
+        density = weight @ ((np.exp(-0.5 * right**2) + np.exp(-0.5 * left**2)) / std)
+        low, high = np.where(short < 0, half, low), np.where(short < 0, high, half)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = half - short / density * np.sqrt(2.0 * np.pi)
+        before = half
+        half = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        if np.all(np.abs(half - before) <= 1e-14 * half):
+            break
+    return half

@@ -141,29 +141,27 @@ def drawn(
         The channel's rms force [N, N m].
     """
     stated, own = [], []
+    names = Scatter.names()
     for place, block in enumerate(blocks):
-        result = rows[block.run].result
         private = [change for change in changes[block.run] if not change.source.shared]
-        count = int(block.keep.sum())
+        count = len(block.rows)
         told = [change.residual(channel, values)[block.keep] for change in private]
         stated.append(np.stack(told, axis=1) if told else np.zeros((count, 0)))
+        columns = np.zeros((count, len(names)))
+        own.append(columns)
         if block.covariance is None:
-            own.append(np.zeros((count, 3)))
             continue
         known = {_drawn_by(change.source, channel) for change in private}
-        reading = between.readings[block.run][channel][block.keep]
-        mean = np.array([label == "C0" for label in result.labels])[block.keep]
-        columns = {
-            "offset": size * mean,
-            "gain": reading - residual[place],
-            "drift": between.drift[block.run].residual(channel, values)[block.keep],
-        }
-        own.append(
-            np.stack(
-                [np.zeros(count) if name in known else columns[name] for name in Scatter.names()],
-                axis=1,
-            )
-        )
+        for column, name in zip(columns.T, names, strict=True):
+            if name in known:
+                continue
+            if name == "offset":
+                labels = rows[block.run].result.labels
+                column[:] = size * (np.array(labels) == "C0")[block.keep]
+            elif name == "gain":
+                column[:] = between.readings[block.run][channel][block.keep] - residual[place]
+            else:
+                column[:] = between.drift[block.run].residual(channel, values)[block.keep]
     return Drawn(stated=tuple(stated), own=tuple(own))
 
 

@@ -157,8 +157,28 @@ class ChannelFit:
         return [self.width.factor[:, None] * gain for gain in self.gains()]
 
 
+def origins_of(rows: Sequence[Rows]) -> list[str]:
+    """The run that each run repeats: as the campaign says, else the first one set like it.
+
+    Parameters
+    ----------
+    rows : sequence of Rows
+        What each run says.
+    """
+    first: dict[tuple[str, Settings], str] = {}
+    found = []
+    for run in (item.result.run for item in rows):
+        same = first.setdefault((run.test, replace(run.settings, repeat_of=None)), run.id)
+        found.append(run.settings.repeat_of or same)
+    return found
+
+
 def blocks_of(
-    rows: Sequence[Rows], channel: str, names: Sequence[str], held: Mapping[str, float]
+    rows: Sequence[Rows],
+    channel: str,
+    names: Sequence[str],
+    held: Mapping[str, float],
+    origins: Sequence[str],
 ) -> list[Block]:
     """The usable rows of a channel, run by run.
 
@@ -172,12 +192,12 @@ def blocks_of(
         The columns wanted.
     held : mapping of str to float
         Derivatives held at known values, taken off the rows.
+    origins : sequence of str
+        Of `origins_of` the runs.
     """
     blocks = []
-    first: dict[tuple[str, Settings], str] = {}
     for place, item in enumerate(rows):
         run = item.result.run
-        same = first.setdefault((run.test, replace(run.settings, repeat_of=None)), run.id)
         if channel not in item.force or channel not in item.design:
             continue
         at = {name: column for column, name in enumerate(item.names[channel])}
@@ -195,7 +215,7 @@ def blocks_of(
                 run=place,
                 dynamic=run.dynamic,
                 kin=_kin(run.settings),
-                origin=run.settings.repeat_of or same,
+                origin=origins[place],
                 design=design[keep],
                 rows=rest[keep],
                 covariance=None if covariance is None else covariance[np.ix_(keep, keep)],
@@ -223,6 +243,8 @@ def fit_channel(
     required: int,
     private: Mapping[int, Array],
     inflation: float = 1.0,
+    *,
+    stated: Noise | None = None,
 ) -> ChannelFit:
     """Fit the derivatives of one channel to the rows of one Froude number.
 
@@ -241,12 +263,16 @@ def fit_channel(
         Errors that each run draws on its own, as columns per standard deviation.
     inflation : float
         Factor of the variances that the records state, as far as an earlier fit found one.
+    stated : Noise, optional
+        Of `stated_noise`, where it is there already.
     """
     scatter = [
         private[block.run] if block.run in private and block.covariance is not None else None
         for block in blocks
     ]
-    noise = _stated_noise(blocks, scatter, inflation)
+    noise = _inflated(stated or stated_noise(blocks), blocks, inflation)
+    for dynamic in (False, True):
+        noise = _with_repeat_scatter(dynamic, blocks, noise, scatter)
     design, rows = _white(blocks, _whiteners(noise, [None] * len(blocks)))
     optional = optional_columns(design[:, :required], names[required:], design[:, required:])
     chosen = [*range(required), *(required + place for place in optional)]
@@ -293,10 +319,14 @@ def _freedom(found: Fit, rows: int) -> int:
     return max(rows - int(np.sum(np.any(found.gain != 0, axis=1))), 0)
 
 
-def _stated_noise(
-    blocks: Sequence[Block], scatter: Sequence[Array | None], inflation: float
-) -> Noise:
-    """Moderated noise of the runs that state one; equal noise for the rest."""
+def stated_noise(blocks: Sequence[Block]) -> Noise:
+    """Moderated noise of the runs that state one; equal noise for the rest.
+
+    Parameters
+    ----------
+    blocks : sequence of Block
+        Rows, a block a run.
+    """
     rows = np.concatenate([block.rows for block in blocks])
     size = float(np.sqrt(np.mean(rows**2))) or 1.0
     covariances: list[Array] = [np.eye(len(block.rows)) * size**2 for block in blocks]
@@ -314,15 +344,25 @@ def _stated_noise(
             spectrum=kin,
         )
         for place, covariance in zip(members, found.covariances, strict=True):
-            covariances[place] = inflation * covariance
+            covariances[place] = covariance
         doubt = np.zeros((len(blocks), found.doubt.shape[1]))
         doubt[members] = found.doubt
         doubts.append(doubt)
     doubt = np.concatenate([np.zeros((len(blocks), 0)), *doubts], axis=1)
-    noise = Noise(covariances=tuple(_believed(covariances, blocks)), doubt=doubt)
-    for dynamic in (False, True):
-        noise = _with_repeat_scatter(dynamic, blocks, noise, scatter)
-    return noise
+    return Noise(covariances=tuple(_believed(covariances, blocks)), doubt=doubt)
+
+
+def _inflated(noise: Noise, blocks: Sequence[Block], factor: float) -> Noise:
+    """The noise that runs state, larger by a factor."""
+    if factor == 1.0:
+        return noise
+    return Noise(
+        covariances=tuple(
+            covariance if block.covariance is None else factor * covariance
+            for covariance, block in zip(noise.covariances, blocks, strict=True)
+        ),
+        doubt=noise.doubt,
+    )
 
 
 def _alike(blocks: Sequence[Block]) -> list[tuple[list[int], bool]]:
@@ -374,9 +414,10 @@ def _with_repeat_scatter(
     conditions: dict[str, list[int]] = {}
     for place in known:
         conditions.setdefault(blocks[place].origin, []).append(place)
+    repeated = [places for places in conditions.values() if len(places) > 1]
     extra, freedom = repeat_scatter(
-        [[blocks[place].rows for place in places] for places in conditions.values()],
-        [[known_of(place) for place in places] for places in conditions.values()],
+        [[blocks[place].rows for place in places] for places in repeated],
+        [[known_of(place) for place in places] for places in repeated],
     )
     if extra <= 0:
         return noise

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -14,10 +15,18 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention, canonical
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.observations.noise import Noise
 from pmmkit.observations.scatter import USUAL, Restricted, RunScatter, run_scatter
 from pmmkit.reduction.between_runs import BetweenRuns, Drawn, drawn, likelihood_of, size_of, widened
 from pmmkit.reduction.derivatives import Columns
-from pmmkit.reduction.estimate import Block, ChannelFit, blocks_of, fit_channel
+from pmmkit.reduction.estimate import (
+    Block,
+    ChannelFit,
+    blocks_of,
+    fit_channel,
+    origins_of,
+    stated_noise,
+)
 from pmmkit.reduction.joint import Joint, join
 from pmmkit.tables import DerivativeTable
 
@@ -149,6 +158,11 @@ class _Case:
     between: BetweenRuns
     held: Mapping[str, float]
 
+    @cached_property
+    def stated(self) -> Noise:
+        """Noise that the records state."""
+        return stated_noise(self.blocks)
+
     @property
     def size(self) -> float:
         """Root mean square of the readings [N, N m]."""
@@ -158,7 +172,7 @@ class _Case:
         """Fit with an error of usual size in every row, so that no run can speak for all."""
         error = USUAL["gain"] * size
         private = {block.run: error * np.eye(len(block.rows)) for block in self.blocks}
-        return fit_channel(self.channel, self.blocks, self.names, self.required, private)
+        return self._fitted(private)
 
     def drawn(self, found: ChannelFit, size: float) -> Drawn:
         """What its runs draw for themselves, as far as a fit tells."""
@@ -177,11 +191,20 @@ class _Case:
         """Fit with the mean sizes of the scatter, and the misfit that an earlier fit left."""
         private = draw.private(self.blocks, scatter.sizes(self.channel))
         inflation = before.scale if before else 1.0
-        found = fit_channel(
-            self.channel, self.blocks, self.names, self.required, private, inflation
-        )
+        found = self._fitted(private, inflation)
         return replace(
             found, excessive=found.excessive or (before is not None and before.excessive)
+        )
+
+    def _fitted(self, private: Mapping[int, Array], inflation: float = 1.0) -> ChannelFit:
+        return fit_channel(
+            self.channel,
+            self.blocks,
+            self.names,
+            self.required,
+            private,
+            inflation,
+            stated=self.stated,
         )
 
 
@@ -196,9 +219,10 @@ def _cases(
     for number, (_, members) in enumerate(groups):
         held = known.get(number, {})
         chosen = [rows[place] for place in members]
+        origins = origins_of(chosen)
         for channel in columns.required:
             names = [*columns.required[channel], *columns.optional[channel]]
-            blocks = blocks_of(chosen, channel, names, held)
+            blocks = blocks_of(chosen, channel, names, held, origins)
             if blocks and names:
                 yield _Case(
                     group=number,

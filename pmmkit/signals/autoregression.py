@@ -76,17 +76,17 @@ def levinson(autocovariance: Array, limit: float) -> tuple[Array, Array]:
         Variance of the innovations over that of the process.
     """
     c, size = autocovariance.shape
+    variance = autocovariance[:, :1]
+    correlation = np.divide(autocovariance, variance, out=np.zeros((c, size)), where=variance > 0)
     filters = np.zeros((c, size))
     filters[:, 0] = 1.0
-    unexplained = np.ones(c)
+    unexplained = np.ones((c, 1))
     for p in range(1, size):
-        top = np.vecdot(filters[:, :p], autocovariance[:, p:0:-1])
-        power = autocovariance[:, 0] * unexplained
-        k = np.divide(-top, power, out=np.zeros(c), where=power > 0)
-        k = np.minimum(np.maximum(k, -limit), limit)
-        filters[:, 1 : p + 1] += k[:, None] * filters[:, p - 1 :: -1]
+        top = np.vecdot(filters[:, :p], correlation[:, p:0:-1])[:, None]
+        k = np.minimum(np.maximum(-top / unexplained, -limit), limit)
+        filters[:, 1 : p + 1] += k * filters[:, p - 1 :: -1]
         unexplained = unexplained * (1.0 - k * k)
-    return filters, unexplained
+    return filters, unexplained[:, 0]
 
 
 def coefficients(reflection: Array) -> Array:
@@ -102,7 +102,12 @@ def coefficients(reflection: Array) -> Array:
 
 def autocovariances(filters: Array, power: Array, lags: int) -> Array:
     """Autocovariances (c, lags) at lags 0, 1, … of autoregressions with innovations `power`."""
-    length = 1 << int(4 * lags - 1).bit_length()
+    length = transform_length(lags)
     response = np.fft.rfft(filters, length, axis=-1)
     spectrum = power[:, None] / (response.real**2 + response.imag**2)
     return np.fft.irfft(spectrum, length, axis=-1)[:, :lags]
+
+
+def transform_length(lags: int) -> int:
+    """Length of the transform that gives autocovariances at so many lags without aliasing."""
+    return 1 << int(4 * lags - 1).bit_length()

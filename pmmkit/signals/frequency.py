@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -23,9 +24,7 @@ RANGE: Final = 0.25
 STEPS: Final = 30
 """Gauss-Newton steps at most."""
 NEAR: Final = 1e-3
-"""Length of the last step, over the standard uncertainty."""
-FAR: Final = 10 * NEAR
-"""The same over that of samples which all err alike: more than any noise allows."""
+"""Length of the last step, over the standard uncertainty that white noise would leave."""
 SIGNIFICANT: Final = 25.0
 """Variance ratio below which a record is held not to oscillate at the frequency."""
 
@@ -94,8 +93,9 @@ def estimate_frequency(t: ArrayLike, y: ArrayLike, omega: float) -> tuple[float,
     found = _searched(*_middle(time, values, length * TURN / omega), omega)
     while length < covered:
         length = min(2.0 * length, covered)
-        found = _refined(*_middle(time, values, length * TURN / omega), found)[0]
-    found, std, ratio = _refined(time, values, found)
+        found = _refined(*_middle(time, values, length * TURN / omega), found).omega
+    last = _refined(time, values, found)
+    found, std, ratio = last.omega, last.std, last.ratio
     if ratio < SIGNIFICANT or abs(found - omega) > 1.2 * RANGE * omega:
         return float(omega), math.inf
     return found, std
@@ -120,21 +120,55 @@ def _searched(time: Array, values: Array, omega: float) -> float:
     covered = (time[-1] - time[0]) * omega / TURN
     points = 2 * math.ceil(RANGE * covered / 0.1) + 1
     tried = omega * np.linspace(1.0 - RANGE, 1.0 + RANGE, points)
-    rows = design_matrix(np.outer(tried, time).ravel(), ORDER).reshape(points, time.size, -1)
-    seen = values @ rows
-    gram = np.swapaxes(rows, 1, 2) @ rows
+    rows = design_matrix(np.outer(tried, time).ravel(), ORDER).T
+    rows = rows.reshape(-1, points, time.size).swapaxes(0, 1)
+    turned = np.swapaxes(rows, 1, 2)
+    seen = values @ turned
+    gram = rows @ turned
     explained = np.sum(seen * np.swapaxes(np.linalg.solve(gram, np.swapaxes(seen, 1, 2)), 1, 2), -1)
     rest = np.sum(values**2, axis=-1) - explained
     left = np.sum(np.log(np.maximum(rest, 1e-12 * time.size)), axis=-1)
-    return _refined(time, values, float(tried[int(np.argmin(left))]))[0]
+    return _refined(time, values, float(tried[int(np.argmin(left))])).omega
 
 
-def _refined(time: Array, values: Array, omega: float) -> tuple[float, float, float]:
-    """Gauss-Newton steps in frequency: the frequency, its std, and the variance ratio."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Refined:
+    """Where Gauss-Newton steps in frequency end.
+
+    Parameters
+    ----------
+    omega : float
+        The frequency.
+    score : array (n,)
+        Products of residual and sensitivity, whose sum vanishes there.
+    information : float
+        Minus the derivative of that sum.
+    ratio : float
+        What is explained over what is not, per degree of freedom.
+    """
+
+    omega: float
+    score: Array
+    information: float
+    ratio: float
+
+    @property
+    def std(self) -> float:
+        """Standard uncertainty of the frequency; the score is an autocorrelated record."""
+        if self.information <= 0.0:
+            return math.inf
+        noise, _ = mean_noise(self.score[None, :])
+        found = math.sqrt(float(noise[0])) * self.score.size / self.information
+        return max(found, 1e-15 * self.omega)
+
+
+def _refined(time: Array, values: Array, omega: float) -> _Refined:
+    """Gauss-Newton steps in frequency."""
     n = np.arange(1, ORDER + 1)
     limit = 0.3 * TURN / (time[-1] - time[0])
-    std, ratio = math.inf, 0.0
-    for left in reversed(range(STEPS)):
+    square = np.mean(values**2, axis=-1)
+    ratio = 0.0
+    for _ in range(STEPS):
         rows = design_matrix(omega * time, ORDER).T
         inverse = np.linalg.inv(rows @ rows.T)
         fitted = values @ rows.T @ inverse
@@ -151,13 +185,8 @@ def _refined(time: Array, values: Array, omega: float) -> tuple[float, float, fl
             break
         step = float(np.clip(score.sum() / information, -limit, limit))
         omega += step
-        explained = np.max(np.mean(values**2, axis=-1) / variance[:, 0] - 1.0)
+        explained = np.max(square / variance[:, 0] - 1.0)
         ratio = float(explained) * (time.size - 2 * ORDER - 1) / (2 * ORDER)
-        alike = math.sqrt(float(np.mean(score**2))) * time.size / information
-        if left and abs(step) > FAR * alike:
-            continue  # too long a step to be the last, whatever the noise
-        noise, _ = mean_noise(score[None, :])
-        std = math.sqrt(float(noise[0])) * time.size / information
-        if abs(step) < 1e-14 * omega + NEAR * std:
+        if abs(step) < 1e-14 * omega + NEAR / math.sqrt(information):
             break
-    return omega, max(std, 1e-15 * omega), ratio
+    return _Refined(omega=omega, score=score, information=information, ratio=ratio)

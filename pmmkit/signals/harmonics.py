@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -105,6 +106,22 @@ class FourierBasis:
             return self
         return FourierBasis(phase=self.phase, rows=self.rows[: 2 * order + 1])
 
+    def ahead(self, lead: float) -> FourierBasis:
+        """At phases that all lie further on by a lead [rad].
+
+        Examples
+        --------
+        >>> FourierBasis.at(np.zeros(1), 2).ahead(np.pi / 2).rows.T.round(12) + 0.0
+        array([[ 1.,  0.,  1., -1.,  0.]])
+        """
+        rows = np.empty_like(self.rows)
+        rows[0] = 1.0
+        if self.order:
+            cosine, sine = math.cos(lead), math.sin(lead)
+            rows[1] = cosine * self.rows[1] - sine * self.rows[2]
+            rows[2] = sine * self.rows[1] + cosine * self.rows[2]
+        return FourierBasis(phase=self.phase + lead, rows=_with_multiples(rows))
+
     @cached_property
     def gram(self) -> Array:
         """Products of the functions, (2 order + 1, 2 order + 1)."""
@@ -141,13 +158,17 @@ def design_matrix(theta: ArrayLike, order: int) -> Array:
 def _rows(phase: Array, order: int) -> Array:
     rows = np.empty((2 * order + 1, phase.size))
     rows[0] = 1.0
-    if order == 0:
-        return rows
-    np.cos(phase, out=rows[1])
-    np.sin(phase, out=rows[2])
-    cosine, sine = rows[1:3]
-    beside = np.empty(phase.size)
-    for n in range(2, order + 1):
+    if order:
+        np.cos(phase, out=rows[1])
+        np.sin(phase, out=rows[2])
+    return _with_multiples(rows)
+
+
+def _with_multiples(rows: Array) -> Array:
+    """The rows, of which the first three hold 1, cos θ, sin θ, filled by their addition."""
+    cosine, sine = rows[1:2].ravel(), rows[2:3].ravel()
+    beside = np.empty(rows.shape[1])
+    for n in range(2, len(rows) // 2 + 1):
         (c, s), (before, aside) = rows[2 * n - 1 : 2 * n + 1], rows[2 * n - 3 : 2 * n - 1]
         np.multiply(before, cosine, out=c)
         c -= np.multiply(aside, sine, out=beside)

@@ -80,14 +80,16 @@ def fit_noise(rest: Array, count: int, order: int, lags: int) -> tuple[Array, Ar
     observed = np.abs(np.fft.rfft(rest, axis=-1)) ** 2 / m
     bins = int(noise.sum())
     best = np.full(c, np.inf)
-    gamma = np.zeros((c, lags))
-    dof = np.zeros((c, order + 1))
     power = observed[:, noise].mean(axis=-1)
     expected = np.repeat(power[:, None], observed.shape[-1], axis=1)
     covariance = np.zeros((c, m))
     covariance[:, 0] = power
-    for p in range(1, (MAX_ORDER if count > 1 else 1) + 1):
-        found = _expect_and_fit(observed, noise, expected, covariance, p)
+    waves = _Waves.of(m, noise, MAX_ORDER if count > 1 else 1)
+    filters = np.eye(1, waves.order + 1).repeat(c, axis=0)
+    innovation = np.zeros(c)
+    orders = np.zeros(c, dtype=int)
+    for p in range(1, waves.order + 1):
+        found = _expect_and_fit(observed, waves, expected, covariance, p)
         expected, covariance = found.expected, found.covariance
         ratio = observed[:, noise] / np.maximum(expected[:, noise], TINY)
         scale = ratio.mean(axis=-1)
@@ -96,12 +98,60 @@ def fit_noise(rest: Array, count: int, order: int, lags: int) -> tuple[Array, Ar
         )
         score = misfit + PENALTY * p * bins / max(bins - p - 2, 1)
         better = score < best
-        best[better] = score[better]
-        filters = found.filters[better]
-        innovation = scale * found.unexplained * covariance[:, 0]
-        gamma[better] = ar.autocovariances(filters, innovation[better], lags)
-        dof[better] = _degrees(filters, m, noise, np.arange(order + 1) * count)
-    return gamma, dof
+        best[better], orders[better] = score[better], p
+        filters[better, : p + 1] = found.filters[better]
+        innovation[better] = (scale * found.unexplained * covariance[:, 0])[better]
+    dof = np.zeros((c, order + 1))
+    for p in set(orders.tolist()) - {0}:
+        own = orders == p
+        dof[own] = _degrees(filters[own, : p + 1], m, noise, np.arange(order + 1) * count)
+    return ar.autocovariances(filters, innovation, lags), dof
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Waves:
+    """Cosines and sines by which periodograms of m samples and their few first lags are turned
+    into each other; a table of them takes less time than a transform of few numbers.
+
+    Parameters
+    ----------
+    hidden : array (bins,)
+        1 at the frequencies of the periodogram that the harmonics have taken away, 0 elsewhere.
+    lagged : array (bins, order + 1)
+        From a periodogram to its circular autocovariances.
+    cosines, sines : array (order + 1, n)
+        From a filter to its response at the n frequencies of a transform without aliasing.
+    """
+
+    hidden: Array
+    lagged: Array
+    cosines: Array
+    sines: Array
+
+    @classmethod
+    def of(cls, m: int, noise: NDArray[np.bool_], order: int) -> _Waves:
+        weight = np.full(m // 2 + 1, 2.0 / m)
+        weight[0] = 1.0 / m
+        weight[-1] /= 1.0 + (m % 2 == 0)
+        circular = _turns(m, order).real.T * weight[:, None]
+        response = _turns(ar.transform_length(m), order)
+        return cls(
+            hidden=np.where(noise, 0.0, 1.0),
+            lagged=circular,
+            cosines=response.real.copy(),
+            sines=response.imag.copy(),
+        )
+
+    @property
+    def order(self) -> int:
+        """Highest lag."""
+        return len(self.cosines) - 1
+
+
+def _turns(length: int, order: int) -> NDArray[np.complex128]:
+    """Powers 0 to `order` of the turn by a sample, at the frequencies of a transform."""
+    once = np.exp(1j * (TURN / length) * np.arange(length // 2 + 1))
+    return np.cumprod([np.ones_like(once), *[once] * order], axis=0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,25 +166,28 @@ class _Fitted:
 
 
 def _expect_and_fit(
-    observed: Array, noise: NDArray[np.bool_], expected: Array, covariance: Array, p: int
+    observed: Array, waves: _Waves, expected: Array, covariance: Array, p: int
 ) -> _Fitted:
     m = covariance.shape[-1]
     share = np.arange(m) / m
-    near = share[: p + 1]
+    rest = 1.0 - share
+    near = share[1 : p + 1] / rest[1 : p + 1]
+    lagged_by = waves.lagged[:, : p + 1] / rest[: p + 1]
+    seen = (observed * (1.0 - waves.hidden)) @ lagged_by
+    unseen = waves.hidden[:, None] * lagged_by
+    cosines, sines = waves.cosines[: p + 1], waves.sines[: p + 1]
     limit = 1.0 - 0.5 / m
     for _ in range(STEPS):
-        filled = np.where(noise, observed, expected)
-        circular = np.fft.irfft(filled, m, axis=-1)[:, : p + 1]
-        wrapped = covariance[:, -np.arange(p + 1)]
-        wrapped[:, 0] = 0.0
-        lagged = (circular - near * wrapped) / (1.0 - near)
+        lagged = seen + expected @ unseen
+        lagged[:, 1:] -= near * covariance[:, : -p - 1 : -1]
         filters, unexplained = ar.levinson(lagged, limit)
-        covariance = ar.autocovariances(filters, lagged[:, 0] * unexplained, m)
-        folded = (1.0 - share) * covariance
+        gain = (filters @ cosines) ** 2 + (filters @ sines) ** 2
+        spectrum = (lagged[:, 0] * unexplained)[:, None] / gain
+        covariance = np.fft.irfft(spectrum, axis=-1)[:, :m]
+        folded = rest * covariance
         folded[:, 1:] += share[1:] * covariance[:, :0:-1]
         before = expected
-        expected = np.fft.rfft(folded, axis=-1).real
-        expected = np.maximum(expected, 1e-9 * lagged[:, :1])
+        expected = np.maximum(np.fft.rfft(folded, axis=-1).real, 1e-9 * lagged[:, :1])
         if np.all(np.abs(expected - before) <= 0.01 * before):
             break
     return _Fitted(

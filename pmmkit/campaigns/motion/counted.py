@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns.motion.kinematics import displacement_phase
+from pmmkit.campaigns.motion.kinematics import displacement_basis
 from pmmkit.campaigns.motion.nominal import nominal_phase
 from pmmkit.campaigns.run import Run
 from pmmkit.errors import CampaignError, Problem
@@ -200,12 +200,12 @@ def counted_cycles(
     if cycles is None:
         travel = travel_of(run, data, times, record, names)
     if not travel.reason:
-        basis = FourierBasis.at(displacement_phase(run, data, times), HIGHEST)
+        basis = displacement_basis(run, data, times, HIGHEST)
         found = whole_cycles(times, basis, record, cycles=cycles)
         told = tuple(names) if cycles is None else ()
         return Counted(basis=basis, cycles=found, travel=travel, channels=told)
     cut = slice(travel.start, travel.stop)
-    basis = FourierBasis.at(displacement_phase(run, data, times, within=cut), HIGHEST)
+    basis = displacement_basis(run, data, times, HIGHEST, within=cut)
     stated = stated_window(run, times) is not None
     asked = (1, cycle_count(basis.phase[cut])) if stated else None
     found = whole_cycles(times[cut], basis.within(cut), record[:, cut], cycles=asked)
@@ -229,10 +229,11 @@ def whole_series(data: xr.Dataset, *names: str) -> dict[str, Array]:
     *names : str
         Channels that are wanted.
     """
+    found = {name: data.variables[name] for name in names if name in data}
     return {
-        name: np.asarray(data[name].values, float)
-        for name in names
-        if name in data and data[name].dims == ("t",) and np.isfinite(data[name].values).all()
+        name: np.asarray(series.values, float)
+        for name, series in found.items()
+        if series.dims == ("t",) and np.isfinite(series.values).all()
     }
 
 

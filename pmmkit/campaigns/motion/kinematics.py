@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from pmmkit.campaigns.motion.nominal import (
     as_times,
@@ -20,7 +20,7 @@ from pmmkit.campaigns.motion.nominal import (
     refuse_free_running,
     require_settings,
 )
-from pmmkit.campaigns.motion.series import fit_series
+from pmmkit.campaigns.motion.series import HARMONICS, fit_series
 from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.test_kinds.kind import TankMotion, ship_axes
 from pmmkit.effects.state import State
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "displacement_basis",
     "displacement_phase",
     "measured_motion",
     "motion_at_phase",
@@ -51,11 +52,17 @@ _HELD: Final = {
     "sinkage": "sinkage",
     "trim": "trim",
 }
+_MOTIONS: Final = (*_OSCILLATING, *_HELD, _CARRIAGE)
 _CLEAR: Final = 5.0
 
 
 def measured_motion(
-    run: Run, data: xr.Dataset, times: ArrayLike, basis: FourierBasis | None = None
+    run: Run,
+    data: xr.Dataset,
+    times: ArrayLike,
+    basis: FourierBasis | None = None,
+    *,
+    within: slice = slice(None),
 ) -> State:
     """Motion of the record: what was measured, and the nominal motion for the rest.
 
@@ -82,6 +89,8 @@ def measured_motion(
         Times of the samples [s], even or not.
     basis : FourierBasis, optional
         Of harmonics 0 to 5 or above at these times, where there is one: its phase goes with ωt.
+    within : slice
+        The samples of the data that lie at these times.
 
     Returns
     -------
@@ -107,13 +116,13 @@ def measured_motion(
     """
     instants = as_times(run, times)
     refuse_free_running(run)
-    channels = _channels(run, data, instants)
+    channels = _channels(run, data, instants, within=within)
     known = fixed_settings(run.settings) | {
         target: channels[name] for name, target in _HELD.items() if name in channels
     }
     known |= {name: channels[name] for name in ("u", "v", "r", "p", *_RATES) if name in channels}
     if not {"u", "v", "r"} <= set(channels):
-        rest = _rest(run, data, channels, instants, basis)
+        rest = _rest(run, channels, instants, basis)
         for name in {"u", "v", "r"} - set(channels):
             rate = f"{name}dot"
             known[name] = getattr(rest, name)
@@ -158,27 +167,54 @@ def displacement_phase(
     CampaignError
         If the test does not oscillate, has no period, or the record is shorter than one.
     """
+    return displacement_basis(run, data, times, HARMONICS, within=within).phase
+
+
+def displacement_basis(
+    run: Run, data: xr.Dataset, times: ArrayLike, order: int, *, within: slice = slice(None)
+) -> FourierBasis:
+    """The Fourier basis at the phase of the displacement, see `displacement_phase`.
+
+    Parameters
+    ----------
+    order : int
+        Highest harmonic, 5 or above.
+    run, data, times, within
+        As for `displacement_phase`.
+
+    Raises
+    ------
+    CampaignError
+        As `displacement_phase`.
+    """
     instants = as_times(run, times)
     if not run.dynamic:
         raise CampaignError(
             Problem(message=f"a {run.test} test has no phase: it does not oscillate.", run=run.id)
         )
     check_settings(run, ("period",))
-    nominal = nominal_phase(run, instants)
+    told = [item.channel for item in run.kind_of_test.phase_channels]
+    return _displacement(run, _channels(run, data, instants, names=told), instants, order, within)
+
+
+def _displacement(
+    run: Run, channels: Mapping[str, Array], times: Array, order: int, within: slice = slice(None)
+) -> FourierBasis:
+    """The basis at the nominal phase, moved by what the measured displacement is ahead of it."""
+    nominal = FourierBasis.at(nominal_phase(run, times), order)
     if run.kind == "harmonics":
         return nominal
-    channels = _channels(run, data, instants)
     for told in run.kind_of_test.phase_channels:
         if told.channel not in channels:
             continue
-        series = fit_series(run, instants[within], channels[told.channel][within], told.channel)
+        values = channels[told.channel][within]
+        series = fit_series(run, times[within], values, told.channel, nominal.within(within))
         cosine, sine = series.fundamental
         if not math.hypot(cosine, sine) > _CLEAR * series.standard_error:
             continue
         lead = math.atan2(-sine, cosine) if told.with_cosine else math.atan2(cosine, sine)
         lead += math.pi if (getattr(run.settings, told.amplitude) or 0.0) < 0 else 0.0
-        lead -= series.omega * series.start
-        return nominal + math.remainder(lead - run.settings.phase, 2 * math.pi)
+        return nominal.ahead(math.remainder(lead, 2 * math.pi))
     return nominal
 
 
@@ -207,13 +243,21 @@ def move_motion(state: State, x: float) -> State:
     return state.with_(v=state.v - x * state.r, vdot=state.vdot - x * state.rdot)
 
 
-def _channels(run: Run, data: xr.Dataset, times: Array) -> dict[str, Array]:
+def _channels(
+    run: Run,
+    data: xr.Dataset,
+    times: Array,
+    *,
+    names: Sequence[str] = _MOTIONS,
+    within: slice = slice(None),
+) -> dict[str, Array]:
     """The measured motions, each (n,)."""
     found: dict[str, Array] = {}
     problems = []
-    for name in (*_OSCILLATING, *_HELD, _CARRIAGE):
+    for name in names:
         if name in data:
-            values = np.asarray(data[name].values, float)
+            values = np.asarray(data.variables[name].values, float)
+            values = values[within] if values.ndim else values
             if values.ndim == 0 and run.dynamic and name in _OSCILLATING:
                 continue
             if values.ndim and values.shape != times.shape:
@@ -225,18 +269,22 @@ def _channels(run: Run, data: xr.Dataset, times: Array) -> dict[str, Array]:
                     )
                 )
                 continue
-            values = np.array(np.broadcast_to(values, times.shape))
+            values = np.broadcast_to(values, times.shape)
         elif f"{name}_cos" in data or f"{name}_sin" in data:
             values = _summed(run, data, name, times)
         else:
             continue
         good = np.isfinite(values)
-        if name == "psi":
-            values[good] = np.unwrap(values[good])
         if good.any():
-            found[name] = values
+            found[name] = _unwrapped(values, good) if name == "psi" else values
     if problems:
         raise CampaignError(problems)
+    return found
+
+
+def _unwrapped(values: Array, good: NDArray[np.bool_]) -> Array:
+    found = values.copy()
+    found[good] = np.unwrap(values[good])
     return found
 
 
@@ -252,22 +300,20 @@ def _summed(run: Run, data: xr.Dataset, name: str, times: Array) -> Array:
 
 
 def _rest(
-    run: Run,
-    data: xr.Dataset,
-    channels: Mapping[str, Array],
-    times: Array,
-    basis: FourierBasis | None,
+    run: Run, channels: Mapping[str, Array], times: Array, basis: FourierBasis | None
 ) -> State:
     """The motion where no velocity is measured: from positions, else nominal."""
     measured = {"x", "y", "psi"} & set(channels)
     if not run.dynamic:
         return _rest_static(run, channels, times)
+    check_settings(run, ("period",))
+    theta = _displacement(run, channels, times, HARMONICS).phase
     if not measured and _CARRIAGE not in channels:
-        return motion_at_phase(run, displacement_phase(run, data, times))
+        return motion_at_phase(run, theta)
     kind = run.kind_of_test
     if kind.places - measured:
         require_settings(run)
-    tank = kind.in_tank(run.settings, displacement_phase(run, data, times))
+    tank = kind.in_tank(run.settings, theta)
     if _CARRIAGE in channels:
         tank = _towed(tank, run, channels[_CARRIAGE], times, basis)
     if "x" in measured:

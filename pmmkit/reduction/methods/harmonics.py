@@ -16,7 +16,7 @@ from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.conventions import bare, parse_derivative
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows
-from pmmkit.reduction.estimate import Block, ChannelFit, blocks_of
+from pmmkit.reduction.estimate import Block, ChannelFit, blocks_of, origins_of
 from pmmkit.reduction.fit import Fit, fit
 from pmmkit.reduction.joint import join
 from pmmkit.reduction.methods.method import Estimate, Evidence
@@ -122,7 +122,7 @@ def _channel(item: ChannelFit, rows: Sequence[Rows]) -> tuple[_Stacked, Array, l
 
 
 def _stacked(item: ChannelFit, rows: Sequence[Rows]) -> _Stacked:
-    blocks = blocks_of(rows, item.channel, item.fit.names, {})
+    blocks = blocks_of(rows, item.channel, item.fit.names, {}, origins_of(rows))
     runs = [rows[block.run].result.run for block in blocks]
     size = [len(block.rows) for block in blocks]
     scale = np.repeat([run.settings.speed**-2 for run in runs], size)
