@@ -134,6 +134,11 @@ def joined(base: str, name: str) -> str | None:
 def leads_out(name: str) -> bool:
     """Whether a name leads out of the folder that it is seen from.
 
+    Parameters
+    ----------
+    name : str
+        As a campaign file writes it.
+
     Examples
     --------
     >>> leads_out("runs/../a.csv"), leads_out("../a.csv"), leads_out("/etc/a.csv")
@@ -146,6 +151,11 @@ def leads_out(name: str) -> bool:
 def shown_url(url: str) -> str:
     """A URL as messages and results name it: without a query, which may be a key.
 
+    Parameters
+    ----------
+    url : str
+        Anything that looks like one.
+
     Examples
     --------
     >>> shown_url("https://example.org/a.csv?signature=1b2c")
@@ -156,6 +166,11 @@ def shown_url(url: str) -> str:
 
 def shown_name(url: str) -> str:
     """The name of a file behind a URL, fit for a file of this machine.
+
+    Parameters
+    ----------
+    url : str
+        As `checked` gives it.
 
     Examples
     --------

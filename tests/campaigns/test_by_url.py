@@ -15,6 +15,7 @@ from web import served_web
 
 import pmmkit as pk
 from pmmkit.campaigns.samples.loading import file_hashes
+from pmmkit.cli import main
 from pmmkit.errors import CampaignError, DataError
 from pmmkit.remote import as_url, copies, joined, objects, urls
 from pmmkit.remote.copies import SHEET
@@ -323,6 +324,17 @@ def test_a_reduction_by_url_is_that_of_the_folder_to_the_bit(tmp_path):
     assert far.table.to_pandas().equals(near.table.to_pandas())
     assert [str(item) for item in far.findings] == [str(item) for item in near.findings]
     assert far.table.provenance["files"] == near.table.provenance["files"]
+
+
+def test_commands_take_a_url_where_they_take_a_folder(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with served_web(FILES) as web:
+        assert main(["export", web.url, "--to", "csv", "-o", "copy"]) == 0
+        assert main(["check", f"{web.url}/campaign.toml"]) == 0
+        assert main(["inspect", web.url]) == 1
+    assert "Copy them to a folder" in capsys.readouterr().err
+    there = pk.open_campaign(tmp_path / "copy")["SD"].data
+    assert np.array_equal(there["Y"], [k / 3 for k in range(60)])
 
 
 def test_a_path_of_this_machine_asks_for_no_package(tmp_path):
