@@ -17,10 +17,12 @@ import pmmkit as pk
 from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError, DataError
+from pmmkit.reduction.reading import all_runs
 from pmmkit.remote import as_url, copies, joined, objects, urls
 from pmmkit.remote.copies import SHEET
 from pmmkit.remote.objects import look
 from scripts.datasets.make_large import make
+from scripts.studies.cluster import everything
 from scripts.studies.damage import CAMPAIGN
 
 pytest.importorskip("fsspec", reason="pmmkit[remote] is not installed")
@@ -311,21 +313,41 @@ def test_urls_survive_paths_and_names_survive_urls(tmp_path):
     assert joined("https://h/a", "%2e%2e/x.csv") == "https://h/a/%252e%252e/x.csv"
 
 
-def test_a_reduction_by_url_is_that_of_the_folder_to_the_bit(tmp_path):
-    make(tmp_path / "large", runs=24, mb=0.02)
+@pytest.mark.slow
+def test_a_reduction_by_url_is_that_of_the_folder_to_the_bit_also_after_the_network_went(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr(all_runs, "PATIENCE", 0.0)
+    make(tmp_path / "large", runs=16, mb=0.02)
     files = {
         item.relative_to(tmp_path).as_posix(): item.read_bytes()
         for item in tmp_path.rglob("*.*")
         if item.is_file()
     }
-    near = pk.reduce_campaign(pk.open_campaign(tmp_path / "large"), executor=1)
+    near = reduced(tmp_path / "large")
+    told: list[str] = []
     with served_web(files) as web:
-        far = pk.reduce_campaign(pk.open_campaign(f"{web.url}/large"), executor=1)
-    assert far.table.to_pandas().equals(near.table.to_pandas())
-    assert [str(item) for item in far.findings] == [str(item) for item in near.findings]
+        lost = next(name for name in web.files if "_0009.csv" in name)
+        web.cut[lost] = 99
+        with pytest.raises(CampaignError, match=r"_0009: .*broke off"):
+            reduced(f"{web.url}/large", resume=tmp_path / "kept")
+        web.cut.clear()
+        far = reduced(
+            f"{web.url}/large",
+            resume=tmp_path / "kept",
+            progress=lambda done, total, what: told.append(what),
+        )
+        assert {count for (how, _), count in web.asked.items() if how == "GET"} == {1, 7}
+    assert "resumed: 15 of 16 runs were read before" in told
+    assert everything(far) == everything(near)
     assert far.table.provenance["files"] == near.table.provenance["files"]
 
 
+def reduced(place, **options):
+    return pk.reduce_campaign(pk.open_campaign(place), structure="cubic", executor=1, **options)
+
+
+@pytest.mark.slow
 def test_commands_take_a_url_where_they_take_a_folder(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with served_web(FILES) as web:
@@ -337,6 +359,7 @@ def test_commands_take_a_url_where_they_take_a_folder(tmp_path, capsys, monkeypa
     assert np.array_equal(there["Y"], [k / 3 for k in range(60)])
 
 
+@pytest.mark.slow
 def test_a_path_of_this_machine_asks_for_no_package(tmp_path):
     folder = local(tmp_path / "kcs", FILES)
     code = (
