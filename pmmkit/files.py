@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import shutil
+import sys
 import uuid
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -290,3 +291,19 @@ def datasets_folder() -> Path:
     """The folder of the data that come with pmmkit (in the wheel, or beside the package)."""
     inside = Path(__file__).parent / "datasets"
     return inside if inside.is_dir() else Path(__file__).parents[1] / "datasets"
+
+
+def cache_folder() -> Path:
+    """Where compiled equations and copies of remote files are kept.
+
+    ``PMMKIT_CACHE``, or the user's folder for such things.
+    """
+    if given := os.environ.get("PMMKIT_CACHE"):
+        return Path(given)
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Caches"
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "pmmkit"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 from typing import Final
@@ -10,6 +11,8 @@ from typing import Final
 from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.samples.bringing import bring
+from pmmkit.campaigns.samples.loading import requests_of
 from pmmkit.checks import (
     carriage,
     clock,
@@ -201,6 +204,8 @@ def _read_all(campaign: Campaign, executor: Workers) -> list[Summary]:
             return error
 
     names = [f"run {run.id}" for run in campaign.runs]
+    if not isinstance(executor, (str, Executor)):
+        bring([request for run in campaign.runs for request in requests_of(run)])
     with opened(executor) as ready, threadpool_limits(1):
         found = dict(each(work, campaign.runs, ready, names=names, here=here))
     summaries: list[Summary] = []

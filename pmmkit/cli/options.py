@@ -16,11 +16,13 @@ if TYPE_CHECKING:
 
 Data = Annotated[
     Path | None,
-    typer.Option("--data", help="Folder of measurements that do not lie beside the campaign file."),
+    typer.Option(
+        "--data", help="Folder or URL of measurements that do not lie beside the campaign file."
+    ),
 ]
 Model = Annotated[str, typer.Argument(help="Library ship (pmmkit ships) or model file (.toml).")]
 Campaign = Annotated[
-    Path, typer.Argument(help="Folder with campaign.toml, such a file, .h5 or .zip.")
+    Path, typer.Argument(help="Folder with campaign.toml, such a file, .h5 or .zip, or its URL.")
 ]
 Figures = Annotated[bool, typer.Option(help="Draw figures, which takes most of the time.")]
 DrawFigures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw figures.")]

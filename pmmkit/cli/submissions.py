@@ -19,10 +19,12 @@ def submitted(what: str, data: Path | None) -> Campaign | DerivativeTable | None
     """A campaign or a derivative table by its path; None where a model is meant."""
     from pmmkit.campaigns.run import Campaign
     from pmmkit.exports.subject import read_subject
+    from pmmkit.remote import as_url
     from pmmkit.ship_library import ships
     from pmmkit.tables import DerivativeTable
 
-    if what in ships() or not Path(what).expanduser().exists():
+    here = as_url(what) is None
+    if what in ships() or (here and not Path(what).expanduser().exists()):
         return None
     found = read_subject(what, data=data)
     return found if isinstance(found, Campaign | DerivativeTable) else None

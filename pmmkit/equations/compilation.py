@@ -17,21 +17,8 @@ import numpy as np
 from pmmkit.effects import primitives
 from pmmkit.equations.code_generation import ENGINE, module_text
 from pmmkit.equations.structure import Structure
-from pmmkit.files import atomic_path
+from pmmkit.files import atomic_path, cache_folder
 from pmmkit.version import __version__
-
-
-def cache_folder() -> Path:
-    """Where compiled equations are kept: ``PMMKIT_CACHE``, or the user's folder for such things."""
-    if given := os.environ.get("PMMKIT_CACHE"):
-        return Path(given)
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "pmmkit"
 
 
 @cache

@@ -13,6 +13,7 @@ from pmmkit.errors import DataError, Problem
 from pmmkit.exports.track import read_track
 from pmmkit.models import Model, load_model
 from pmmkit.readers.hdf5.guard import is_saved_campaign
+from pmmkit.remote import as_url
 from pmmkit.ship_library import ships
 from pmmkit.tables import DerivativeTable, read_table
 
@@ -35,8 +36,8 @@ def read_subject(what: str | Path, *, data: str | Path | None = None) -> Subject
     ----------
     what : str or path
         A library ship; a model file; a folder with ``campaign.toml``, such a file, a saved or
-        a packed campaign; a derivative table (``.csv``, ``.nc``, ``.h5``, ``.xlsx``); a
-        ``track.csv``.
+        a packed campaign, or the URL of one; a derivative table (``.csv``, ``.nc``, ``.h5``,
+        ``.xlsx``); a ``track.csv``.
     data : path, optional
         Of a campaign, as for `open_campaign`.
 
@@ -55,6 +56,8 @@ def read_subject(what: str | Path, *, data: str | Path | None = None) -> Subject
     >>> read_subject("kvlcc2-l7").name
     'kvlcc2-l7'
     """
+    if as_url(what) is not None:
+        return open_campaign(what, data=data)
     path = Path(what).expanduser()
     if not path.exists():
         if str(what) in ships():

@@ -16,6 +16,7 @@ from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.inspection.file import look_at, with_numbers
 from pmmkit.inspection.seen import FileLook
 from pmmkit.readers import reader_of, readers, recognise
+from pmmkit.remote import as_url, shown_url
 
 MOST_FILES: Final = 2000
 """Files of a folder that are looked at; of more it is only said how many there are."""
@@ -160,6 +161,16 @@ def look(path: str | Path) -> Look:
     ['t', 'X']
     """
     place = Path(path).expanduser()
+    url = as_url(path)
+    if url is not None:
+        raise CampaignError(
+            Problem(
+                message="files behind a URL are not looked through.",
+                file=shown_url(url),
+                remedy="Copy them to a folder; of a campaign the command pmmkit check tells what "
+                "is wrong with it.",
+            )
+        )
     if not place.exists():
         raise CampaignError(Problem(message="there is no such file or folder.", file=str(place)))
     if place.is_dir() and not _is_one_run(place):

@@ -14,6 +14,7 @@ import numpy as np
 
 from pmmkit.errors import CampaignError, Problem, Remedy, setting
 from pmmkit.numerics import ABSURD, Array
+from pmmkit.remote import Origin
 
 Cell = str | float | None
 Choose = Callable[[tuple[str, ...], int], Sequence[int]]
@@ -102,6 +103,8 @@ class Request:
         The run it is read for.
     options : Options
         How to read it.
+    origin : Origin or None
+        What stands behind its URL; `path` then is only a name until it is copied to this machine.
     withheld : bool
         Whether messages keep back what stands in the file: the campaign file points somewhere
         outside of its folders, and nothing there is known for measurements.
@@ -111,6 +114,7 @@ class Request:
     shown: str
     run: str | None = None
     options: Options = field(default_factory=Options)
+    origin: Origin | None = None
     withheld: bool = False
 
     def inside(self, path: Path) -> Request:
@@ -128,7 +132,7 @@ class Request:
         *,
         row: int | str | None = None,
         column: str | None = None,
-        remedy: str | None = None,
+        remedy: str | Remedy | None = None,
     ) -> Problem:
         """A problem of this file."""
         if self.withheld:

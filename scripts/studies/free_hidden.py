@@ -1,7 +1,7 @@
 """How often what is hidden in free-running records is found: campaigns diagnosed one by one.
 
     python -m scripts.studies.free_hidden [--cases none roll …] [--sizes 1 0.3] [--runs 6 3]
-                                          [--seeds 5] [--first 0] [--ship s175] [--jobs 2]
+                                          [--seeds 5] [--first 0] [--ship s175] [--workers 2]
     python -m scripts.studies.free_hidden --folder DIR      # campaigns that lie there
     python -m scripts.studies.free_hidden … --write DIR     # only make them
 
@@ -30,7 +30,6 @@ import os
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -41,6 +40,7 @@ import pmmkit as pk
 from pmmkit.checks import examine
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.presentation import aligned
+from scripts.studies.workers import add_workers, as_done, crew
 from tests.support.free_tank.campaigns import SHIPS, Setup, write, write_all
 from tests.support.free_tank.cases import CASES
 
@@ -249,7 +249,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, nargs="+", default=[6, 3], choices=(3, 6))
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--first", type=int, default=0, help="first seed")
-    parser.add_argument("--jobs", type=int, default=2)
+    add_workers(parser, usual=2)
     o = parser.parse_args()
     jobs = jobs_of(o)
     if o.write is not None:
@@ -258,12 +258,12 @@ def main() -> None:
     for line in unknown(jobs):
         print(f"not in the catalogue, {line}")
     answers = []
-    with ProcessPoolExecutor(o.jobs) as pool:
-        for done in as_completed([pool.submit(answered, job) for job in jobs]):
-            answers.append(done.result())
-            print(answers[-1], flush=True)
+    with crew(o) as executor:
+        for place, answer in as_done(answered, jobs, executor):
+            answers.append((place, answer))
+            print(answer, flush=True)
     print()
-    print(table(sorted(answers, key=lambda item: jobs.index(item.job))))
+    print(table([answer for _, answer in sorted(answers, key=lambda item: item[0])]))
 
 
 if __name__ == "__main__":

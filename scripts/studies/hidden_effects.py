@@ -1,7 +1,7 @@
 """How often a hidden effect is found: campaigns of the virtual tank, diagnosed one after another.
 
     python -m scripts.studies.hidden_effects --table 1 [--only full/hard] [--seeds 10] [--none 500]
-                                     [--pairs 100] [--first 0] [--jobs 4] [--out DIR]
+                                     [--pairs 100] [--first 0] [--workers 4] [--out DIR]
     python -m scripts.studies.hidden_effects --table 2 [--seeds 10] [--outside 10] …
 
 Programmes, noise and sizes are those of tests/hidden_effects. The base has linear and cubic terms
@@ -35,7 +35,6 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -46,6 +45,7 @@ from pmmkit.diagnosis import diagnose_captive
 from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.evidence import SHOWS
 from pmmkit.observations.views import views_of
+from scripts.studies.workers import add_workers, crew, in_order
 
 ABSORBED = ("fault_gauge_gain", "fault_moment_point", "fault_inertia")
 TABLES = {
@@ -253,14 +253,14 @@ def main() -> None:
     parser.add_argument("--pairs", type=int, default=100)
     parser.add_argument("--outside", type=int, default=10, help="seeds of each outside effect")
     parser.add_argument("--first", type=int, default=0, help="first seed")
-    parser.add_argument("--jobs", type=int, default=4)
+    add_workers(parser, usual=4)
     parser.add_argument("--out", type=Path, help="folder for answers.csv and confusion.png")
     o = parser.parse_args()
     every: list[Answer] = []
-    with ProcessPoolExecutor(o.jobs) as pool:
+    with crew(o) as executor:
         for how in TABLES[o.table]:
             if o.only in (None, "/".join(how[:2])):
-                answers = list(pool.map(diagnosed, jobs_of(how, o), chunksize=4))
+                answers = in_order(diagnosed, jobs_of(how, o), executor)
                 print(f"\n{how[0]}, {how[1]} noise, {how[2]} truth, seeds from {o.first}")
                 printed(answers, o.sizes if o.table == 1 else [1.0])
                 every += answers

@@ -1,6 +1,7 @@
 """Identification from simulated records, over and over: coverage, and what it predicts.
 
-    python -m scripts.studies.identify_study [--replicates 200] [--method ekf] [--jobs 4] [--seed 0]
+    python -m scripts.studies.identify_study [--replicates 200] [--methods ekf] [--workers 4] \
+        [--seed 0]
 
 Two ships at full scale, KVLCC2 and the 170 m bulk carrier of `bulk_carrier.py`. Each replicate
 draws a start model (every value off by 20 %, one standard deviation), sails zigzags 10/10 and
@@ -15,7 +16,6 @@ from __future__ import annotations
 import argparse
 import math
 import time
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +27,7 @@ from pmmkit.identification.prior import prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
 from scripts.studies.bulk_carrier import TRIAL, bulk_carrier
+from scripts.studies.workers import add_workers, crew, in_order
 from tests.support.recorded import recorded
 
 SENSORS = {"x": 1.0, "y": 1.0, "psi": math.radians(0.1), "r": math.radians(0.02), "u": 0.05}
@@ -113,15 +114,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--replicates", type=int, default=200)
     parser.add_argument("--methods", nargs="+", default=["ekf"])
-    parser.add_argument("--jobs", type=int, default=4)
+    add_workers(parser, usual=4)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     for name in NAMES:
         for method in options.methods:
             replicate((name, method, options.seed))
             asked = [(name, method, options.seed + i) for i in range(options.replicates)]
-            with ProcessPoolExecutor(options.jobs) as pool:
-                told(name, method, list(pool.map(replicate, asked, chunksize=5)))
+            with crew(options) as executor:
+                told(name, method, in_order(replicate, asked, executor))
 
 
 def told(name: str, method: str, found: list[dict]) -> None:

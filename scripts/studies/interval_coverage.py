@@ -1,6 +1,6 @@
 """How often the 95 % intervals hold the truth: replicates of the S175 programme.
 
-    python -m scripts.studies.interval_coverage [--replicates 1000] [--jobs 4] [--unbiased]
+    python -m scripts.studies.interval_coverage [--replicates 1000] [--workers 4] [--unbiased]
 
 Each replicate draws new noise, new gauge and setting errors (as stated in the campaign) and goes
 through the whole reduction, steady windows and cycle tests included. The truth is that of
@@ -13,7 +13,7 @@ import argparse
 import os
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Executor
 from functools import partial
 
 import numpy as np
@@ -22,6 +22,7 @@ from pmmkit.reduction import reduce_campaign
 from scripts.datasets.s175_programme import campaign
 from scripts.datasets.s175_truth import load_truth
 from scripts.datasets.virtual_tank import SHIP, WATER
+from scripts.studies.workers import add_workers, as_done, crew
 
 FIRST_SEED = 10_000
 
@@ -40,20 +41,18 @@ def one(seed: int, biased: bool) -> tuple[tuple[str, ...], np.ndarray, np.ndarra
     return table.names, (low <= right) & (right <= high), (table.value - right) / table.std
 
 
-def study(replicates: int, jobs: int, *, biased: bool) -> dict[str, np.ndarray]:
+def study(replicates: int, executor: Executor | None, *, biased: bool) -> dict[str, np.ndarray]:
     """Coverage by derivative and Froude number; names, hits (n, k, p) and errors (n, k, p)."""
     seeds = range(FIRST_SEED, FIRST_SEED + replicates)
-    found = []
+    found = {}
     start = time.perf_counter()
-    with ProcessPoolExecutor(jobs) as pool:
-        work = pool.map(partial(one, biased=biased), seeds, chunksize=4)
-        for done, item in enumerate(work, start=1):
-            found.append(item)
-            if done % 25 == 0 or done == replicates:
-                spent = time.perf_counter() - start
-                print(f"\r{done}/{replicates}  {spent:.0f} s", end="", file=sys.stderr)
+    for place, item in as_done(partial(one, biased=biased), seeds, executor):
+        found[place] = item
+        if len(found) % 25 == 0 or len(found) == replicates:
+            spent = time.perf_counter() - start
+            print(f"\r{len(found)}/{replicates}  {spent:.0f} s", end="", file=sys.stderr)
     print(file=sys.stderr)
-    names, hits, errors = zip(*found, strict=True)
+    names, hits, errors = zip(*(found[place] for place in sorted(found)), strict=True)
     return {"names": np.array(names[0]), "hits": np.array(hits), "errors": np.array(errors)}
 
 
@@ -76,10 +75,12 @@ def report(found: dict[str, np.ndarray]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--replicates", type=int, default=1000)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    add_workers(parser, usual=os.cpu_count() or 1)
     parser.add_argument("--unbiased", action="store_true", help="noise only, no stated biases")
     options = parser.parse_args()
-    print(report(study(options.replicates, options.jobs, biased=not options.unbiased)))
+    with crew(options) as executor:
+        found = study(options.replicates, executor, biased=not options.unbiased)
+    print(report(found))
 
 
 if __name__ == "__main__":

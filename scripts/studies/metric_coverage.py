@@ -1,6 +1,6 @@
 """How often the Monte Carlo interval of a metric holds the truth: replicates of the S175 programme.
 
-    python -m scripts.studies.metric_coverage [--replicates 200] [--ships 2000] [--jobs 4]
+    python -m scripts.studies.metric_coverage [--replicates 200] [--ships 2000] [--workers 4]
 
 Each replicate draws new noise, new gauge and setting errors, goes through the whole reduction to a
 model, and turns so many ships with derivatives drawn from its covariance at each tested speed. The
@@ -13,7 +13,6 @@ import argparse
 import os
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
 import numpy as np
@@ -21,6 +20,7 @@ import numpy as np
 import pmmkit as pk
 from scripts.datasets.s175_programme import campaign
 from scripts.datasets.s175_truth import load_truth
+from scripts.studies.workers import add_workers, as_done, crew
 
 FIRST_SEED = 50_000
 SPEEDS = (6.0, 9.0, 12.0)
@@ -59,18 +59,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--replicates", type=int, default=200)
     parser.add_argument("--ships", type=int, default=2000)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    add_workers(parser, usual=os.cpu_count() or 1)
     options = parser.parse_args()
     right, start = truth(), time.perf_counter()
     seeds = range(FIRST_SEED, FIRST_SEED + options.replicates)
-    found = []
-    with ProcessPoolExecutor(options.jobs) as pool:
-        for item in pool.map(partial(one, ships=options.ships), seeds, chunksize=2):
-            found.append(item)
+    answers = {}
+    with crew(options) as executor:
+        for place, item in as_done(partial(one, ships=options.ships), seeds, executor):
+            answers[place] = item
             spent = time.perf_counter() - start
-            print(f"\r{len(found)}/{options.replicates}  {spent:.0f} s", end="", file=sys.stderr)
+            print(f"\r{len(answers)}/{options.replicates}  {spent:.0f} s", end="", file=sys.stderr)
     print(file=sys.stderr)
-    low, high = np.moveaxis(np.array(found), -1, 0)
+    low, high = np.moveaxis(np.array([answers[place] for place in sorted(answers)]), -1, 0)
     held = (low <= right) & (right <= high)
     print(f"{options.replicates} repeated reductions, {options.ships} ships each")
     print(f"{'speed':>8}" + "".join(f"{name:>34}" for name in METRICS))

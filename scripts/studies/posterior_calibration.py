@@ -1,6 +1,6 @@
 """Whether the posterior is calibrated: ranks of the truth among its draws (Talts et al. 2018).
 
-    python -m scripts.studies.posterior_calibration [--replicates 100] [--jobs 1] [--seed 0]
+    python -m scripts.studies.posterior_calibration [--replicates 100] [--workers 1] [--seed 0]
                                                     [--save FILE] [--figure FILE]
 
 Each replicate draws a ship from the prior (KVLCC2 of 7 m; Yv, Yr, Nv and Nr off by 20 %), process
@@ -17,7 +17,7 @@ import argparse
 import json
 import math
 import time
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ from pmmkit.identification.posterior.density import DEGREES, ROUGHNESS
 from pmmkit.identification.prior import prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import load_model
+from scripts.studies.workers import add_workers, as_done, crew
 from tests.support.free_tank.flow import Motion
 from tests.support.free_tank.hidden import NOTHING
 from tests.support.free_tank.tanker import BODY, IZZ, JZ, MASS, MY, XG, Tanker
@@ -176,18 +177,19 @@ def ranked(detail: Any, truth: dict[str, Any], seed: int) -> dict[str, Any]:
     }
 
 
-def study(replicates: int, jobs: int, first: int, save: Path | None) -> list[dict[str, Any]]:
+def study(
+    replicates: int, executor: Executor | None, first: int, save: Path | None
+) -> list[dict[str, Any]]:
     """All replicates; those that are kept in a file are not done again."""
     kept = {}
     if save is not None and save.is_file():
         kept = {item["seed"]: item for item in map(json.loads, save.read_text().splitlines())}
     asked = [seed for seed in range(first, first + replicates) if seed not in kept]
-    with ProcessPoolExecutor(jobs) as pool:
-        for item in pool.map(replicate, asked):
-            kept[item["seed"]] = item
-            if save is not None:
-                with save.open("a") as file:
-                    file.write(json.dumps(item) + "\n")
+    for _, item in as_done(replicate, asked, executor):
+        kept[item["seed"]] = item
+        if save is not None:
+            with save.open("a") as file:
+                file.write(json.dumps(item) + "\n")
     return [kept[seed] for seed in sorted(kept) if first <= seed < first + replicates]
 
 
@@ -263,12 +265,13 @@ def drawn(found: list[dict[str, Any]]) -> Any:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--replicates", type=int, default=100)
-    parser.add_argument("--jobs", type=int, default=1)
+    add_workers(parser, usual=1)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--save", type=Path)
     parser.add_argument("--figure", type=Path)
     options = parser.parse_args()
-    found = study(options.replicates, options.jobs, options.seed, options.save)
+    with crew(options) as executor:
+        found = study(options.replicates, executor, options.seed, options.save)
     print(report(found))
     if options.figure is not None:
         from pmmkit.plotting.style import save

@@ -1,7 +1,7 @@
 """How often intervals hold the truth when runs scatter between each other as in any laboratory.
 
     python -m scripts.studies.run_scatter [--tank first second] [--programme small speeds]
-                                     [--law none normal t bad] [--share 1.0] [--jobs 2]
+                                     [--law none normal t bad] [--share 1.0] [--workers 2]
 
 The water is that of tests/support/hidden_effects (a container ship, forces of the water) and of
 tests/support/second_tank (a tanker, raw balance), which share no formula with the package or with
@@ -26,7 +26,6 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -37,6 +36,7 @@ import pmmkit as pk
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.tables import DerivativeTable
+from scripts.studies.workers import add_workers, crew, in_order
 from tests.support import second_tank, spoiled
 from tests.support.hidden_effects import hidden_campaign
 from tests.support.hidden_effects.sizes import CHANNELS, scale
@@ -273,16 +273,16 @@ def main() -> None:
     parser.add_argument("--law", nargs="*", default=list(LAWS), choices=list(LAWS))
     parser.add_argument("--share", type=float, default=1.0, help="part of the replicates")
     parser.add_argument("--first", type=int, default=0, help="first seed")
-    parser.add_argument("--jobs", type=int, default=2)
+    add_workers(parser, usual=2)
     o = parser.parse_args()
     began = time.perf_counter()
-    with ProcessPoolExecutor(o.jobs) as pool:
+    with crew(o) as executor:
         for tank, programme in product(o.tank, o.programme):
             turn = TANKS[tank].turn()
             for case in (case for case in CASES if case.law in o.law):
                 count = math.ceil(o.share * case.replicates[programme])
                 work = partial(one, tank=tank, programme=programme, case=case, turn=turn)
-                found = list(pool.map(work, range(o.first, o.first + count), chunksize=2))
+                found = in_order(work, range(o.first, o.first + count), executor)
                 print(
                     f"{tank} tank, {programme}, {case.law}, gain {100 * case.gain:g} %, offset "
                     f"{100 * case.offset:g} %:\n" + "\n".join(report(found)),

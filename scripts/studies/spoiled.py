@@ -1,7 +1,7 @@
 """What becomes of campaigns that somebody spoiled, and of clean ones.
 
-    python -m scripts.studies.spoiled [--programme small full] [--only Y] [--clean 200] [--jobs 2]
-                                      [--out FILE]
+    python -m scripts.studies.spoiled [--programme small full] [--only Y] [--clean 200] \
+        [--workers 2] [--out FILE]
 
 Each way of `tests/support/spoiled.py` is put into a campaign of the virtual tank, in one run of
 each kind of test and in all runs. What the user meets is one of
@@ -29,7 +29,6 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -41,6 +40,7 @@ from pmmkit.checks import CheckFinding, examine
 from pmmkit.errors import DataError
 from pmmkit.reduction import reduce_campaign
 from pmmkit.tables import DerivativeTable
+from scripts.studies.workers import add_workers, crew, in_order
 
 CLASSES = ("refused", "named", "other", "noted", "harmless", "wrong")
 MOVED = 2.0
@@ -145,20 +145,20 @@ def main() -> None:
     parser.add_argument("--clean", type=int, default=200, help="clean campaigns of each kind")
     parser.add_argument("--base", nargs="*", default=["plain"], help="kinds of clean campaigns")
     parser.add_argument("--first", type=int, default=0, help="first seed")
-    parser.add_argument("--jobs", type=int, default=2)
+    add_workers(parser, usual=2)
     parser.add_argument("--out", type=Path, help="file for all answers")
     o = parser.parse_args()
     every: list[Answer] = []
     begin = time.perf_counter()
-    with ProcessPoolExecutor(o.jobs) as pool:
+    with crew(o) as executor:
         for programme in o.programme:
             asked = [case for case in ways().cases(programme, o.first) if o.only in case.way.name]
             names = [(case.way.name, case.scope, case.test, programme, o.first) for case in asked]
-            every += pool.map(answered_by_name, names, chunksize=4)
+            every += in_order(answered_by_name, names, executor)
             counted(programme, [item for item in every if item.programme == programme])
             for base in o.base if o.clean else ():
                 jobs = [(programme, o.first + k, base) for k in range(o.clean)]
-                alarms = [said for said in pool.map(alarm, jobs, chunksize=4) if said]
+                alarms = [said for said in in_order(alarm, jobs, executor) if said]
                 print(f"  clean, {base}: an alarm in {len(alarms)} of {o.clean}")
                 for text, count in Counter(x[:150] for said in alarms for x in said).most_common(8):
                     print(f"    {count} {text}")

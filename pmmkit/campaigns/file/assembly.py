@@ -12,6 +12,7 @@ from pmmkit.campaigns.file.settings import missing_settings, settings_of
 from pmmkit.campaigns.file.struts import on_struts
 from pmmkit.campaigns.motion.solver_axes import Solver
 from pmmkit.campaigns.run import Correction, Kind, Run
+from pmmkit.campaigns.samples.bringing import at_hand
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import Frame, in_phase_parts
 from pmmkit.campaigns.samples.loading import Context, HistoryLoader, RowLoader, check_rows
@@ -50,11 +51,9 @@ class Setup:
     corrections : tuple of Correction
         All corrections of the file.
     find : callable
-        Path of a file that the campaign names, or None.
+        What is read for a file that the campaign names, or None.
     missing_file : callable
         The problem of a file that is not there.
-    withheld : callable
-        Whether messages keep back what a file holds.
     toml : str
         Name of the campaign file.
     trial : mapping
@@ -73,9 +72,8 @@ class Setup:
     options: Options
     columns: Mapping[str, ColumnSpec]
     corrections: tuple[Correction, ...]
-    find: Callable[[str], Path | None]
+    find: Callable[[str], Request | None]
     missing_file: Callable[[str, str], Problem]
-    withheld: Callable[[Path], bool]
     toml: str
     trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     solver: Solver = field(default_factory=Solver)
@@ -228,29 +226,33 @@ def _request(entry: FileEntry, label: str, setup: Setup, out: Assembled) -> Requ
                 entry=label,
             )
         )
-    path = setup.find(entry.file)
+    found = setup.find(entry.file)
     excluded = any(
         item.action == "exclude" and item.applies_to(entry.id) for item in setup.corrections
     )
-    if path is None:
+    if found is None:
         if not excluded:
             out.problems.append(setup.missing_file(entry.file, label))
             return None
-        path = Path(entry.file)
-    options = merged(setup.options, entry)
-    withheld = setup.withheld(path)
-    return Request(path=path, shown=entry.file, run=entry.id, options=options, withheld=withheld)
+        found = Request(path=Path(entry.file), shown=entry.file)
+    return replace(found, run=entry.id, options=merged(setup.options, entry))
 
 
 def _table(
     request: Request, specs: Mapping[str, ColumnSpec], rows: int | None, out: Assembled
 ) -> Found:
     """The cells and used columns of a table, read once; its problems are told once."""
-    key = (request.path, request.options, tuple(sorted(specs.items(), key=lambda item: item[0])))
+    key = (
+        request.path,
+        request.origin,
+        request.options,
+        tuple(sorted(specs.items(), key=lambda item: item[0])),
+    )
     if key not in out.tables:
         out.tables[key] = None
         whole = replace(request, run=None)
         try:
+            whole = at_hand(whole)
             cells = reader_for(whole).cells(whole)
             check_rows(len(cells.rows), rows, whole)
         except DataError as error:
@@ -388,6 +390,7 @@ def _settings(
 
 def _measured(request: Request, specs: Mapping[str, ColumnSpec]) -> set[str]:
     """Channels that a file holds."""
+    request = at_hand(request)
     reader = reader_for(request)
     names = reader.names(request)
     found, _ = pick(names, len(names), specs, request, usual=reader.usual(names))
@@ -401,13 +404,12 @@ def _motion(
     """The file of the hull's motion beside the one of its forces."""
     if entry.motion is None:
         return None
-    path = setup.find(entry.motion)
-    if path is None:
+    found = setup.find(entry.motion)
+    if found is None:
         if not any(item.action == "exclude" for item in _corrections(entry.id, setup)):
             out.problems.append(setup.missing_file(entry.motion, label))
         return None
-    withheld = setup.withheld(path)
-    return replace(request, path=path, shown=entry.motion, options=Options(), withheld=withheld)
+    return replace(found, run=request.run)
 
 
 def _add_row(

@@ -6,11 +6,12 @@ import hashlib
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+from pmmkit.campaigns.file.by_url import folder_name, folder_of, origin_of, with_curve
+from pmmkit.campaigns.file.remote_files import names_in
 from pmmkit.campaigns.file.search import InArchive, Search
 from pmmkit.campaigns.run import Campaign
 from pmmkit.channels import did_you_mean
@@ -18,6 +19,7 @@ from pmmkit.errors import CampaignError, Problem
 from pmmkit.escaping import quoted
 from pmmkit.files import datasets_folder
 from pmmkit.readers.hdf5.guard import SIGNATURE
+from pmmkit.remote import Origin, local_copy
 from pmmkit.toml_files import CAMPAIGN, check_numbers, refuse_other
 
 if TYPE_CHECKING:
@@ -39,11 +41,12 @@ def open_campaign(
     ----------
     path : path
         A folder with ``campaign.toml``, such a file itself, a campaign saved by pmmkit
-        (``.h5``, ``.nc``), or a zip archive that holds a ``campaign.toml`` and its text files.
+        (``.h5``, ``.nc``), or a zip archive that holds a ``campaign.toml`` and its text files; or
+        the URL of one (``https://…``, ``s3://…``), whose files are copied when they are read.
     data : path, optional
         Folder of measurements that do not lie beside the campaign file. Files are looked for in
         ``data/data_folder`` (the key of ``[campaign]``), then in ``data``, then beside the
-        campaign file. Default: the environment variable PMMKIT_DATA.
+        campaign file. It may be a URL. Default: the environment variable PMMKIT_DATA.
     runs : bool
         False leaves the tests out and asks for none: ship, water and rig alone.
 
@@ -57,6 +60,8 @@ def open_campaign(
     ------
     CampaignError
         With everything that is wrong with the campaign file and with the tables it names.
+    DataError
+        If what stands behind a URL cannot be fetched.
 
     Examples
     --------
@@ -88,21 +93,33 @@ def open_campaign(
     >>> [run.id for run in campaign], float(campaign["SD_4"].data["Y"])
     (['SD_0', 'SD_4'], 35.5)
     """
-    place = _place(Path(path).expanduser())
+    origin = origin_of(path, (".toml", *_SAVED, PACKED))
+    place = _place(Path(path).expanduser()) if origin is None else local_copy(origin)
     if place.suffix.lower() in _SAVED:
         from pmmkit.campaigns.store import load_campaign
 
-        stored = load_campaign(place)
+        stored = _traced(load_campaign(place), origin)
         return stored if runs else stored.with_(runs=(), excluded=())
     if place.suffix.lower() == PACKED:
         from pmmkit.campaigns.file.packed import packed_campaign
 
         packed = packed_campaign(place)
         raw, digest = _content(packed.text(), packed.place)
-        search: Search = InArchive(own=place.parent, data=None, archive=place)
-        return _assemble(_asked(packed.pointed(raw), runs), packed.place, search, digest, runs)
+        search: Search = InArchive(own=place.parent, data=None, archive=place, origin=origin)
+        content = _asked(packed.pointed(raw), runs)
+        return _assemble(content, packed.place, search, digest, origin, runs)
     raw, digest = _content(_bytes(place), place)
-    return _assemble(_asked(raw, runs), place, Search.of(place, data), digest, runs)
+    content = _asked(raw, runs)
+    search = Search.of(place, data, folder_of(origin))
+    return _assemble(content, place, search, digest, origin, runs)
+
+
+def _traced(campaign: Campaign, origin: Origin | None) -> Campaign:
+    """A saved campaign that says behind which URL it was."""
+    if origin is None:
+        return campaign
+    provenance = MappingProxyType({**campaign.provenance, "url": origin.shown})
+    return campaign.with_(provenance=provenance)
 
 
 def _content(data: bytes, place: Path) -> tuple[dict[str, Any], str]:
@@ -136,7 +153,7 @@ def campaign_of(raw: Mapping[str, Any], place: Path, *, data: str | Path | None 
     CampaignError
         As `open_campaign`.
     """
-    return _assemble(raw, place, Search.of(place, data), "", runs=True)
+    return _assemble(raw, place, Search.of(place, data), "", None, runs=True)
 
 
 def _place(path: Path) -> Path:
@@ -277,7 +294,12 @@ def _toml_remedy(line: str, message: str) -> str | None:
 
 
 def _assemble(
-    raw: Mapping[str, Any], place: Path, search: Search, digest: str, runs: bool
+    raw: Mapping[str, Any],
+    place: Path,
+    search: Search,
+    digest: str,
+    origin: Origin | None,
+    runs: bool,
 ) -> Campaign:
     from pmmkit.campaigns.file import particulars, schema
     from pmmkit.campaigns.file.assembly import Assembled
@@ -305,12 +327,13 @@ def _assemble(
             )
         )
     top = particulars.read_top(raw, toml, problems)
-    search = replace(search, folder=top.campaign.data_folder)
+    search = search.within(top.campaign.data_folder)
+    search.remote.find_all(names_in(raw))
+    propeller = with_curve(top.propeller, search, toml, problems)
     setup = particulars.setup_of(
         top,
         find=search.find,
         missing_file=lambda file, entry: search.missing(file, entry, toml),
-        withheld=search.withheld,
         toml=toml,
     )
     _add_all(raw, setup, out)
@@ -326,11 +349,12 @@ def _assemble(
         "pmmkit": __version__,
         "campaign_file": PurePath(place).name,
         "sha256": digest,
+        **({} if origin is None else {"url": origin.shown}),
     }
     if out.left_out:
         provenance["left_out"] = tuple(out.left_out)
     return Campaign(
-        title=top.campaign.title or place.absolute().parent.name,
+        title=top.campaign.title or folder_name(place, origin),
         ship=setup.ship,
         water=setup.water,
         runs=tuple(run for run in out.runs if run.id not in reasons),
@@ -343,7 +367,7 @@ def _assemble(
         free=tuple(top.campaign.free),
         uncertainty=top.uncertainty,
         cfd=MappingProxyType(top.cfd),
-        propeller=MappingProxyType(top.propeller),
+        propeller=MappingProxyType(propeller),
         rudder=MappingProxyType(top.rudder),
         numerical=MappingProxyType(top.numerical),
         trial=MappingProxyType(top.trial),

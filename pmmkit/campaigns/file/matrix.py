@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, Final
 
 from pmmkit.campaigns.file.assembly import Assembled, Setup
 from pmmkit.campaigns.file.schema import MatrixEntry
+from pmmkit.campaigns.samples.bringing import at_hand
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
 from pmmkit.channels import SETTING_UNITS
@@ -33,16 +35,15 @@ def entries_of(
     setup, out : Setup, Assembled
         Of the campaign; `out` gets what is wrong.
     """
-    path = setup.find(matrix.file)
-    if path is None:
+    found = setup.find(matrix.file)
+    if found is None:
         out.problems.append(setup.missing_file(matrix.file, label))
         out.incomplete = True
         return
     stated = {} if matrix.source is None else matrix.source.model_dump(exclude_unset=True)
-    request = Request(
-        path=path, shown=matrix.file, options=Options(**stated), withheld=setup.withheld(path)
-    )
+    request = replace(found, options=Options(**stated))
     try:
+        request = at_hand(request)
         cells = reader_for(request).cells(request)
     except DataError as error:
         out.problems += error.problems

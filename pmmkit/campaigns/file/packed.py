@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Final
 
+from pmmkit.campaigns.file.by_url import table_of
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.readers import Options, reader_of
+from pmmkit.readers import Options
 from pmmkit.readers.archive.members import Contents, contents_of, joined
-from pmmkit.readers.base import Request, to_number
+from pmmkit.readers.base import Request
 from pmmkit.toml_files import CAMPAIGN
 
 if TYPE_CHECKING:
@@ -118,14 +119,11 @@ class Packed:
     def _table(self, file: str) -> dict[str, list[float | None]]:
         """The columns of a table of numbers, such as an open-water curve."""
         request = Request(
-            path=self.archive, shown=self.archive.name, options=Options(group=self._inside(file))
+            path=self.archive,
+            shown=self.archive.name,
+            options=Options(format=FORMAT, group=self._inside(file)),
         )
-        cells = reader_of(FORMAT).cells(request)
-        columns = zip(*cells.rows, strict=True)
-        return {
-            title: [to_number(cell, cells.decimal) for cell in column]
-            for title, column in zip(cells.headers, columns, strict=True)
-        }
+        return table_of(request)
 
 
 def packed_campaign(archive: Path) -> Packed:

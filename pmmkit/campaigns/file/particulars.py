@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -35,7 +34,7 @@ from pmmkit.campaigns.test_kinds.struts import Struts
 from pmmkit.campaigns.uncertainty import STATABLE, Statable, TypeB
 from pmmkit.channels import CHANNEL_UNITS, did_you_mean, factor_to
 from pmmkit.errors import DataError, PmmkitError, Problem
-from pmmkit.readers.base import Options
+from pmmkit.readers.base import Options, Request
 from pmmkit.ship import Ship, Water
 
 _NEUTRAL_SHIP: Final = Ship(name="", L=1.0, B=1.0, d=1.0, volume=1.0, mass=1.0, Izz=1.0)
@@ -135,9 +134,8 @@ def read_top(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> Top:
 def setup_of(
     top: Top,
     *,
-    find: Callable[[str], Path | None],
+    find: Callable[[str], Request | None],
     missing_file: Callable[[str, str], Problem],
-    withheld: Callable[[Path], bool],
     toml: str,
 ) -> Setup:
     """What the runs need to know of the campaign."""
@@ -177,7 +175,6 @@ def setup_of(
         ),
         find=find,
         missing_file=missing_file,
-        withheld=withheld,
         toml=toml,
         trial=MappingProxyType(top.trial),
     )

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
+from pmmkit.campaigns.file.remote_files import RemoteFiles
 from pmmkit.errors import Problem, Remedy, setting
 from pmmkit.files import matching
+from pmmkit.readers.base import Request
+from pmmkit.remote import Origin, as_url, leads_out, shown_url
 
 DATA_VARIABLE: Final = "PMMKIT_DATA"
 
@@ -26,28 +29,64 @@ class Search:
         That of the measurements.
     folder : str or None
         What the campaign file says of it.
+    remote : RemoteFiles
+        Where they are looked for behind URLs.
     """
 
     own: Path
     data: Path | None
     folder: str | None = None
+    remote: RemoteFiles = field(default_factory=RemoteFiles)
 
     @classmethod
-    def of(cls, place: Path, data: str | Path | None) -> Search:
-        """For a campaign file; the measurements are where is said, else where PMMKIT_DATA says."""
+    def of(cls, place: Path, data: str | Path | None, own: str = "") -> Search:
+        """For a campaign file; the measurements are where is said, else where PMMKIT_DATA says.
+
+        Parameters
+        ----------
+        place : Path
+            The campaign file.
+        data : path or URL, optional
+            As for `open_campaign`.
+        own : str
+            URL of the folder of the campaign file, if it has one.
+        """
         given = data if data is not None else os.environ.get(DATA_VARIABLE) or None
-        return cls(place.parent, None if given is None else Path(given).expanduser())
+        url = None if given is None else as_url(given)
+        here = None if given is None or url is not None else Path(given).expanduser()
+        return cls(place.parent, here, remote=RemoteFiles(own=own, data=url or ""))
+
+    def within(self, folder: str | None) -> Search:
+        """The same search in what the campaign file says of the measurements."""
+        return replace(self, folder=folder, remote=replace(self.remote, folder=folder, _seen={}))
 
     def folders(self) -> list[Path]:
         """The folders, the first one first."""
         found = []
         if self.data is not None:
-            found += [self.data / self.folder] if self.folder else []
+            inside = self.folder and not (self.remote.own and leads_out(self.folder))
+            found += [self.data / self.folder] if self.folder and inside else []
             found.append(self.data)
-        return [*found, self.own]
+        return found if self.remote.own else [*found, self.own]
 
-    def find(self, file: str) -> Path | None:
+    def find(self, file: str) -> Request | None:
+        """What is read for a name in the campaign file, here or behind a URL, or None."""
+        path = self._path(file) if self.remote.own else None
+        origin = None if path is not None else self.remote.find(file)
+        if origin is not None:
+            freely = self.remote.is_named_freely(file) and not self.remote.own
+            return Request(
+                path=Path(origin.shown), shown=shown_url(file), origin=origin, withheld=freely
+            )
+        path = path or self._path(file)
+        if path is None:
+            return None
+        return Request(path=path, shown=file, withheld=self._withheld(path))
+
+    def _path(self, file: str) -> Path | None:
         """Path of a file, else of a folder of that name or of a pattern that files fit, or None."""
+        if as_url(file) is not None or (self.remote.own and leads_out(file)):
+            return None
         names = (file, file.replace("\\", "/"))
         places = [_joined(folder, name) for name in names for folder in self.folders()]
         kinds: tuple[Callable[[Path], object], ...] = (Path.is_file, Path.is_dir, matching)
@@ -56,7 +95,7 @@ class Search:
         except (OSError, ValueError):
             return None
 
-    def withheld(self, path: Path) -> bool:
+    def _withheld(self, path: Path) -> bool:
         """Whether a file lies outside of all these folders and no reader knows what it is."""
         from pmmkit.readers import recognise
 
@@ -67,6 +106,9 @@ class Search:
 
     def missing(self, file: str, entry: str, toml: str) -> Problem:
         """The problem of a file that is nowhere."""
+        afar = self.remote.missing(file, entry, toml)
+        if afar is not None:
+            return afar
         tried = ", ".join(str(folder) for folder in self.folders())
         remedy = None
         if self.data is None or self.folder:
@@ -89,18 +131,18 @@ class InArchive(Search):
     ----------
     archive : Path
         The archive.
+    origin : Origin or None
+        What stands behind its URL, if it has one.
     """
 
     archive: Path = Path()
+    origin: Origin | None = None
 
-    def find(self, file: str) -> Path | None:
-        """The archive, by its name."""
-        return self.archive if file == self.archive.name else None
-
-    def withheld(self, path: Path) -> bool:
-        """Nothing: all of it came with the campaign file."""
-        del path
-        return False
+    def find(self, file: str) -> Request | None:
+        """The archive, by its name; all of it came with the campaign file."""
+        if file != self.archive.name:
+            return None
+        return Request(path=self.archive, shown=file, origin=self.origin)
 
     def missing(self, file: str, entry: str, toml: str) -> Problem:
         """The problem of a file that the archive does not hold."""

@@ -14,6 +14,7 @@ import numpy as np
 from pmmkit.campaigns.motion.hull_path import PLACE, recorded_in, set_to
 from pmmkit.campaigns.motion.solver_axes import Solver, seen_from_hull, without_ramp
 from pmmkit.campaigns.run import Campaign, Correction, Kind, Run
+from pmmkit.campaigns.samples.bringing import at_hand
 from pmmkit.campaigns.samples.column_mapping import (
     ColumnSpec,
     Picked,
@@ -112,15 +113,16 @@ class HistoryLoader:
 
     @property
     def path(self) -> Path:
-        """The file."""
+        """The file; of one behind a URL only its name."""
         return self.request.path
 
     def __call__(self) -> xr.Dataset:
-        rate = self.request.options.sample_rate
+        request = at_hand(self.request)
+        rate = request.options.sample_rate
         required = [x for x in required_channels(self.kind) if x != "t" or rate is None]
-        read, picked, usual = _read(self.request, self.columns, required)
+        read, picked, usual = _read(request, self.columns, required)
         count = len(read.values[0])
-        check_rows(count + read.dropped, self.rows, self.request)
+        check_rows(count + read.dropped, self.rows, request)
         notes = [*read.notes, *(column.note for column in picked if column.note)]
         notes += [
             f"{column.name} from column {column.title!r}, its usual name"
@@ -140,16 +142,16 @@ class HistoryLoader:
             for column, numbers in zip(picked, read.values, strict=True)
         }
         if rate is not None:
-            values["t"] = _counted_time(read, rate, self.request)
+            values["t"] = _counted_time(read, rate, request)
             notes.append(f"t counted from 0 at {rate:g} samples a second")
         return dataset(
             "history",
             values,
             self.context,
             notes,
-            request=self.request,
+            request=request,
             dimensional=frozenset(column.name for column in picked if column.unit is not None),
-            motion=None if self.motion is None else _motion_of(self.motion, self.context),
+            motion=None if self.motion is None else _motion_of(at_hand(self.motion), self.context),
         )
 
 
@@ -443,13 +445,25 @@ def data_files(run: Run) -> dict[str, Path]:
     Raises
     ------
     CampaignError
-        If a folder holds nothing of its format.
+        If a folder holds nothing of its format, or a file behind a URL cannot be fetched.
+    """
+    asked = [at_hand(request, proven=False) for request in requests_of(run)]
+    return {shown: path for request in asked for shown, path in files_of(request).items()}
+
+
+def requests_of(run: Run) -> list[Request]:
+    """What is read for a run: its file, and that of its motion where there is one.
+
+    Parameters
+    ----------
+    run : Run
+        Of a campaign from `open_campaign`; of other runs nothing is known.
     """
     loader = run.loader
     requests = [loader.request] if isinstance(loader, (HistoryLoader, RowLoader)) else []
     if isinstance(loader, HistoryLoader) and loader.motion is not None:
         requests.append(loader.motion)
-    return {shown: path for request in requests for shown, path in files_of(request).items()}
+    return requests
 
 
 def file_hashes(campaign: Campaign) -> dict[str, str]:

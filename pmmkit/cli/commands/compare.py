@@ -44,8 +44,8 @@ def compare(
     campaign: Annotated[
         Path,
         typer.Argument(
-            help="The tests: folder with campaign.toml, such a file, .h5 or .zip; a derivative "
-            "table where one was submitted."
+            help="The tests: folder with campaign.toml, such a file, .h5 or .zip, or its URL; a "
+            "derivative table where one was submitted."
         ),
     ],
     floor: Annotated[

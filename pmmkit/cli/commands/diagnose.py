@@ -58,8 +58,8 @@ Campaigns = Annotated[
     list[Path],
     typer.Argument(
         metavar="CAMPAIGN",
-        help="Folder with campaign.toml, such a file, or .h5; several, captive and free running, "
-        "vote together.",
+        help="Folder with campaign.toml, such a file, .h5, or its URL; several, captive and "
+        "free running, vote together.",
     ),
 ]
 

@@ -6,7 +6,7 @@ import importlib
 import math
 import time
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -16,8 +16,11 @@ from typing import Final
 from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.samples.bringing import bring
+from pmmkit.campaigns.samples.loading import requests_of
 from pmmkit.errors import CampaignError, DataError
 from pmmkit.executors import Workers, each, opened
+from pmmkit.presentation import counted
 from pmmkit.reduction.reading.memory import memory_of, shared_out, size_of
 from pmmkit.reduction.reading.resume import Kept
 from pmmkit.reduction.reading.run import Reading, ReductionSettings, read_run
@@ -75,6 +78,8 @@ def read_all(settings: ReductionSettings, tell: Progress, means: Means) -> list[
     kept = None if means.kept is None else Kept(folder=means.kept, settings=settings)
     found = _read_before(runs, kept, tell)
     left = [place for place in range(len(runs)) if place not in found]
+    if not isinstance(means.executor, (str, Executor)):
+        _fetch([runs[place] for place in left], tell)
     importlib.import_module("xarray")  # takes a second or two, once, and says nothing of the pace
     pace = _Pace(weights=[size_of(runs[place]) + SMALL for place in left])
     wrong: dict[int, DataError] = {}
@@ -102,6 +107,14 @@ def read_all(settings: ReductionSettings, tell: Progress, means: Means) -> list[
             problems, title=f"Campaign {settings.campaign.title!r} cannot be reduced"
         )
     return [found[place] for place in range(len(runs))]
+
+
+def _fetch(runs: Sequence[Run], tell: Progress) -> None:
+    """Bring files behind URLs to this machine, side by side; other machines fetch their own."""
+    afar = [item for run in runs for item in requests_of(run) if item.origin is not None]
+    if afar:
+        tell(0, len(runs), f"fetching {counted(len(afar), 'file')}")
+        bring(afar)
 
 
 def _read_before(runs: Sequence[Run], kept: Kept | None, tell: Progress) -> dict[int, Reading]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from pmmkit.campaigns.run import Run
-from pmmkit.campaigns.samples.loading import data_files
+from pmmkit.campaigns.samples.loading import data_files, requests_of
 from pmmkit.errors import DataError
 
 PROCESS_MB: Final = 125.0
@@ -54,7 +54,10 @@ def memory_of(run: Run) -> float:
 
 
 def size_of(run: Run) -> int:
-    """Bytes of the files of a run."""
+    """Bytes of the files of a run; of those behind a URL what their store says."""
+    requests = requests_of(run)
+    if any(request.origin is not None for request in requests):
+        return sum(item.origin.size or 0 for item in requests if item.origin is not None)
     total = 0
     for path in _files(run):
         try:
