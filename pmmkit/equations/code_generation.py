@@ -43,6 +43,7 @@ ENTRIES: Final = (
     "linearised",
     "correct",
     "predict",
+    "scatter",
     "extended",
     "smoothed",
     "unscented",

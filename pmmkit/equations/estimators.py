@@ -109,8 +109,38 @@ def advance(
             y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j])
 
 
-def predict(P: Array, A: Array, B: Array, keep: Array, noise: Array) -> None:
-    """Carry a covariance over an interval: states by A and B, parameters by `keep`."""
+def scatter(A: Array, diffusion: Array, time: float, Q: Array) -> None:
+    """Covariance that white noise in the states makes of an interval whose slopes are A.
+
+    ∫ Φ(s) D Φ(s)ᵀ ds (Van Loan 1978) by Simpson's rule; Φ over half the interval is the root of A,
+    by its series in A - I, which keeps Q positive and needs no slopes of its own.
+    """
+    G = A.copy()
+    for i in range(NS):
+        G[i, i] -= 1.0
+        for j in range(NS):
+            Q[i, j] = 0.0
+    half = np.zeros(NS)
+    for l in range(NS):
+        if diffusion[l] == 0.0:
+            continue
+        share = diffusion[l] * time / 6.0
+        for i in range(NS):
+            half[i] = 0.5 * G[i, l]
+            for j in range(NS):
+                half[i] -= 0.125 * G[i, j] * G[j, l]
+        half[l] += 1.0
+        Q[l, l] += share
+        for i in range(NS):
+            for j in range(NS):
+                Q[i, j] += share * (4.0 * half[i] * half[j] + A[i, l] * A[j, l])
+
+
+def predict(P: Array, A: Array, B: Array, keep: Array, Q: Array, noise: Array) -> None:
+    """Carry a covariance over an interval: states by A and B, parameters by `keep`.
+
+    Q is what is added to the states, `noise` to the variances of the parameters.
+    """
     n, m = len(P), len(keep)
     W, new = np.zeros((NS, n)), np.zeros((NS, NS))
     for i in range(NS):
@@ -127,15 +157,14 @@ def predict(P: Array, A: Array, B: Array, keep: Array, noise: Array) -> None:
                 new[i, j] += W[i, NS + l] * B[j, l]
     for i in range(NS):
         for j in range(NS):
-            P[i, j] = 0.5 * (new[i, j] + new[j, i])
-        P[i, i] += noise[i]
+            P[i, j] = 0.5 * (new[i, j] + new[j, i]) + Q[i, j]
         for j in range(m):
             P[i, NS + j] = W[i, NS + j] * keep[j]
             P[NS + j, i] = P[i, NS + j]
     for i in range(m):
         for j in range(m):
             P[NS + i, NS + j] *= keep[i] * keep[j]
-        P[NS + i, NS + i] += noise[NS + i]
+        P[NS + i, NS + i] += noise[i]
 
 
 def linearised(
@@ -232,9 +261,9 @@ def extended(
     N, n = len(times), len(z)
     m = n - NS
     k, work = np.zeros(len(base)), np.zeros((6, NS))
-    A, B = np.zeros((NS, NS)), np.zeros((NS, m))
+    A, B, Q = np.zeros((NS, NS)), np.zeros((NS, m)), np.zeros((NS, NS))
     y, h, gain, left = np.zeros(NS), np.zeros(n), np.zeros(n), np.zeros(n)
-    change, keep, noise = np.zeros(m), np.ones(m), np.zeros(n)
+    change, keep, noise = np.zeros(m), np.ones(m), np.zeros(m)
     store = len(kept) == N
     nn = n * n
     for t in range(N):
@@ -269,9 +298,10 @@ def extended(
                         y[i] += B[i, j] * (z[NS + j] - about[j])
                 if not math.fabs(y[i]) < 1e12:
                     return Status.unbound
-            for i in range(n):
-                noise[i] = grown(diffusion[i], fading[i - NS] if i >= NS else 0.0, time)
-            predict(P, A, B, keep, noise)
+            for j in range(m):
+                noise[j] = grown(diffusion[NS + j], fading[j], time)
+            scatter(A, diffusion, time, Q)
+            predict(P, A, B, keep, Q, noise)
             for i in range(NS):
                 z[i] = y[i]
             for j in range(m):
@@ -397,6 +427,23 @@ def smoothed(kept: Array, n: int, means: Array, covariances: Array) -> None:
             means[t, i] = total
 
 
+def line_through(points: Array, scale: Array, L: Array, A: Array) -> None:
+    """Slopes of the straight line through the points of `unscented`, less their mean.
+
+    Before, they lay at distances of √n times the columns of L, each row times its scale.
+    """
+    n = len(scale)
+    far = 2.0 * math.sqrt(float(n))
+    for i in range(NS):
+        for p in range(n - 1, -1, -1):
+            A[i, p] = (points[2 * p, i] - points[2 * p + 1, i]) / far
+            for j in range(p + 1, n):
+                A[i, p] -= A[i, j] * L[j, p]
+            A[i, p] /= L[p, p]
+        for j in range(n):
+            A[i, j] /= scale[j]
+
+
 def unscented(
     times: Array,
     inputs: Array,
@@ -423,7 +470,8 @@ def unscented(
     m = n - NS
     k, work, h = np.zeros(len(base)), np.zeros((6, NS)), np.zeros(n)
     points, y, change = np.zeros((2 * n, n)), np.zeros(NS), np.zeros(m)
-    gain, left = np.zeros(n), np.zeros(n)
+    A = np.zeros((NS, n))
+    gain, left, Q = np.zeros(n), np.zeros(n), np.zeros((NS, NS))
     root = math.sqrt(float(n))
     for t in range(N):
         if t > 0:
@@ -465,8 +513,13 @@ def unscented(
                 for i in range(n):
                     points[p, i] -= z[i]
             P[:, :] = points.T.copy() @ points / (2.0 * n)
-            for i in range(n):
-                P[i, i] += grown(diffusion[i], fading[i - NS] if i >= NS else 0.0, time)
+            line_through(points, scale, L, A)
+            scatter(A, diffusion, time, Q)
+            for i in range(NS):
+                for j in range(NS):
+                    P[i, j] += Q[i, j]
+            for j in range(m):
+                P[NS + j, NS + j] += grown(diffusion[NS + j], fading[j], time)
         for j in range(m):
             change[j] = z[NS + j] - about[j]
         constants(base, starts, places, slopes, change, k)

@@ -102,7 +102,9 @@ def linear_problem(seed: int, m: int = 3, steps: int = 60):
         block[:6, 6:] = 0.3 * draw.normal(size=(6, m))
         block[6:, 6:] = np.diag(draw.uniform(0.8, 1.0, m))
         F.append(block)
-        Q.append(np.diag(draw.uniform(0.0, 0.02, n)))
+        noise = np.diag(draw.uniform(0.0, 0.02, n))
+        noise[:6, :6] += 0.001 * np.outer(block[0, :6], block[0, :6])
+        Q.append(noise)
         H.append(draw.normal(size=(2, n)))
     root = draw.normal(size=(n, n))
     return F, Q, H, draw.normal(size=n), root @ root.T + np.eye(n), draw.normal(size=(steps, 2))
@@ -112,7 +114,12 @@ def stepped(P, F, Q):
     """Our step of a covariance."""
     ahead = P.copy()
     BY_WATER.predict(
-        ahead, F[:6, :6].copy(), F[:6, 6:].copy(), np.diagonal(F)[6:].copy(), np.diagonal(Q).copy()
+        ahead,
+        F[:6, :6].copy(),
+        F[:6, 6:].copy(),
+        np.diagonal(F)[6:].copy(),
+        Q[:6, :6].copy(),
+        np.diagonal(Q)[6:].copy(),
     )
     return ahead
 

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.stats import chi2, expon, multivariate_normal, multivariate_t, norm
+from scipy.stats import chi2, expon, multivariate_normal, norm
 from test_filters import SENSORS, SPEED, TANKER, off, sailed
 
 import pmmkit as pk
@@ -84,16 +84,21 @@ def test_ensembles_in_different_places_are_not_taken_for_one():
     assert found.convergence.r_hat[0] > 1.5
 
 
+def prior_of_factor(factor):
+    """Scaled inverse χ² about 1."""
+    return chi2(DEGREES).pdf(DEGREES / factor) * DEGREES / factor**2
+
+
 def test_one_factor_of_all_variances_is_averaged_over():
     """Innovations given the factor, times its scaled inverse χ² about 1, by quadrature."""
     residuals, spreads = np.array([0.3, -1.1, 2.0]), np.array([0.5, 1.0, 2.0])
 
     def product(factor):
-        prior = chi2(DEGREES).pdf(DEGREES / factor) * DEGREES / factor**2
-        return prior * np.prod(norm(scale=np.sqrt(factor * spreads)).pdf(residuals))
+        given = norm(scale=np.sqrt(factor * spreads)).pdf(residuals)
+        return prior_of_factor(factor) * np.prod(given)
 
     squares = float(np.sum(residuals**2 / spreads))
-    told = likelihood_of(squares, float(np.sum(np.log(spreads))), 3)
+    told = likelihood_of(squares, float(np.sum(np.log(spreads))), 3, DEGREES + 3)
     assert told == pytest.approx(math.log(quad(product, 0.0, np.inf)[0]), abs=1e-8)
 
 
@@ -104,8 +109,9 @@ def density():
 
 
 def test_the_likelihood_is_that_of_the_whole_record_at_once(density):
-    """All instants together, starts integrated out: a t about the simulated record, whose scale
-    is J P Jᵀ + R with slopes J over the start by differences."""
+    """All instants together, starts and factor integrated out: normal about the simulated record,
+    of covariance J P Jᵀ + f R with slopes J over the start by differences, times the prior of f.
+    The factor is of the sensors alone: what is known of the start is not known better by them."""
     item = density.records[0]
     binding = density.binding
     values = ONE.mean - 0.2 * ONE.std
@@ -125,10 +131,22 @@ def test_the_likelihood_is_that_of_the_whole_record_at_once(density):
         ],
         axis=1,
     )
-    scale = slopes * item.spread @ slopes.T + np.diag(np.tile(item.variances, len(item.t)))
-    whole = multivariate_t(simulated(item.start), scale, df=DEGREES)
+    root = np.sqrt(np.tile(item.variances, len(item.t)))
+    seen = slopes / root[:, None]
+    sizes, axes = np.linalg.eigh(seen * item.spread @ seen.T)
+    away = axes.T @ ((item.measured.ravel() - simulated(item.start)) / root)
+
+    def given(factor):
+        spreads = 2.0 * math.pi * (factor + np.maximum(sizes, 0.0))
+        return -0.5 * np.sum(np.log(spreads) + 2.0 * math.pi * away**2 / spreads)
+
+    least, most = 0.3, 4.0
+    top = max(given(x) for x in np.linspace(least, most, 50))
+    whole = quad(lambda f: math.exp(given(f) - top) * prior_of_factor(f), least, most)[0]
     told = density(density.numbers(values))
-    assert told[1] == pytest.approx(whole.logpdf(item.measured.ravel()), abs=0.15)
+    right = top + math.log(whole) - float(np.sum(np.log(root)))
+    assert density.freedom == pytest.approx(DEGREES + density.measurements - 6, abs=0.3)
+    assert told[1] == pytest.approx(right, abs=0.05)
     assert told[0] == pytest.approx(told[1] - 0.5 * 0.2**2, abs=1e-9)
 
 

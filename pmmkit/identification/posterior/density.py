@@ -46,6 +46,8 @@ class Seen:
     variances: Array
     start: Array
     spread: Array
+    taken: float = 0.0
+    """Measurements that find the start: as many as its states, less what their prior knew."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -96,6 +98,11 @@ class Density:
         """That are taken in, of all records."""
         return sum(int(np.isfinite(item.measured).sum()) for item in self.records)
 
+    @cached_property
+    def freedom(self) -> float:
+        """Degrees of freedom of the common variance, given the records."""
+        return DEGREES + self.measurements - sum(item.taken for item in self.records)
+
     def parameters(self, numbers: Array) -> Array:
         """Parameters (…, m) and, where it is drawn, process noise, of numbers (…, d)."""
         from scipy.special import log_ndtr
@@ -124,7 +131,7 @@ class Density:
         squares, volume = self.innovations(own[:m], rough)
         if not math.isfinite(squares + volume):
             return -math.inf, -math.inf, math.nan
-        likelihood = likelihood_of(squares, volume, self.measurements)
+        likelihood = likelihood_of(squares, volume, self.measurements, self.freedom)
         return likelihood - 0.5 * float(numbers @ numbers), likelihood, squares
 
     def innovations(self, values: Array, roughness: float) -> tuple[float, float]:
@@ -181,7 +188,7 @@ def _compiled_anew(given: Mapping[str, Any]) -> Density:
     return Density(functions=compiled(given["binding"].structure, ESTIMATING), **given)
 
 
-def likelihood_of(squares: float, volume: float, count: int) -> float:
+def likelihood_of(squares: float, volume: float, count: int, freedom: float) -> float:
     """ln of how probable measurements are, averaged over the common scale of all variances.
 
     Parameters
@@ -192,23 +199,30 @@ def likelihood_of(squares: float, volume: float, count: int) -> float:
         Sum of the logarithms of these variances.
     count : int
         Number of the innovations.
+    freedom : float
+        Degrees of freedom of the common variance: `DEGREES` and the number of the innovations less
+        those that find the starts.
 
     Notes
     -----
-    Multiplying every variance (of sensors, process noise and starts) by one factor leaves the
-    filter's means as they are. With a scaled inverse χ² of `DEGREES` about 1 for the factor, the
-    innovations are a multivariate t (Gelman et al. 2013).
+    Multiplying every variance of sensors and process noise by one factor leaves the filter's means
+    as they are, and makes the volume of the innovations larger by the factor to the power of their
+    number, less the states at the starts: what is known of these before is no matter of the
+    sensors, and so wide that the first innovations say nothing of the factor. The factor has a
+    scaled inverse χ² of `DEGREES` about 1. Where starts are known, the innovations are a
+    multivariate t (Gelman et al. 2013).
 
     Examples
     --------
     >>> from scipy.stats import t
-    >>> bool(np.isclose(likelihood_of(1.7**2 / 4.0, np.log(4.0), 1), t(10, scale=2.0).logpdf(1.7)))
+    >>> told = likelihood_of(1.7**2 / 4.0, np.log(4.0), 1, DEGREES + 1)
+    >>> bool(np.isclose(told, t(10, scale=2.0).logpdf(1.7)))
     True
     """
-    both = DEGREES + count
-    size = math.lgamma(0.5 * both) - math.lgamma(0.5 * DEGREES)
-    size -= 0.5 * count * math.log(math.pi * DEGREES)
-    return size - 0.5 * volume - 0.5 * both * math.log1p(squares / DEGREES)
+    size = math.lgamma(0.5 * freedom) - math.lgamma(0.5 * DEGREES)
+    size -= 0.5 * (freedom - DEGREES) * math.log(0.5 * DEGREES)
+    size -= 0.5 * count * math.log(2.0 * math.pi)
+    return size - 0.5 * volume - 0.5 * freedom * math.log1p(squares / DEGREES)
 
 
 def density_of(
@@ -286,5 +300,6 @@ def _from_starts(density: Density, records: Sequence[FreeRecord], about: Filtere
             raise SimulationError(LOST[status].format(record.name))
         means, covariances = np.empty((len(kept), n)), np.empty((len(kept), n, n))
         density.functions.smoothed(kept, n, means, covariances)
-        seen.append(replace(item, start=means[0]))
+        left = np.diagonal(covariances[0]) / item.spread
+        seen.append(replace(item, start=means[0], taken=float(np.sum(1.0 - left))))
     return replace(density, records=tuple(seen))

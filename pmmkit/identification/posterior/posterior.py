@@ -354,7 +354,7 @@ def _told(
 def _scales(density: Density, found: Drawn, seed: int) -> Array:
     """Factors of the sensors' standard deviations, drawn given each draw of the parameters."""
     squares = found.more[..., 1]
-    freedom = DEGREES + density.measurements
-    chance = np.random.default_rng([seed, len(squares)]).chisquare(freedom, squares.shape)
+    rng = np.random.default_rng([seed, len(squares)])
+    chance = rng.chisquare(density.freedom, squares.shape)
     drawn: Array = np.sqrt((DEGREES + squares) / chance)
     return drawn
