@@ -200,7 +200,7 @@ def test_bars_of_derivatives_show_each_froude_number():
     )
     S = from_values({"Yv": -0.25}, ship=SHIP, water=Water())
     axes = derivative_bars({"tank": D, "CFD": S}).axes
-    assert [axis.get_title() for axis in axes] == [f"Fn 0.{k}00" for k in (1, 2, 3, 4)]
+    assert [axis.get_title(loc="left") for axis in axes] == [f"Fn 0.{k}00" for k in (1, 2, 3, 4)]
     heights = [[bar.get_height() for bar in axis.patches] for axis in axes]
     assert heights == [pytest.approx([-100.0 * k, -250.0]) for k in (1, 2, 3, 4)]
 
