@@ -322,7 +322,20 @@ class Campaign(Described):
         )
 
     def select(self, *tests: str) -> Campaign:
-        """The campaign with only some kinds of tests."""
+        """The campaign with only some kinds of tests.
+
+        Parameters
+        ----------
+        *tests : str
+            Names of kinds, such as ``static_drift``.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such kind.
+        """
+        for name in {*tests} - {run.test for run in self.runs}:
+            kind_of(name)
         return replace(self, runs=tuple(run for run in self.runs if run.test in tests))
 
     def with_(self, **changes: Any) -> Campaign:

@@ -181,7 +181,7 @@ def stem(path: str | Path) -> str:
     """Name for a folder of results: that of the campaign's folder, or of the file."""
     full = Path(path).resolve()
     named = full.parent if full.name == "campaign.toml" else full
-    files = (".toml", ".h5", ".hdf5", ".nc", ".csv", ".mgf")
+    files = (".toml", ".h5", ".hdf5", ".nc", ".csv", ".mgf", ".zip")
     return named.stem if named.suffix in files else named.name
 
 

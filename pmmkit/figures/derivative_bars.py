@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 _LEAST: Final = 4
 """Places of a panel, so that the bars of a single derivative are no wider than others."""
+_BESIDE: Final = 3
+"""Froude numbers beside each other."""
 _ROOM: Final = 0.8
 """Share of a derivative's place that its bars fill."""
 
@@ -31,13 +33,15 @@ def derivative_bars(tables: Mapping[str, DerivativeTable]) -> Figure:
     ----------
     tables : mapping of str to DerivativeTable
         By the name of the laboratory, the measurement first; the others are brought to its
-        convention and Froude numbers, of which the middle one is shown.
+        convention and Froude numbers.
 
     Returns
     -------
     Figure
-        A row a channel; on the left derivatives of first order and accelerations, on the right
-        those of higher order, each panel with a scale of its own.
+        A column a Froude number, at most three beside each other, and a row a channel and order:
+        derivatives of first order and accelerations, then those of higher order. One
+        Froude number has a row a channel, with those of higher order on the right. What stands in
+        one row of several Froude numbers has one scale.
 
     Raises
     ------
@@ -58,40 +62,72 @@ def derivative_bars(tables: Mapping[str, DerivativeTable]) -> Figure:
     (label, first), *rest = tables.items()
     others = {name: alike(first, table) for name, table in rest}
     shown = [name for name in first.names if all(name in table for table in others.values())]
-    groups = {
-        channel: [
+    groups = [
+        [
             [name for name in shown if name[0] == channel and _first_order(name) == low]
             for low in (True, False)
         ]
         for channel in CHANNELS
         if any(name[0] == channel for name in shown)
-    }
+    ]
     if not groups:
         raise TableError("The tables have no derivative in common.")
-    row = len(first.Fn) // 2
+    panels = _panels(groups, len(first.Fn))
+    rows, columns = (1 + max(place[axis] for place in panels) for axis in (0, 1))
     with style.styled():
-        figure = style.canvas(1.9 * len(groups) + 1.1)
-        axes = figure.subplots(len(groups), 2, squeeze=False)
+        figure = style.canvas(1.9 * rows + 1.1)
+        axes = figure.subplots(
+            rows, columns, squeeze=False, sharey="row" if len(first.Fn) > 1 else False
+        )
         style.in_powers(axes.flat)
-        for (channel, pair), line in zip(groups.items(), axes, strict=True):
-            for axis, names in zip(line, pair, strict=True):
-                if not names:
-                    axis.remove()
-                    continue
-                for number, (source, table) in enumerate({label: first, **others}.items()):
-                    place = 0 if table.pooled else row
-                    _bars(axis, names, table, place, number, len(tables), figure_text(source))
-                axis.axhline(0.0, color=style.REFERENCE, lw=0.8)
-                axis.set_xticks(
-                    np.arange(len(names)), [style.symbol(name, first.convention) for name in names]
-                )
-                axis.set_xlim(-0.6, max(len(names), _LEAST) - 0.4)
-                axis.grid(visible=False, axis="x")
-            line[0 if pair[0] else 1].set_ylabel(f"$10^3\\times$ {channel} [-]")
-        if not first.pooled:
-            figure.suptitle(f"Fn {first.Fn[row]:.3f}", x=0.01, ha="left", fontsize=9)
+        for place, axis in np.ndenumerate(axes):
+            if place not in panels:
+                axis.remove()
+                continue
+            names, row = panels[place]
+            for number, (source, table) in enumerate({label: first, **others}.items()):
+                own = 0 if table.pooled else row
+                _bars(axis, names, table, own, number, len(tables), figure_text(source))
+            axis.axhline(0.0, color=style.REFERENCE, lw=0.8)
+            axis.set_xticks(
+                np.arange(len(names)), [style.symbol(name, first.convention) for name in names]
+            )
+            axis.set_xlim(-0.6, max(len(names), _LEAST) - 0.4)
+            axis.grid(visible=False, axis="x")
+            line, column = place
+            if (line, column - 1) not in panels:
+                axis.set_ylabel(f"$10^3\\times$ {names[0][0]} [-]")
+            if not first.pooled and panels.get((line - 1, column), ([], -1))[1] != row:
+                axis.set_title(f"Fn {first.Fn[row]:.3f}")
         style.legend_below(figure, figure.axes)
     return figure
+
+
+def _panels(
+    groups: Sequence[Sequence[Sequence[str]]], speeds: int
+) -> dict[tuple[int, ...], tuple[Sequence[str], int]]:
+    """Names and Froude number (its row in the tables) of each panel, by its row and column.
+
+    Examples
+    --------
+    >>> _panels([[["Yv"], ["Yvvv"]]], 1)
+    {(0, 0): (['Yv'], 0), (0, 1): (['Yvvv'], 0)}
+    >>> sorted(_panels([[["Yv"], []]], 4))
+    [(0, 0), (0, 1), (0, 2), (1, 0)]
+    """
+    if speeds == 1:
+        return {
+            (line, column): (names, 0)
+            for line, pair in enumerate(groups)
+            for column, names in enumerate(pair)
+            if names
+        }
+    lines = [names for pair in groups for names in pair if names]
+    return {
+        (row // _BESIDE * len(lines) + line, row % _BESIDE): (names, row)
+        for row in range(speeds)
+        for line, names in enumerate(lines)
+    }
 
 
 def _first_order(name: str) -> bool:

@@ -33,8 +33,8 @@ from pmmkit.report.captive import (
     html_of,
     write_document,
 )
+from pmmkit.report.captive.columns import columns_of
 from pmmkit.report.captive.document import NOT_SUPPLIED
-from pmmkit.report.captive.word.columns import columns_of
 from pmmkit.report.drawn import drawn
 from pmmkit.workbench.pages.sections import Symbol
 
@@ -343,6 +343,7 @@ def test_tables_that_are_too_wide_lie_across_and_the_next_page_is_upright(small,
     section = replace(first.sections[0], tables=tables)
     document = replace(small, chapters=[replace(first, sections=[section]), *others])
     write_document(document, tmp_path / "out.docx")
+    assert html_of(document).count('class="wide across"') == 2
     _, file = words_of(tmp_path / "out.docx")
     across = [page.page_width > page.page_height for page in file.sections]
     assert across == [False, True, False]

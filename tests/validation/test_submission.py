@@ -192,6 +192,18 @@ def test_bars_of_derivatives_have_the_values_and_intervals():
         derivative_bars({"tank": D})
 
 
+def test_bars_of_derivatives_show_each_froude_number():
+    """Four speeds: three beside each other, the fourth below; a source over all speeds in each."""
+    D = from_values(
+        {"Yv": [-0.1, -0.2, -0.3, -0.4]}, Fn=[0.1, 0.2, 0.3, 0.4], ship=SHIP, water=Water()
+    )
+    S = from_values({"Yv": -0.25}, ship=SHIP, water=Water())
+    axes = derivative_bars({"tank": D, "CFD": S}).axes
+    assert [axis.get_title(loc="left") for axis in axes] == [f"Fn 0.{k}00" for k in (1, 2, 3, 4)]
+    heights = [[bar.get_height() for bar in axis.patches] for axis in axes]
+    assert heights == [pytest.approx([-100.0 * k, -250.0]) for k in (1, 2, 3, 4)]
+
+
 def manoeuvre(test, rudder, track):
     """A trial that went just as a simulation did, and the simulation."""
     trial = Trial(

@@ -10,6 +10,7 @@ from typing import Final
 from pmmkit.escaping import html_text, printable
 from pmmkit.presentation import ABSENT, Cell, Grid, Group, Picture, Section
 from pmmkit.report.bare_page import bare_page
+from pmmkit.report.captive.columns import columns_for
 from pmmkit.report.captive.document import Chapter, Document, Item
 from pmmkit.workbench.pages.sections import Symbol
 
@@ -18,6 +19,8 @@ TEXT: Final = ' class="text"'
 HEAD: Final = 'th scope="col"'
 MANY: Final = 6
 """Columns from which on a table has small letters."""
+UPRIGHT: Final = 17.4 * 0.56 / 0.64
+"""Width of an upright page [cm], less what these letters are wider than those of `columns_of`."""
 
 
 def html_of(document: Document) -> str:
@@ -54,6 +57,7 @@ def _pages(document: Document) -> str:
         f"@top-left {{ content: {_css(document.title)}; font: 8pt sans-serif; color: #5a5a5a; }} "
         f"@top-right {{ content: {_css(number or '')}; font: 8pt sans-serif; color: #5a5a5a; }} "
         '@bottom-right { content: counter(page) " / " counter(pages); font: 8pt sans-serif; } }\n'
+        "@page across { size: A4 landscape; }\n"
         '@page :first { @top-left { content: ""; } @top-right { content: ""; } '
         '@bottom-right { content: ""; } }\n'
     )
@@ -132,7 +136,8 @@ def _table(table: Grid) -> str:
     )
     dense = ' class="dense"' if len(table.head) >= MANY else ""
     inside = f"{caption}{head}<tbody>{body}</tbody>"
-    return f'<div class="wide" tabindex="0"><table{dense}>{inside}</table></div>'
+    across = "" if columns_for(table, UPRIGHT).fits else " across"
+    return f'<div class="wide{across}" tabindex="0"><table{dense}>{inside}</table></div>'
 
 
 def _group(group: Group, width: int) -> str:

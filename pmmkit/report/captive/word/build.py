@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Any, Final
 from pmmkit.errors import DataError
 from pmmkit.escaping import printable
 from pmmkit.presentation import Grid, Picture, Section
+from pmmkit.report.captive.columns import columns_for
 from pmmkit.report.captive.document import Chapter, Document, Item
 from pmmkit.report.captive.word.own_style import contents, own_style
 from pmmkit.report.captive.word.pages import inside, lay
 from pmmkit.report.captive.word.parts import add_bookmark, add_field, chapter_mark, spacer, style_of
-from pmmkit.report.captive.word.tables import GRID, columns_for, grid_table, items_table
+from pmmkit.report.captive.word.tables import GRID, grid_table, items_table
 from pmmkit.report.drawn import Drawn
 
 if TYPE_CHECKING:

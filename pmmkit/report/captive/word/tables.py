@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.escaping import printable
 from pmmkit.presentation import ABSENT, Cell, Grid
+from pmmkit.report.captive.columns import SIZES, Columns
 from pmmkit.report.captive.document import Item
-from pmmkit.report.captive.word.columns import SIZES, Columns, columns_of
 from pmmkit.report.captive.word.parts import element, spacer, style_of
 from pmmkit.workbench.pages.sections import Symbol
 
@@ -51,12 +51,6 @@ def items_table(file: WordFile, items: Sequence[Item], width: float, style: str 
         _write(row[1], item.text, columns.size, italic=lacks, colour=LACKING if lacks else None)
     _keep(made)
     spacer(file)
-
-
-def columns_for(table: Grid, width: float) -> Columns:
-    """Columns of a table on a page of some width [cm]."""
-    rows = [row for group in table.groups for row in group.rows]
-    return columns_of(table.head, rows or [table.head], texts={0, *table.texts}, width=width)
 
 
 def grid_table(file: WordFile, table: Grid, columns: Columns, style: str | None) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.presentation import Cell
+from pmmkit.presentation import Cell, Grid
 
 SIZES: Final = (8.5, 7.5, 7.0)
 """Letters that a table may have [pt], the usual first."""
@@ -85,6 +85,20 @@ def columns_of(
     if found.fits:
         return found
     return Columns(size=size, widths=tuple(width / sum(needed) * x for x in needed), fits=False)
+
+
+def columns_for(table: Grid, width: float) -> Columns:
+    """Columns of a table on a page of some width.
+
+    Parameters
+    ----------
+    table : Grid
+        What is printed.
+    width : float
+        Of the page between its margins [cm].
+    """
+    rows = [row for group in table.groups for row in group.rows]
+    return columns_of(table.head, rows or [table.head], texts={0, *table.texts}, width=width)
 
 
 def _longest(
