@@ -152,6 +152,15 @@ def test_saved_and_packed_campaigns(memory, tmp_path):
         assert campaign["SD"].data.sizes["t"] == 60
 
 
+def test_an_archive_names_no_url(tmp_path):
+    with served_web({"SD.csv": ROWS}) as web, zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+        archive.writestr("campaign.toml", naming("SD.csv", f"data_folder = {web.url!r}\n"))
+        archive.close()
+        with pytest.raises(CampaignError, match="has no file"):
+            pk.open_campaign(tmp_path / "a.zip")["SD"].data.load()
+        assert not web.asked
+
+
 def test_tables_and_the_curve_of_the_propeller(memory):
     text = CAMPAIGN.split("[[runs]]")[0] + (
         '[propeller]\nD = 0.2\nopen_water = "curve.csv"\n'
