@@ -15,6 +15,7 @@ import time
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from hashlib import sha256 as hashed
 from pathlib import Path
 from typing import Any, Final
@@ -90,11 +91,18 @@ def _known(place: Path, origin: Origin, proven: bool) -> Path | None:
     copy = place / origin.name
     try:
         sheet = json.loads((place / SHEET).read_text(encoding="utf-8"))
-        whole = sheet["size"] == copy.stat().st_size and sheet["url"] == origin.shown
-        whole = whole and (not proven or sheet["sha256"] == sha256(copy))
+        found = copy.stat()
+        whole = sheet["size"] == found.st_size and sheet["url"] == origin.shown
+        whole = whole and (not proven or sheet["sha256"] == _digest(copy, found.st_mtime_ns))
     except (OSError, ValueError, LookupError, TypeError):
         return None
     return copy if whole else None
+
+
+@lru_cache(maxsize=4096)
+def _digest(copy: Path, _: int) -> str:
+    """SHA-256 of a copy, found once for each time of change: many runs may lie in one file."""
+    return sha256(copy)
 
 
 @contextmanager

@@ -32,6 +32,8 @@ _STATES: Final = (
 """Under which names stores say in which state an object is."""
 _ABSENT: Final = (404, 410)
 _FORBIDDEN: Final = (401, 403)
+_ANSWERS: Final = ("status", "status_code", "code")
+"""Where aiohttp, adlfs and gcsfs keep the answer of a server."""
 _NO_KEYS: Final = ("NoCredentialsError", "ClientAuthenticationError", "DefaultCredentialsError")
 
 
@@ -136,7 +138,7 @@ def system_of(url: str) -> Any:
 def is_absent(error: BaseException) -> bool:
     """Whether an error says that there is no such object, and not that it cannot be reached."""
     chain = list(_causes(error))
-    states = [found for item in chain if isinstance(found := getattr(item, "status", None), int)]
+    states = [state for item in chain if (state := _state_of(item)) is not None]
     if states:
         return states[-1] in _ABSENT
     return isinstance(chain[-1], (FileNotFoundError, IsADirectoryError))
@@ -155,7 +157,7 @@ def told(url: str, error: BaseException) -> DataError:
     chain = list(_causes(error))
     scheme, host = scheme_of(url), host_of(shown_url(url))
     if any(
-        getattr(item, "status", None) in _FORBIDDEN
+        _state_of(item) in _FORBIDDEN
         or isinstance(item, PermissionError)
         or type(item).__name__ in _NO_KEYS
         for item in chain
@@ -191,3 +193,14 @@ def _causes(error: BaseException) -> Iterator[BaseException]:
             return
         yield known
         known = known.__cause__
+
+
+def _state_of(error: BaseException) -> int | None:
+    """What a server answered, as the packages of the stores keep it."""
+    for name in _ANSWERS:
+        if isinstance(state := getattr(error, name, None), int):
+            return state
+    answer = getattr(error, "response", None)
+    about = answer.get("ResponseMetadata") if isinstance(answer, Mapping) else None
+    state = about.get("HTTPStatusCode") if isinstance(about, Mapping) else None
+    return state if isinstance(state, int) else None

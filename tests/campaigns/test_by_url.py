@@ -20,7 +20,7 @@ from pmmkit.errors import CampaignError, DataError
 from pmmkit.reduction.reading import all_runs
 from pmmkit.remote import as_url, copies, joined, objects, urls
 from pmmkit.remote.copies import SHEET
-from pmmkit.remote.objects import look
+from pmmkit.remote.objects import is_absent, look, told
 from scripts.datasets.make_large import make
 from scripts.studies.cluster import everything
 from scripts.studies.damage import CAMPAIGN
@@ -150,6 +150,15 @@ def test_saved_and_packed_campaigns(memory, tmp_path):
         campaign = pk.open_campaign(f"memory://b/{name}")
         assert campaign.provenance["url"] == f"memory://b/{name}"
         assert campaign["SD"].data.sizes["t"] == 60
+
+
+def test_an_archive_names_no_url(tmp_path):
+    with served_web({"SD.csv": ROWS}) as web, zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+        archive.writestr("campaign.toml", naming("SD.csv", f"data_folder = {web.url!r}\n"))
+        archive.close()
+        with pytest.raises(CampaignError, match="has no file"):
+            pk.open_campaign(tmp_path / "a.zip")["SD"].data.load()
+        assert not web.asked
 
 
 def test_tables_and_the_curve_of_the_propeller(memory):
@@ -295,6 +304,31 @@ def test_packages_that_are_not_there_are_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "fsspec", None)
     with pytest.raises(DataError, match=r"pip install 'pmmkit\[remote\]',"):
         look("https://example.org/campaign.toml")
+
+
+class FromStore(Exception):
+    """An error as botocore, adlfs and gcsfs raise it."""
+
+
+@pytest.mark.parametrize(
+    ("said", "state", "absent"),
+    [
+        ({"response": {"ResponseMetadata": {"HTTPStatusCode": 404}}}, 404, True),
+        ({"status_code": 404}, 404, True),
+        ({"code": 403}, 403, False),
+        ({}, None, False),
+    ],
+)
+def test_what_stores_answer_is_understood(said, state, absent):
+    cause = FromStore("no")
+    for name, value in said.items():
+        setattr(cause, name, value)
+    error = FileNotFoundError("it")
+    error.__cause__ = cause
+    assert is_absent(error) == absent
+    message = str(told("s3://bucket/x", error))
+    assert ("gives no permission" in message) == (state == 403)
+    assert is_absent(FileNotFoundError("it"))
 
 
 def test_more_than_was_stated_is_not_taken(memory, monkeypatch):

@@ -138,6 +138,11 @@ class InArchive(Search):
     archive: Path = Path()
     origin: Origin | None = None
 
+    def within(self, folder: str | None) -> Search:
+        """The same: nothing that the campaign file says leads elsewhere."""
+        del folder
+        return self
+
     def find(self, file: str) -> Request | None:
         """The archive, by its name; all of it came with the campaign file."""
         if file != self.archive.name:

@@ -10,7 +10,7 @@ from typing import Final
 from pmmkit.errors import DataError
 from pmmkit.readers import recognise
 from pmmkit.readers.base import Request
-from pmmkit.remote import local_copy
+from pmmkit.remote import Origin, local_copy
 
 AT_ONCE: Final = 8
 """Files that are fetched side by side, as each waits for its store most of the time."""
@@ -52,13 +52,13 @@ def bring(requests: Sequence[Request]) -> None:
     requests : sequence of Request
         The files; those of this machine are left alone.
     """
-    afar = [request for request in requests if request.origin is not None]
+    afar = {request.origin for request in requests if request.origin is not None}
     if not afar:
         return
 
-    def fetch(request: Request) -> None:
+    def fetch(origin: Origin) -> None:
         try:
-            at_hand(request)
+            local_copy(origin)
         except DataError:
             return
 
