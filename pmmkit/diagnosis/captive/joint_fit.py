@@ -103,9 +103,12 @@ def _tangents(system: System, effects: Sequence[Block]) -> list[Block]:
 def _tangent(block: Block, sizes: Array) -> Block:
     c, value, step = block.candidate, block.value, 0.02 * block.value
 
-    def columns(view: View, base: Base, _: float) -> Mapping[str, Array]:
-        more, less = c.columns(view, base, value + step), c.columns(view, base, value - step)
-        return {name: ((more[name] - less[name]) @ sizes / (2 * step))[:, None] for name in more}
+    def together(views: Sequence[View], base: Base, _: float) -> Sequence[Mapping[str, Array]]:
+        both = (c.along(views, base, value + step), c.along(views, base, value - step))
+        return [
+            {name: ((more[name] - less[name]) @ sizes / (2 * step))[:, None] for name in more}
+            for more, less in zip(*both, strict=True)
+        ]
 
     spread = 0.5 * (max(c.grid) - min(c.grid)) / len(c.grid)
     own = Candidate(
@@ -113,7 +116,8 @@ def _tangent(block: Block, sizes: Array) -> Block:
         family=c.family,
         kind=c.kind,
         summary=c.summary,
-        columns=columns,
+        columns=lambda view, base, grid: together([view], base, grid)[0],
+        together=together,
         coefficients=(PARAMETER,),
         typical=(spread,),
     )

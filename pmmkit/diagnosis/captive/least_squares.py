@@ -12,7 +12,6 @@ from pmmkit.diagnosis.captive.build import prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.system import Block, System, candidate_columns, each_run_columns
 from pmmkit.numerics import Array
-from pmmkit.observations.whitening import whitened
 
 DEPENDENT: Final = 1e-10
 """A column with less than this that others do not explain is left out."""
@@ -71,7 +70,6 @@ def stacked(
         Those of the effects (`effect_columns`), where they are known.
     """
     base, channels = system.base, system.channels
-    own = {piece.projection.channel.name: piece.projection.own for piece in system.pieces}
     known = [name for c in channels for name in base.names[c.name]]
     parts = [effect_columns(system, block) for block in effects] if columns is None else columns
     features = [floor * x for x in system.features] if floor > 0 else []
@@ -80,7 +78,7 @@ def stacked(
     edges = np.cumsum([coefficients, *(x.shape[1] for x in features)]).tolist()
     total = edges[-1]
     plain, white, places, row = [], [], {}, 0
-    for number, c in enumerate(channels):
+    for number, (c, piece) in enumerate(zip(channels, system.pieces, strict=True)):
         block = np.zeros((len(c.y), coefficients + 1))
         first = sum(len(base.names[x.name]) for x in channels[:number])
         block[:, first : first + c.design.shape[1]] = c.design
@@ -94,12 +92,12 @@ def stacked(
         if features:
             acting = [*range(coefficients), *range(edges[number], edges[number + 1]), total]
             every = np.column_stack([block[:, :-1], features[number], c.y])
-            root = np.linalg.qr(whitened(c, every, own[c.name], system.scatter), mode="r")
+            root = np.linalg.qr(piece.projection.whitened(every), mode="r")
             condensed = np.zeros((len(root), total + 1))
             condensed[:, acting] = root
             white.append(condensed)
         else:
-            white.append(whitened(c, block, own[c.name], system.scatter))
+            white.append(piece.projection.whitened(block))
         places[c.name] = slice(row, row + len(c.y))
         row += len(c.y)
     names = [*known, *(label for block in effects for label in _labels(block))]

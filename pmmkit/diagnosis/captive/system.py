@@ -285,7 +285,8 @@ def each_run_columns(
 
     A unit is the force of the run, that of its later cycles where it stands in two pieces.
     """
-    by_view = {i: candidate.columns(views[i], base, value).get(channel.name) for i in channel.views}
+    own_views = candidate.along([views[i] for i in channel.views], base, value)
+    by_view = {i: own.get(channel.name) for i, own in zip(channel.views, own_views, strict=True)}
     ids = dict.fromkeys(views[i].run.id for i, own in by_view.items() if own is not None)
     number = {run: place for place, run in enumerate(ids)}
     values, column = np.zeros(len(channel.y)), np.full(len(channel.y), -1, np.intp)
@@ -312,7 +313,7 @@ def candidate_columns(
     """Columns of a candidate by channel (n, q)."""
     if candidate.terms:
         return term_columns([candidate], channels, views, base)[0]
-    by_view = [candidate.columns(view, base, value) for view in views]
+    by_view = candidate.along(views, base, value)
     found = {}
     for channel in channels:
         block = np.zeros((len(channel.y), candidate.size))
