@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import Final
 
 import numpy as np
@@ -85,6 +86,7 @@ def chosen(system: System, entries: Sequence[Entry], given: Sequence[Block] = ()
         run in a better set is not tried again.
     """
     known = condition_on(system, given)
+    symmetry = cache(partial(parities, known))
     least = price(known) + LEAST
     alone: set[str] = set()
     unneeded: list[set[str]] = []
@@ -95,7 +97,7 @@ def chosen(system: System, entries: Sequence[Entry], given: Sequence[Block] = ()
         if names & alone or any(names >= other for other in unneeded):
             continue
         blocks = blocks_of(known, entry)
-        if min(gains(known, blocks)) < NEEDED:
+        if min(gains(known, blocks, symmetry)) < NEEDED:
             unneeded.append(names)
             continue
         left = least_gains(system, blocks, given)
@@ -117,20 +119,33 @@ def blocks_of(system: System, entry: Entry) -> list[Block]:
     ]
 
 
-def gains(system: System, blocks: Sequence[Block]) -> tuple[float, ...]:
+def gains(
+    system: System,
+    blocks: Sequence[Block],
+    symmetry: Callable[[Block], frozenset[Parity]] | None = None,
+) -> tuple[float, ...]:
     """ln evidence that each effect of a set adds to the others where their form may err.
 
     A hull never follows v² r exactly. The error of form is a smooth force `FORM` times the floor,
     with the symmetry of the others: an error of form of an odd force is odd. One effect alone adds
     all there is: infinity.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+    blocks : sequence of Block
+        The set.
+    symmetry : callable, optional
+        The parities of a block, where some are known from other sets.
     """
     if len(blocks) < 2:
         return (math.inf,) * len(blocks)
-    symmetry = [parities(system, block) for block in blocks]
+    of = cache(partial(parities, system)) if symmetry is None else symmetry
     found = []
     for place, _ in enumerate(blocks):
         others = [other for k, other in enumerate(blocks) if k != place]
-        err = frozenset[Parity]().union(*(own for k, own in enumerate(symmetry) if k != place))
+        err = frozenset[Parity]().union(*map(of, others))
         whole = _with_floor(system, blocks, FORM, err)
         found.append(whole - _with_floor(system, others, FORM, err))
     return tuple(found)

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.base import Base
-from pmmkit.diagnosis.captive.observed import Seen, filtered
+from pmmkit.diagnosis.captive.observed import Seen, times_factors
 from pmmkit.diagnosis.captive.stretch import MOTION, Stretch, stretches
 from pmmkit.effects.catalogue import arguments_of
 from pmmkit.effects.effect import BY_SPEED, Effect
@@ -285,11 +285,7 @@ def _late(view: View, follows: Array, rate: float) -> Array:
     """A state that follows a history with a lag of one over a rate [1/s]."""
     if not view.omega:
         return follows
-    factor = _one_pole(view.omega * (1.0 / rate))
-    found: Array = view.basis @ filtered(view.harmonics(follows), factor)
-    return found
-
-
-def _one_pole(angle: float) -> Callable[[int], complex]:
-    """What a lag leaves of the n-th harmonic; the angle is that of the first, ω T."""
-    return lambda n: 1.0 / (1.0 + 1j * n * angle)
+    harmonics = view.harmonics(follows)
+    orders = np.arange((len(harmonics) - 1) // 2 + 1)
+    one_pole = np.asarray(1.0 / (1.0 + 1j * orders * (view.omega / rate)), complex)
+    return np.asarray(view.basis @ times_factors(harmonics, one_pole), float)

@@ -137,12 +137,12 @@ def refined(system: System, effects: Sequence[Block]) -> tuple[Block, ...]:
     Returns
     -------
     tuple of Block
-        One parameter after another, each searched between the neighbours of its grid point.
+        One parameter after another, each searched between the neighbours of its grid point. They
+        keep their columns, but those that each run draws.
     """
     from scipy.optimize import minimize_scalar
 
-    found = list(effects)
-    columns = [effect_columns(system, block) for block in effects]
+    found = [_with_columns(system, block) for block in effects]
     for place, block in enumerate(effects):
         if not block.candidate.continuous:
             continue
@@ -155,17 +155,21 @@ def refined(system: System, effects: Sequence[Block]) -> tuple[Block, ...]:
             high = 2 * grid[-1] - grid[-2]
 
         def misfit(value: float, place: int = place, block: Block = block) -> float:
-            own = replace(block, value=value)
-            others = [*found[:place], own, *found[place + 1 :]]
-            known = [*columns[:place], effect_columns(system, own), *columns[place + 1 :]]
-            return _misfit(stacked(system, others, columns=known))
+            own = _with_columns(system, replace(block, value=value))
+            return _misfit(stacked(system, [*found[:place], own, *found[place + 1 :]]))
 
         result = minimize_scalar(
             misfit, bounds=(low, high), method="bounded", options={"xatol": 0.01 * (high - low)}
         )
-        found[place] = replace(block, value=float(result.x))
-        columns[place] = effect_columns(system, found[place])
-    return tuple(found)
+        found[place] = _with_columns(system, replace(block, value=float(result.x)))
+    return tuple(
+        replace(block, made=None) if block.candidate.each_run else block for block in found
+    )
+
+
+def _with_columns(system: System, block: Block) -> Block:
+    """An effect with its columns made once for several fits."""
+    return replace(block, made=effect_columns(system, replace(block, made=None)))
 
 
 def _misfit(stack: Stack) -> float:

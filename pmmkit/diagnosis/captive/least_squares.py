@@ -49,13 +49,7 @@ class Stack:
     begin: int
 
 
-def stacked(
-    system: System,
-    effects: Sequence[Block],
-    *,
-    floor: float = 0.0,
-    columns: Sequence[Mapping[str, Array]] | None = None,
-) -> Stack:
+def stacked(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> Stack:
     """All channels below each other, whitened run by run.
 
     Parameters
@@ -66,12 +60,10 @@ def stacked(
         Effects at a value of their nonlinear parameter.
     floor : float
         Size of the smooth floor, whose features stand as columns; none at zero.
-    columns : sequence of mapping, optional
-        Those of the effects (`effect_columns`), where they are known.
     """
     base, channels = system.base, system.channels
     known = [name for c in channels for name in base.names[c.name]]
-    parts = [effect_columns(system, block) for block in effects] if columns is None else columns
+    parts = [effect_columns(system, block) for block in effects]
     features = [floor * x for x in system.features] if floor > 0 else []
     widths = [next(iter(part.values())).shape[1] for part in parts]
     coefficients = len(known) + sum(widths)
@@ -126,6 +118,8 @@ def effect_columns(system: System, block: Block) -> Mapping[str, Array]:
     block : Block
         The effect, at a value of its nonlinear parameter.
     """
+    if block.made is not None:
+        return block.made
     if not block.candidate.each_run:
         found = candidate_columns(
             block.candidate, block.value, system.channels, system.views, system.base

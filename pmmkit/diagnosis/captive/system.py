@@ -40,13 +40,15 @@ LEAST: Final = 1e-4
 class Block:
     """One candidate at one grid point: its columns, whitened and projected, over prior sizes.
 
-    Columns that each of very many runs draws stand beside the system, as `drawn`.
+    Columns that each of very many runs draws stand beside the system, as `drawn`. Those that were
+    made to be fitted (`least_squares.effect_columns`) may be kept, as `made`.
     """
 
     candidate: Candidate
     value: float
     columns: slice
     drawn: Drawn | None = None
+    made: Mapping[str, Array] | None = None
 
     @property
     def places(self) -> Places:
@@ -241,7 +243,7 @@ def floor_features(channel: Channel, views: Sequence[View], base: Base, seed: in
         view = views[i]
         scaled = x / np.where(live, ranges, 1.0)
         turned = scaled[:, :TURNED] @ omega[:TURNED]
-        kept = scaled[:, TURNED:] @ omega[TURNED:] + phase
+        kept = scaled[:1, TURNED:] @ omega[TURNED:] + phase  # the speed of the run, which stays
         even, odd = np.cos(turned) * np.cos(kept), np.sin(turned) * np.sin(kept)
         both = (even, odd) if is_even(channel.name) else (odd, even)
         unit = channel.scale * view.motion.speed**2
