@@ -271,11 +271,13 @@ def _settled(
         at_rest = outputs(none)[f"{state}_rate"]
         per_unit = at_rest - outputs(none | {state: 1.0})[f"{state}_rate"]
         follows = np.broadcast_to(at_rest / per_unit, (stretch.size,))
-        rate = np.broadcast_to(per_unit, (stretch.size,))
+        rates = stretch.means(np.broadcast_to(per_unit, (stretch.size,)))
         settled[state] = np.concatenate(
             [
-                _late(view, follows[samples], float(np.mean(rate[samples])))
-                for view, samples in zip(stretch.views, stretch.samples, strict=True)
+                _late(view, follows[samples], rate)
+                for view, samples, rate in zip(
+                    stretch.views, stretch.samples, rates.tolist(), strict=True
+                )
             ]
         )
     return settled

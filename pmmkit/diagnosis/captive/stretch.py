@@ -48,6 +48,11 @@ class Stretch:
         """A number of each view at its samples (n,)."""
         return np.repeat(values, np.diff(self._edges))
 
+    def means(self, history: Array) -> Array:
+        """Mean of a history (n,) in each view."""
+        found: Array = np.add.reduceat(history, self._edges[:-1]) / np.diff(self._edges)
+        return found
+
     def history(self, name: str) -> Array:
         """One of the histories of the motion (n,)."""
         return np.concatenate([getattr(view.motion, name) for view in self.views])
