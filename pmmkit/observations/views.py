@@ -94,7 +94,7 @@ class View:
         """Carriage speed [m/s]."""
         return self.run.settings.speed
 
-    @property
+    @cached_property
     def omega(self) -> float:
         """Angular frequency of the oscillation [rad/s]; 0 for a static run."""
         return (self.run.settings.omega or 0.0) if self.run.dynamic else 0.0

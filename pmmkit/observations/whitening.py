@@ -16,6 +16,8 @@ FLOOR: Final = 0.005
 """What is too small to matter in measured forces, over the rms force of a channel."""
 RIDGE: Final = 1e-12
 """Least variance of a row, over the mean of all."""
+HELD: Final = 2**17
+"""Numbers that are whitened at once: a megabyte stays in the processor's cache."""
 
 
 def whitened(channel: Channel, columns: Array, own: Array, scatter: Scatter) -> Array:
@@ -36,12 +38,12 @@ def whitened(channel: Channel, columns: Array, own: Array, scatter: Scatter) -> 
     -------
     array (n, q)
     """
-    return _by_run(channel, columns, own * scatter.sizes)
+    return _applied(_inverse_roots(channel, own * scatter.sizes), columns)
 
 
 def noise_whitened(channel: Channel, columns: Array) -> Array:
     """Columns (n, q) multiplied by the inverse root of the covariance of the noise alone."""
-    return _by_run(channel, columns, None)
+    return _applied(_inverse_roots(channel, None), columns)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -112,14 +114,31 @@ class Projection:
                 found[number] = one
         return tuple(found)
 
+    @cached_property
+    def _inverse_roots(self) -> list[tuple[Places, Array]]:
+        return _inverse_roots(self.channel, self.own * self.scatter.sizes)
+
+    def whitened(self, columns: Array) -> Array:
+        """Columns (n, q) over the root of the covariance (`whitened`)."""
+        return _applied(self._inverse_roots, columns)
+
+    def whitened_runs(self, numbers: Sequence[int], columns: Array) -> Array:
+        """Columns (m, q) in the rows of some runs, one after another, whitened."""
+        found, begin = np.empty_like(columns), 0
+        for number in numbers:
+            end = begin + len(self.roots[number])
+            found[begin:end] = np.linalg.inv(self.roots[number]) @ columns[begin:end]
+            begin = end
+        return found
+
     def left(self, columns: Array) -> Array:
         """Columns (n, q) whitened, with what base and floor explain taken off (n + D, q)."""
-        return self.outside(whitened(self.channel, columns, self.own, self.scatter))
+        return self.outside(self.whitened(columns))
 
     def outside(self, white: Array) -> Array:
         """Of whitened columns (n, q) what base and floor do not explain (n + D, q)."""
         n = len(white)
-        found = -self.span @ (self.span[:n].T @ white)
+        found = self.span @ -(self.span[:n].T @ white)
         found[:n] += white
         return found
 
@@ -146,12 +165,25 @@ class Piece:
     data: Array
 
 
-def _by_run(channel: Channel, columns: Array, own: Array | None) -> Array:
+def _inverse_roots(channel: Channel, own: Array | None) -> list[tuple[Places, Array]]:
+    """Rows of runs of equal numbers of rows (k, m), and what whitens them (k, m, m).
+
+    A product with the inverse of these few rows takes a third of a solution for each run.
+    """
+    return [
+        (_rows(channel, numbers), np.asarray(np.linalg.inv(root), float))
+        for numbers, root in _roots(channel, own)
+    ]
+
+
+def _applied(inverse_roots: Sequence[tuple[Places, Array]], columns: Array) -> Array:
+    """Columns (n, q) whitened, a few runs at a time."""
     found = np.empty_like(columns)
-    for numbers, root in _roots(channel, own):
-        at = _rows(channel, numbers)
-        # A product with the inverse of these few rows takes a third of a solution for each run.
-        found[at] = np.linalg.inv(root) @ columns[at]
+    for rows, inverse in inverse_roots:
+        few = max(1, HELD // (rows.shape[1] * max(1, columns.shape[1])))
+        for begin in range(0, len(rows), few):
+            at = rows[begin : begin + few]
+            found[at] = inverse[begin : begin + few] @ columns[at]
     return found
 
 

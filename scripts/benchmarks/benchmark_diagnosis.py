@@ -5,7 +5,9 @@
 
 Campaigns are those of the virtual tank that lies with the tests: the full programme, and for more
 runs the same at other speeds. More effects than the catalogue holds are polynomials that nothing
-asks for. Histories are in memory; reading files is not counted. Times are those of the process.
+asks for. Histories are in memory; reading files is not counted. Times are those of the processor.
+Each line has a process of its own, whose memory is the most that it held, libraries and histories
+with it.
 """
 
 from __future__ import annotations
@@ -16,7 +18,9 @@ import resource
 import statistics
 import time
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from multiprocessing import get_context
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis import Candidate, captive_candidates, diagnose_captive, polynomial
@@ -61,37 +65,41 @@ def eligible(count: int, speeds: Sequence[float]) -> list[Candidate]:
     return [*known, *itertools.islice(more, max(count - len(known), 0))][:count]
 
 
+def line(runs: int, effects: int, rounds: int) -> str:
+    """Seconds of the processor for views, system and answer, and the most memory of the process."""
+    diagnose_captive(campaign(13), tank().BASE)
+    made = campaign(runs)
+    speeds = sorted({round(run.settings.speed, 6) for run in made.runs})[:3]
+    candidates = eligible(effects, speeds)
+    times = []
+    for _ in range(rounds if runs <= 100 else 1):
+        start = time.process_time()
+        views_of(made)
+        viewed = time.process_time()
+        system = captive_system(made, tank().BASE, candidates=candidates)
+        built = time.process_time()
+        answer(system, floor=0.005)
+        times.append(
+            (viewed - start, built - viewed - (viewed - start), time.process_time() - built)
+        )
+    views, system_time, answered = (statistics.median(x) for x in zip(*times, strict=True))
+    used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return (
+        f"{runs:4}  {effects:7}  {views:9.2f}  {system_time:10.2f}  {answered:10.2f}  "
+        f"{views + system_time + answered:7.2f}  {used:11.0f}"
+    )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, nargs="*", default=[48, 100, 300, 1000])
     parser.add_argument("--effects", type=int, nargs="*", default=[31, 100])
     parser.add_argument("--rounds", type=int, default=3)
     o = parser.parse_args()
-    diagnose_captive(campaign(13), tank().BASE)
     print("runs  effects  views [s]  system [s]  answer [s]  all [s]  memory [MB]")
-    for runs in o.runs:
-        made = campaign(runs)
-        speeds = sorted({round(run.settings.speed, 6) for run in made.runs})[:3]
-        for effects in o.effects:
-            candidates = eligible(effects, speeds)
-            times = []
-            for _ in range(o.rounds if runs <= 100 else 1):
-                start = time.process_time()
-                views_of(made)
-                viewed = time.process_time()
-                system = captive_system(made, tank().BASE, candidates=candidates)
-                built = time.process_time()
-                answer(system, floor=0.005)
-                times.append(
-                    (viewed - start, built - viewed - (viewed - start), time.process_time() - built)
-                )
-            views, system_time, answered = (statistics.median(x) for x in zip(*times, strict=True))
-            used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-            print(
-                f"{runs:4}  {effects:7}  {views:9.2f}  {system_time:10.2f}  {answered:10.2f}  "
-                f"{views + system_time + answered:7.2f}  {used:11.0f}",
-                flush=True,
-            )
+    for runs, effects in itertools.product(o.runs, o.effects):
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as own:
+            print(own.submit(line, runs, effects, o.rounds).result(), flush=True)
 
 
 if __name__ == "__main__":

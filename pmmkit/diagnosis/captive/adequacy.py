@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.conditioning import condition_on, spread
-from pmmkit.diagnosis.captive.evidence import Sets, evidence_at, price
+from pmmkit.diagnosis.captive.conditioning import condition_on, drawn_in, spread
+from pmmkit.diagnosis.captive.evidence import Sets, evidence_at, evidence_of, price
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, least_gains
 from pmmkit.diagnosis.captive.parity import BOTH, Parity, floor_places, parities
 from pmmkit.diagnosis.captive.system import Block, System
@@ -19,7 +20,7 @@ from pmmkit.models.step import odds
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel
 from pmmkit.observations.views import View
-from pmmkit.observations.whitening import Piece, whitened
+from pmmkit.observations.whitening import Piece
 
 SMOOTH: Final = 3.0
 """ln evidence from which something smooth is left that the answer does not explain."""
@@ -85,6 +86,7 @@ def chosen(system: System, entries: Sequence[Entry], given: Sequence[Block] = ()
         run in a better set is not tried again.
     """
     known = condition_on(system, given)
+    symmetry = cache(partial(parities, known))
     least = price(known) + LEAST
     alone: set[str] = set()
     unneeded: list[set[str]] = []
@@ -95,7 +97,7 @@ def chosen(system: System, entries: Sequence[Entry], given: Sequence[Block] = ()
         if names & alone or any(names >= other for other in unneeded):
             continue
         blocks = blocks_of(known, entry)
-        if min(gains(known, blocks)) < NEEDED:
+        if min(gains(known, blocks, symmetry)) < NEEDED:
             unneeded.append(names)
             continue
         left = least_gains(system, blocks, given)
@@ -117,20 +119,33 @@ def blocks_of(system: System, entry: Entry) -> list[Block]:
     ]
 
 
-def gains(system: System, blocks: Sequence[Block]) -> tuple[float, ...]:
+def gains(
+    system: System,
+    blocks: Sequence[Block],
+    symmetry: Callable[[Block], frozenset[Parity]] | None = None,
+) -> tuple[float, ...]:
     """ln evidence that each effect of a set adds to the others where their form may err.
 
     A hull never follows v² r exactly. The error of form is a smooth force `FORM` times the floor,
     with the symmetry of the others: an error of form of an odd force is odd. One effect alone adds
     all there is: infinity.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+    blocks : sequence of Block
+        The set.
+    symmetry : callable, optional
+        The parities of a block, where some are known from other sets.
     """
     if len(blocks) < 2:
         return (math.inf,) * len(blocks)
-    symmetry = [parities(system, block) for block in blocks]
+    of = cache(partial(parities, system)) if symmetry is None else symmetry
     found = []
     for place, _ in enumerate(blocks):
         others = [other for k, other in enumerate(blocks) if k != place]
-        err = frozenset[Parity]().union(*(own for k, own in enumerate(symmetry) if k != place))
+        err = frozenset[Parity]().union(*map(of, others))
         whole = _with_floor(system, blocks, FORM, err)
         found.append(whole - _with_floor(system, others, FORM, err))
     return tuple(found)
@@ -267,14 +282,20 @@ def _with_floor(
 ) -> float:
     """ln evidence of blocks beside a floor larger by a factor in some parities, against the floor
     as it is."""
+    alone, drawn = 0.0, [block for block in blocks if block.drawn]
+    if len(drawn) == 1:
+        one = drawn_in(system, drawn[0])
+        alone = evidence_of(system, one)
+        blocks = [block for block in blocks if not block.drawn]
+        system = condition_on(replace(system, blocks=(*blocks, one)), [one])
     system, blocks = spread(system, blocks)
     floor = floor_places(system, wanted)
     at = np.concatenate([*(block.places for block in blocks), floor])
     if not len(at):
-        return 0.0
+        return alone
     size = np.ones(len(at))
     size[len(at) - len(floor) :] = math.sqrt(factor**2 - 1.0)
-    return evidence_at(system, at, size)
+    return alone + evidence_at(system, at, size)
 
 
 def lack_of_fit(system: System, blocks: Sequence[Block]) -> tuple[Lack, ...]:
@@ -300,16 +321,16 @@ def lack_of_fit(system: System, blocks: Sequence[Block]) -> tuple[Lack, ...]:
 def _lacks(
     views: Sequence[View], piece: Piece, columns: Array, fitted: Array, covariance: Array
 ) -> list[Lack]:
-    channel = piece.projection.channel
-    groups, unit = _units(views, channel)
+    projection = piece.projection
+    groups, runs, unit = _units(views, projection.channel)
     if not groups:
         return []
-    n = len(channel.y)
-    white = whitened(channel, unit, piece.projection.own, piece.projection.scatter)
-    explained = piece.projection.span[:n].T @ white
-    shared = white.T @ columns[:n]
+    white = projection.whitened_runs(runs, unit)
+    rows = np.concatenate([projection.channel.runs[number] for number in runs])
+    explained = projection.span[rows].T @ white
+    shared = white.T @ columns[rows]
     gram = white.T @ white - explained.T @ explained - shared @ covariance @ shared.T
-    score = white.T @ (piece.data - columns @ fitted)[:n]
+    score = white.T @ (piece.data[rows] - columns[rows] @ fitted)
     found = []
     for (test, harmonic), members in groups.items():
         values, vectors = np.linalg.eigh(gram[np.ix_(members, members)])
@@ -321,7 +342,7 @@ def _lacks(
         top = float(tried.max())
         found.append(
             Lack(
-                channel=channel.name,
+                channel=projection.channel.name,
                 test=test,
                 harmonic=harmonic,
                 size=SIZES[int(np.argmax(tried))],
@@ -333,27 +354,33 @@ def _lacks(
 
 def _units(
     views: Sequence[View], channel: Channel
-) -> tuple[Mapping[tuple[str, str], list[int]], Array]:
-    """A column for each harmonic of each oscillating run, all its cycles alike; and their groups.
+) -> tuple[Mapping[tuple[str, str], list[int]], tuple[int, ...], Array]:
+    """A column for each harmonic of each oscillating run, all its cycles alike: their groups, the
+    numbers of these runs, and the columns in the rows of these runs.
 
     Columns have the rms force of the channel at the speed of the run. Of very many runs `LOOKED_AT`
     are taken, evenly.
     """
+    of_channel = dict.fromkeys(views[i].run.id for i in channel.views)
+    numbers = {run: number for number, run in enumerate(of_channel)}
     ids = list(dict.fromkeys(views[i].run.id for i in channel.views if views[i].run.dynamic))
-    looked_at = set(ids[:: max(-(-len(ids) // LOOKED_AT), 1)])
+    looked_at = ids[:: max(-(-len(ids) // LOOKED_AT), 1)]
+    runs = tuple(numbers[run] for run in looked_at)
+    every = [row for number in runs for row in channel.runs[number].tolist()]
+    place = {row: k for k, row in enumerate(every)}
     columns: dict[tuple[str, int], Array] = {}
     groups: dict[tuple[str, str], list[int]] = {}
     for i, rows in zip(channel.views, channel.rows, strict=True):
         view = views[i]
-        if view.run.id not in looked_at:
+        if rows.start not in place:
             continue
         for row in range(1, view.rows):
             if (view.run.id, row) not in columns:
                 for group in _groups(view.run.test, row):
                     groups.setdefault(group, []).append(len(columns))
-                columns[view.run.id, row] = np.zeros(len(channel.y))
-            columns[view.run.id, row][rows.start + row] = channel.scale * view.speed**2
-    return groups, np.stack([*columns.values()], axis=1) if columns else np.zeros((0, 0))
+                columns[view.run.id, row] = np.zeros(len(place))
+            columns[view.run.id, row][place[rows.start + row]] = channel.scale * view.speed**2
+    return groups, runs, np.stack([*columns.values()], axis=1) if columns else np.zeros((0, 0))
 
 
 def _groups(test: str, row: int) -> list[tuple[str, str]]:

@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final
 
 import numpy as np
 
 from pmmkit.conventions import Convention
+from pmmkit.diagnosis.captive.stretch import stretches
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 from pmmkit.ship import Ship, Water
 
-JOINED: Final = 16
-"""Views whose samples are looked at together: more of them leave the processor's cache."""
 Forces = dict[str, Array]
 """Histories (n,) or (n, q), or their harmonics, by channel."""
 
@@ -78,16 +76,16 @@ class Base:
     def design(self, names: Sequence[str], views: Sequence[View]) -> Array:
         """Harmonics of what derivatives multiply in views, one below the other (n, len(names))."""
         parts = [np.zeros((0, len(names)))]
-        for begin in range(0, len(views), JOINED):
-            own = views[begin : begin + JOINED]
-            counts = [len(view.motion.u) for view in own]
+        for stretch in stretches(views):
             columns = self.columns(
                 names,
-                State.joined([view.motion for view in own]),
-                np.repeat([view.speed for view in own], counts),
+                State.joined([view.motion for view in stretch.views]),
+                stretch.each([view.speed for view in stretch.views]),
             )
-            samples = np.split(columns, np.cumsum(counts)[:-1])
-            parts += [view.project(x) for view, x in zip(own, samples, strict=True)]
+            parts += [
+                view.project(columns[samples])
+                for view, samples in zip(stretch.views, stretch.samples, strict=True)
+            ]
         return np.concatenate(parts)
 
     def change(

@@ -67,12 +67,7 @@ def build(
     }
     for_all = [item for item in candidates if not item.each_run]
     for_each = [item for item in candidates if item.each_run]
-    raw = [
-        _Raw(candidate, value, candidate_columns(candidate, value, channels, views, base))
-        for item in for_all
-        for candidate in item.forms
-        for value in candidate.grid
-    ]
+    raw = _raw(for_all, channels, views, base)
     own = run_columns(channels, views, base, predicted)
     features = tuple(floor_features(c, views, base) for c in channels)
     floors = {c.name: floor * x for c, x in zip(channels, features, strict=True)}
@@ -123,10 +118,7 @@ def build(
             value=item.value,
             columns=slice(0, 0),
             drawn=Drawn.of(
-                [
-                    x.whitened(c, own[c.name], scatter)
-                    for x, c in zip(item.own, channels, strict=True)
-                ],
+                [x.whitened(piece.projection) for x, piece in zip(item.own, pieces, strict=True)],
                 pieces,
                 layout.width,
             ),

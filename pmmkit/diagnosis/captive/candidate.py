@@ -9,7 +9,15 @@ from typing import Final, Literal
 from pmmkit.channels import did_you_mean
 from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.base import Base
-from pmmkit.diagnosis.captive.columns import Columns, Terms, columns_of, of_terms, terms_of
+from pmmkit.diagnosis.captive.columns import (
+    Columns,
+    Terms,
+    Together,
+    columns_of,
+    of_terms,
+    terms_of,
+    together_of,
+)
 from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.errors import Problem, Remedy, UnknownNameError, Way
 from pmmkit.numerics import Array
@@ -59,6 +67,8 @@ class Candidate:
     terms : sequence of mapping of str to float
         Derivatives that each coefficient stands for, with its share of them, where `columns` are
         those: of many such candidates they are made together.
+    together : callable, optional
+        `columns` of several views at once, where that is faster.
     """
 
     name: str
@@ -78,6 +88,15 @@ class Candidate:
     linear: tuple[int, ...] = ()
     partial: bool = False
     terms: Terms = ()
+    together: Together | None = None
+
+    def along(
+        self, views: Sequence[View], base: Base, value: float
+    ) -> Sequence[Mapping[str, Array]]:
+        """Columns in several views."""
+        if self.together is not None:
+            return self.together(views, base, value)
+        return [self.columns(view, base, value) for view in views]
 
     @property
     def size(self) -> int:
@@ -101,6 +120,7 @@ class Candidate:
             typical=tuple(self.typical[k] for k in places),
             centre=tuple(self.centre[k] for k in places) if self.centre else (),
             columns=linear,
+            together=None,
             linear=(),
             partial=True,
             terms=tuple(self.terms[k] for k in places) if self.terms else (),
@@ -194,6 +214,7 @@ def candidate_of(effect: Effect, speeds: Sequence[float] = ()) -> Candidate:
         excites=effect.excites,
         linear=_linear(effect),
         terms=terms_of(effect),
+        together=together_of(effect),
     )
 
 

@@ -8,11 +8,12 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.adequacy import blocks_of
-from pmmkit.diagnosis.captive.evidence import log_evidence, wide
+from pmmkit.diagnosis.captive.evidence import log_evidence, log_evidences, wide
 from pmmkit.diagnosis.captive.held_out import HeldOut, condition, held_out
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.evidence import Entry
+from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 
 MOST: Final = 12
@@ -92,20 +93,15 @@ def _losses(
     columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]
     gram, score, centre = system.gram[np.ix_(at, at)], system.score[at], system.centre[at]
 
-    def evidence(taken: np.ndarray | None, cut: Places) -> float:
-        if not len(cut):
-            return 0.0
-        G, s = gram[np.ix_(cut, cut)], score[cut]
-        if taken is not None:
-            G, s = G - taken[np.ix_(cut, cut)], s - taken[cut, -1]
-        return log_evidence(G, s, centre[cut])
-
-    found: list[Mapping[str, float]] = []
     parts = taken_with(system, columns, condition)
-    beside = {name: evidence(taken, known) for name, taken in parts.items()}
-    for cut in where:
-        whole = evidence(None, cut) - evidence(None, known)
-        found.append(
-            {name: evidence(taken, cut) - beside[name] - whole for name, taken in parts.items()}
-        )
-    return found
+    taken = np.stack([*parts.values()])
+
+    def loss(cut: Places) -> Array:
+        if not len(cut):
+            return np.zeros(len(taken))
+        G, s, c = gram[np.ix_(cut, cut)], score[cut], centre[cut]
+        left = log_evidences(G - taken[:, cut[:, None], cut], s - taken[:, cut, -1], c)
+        return left - log_evidence(G, s, c)
+
+    beside = loss(known)
+    return [dict(zip(parts, (loss(cut) - beside).tolist(), strict=True)) for cut in where]

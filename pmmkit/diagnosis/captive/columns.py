@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Final
@@ -10,7 +10,8 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.base import Base
-from pmmkit.diagnosis.captive.observed import Seen, filtered
+from pmmkit.diagnosis.captive.observed import Seen, times_factors
+from pmmkit.diagnosis.captive.stretch import MOTION, Stretch, stretches
 from pmmkit.effects.catalogue import arguments_of
 from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.effects.primitives import over_arrays
@@ -22,6 +23,8 @@ Terms = Sequence[Mapping[str, float]]
 """Derivatives that each coefficient stands for, with its share of them."""
 Columns = Callable[[View, Base, float], Mapping[str, Array]]
 """Harmonics of an effect in one view by channel, (m, q), at one grid point, q coefficients."""
+Together = Callable[[Sequence[View], Base, float], Sequence[Mapping[str, Array]]]
+"""`Columns` of several views."""
 
 
 def columns_of(effect: Effect) -> Columns:
@@ -29,7 +32,16 @@ def columns_of(effect: Effect) -> Columns:
     if effect.columns is not None:
         return _of_a_fault(effect)
     terms = terms_of(effect)
-    return of_terms(terms) if terms else _of_a_force(effect)
+    if terms:
+        return of_terms(terms)
+    together = of_a_force(effect)
+    return lambda view, base, value: together([view], base, value)[0]
+
+
+def together_of(effect: Effect) -> Together | None:
+    """The columns of an effect in several views at once, of a kind for which that is faster."""
+    given = effect.columns is not None or terms_of(effect)
+    return None if given else of_a_force(effect)
 
 
 def terms_of(effect: Effect) -> Terms:
@@ -131,54 +143,65 @@ class TermTable:
         return found + self.law * (self.plain @ with_speed) if with_speed.any() else found
 
 
-def _of_a_force(effect: Effect) -> Columns:
+def of_a_force(effect: Effect) -> Together:
+    """Columns of an effect with a force, a share of the mass matrix, or states of its own."""
     inner = effect.nonlinear
 
-    def columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
-        parts: dict[str, list[Array]] = {}
+    def columns(views: Sequence[View], base: Base, value: float) -> Sequence[Mapping[str, Array]]:
         given = {inner.name: value} if inner is not None else {}
-        for label in effect.typical:
-            for channel, force in histories(effect, view, base, {label: 1.0, **given}).items():
-                parts.setdefault(channel, []).append(view.project(force))
-        return spread_over(view, parts, len(effect.coefficients))
+        asked = [{label: 1.0, **given} for label in effect.typical]
+        return [
+            found
+            for stretch in stretches(views)
+            for found in _projected(stretch, histories(effect, stretch, base, asked))
+        ]
 
     return columns
 
 
+def _projected(
+    stretch: Stretch, forces: Sequence[Mapping[str, Array]]
+) -> list[Mapping[str, Array]]:
+    """Columns by channel of each view, from the forces per unit of each coefficient."""
+    count, channels = len(forces), list(forces[0])
+    whole = np.stack([own[name] for name in channels for own in forces], axis=1)
+    found: list[Mapping[str, Array]] = []
+    for view, samples in zip(stretch.views, stretch.samples, strict=True):
+        own = view.project(whole[samples])
+        found.append(
+            {
+                name: own[:, place * count : (place + 1) * count]
+                for place, name in enumerate(channels)
+                if name in view.force
+            }
+        )
+    return found
+
+
 def histories(
-    effect: Effect, view: View, base: Base, values: Mapping[str, float]
-) -> dict[str, Array]:
-    """Force of an effect of the catalogue along a view, its states as in steady oscillation.
+    effect: Effect, stretch: Stretch, base: Base, asked: Sequence[Mapping[str, float]]
+) -> list[dict[str, Array]]:
+    """Force of an effect of the catalogue along views, its states as in steady oscillation.
 
     Parameters
     ----------
     effect : Effect
         With a force, a share of the mass matrix, or states of its own.
-    view : View
-        Motion.
+    stretch : Stretch
+        Motions.
     base : Base
         Ship, water, and the speed at which F is zero.
-    values : mapping of str to float
+    asked : sequence of mapping of str to float
         Parameters; coefficients that are not named are zero, other parameters at their default.
 
     Returns
     -------
-    dict of channel to array (n,)
+    list of dict of channel to array (n,)
         [N, N m].
     """
-    motion, ship, water = view.motion, base.ship, base.water
+    ship, water = base.ship, base.water
+    names = arguments_of(effect)
     there: dict[str, Any] = {
-        "u": motion.u,
-        "v": motion.v,
-        "r": motion.r,
-        "p": motion.p,
-        "phi": motion.phi,
-        "delta": motion.delta,
-        "n": motion.rps,
-        "U": motion.speed,
-        "beta": np.arctan2(-motion.v, motion.u),
-        "sinkage": motion.sinkage,
-        "trim": motion.trim,
         "L": ship.L,
         "B": ship.B,
         "d": ship.d,
@@ -186,36 +209,56 @@ def histories(
         "volume": ship.volume,
         "rho": water.rho,
         "g": water.g,
-        "Fn": ship.froude(view.speed, water.g),
         "Fn0": ship.froude(base.reference, water.g),
         **dict.fromkeys(effect.states, 0.0),
         **dict.fromkeys(effect.options, 0),
     }
+    if "Fn" in names:
+        there["Fn"] = stretch.each([ship.froude(view.speed, water.g) for view in stretch.views])
+    there |= {name: of(stretch) for name, of in MOTION.items() if name in names}
+    force = over_arrays(effect.force) if effect.force else None
+    found = []
+    for values in asked:
+        own = there | _parameters(effect, values, {*there, *MOTION})
+
+        def outputs(states: Mapping[str, Any], own: Mapping[str, Any] = own) -> dict[str, Array]:
+            given = {name: states[name] if name in states else own[name] for name in names}
+            made = force(**given) if force else ()
+            return dict(zip(effect.outputs, made, strict=True))
+
+        settled = _settled(effect, stretch, outputs) if effect.states else {}
+        found.append(_forces(stretch, outputs(settled)))
+    return found
+
+
+def _parameters(
+    effect: Effect, values: Mapping[str, float], known: Container[str]
+) -> dict[str, Any]:
+    """Parameters as given or at their default, and the options that they need."""
+    found: dict[str, Any] = {}
     for item in effect.parameters:
         if item.name in values:
-            there[item.name] = values[item.name]
+            found[item.name] = values[item.name]
             if item.form:
-                there[item.form[0]] = effect.options[item.form[0]].index(item.form[1])
-        elif item.name not in there:
-            there[item.name] = (0.0, 0.0) if item.table else item.default or 0.0
+                found[item.form[0]] = effect.options[item.form[0]].index(item.form[1])
+        elif item.name not in known:
+            found[item.name] = (0.0, 0.0) if item.table else item.default or 0.0
+    return found
 
-    def outputs(**states: Any) -> dict[str, Array]:
-        asked = {name: (there | states)[name] for name in arguments_of(effect)}
-        found = over_arrays(effect.force)(**asked) if effect.force else ()
-        return dict(zip(effect.outputs, found, strict=True))
 
-    found = outputs(**_settled(effect, view, outputs)) if effect.states else outputs()
-    forces: dict[str, Array] = {}
-    for output, force in found.items():
+def _forces(stretch: Stretch, outputs: Mapping[str, Array]) -> dict[str, Array]:
+    """Forces by channel; a share of the mass matrix is multiplied by its acceleration."""
+    found: dict[str, Array] = {}
+    for output, force in outputs.items():
         if output in CHANNELS:
-            forces[output] = force
+            found[output] = np.broadcast_to(force, (stretch.size,))
         elif output.endswith("dot"):
-            forces[output[0]] = force * getattr(motion, output[1:])
-    return forces
+            found[output[0]] = force * stretch.history(output[1:])
+    return found
 
 
 def _settled(
-    effect: Effect, view: View, outputs: Callable[..., Mapping[str, Array]]
+    effect: Effect, stretch: Stretch, outputs: Callable[..., Mapping[str, Array]]
 ) -> dict[str, Array]:
     """States of an effect as they follow the motion once the start is forgotten.
 
@@ -225,18 +268,26 @@ def _settled(
     settled: dict[str, Array] = {}
     for state in effect.states:
         none = dict.fromkeys(effect.states, 0.0) | settled
-        at_rest = outputs(**none)[f"{state}_rate"]
-        per_unit = at_rest - outputs(**(none | {state: 1.0}))[f"{state}_rate"]
-        follows = at_rest / per_unit
-        if not view.omega:
-            settled[state] = follows
-            continue
-        lag = 1.0 / float(np.mean(per_unit))
-        harmonics = view.harmonics(follows)
-        settled[state] = view.basis @ filtered(harmonics, _one_pole(view.omega * lag))
+        at_rest = outputs(none)[f"{state}_rate"]
+        per_unit = at_rest - outputs(none | {state: 1.0})[f"{state}_rate"]
+        follows = np.broadcast_to(at_rest / per_unit, (stretch.size,))
+        rates = stretch.means(np.broadcast_to(per_unit, (stretch.size,)))
+        settled[state] = np.concatenate(
+            [
+                _late(view, follows[samples], rate)
+                for view, samples, rate in zip(
+                    stretch.views, stretch.samples, rates.tolist(), strict=True
+                )
+            ]
+        )
     return settled
 
 
-def _one_pole(angle: float) -> Callable[[int], complex]:
-    """What a lag leaves of the n-th harmonic; the angle is that of the first, ω T."""
-    return lambda n: 1.0 / (1.0 + 1j * n * angle)
+def _late(view: View, follows: Array, rate: float) -> Array:
+    """A state that follows a history with a lag of one over a rate [1/s]."""
+    if not view.omega:
+        return follows
+    harmonics = view.harmonics(follows)
+    orders = np.arange((len(harmonics) - 1) // 2 + 1)
+    one_pole = np.asarray(1.0 / (1.0 + 1j * orders * (view.omega / rate)), complex)
+    return np.asarray(view.basis @ times_factors(harmonics, one_pole), float)

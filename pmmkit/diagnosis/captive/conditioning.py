@@ -99,14 +99,21 @@ def spread(system: System, blocks: Sequence[Block]) -> tuple[System, tuple[Block
     return system, tuple(made)
 
 
-def _written_out(system: System, asked: Block) -> tuple[System, Block]:
-    """A system with the columns of a block that each run draws, and that block."""
+def drawn_in(system: System, asked: Block) -> Block:
+    """A block that each run draws as it stands in a system, beside what that knows."""
     key = (asked.candidate.name, asked.value, asked.count)
-    old, drawn = next(
-        (block, block.drawn)
+    return next(
+        block
         for block in system.blocks
         if block.drawn and (block.candidate.name, block.value, block.count) == key
     )
+
+
+def _written_out(system: System, asked: Block) -> tuple[System, Block]:
+    """A system with the columns of a block that each run draws, and that block."""
+    old = drawn_in(system, asked)
+    drawn = old.drawn
+    assert drawn is not None
     width = len(system.score)
     new = replace(old, columns=slice(width, width + drawn.count), drawn=None)
     blocks = []

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Channel, Places, Scatter
-from pmmkit.observations.whitening import Piece, whitened
+from pmmkit.observations.channels import Places
+from pmmkit.observations.whitening import Piece, Projection
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,10 +47,9 @@ class OwnColumns:
         held = (self.values[rows], (rows, self.column[rows]))
         return csc_array(held, shape=(len(self.values), self.count))
 
-    def whitened(self, channel: Channel, own: Array, scatter: Scatter) -> OwnColumns:
+    def whitened(self, projection: Projection) -> OwnColumns:
         """Over the root of the covariance: rows of a run mix with each other alone."""
-        white = whitened(channel, self.values[:, None], own, scatter)
-        return replace(self, values=white[:, 0])
+        return replace(self, values=projection.whitened(self.values[:, None])[:, 0])
 
     def times(self, size: float) -> OwnColumns:
         """Of another size."""

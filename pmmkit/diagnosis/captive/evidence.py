@@ -39,11 +39,17 @@ def log_evidence(gram: Array, score: Array, centre: Array) -> float:
     float
         For z ~ N(E c, I + E E') against N(0, I).
     """
-    shifted = score - gram @ centre
+    return float(log_evidences(gram, score, centre))
+
+
+def log_evidences(gram: Array, score: Array, centre: Array) -> Array:
+    """`log_evidence` of several systems with as many columns, arrays (…, q, q) and (…, q)."""
+    expected = gram @ centre
     root = np.linalg.cholesky(gram + np.eye(len(centre)))
-    half = np.linalg.solve(root, shifted)
-    gained = float(score @ centre - 0.5 * centre @ gram @ centre)
-    return gained + float(0.5 * half @ half - np.sum(np.log(np.diagonal(root))))
+    half = np.linalg.solve(root, (score - expected)[..., None])[..., 0]
+    gained = score @ centre - 0.5 * expected @ centre
+    logs = np.log(np.diagonal(root, axis1=-2, axis2=-1)).sum(axis=-1)
+    return np.asarray(gained + 0.5 * np.sum(half**2, axis=-1) - logs, float)
 
 
 def evidence_at(system: System, at: Places, size: Array | None = None) -> float:

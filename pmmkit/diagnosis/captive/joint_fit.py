@@ -103,9 +103,12 @@ def _tangents(system: System, effects: Sequence[Block]) -> list[Block]:
 def _tangent(block: Block, sizes: Array) -> Block:
     c, value, step = block.candidate, block.value, 0.02 * block.value
 
-    def columns(view: View, base: Base, _: float) -> Mapping[str, Array]:
-        more, less = c.columns(view, base, value + step), c.columns(view, base, value - step)
-        return {name: ((more[name] - less[name]) @ sizes / (2 * step))[:, None] for name in more}
+    def together(views: Sequence[View], base: Base, _: float) -> Sequence[Mapping[str, Array]]:
+        both = (c.along(views, base, value + step), c.along(views, base, value - step))
+        return [
+            {name: ((more[name] - less[name]) @ sizes / (2 * step))[:, None] for name in more}
+            for more, less in zip(*both, strict=True)
+        ]
 
     spread = 0.5 * (max(c.grid) - min(c.grid)) / len(c.grid)
     own = Candidate(
@@ -113,7 +116,8 @@ def _tangent(block: Block, sizes: Array) -> Block:
         family=c.family,
         kind=c.kind,
         summary=c.summary,
-        columns=columns,
+        columns=lambda view, base, grid: together([view], base, grid)[0],
+        together=together,
         coefficients=(PARAMETER,),
         typical=(spread,),
     )
@@ -133,12 +137,12 @@ def refined(system: System, effects: Sequence[Block]) -> tuple[Block, ...]:
     Returns
     -------
     tuple of Block
-        One parameter after another, each searched between the neighbours of its grid point.
+        One parameter after another, each searched between the neighbours of its grid point. They
+        keep their columns, but those that each run draws.
     """
     from scipy.optimize import minimize_scalar
 
-    found = list(effects)
-    columns = [effect_columns(system, block) for block in effects]
+    found = [_with_columns(system, block) for block in effects]
     for place, block in enumerate(effects):
         if not block.candidate.continuous:
             continue
@@ -151,17 +155,21 @@ def refined(system: System, effects: Sequence[Block]) -> tuple[Block, ...]:
             high = 2 * grid[-1] - grid[-2]
 
         def misfit(value: float, place: int = place, block: Block = block) -> float:
-            own = replace(block, value=value)
-            others = [*found[:place], own, *found[place + 1 :]]
-            known = [*columns[:place], effect_columns(system, own), *columns[place + 1 :]]
-            return _misfit(stacked(system, others, columns=known))
+            own = _with_columns(system, replace(block, value=value))
+            return _misfit(stacked(system, [*found[:place], own, *found[place + 1 :]]))
 
         result = minimize_scalar(
             misfit, bounds=(low, high), method="bounded", options={"xatol": 0.01 * (high - low)}
         )
-        found[place] = replace(block, value=float(result.x))
-        columns[place] = effect_columns(system, found[place])
-    return tuple(found)
+        found[place] = _with_columns(system, replace(block, value=float(result.x)))
+    return tuple(
+        replace(block, made=None) if block.candidate.each_run else block for block in found
+    )
+
+
+def _with_columns(system: System, block: Block) -> Block:
+    """An effect with its columns made once for several fits."""
+    return replace(block, made=effect_columns(system, replace(block, made=None)))
 
 
 def _misfit(stack: Stack) -> float:

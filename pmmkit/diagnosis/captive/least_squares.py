@@ -12,7 +12,6 @@ from pmmkit.diagnosis.captive.build import prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.system import Block, System, candidate_columns, each_run_columns
 from pmmkit.numerics import Array
-from pmmkit.observations.whitening import whitened
 
 DEPENDENT: Final = 1e-10
 """A column with less than this that others do not explain is left out."""
@@ -50,13 +49,7 @@ class Stack:
     begin: int
 
 
-def stacked(
-    system: System,
-    effects: Sequence[Block],
-    *,
-    floor: float = 0.0,
-    columns: Sequence[Mapping[str, Array]] | None = None,
-) -> Stack:
+def stacked(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> Stack:
     """All channels below each other, whitened run by run.
 
     Parameters
@@ -67,20 +60,17 @@ def stacked(
         Effects at a value of their nonlinear parameter.
     floor : float
         Size of the smooth floor, whose features stand as columns; none at zero.
-    columns : sequence of mapping, optional
-        Those of the effects (`effect_columns`), where they are known.
     """
     base, channels = system.base, system.channels
-    own = {piece.projection.channel.name: piece.projection.own for piece in system.pieces}
     known = [name for c in channels for name in base.names[c.name]]
-    parts = [effect_columns(system, block) for block in effects] if columns is None else columns
+    parts = [effect_columns(system, block) for block in effects]
     features = [floor * x for x in system.features] if floor > 0 else []
     widths = [next(iter(part.values())).shape[1] for part in parts]
     coefficients = len(known) + sum(widths)
     edges = np.cumsum([coefficients, *(x.shape[1] for x in features)]).tolist()
     total = edges[-1]
     plain, white, places, row = [], [], {}, 0
-    for number, c in enumerate(channels):
+    for number, (c, piece) in enumerate(zip(channels, system.pieces, strict=True)):
         block = np.zeros((len(c.y), coefficients + 1))
         first = sum(len(base.names[x.name]) for x in channels[:number])
         block[:, first : first + c.design.shape[1]] = c.design
@@ -94,12 +84,12 @@ def stacked(
         if features:
             acting = [*range(coefficients), *range(edges[number], edges[number + 1]), total]
             every = np.column_stack([block[:, :-1], features[number], c.y])
-            root = np.linalg.qr(whitened(c, every, own[c.name], system.scatter), mode="r")
+            root = np.linalg.qr(piece.projection.whitened(every), mode="r")
             condensed = np.zeros((len(root), total + 1))
             condensed[:, acting] = root
             white.append(condensed)
         else:
-            white.append(whitened(c, block, own[c.name], system.scatter))
+            white.append(piece.projection.whitened(block))
         places[c.name] = slice(row, row + len(c.y))
         row += len(c.y)
     names = [*known, *(label for block in effects for label in _labels(block))]
@@ -128,6 +118,8 @@ def effect_columns(system: System, block: Block) -> Mapping[str, Array]:
     block : Block
         The effect, at a value of its nonlinear parameter.
     """
+    if block.made is not None:
+        return block.made
     if not block.candidate.each_run:
         found = candidate_columns(
             block.candidate, block.value, system.channels, system.views, system.base

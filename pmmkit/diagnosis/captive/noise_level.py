@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from pmmkit.diagnosis.captive.least_squares import Solved, Stack
 from pmmkit.diagnosis.captive.system import System
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
+
+TOGETHER: Final = 32
+"""Conditions whose products are summed at once: of all of them they would fill the memory."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,6 +84,14 @@ class _Errors:
             own=matrix @ self.own @ matrix.T, fit=matrix @ self.fit, floor=matrix @ self.floor
         )
 
+    def times(self, size: Array) -> _Errors:
+        """Of the errors, each of another size."""
+        return _Errors(
+            own=self.own * np.outer(size, size),
+            fit=self.fit * size[:, None],
+            floor=self.floor * size[:, None],
+        )
+
     def of(self, rows: Places) -> _Errors:
         """Of some of the errors."""
         return _Errors(own=self.own[np.ix_(rows, rows)], fit=self.fit[rows], floor=self.floor[rows])
@@ -116,44 +128,75 @@ def expected_errors(
     floors = [piece.projection.floor for piece in system.pieces]
     edges = np.cumsum([0, *(x.shape[1] for x in floors)])
     taken = np.hstack([found.Q[b : b + len(x)].T @ x for b, x in zip(begins, floors, strict=True)])
-    square = np.zeros((len(folds), len(begins)))
-    distance, plain, white = np.zeros(len(folds)), [], []
-    for number, fold in enumerate(folds):
-        left = -found.Q[fold.rows] @ taken
-        for k, (begin, own) in enumerate(zip(begins, floors, strict=True)):
-            mine = (fold.rows >= begin) & (fold.rows < begin + len(own))
-            left[mine, edges[k] : edges[k + 1]] += own[fold.rows[mine] - begin]
-        errors = _Errors(own=np.eye(len(fold.rows)), fit=found.Q[fold.rows], floor=left)
-        root = np.linalg.cholesky(errors.covariance)
-        white.append(errors.by(np.linalg.inv(root)))
-        distance[number] = float(np.sum(np.linalg.solve(root, residual[fold.rows]) ** 2))
-        shown = errors.by(_root(system, begins, fold) @ fold.inverse)
-        variance = fold.weight * np.maximum(np.diagonal(shown.covariance), 0.0)
-        square[number] = np.bincount(fold.channel, variance, minlength=len(begins))
-        size = np.where(square[number] > 0.0, square[number], np.inf)[fold.channel]
-        plain.append(shown.by(np.diag(np.sqrt(fold.weight / size))))
-    spread = [
-        _variance([e.of(np.flatnonzero(f.channel == k)) for e, f in zip(plain, folds, strict=True)])
-        for k in range(len(begins))
-    ]
+    square, distance = np.zeros((len(folds), len(begins))), np.zeros(len(folds))
+    sums = [_Squares() for _ in range(len(begins) + 1)]
+    for first in range(0, len(folds), TOGETHER):
+        white, plain = [], []
+        for number, fold in enumerate(folds[first : first + TOGETHER], first):
+            left = -found.Q[fold.rows] @ taken
+            for k, (begin, own) in enumerate(zip(begins, floors, strict=True)):
+                mine = (fold.rows >= begin) & (fold.rows < begin + len(own))
+                left[mine, edges[k] : edges[k + 1]] += own[fold.rows[mine] - begin]
+            errors = _Errors(own=np.eye(len(fold.rows)), fit=found.Q[fold.rows], floor=left)
+            root = np.linalg.cholesky(errors.covariance)
+            white.append(errors.by(np.linalg.inv(root)))
+            distance[number] = float(np.sum(np.linalg.solve(root, residual[fold.rows]) ** 2))
+            shown = errors.by(_root(system, begins, fold) @ fold.inverse)
+            variance = fold.weight * np.maximum(np.diagonal(shown.covariance), 0.0)
+            square[number] = np.bincount(fold.channel, variance, minlength=len(begins))
+            size = np.where(square[number] > 0.0, square[number], np.inf)[fold.channel]
+            scaled = shown.times(np.sqrt(fold.weight / size))
+            plain.append([scaled.of(np.flatnonzero(fold.channel == k)) for k in range(len(begins))])
+        every = [*zip(*plain, strict=True), white]
+        sums = [one.with_(more) for one, more in zip(sums, every, strict=True)]
     return Expected(
         square=square,
         distance=distance,
         rows=np.array([len(fold.rows) for fold in folds], float),
-        spread=np.array([*spread, _variance(white)]),
+        spread=np.array([item.variance for item in sums]),
     )
 
 
-def _variance(every: Sequence[_Errors]) -> float:
-    """Variance of the sum of squares of normal errors: 2 tr C² of their covariance C."""
-    own = sum(
-        float(np.sum(e.own**2) - 2.0 * np.sum((e.own @ e.fit) * e.fit))
-        + 2.0 * float(np.sum((e.own @ e.floor) * e.floor))
-        for e in every
-    )
-    fit, floor = (np.concatenate([getattr(e, x) for e in every]) for x in ("fit", "floor"))
-    shared = np.sum((fit.T @ fit) ** 2) + np.sum((floor.T @ floor) ** 2)
-    return 2.0 * max(own + float(shared - 2.0 * np.sum((fit.T @ floor) ** 2)), 0.0)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Squares:
+    """Sums over conditions from which the variance of a sum of squares of their errors follows.
+
+    Parameters
+    ----------
+    own : float
+        Of each condition by itself.
+    fit, floor : array (q, q), (D, D)
+        Products of what the conditions share.
+    across : array (q, D)
+        Products of the one with the other.
+    """
+
+    own: float = 0.0
+    fit: Array | float = 0.0
+    floor: Array | float = 0.0
+    across: Array | float = 0.0
+
+    def with_(self, every: Sequence[_Errors]) -> _Squares:
+        """With some conditions more."""
+        own = sum(
+            float(np.sum(e.own**2) - 2.0 * np.sum((e.own @ e.fit) * e.fit))
+            + 2.0 * float(np.sum((e.own @ e.floor) * e.floor))
+            for e in every
+        )
+        fit, floor = (np.concatenate([getattr(e, x) for e in every]) for x in ("fit", "floor"))
+        return _Squares(
+            own=self.own + own,
+            fit=self.fit + fit.T @ fit,
+            floor=self.floor + floor.T @ floor,
+            across=self.across + fit.T @ floor,
+        )
+
+    @property
+    def variance(self) -> float:
+        """Of the sum of squares of normal errors: 2 tr C² of their covariance C."""
+        shared = np.sum(np.square(self.fit)) + np.sum(np.square(self.floor))
+        found = self.own + float(shared - 2.0 * np.sum(np.square(self.across)))
+        return 2.0 * max(found, 0.0)
 
 
 def _root(system: System, begins: Sequence[int], fold: LeftOut) -> Array:

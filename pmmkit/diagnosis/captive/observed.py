@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.effects.state import State
@@ -84,9 +85,12 @@ class Seen:
 
     def filtered(self, factor: Callable[[int], complex]) -> Mapping[str, Array]:
         """Harmonics of the forces of the base, the n-th multiplied by a complex factor."""
+        expected = self.base.expected(self.view)
+        count = max(map(len, expected.values()), default=1)
+        factors = np.array([factor(n) for n in range((count - 1) // 2 + 1)], complex)
         return {
-            name: self.view.pick(filtered(harmonics, factor))
-            for name, harmonics in self.base.expected(self.view).items()
+            name: self.view.pick(times_factors(harmonics, factors))
+            for name, harmonics in expected.items()
         }
 
     def changed(
@@ -97,17 +101,15 @@ class Seen:
         return self.base.change(self.view, lambda _: after, step)
 
 
-def filtered(harmonics: Array, factor: Callable[[int], complex]) -> Array:
+def times_factors(harmonics: Array, factors: NDArray[np.complex128]) -> Array:
     """Harmonics C0, C1, S1 … of which the n-th is multiplied by a complex factor.
 
     Examples
     --------
-    >>> filtered(np.array([1.0, 2.0, 0.0]), lambda n: -1j * n).tolist()
+    >>> times_factors(np.array([1.0, 2.0, 0.0]), np.array([0.0, -1j])).tolist()
     [0.0, 0.0, 2.0]
     """
-    found = np.zeros_like(harmonics)
-    orders = range((len(harmonics) - 1) // 2 + 1)
-    factors = np.array([factor(n) for n in orders], complex)
+    found = np.empty_like(harmonics)
     found[0] = factors[0].real * harmonics[0]
     values = (harmonics[1::2] - 1j * harmonics[2::2]) * factors[1:]
     found[1::2], found[2::2] = values.real, -values.imag

@@ -45,9 +45,12 @@ def parities(system: System, block: Block) -> frozenset[Parity]:
     squares = {True: 0.0, False: 0.0}
     seen = {(view.run.test, round(view.speed, 6)): view for view in system.views}
     scale = {channel.name: channel.scale for channel in system.channels}
-    for view in seen.values():
-        here = block.candidate.columns(view, system.base, block.value)
-        there = block.candidate.columns(mirrored(view), system.base, block.value)
+    views = list(seen.values())
+    both = (
+        block.candidate.along(own, system.base, block.value)
+        for own in (views, [mirrored(view) for view in views])
+    )
+    for view, here, there in zip(views, *both, strict=True):
         for name in here:
             other = there[name] if is_even(name) else -there[name]
             unit = scale[name] * view.speed**2

@@ -40,13 +40,15 @@ LEAST: Final = 1e-4
 class Block:
     """One candidate at one grid point: its columns, whitened and projected, over prior sizes.
 
-    Columns that each of very many runs draws stand beside the system, as `drawn`.
+    Columns that each of very many runs draws stand beside the system, as `drawn`. Those that were
+    made to be fitted (`least_squares.effect_columns`) may be kept, as `made`.
     """
 
     candidate: Candidate
     value: float
     columns: slice
     drawn: Drawn | None = None
+    made: Mapping[str, Array] | None = None
 
     @property
     def places(self) -> Places:
@@ -241,7 +243,7 @@ def floor_features(channel: Channel, views: Sequence[View], base: Base, seed: in
         view = views[i]
         scaled = x / np.where(live, ranges, 1.0)
         turned = scaled[:, :TURNED] @ omega[:TURNED]
-        kept = scaled[:, TURNED:] @ omega[TURNED:] + phase
+        kept = scaled[:1, TURNED:] @ omega[TURNED:] + phase  # the speed of the run, which stays
         even, odd = np.cos(turned) * np.cos(kept), np.sin(turned) * np.sin(kept)
         both = (even, odd) if is_even(channel.name) else (odd, even)
         unit = channel.scale * view.motion.speed**2
@@ -285,7 +287,8 @@ def each_run_columns(
 
     A unit is the force of the run, that of its later cycles where it stands in two pieces.
     """
-    by_view = {i: candidate.columns(views[i], base, value).get(channel.name) for i in channel.views}
+    own_views = candidate.along([views[i] for i in channel.views], base, value)
+    by_view = {i: own.get(channel.name) for i, own in zip(channel.views, own_views, strict=True)}
     ids = dict.fromkeys(views[i].run.id for i, own in by_view.items() if own is not None)
     number = {run: place for place, run in enumerate(ids)}
     values, column = np.zeros(len(channel.y)), np.full(len(channel.y), -1, np.intp)
@@ -312,7 +315,7 @@ def candidate_columns(
     """Columns of a candidate by channel (n, q)."""
     if candidate.terms:
         return term_columns([candidate], channels, views, base)[0]
-    by_view = [candidate.columns(view, base, value) for view in views]
+    by_view = candidate.along(views, base, value)
     found = {}
     for channel in channels:
         block = np.zeros((len(channel.y), candidate.size))
