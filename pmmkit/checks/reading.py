@@ -29,7 +29,7 @@ from pmmkit.checks.track import free_facts, motion_facts
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.signals import FourierBasis, Window
-from pmmkit.signals.harmonics import CycleSums, cycle_count, cycle_edges
+from pmmkit.signals.harmonics import CycleSums
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -223,7 +223,7 @@ def _oscillating(
     found = dict(zip(names, map(_split, forces[:, part] @ project.T), strict=True))
     found |= _split_motion(state, project)
     found |= {f"nominal_{name}": parts for name, parts in _nominal(run).items()}
-    single, noise = _by_cycle(counted.basis.within(moving), forces[:, moving])
+    single, noise = _by_cycle(counted.basis.within(moving), forces[:, moving], counted.sums)
     count = max(counted.cycles.count, 1)
     gauges = _gauge_facts(t[part], forces[:, part], theta, names)
     more = {**shared, "facts": {**shared["facts"], **gauges}}
@@ -239,24 +239,24 @@ def _oscillating(
     )
 
 
-def _by_cycle(basis: FourierBasis, forces: Array) -> tuple[Array, Array]:
+def _by_cycle(basis: FourierBasis, forces: Array, sums: CycleSums) -> tuple[Array, Array]:
     """Coefficients of each cycle (cycles, channels, 7), and the noise of a first harmonic.
 
     The noise is that of the residual of a fit of order 6 to each cycle, widened for the
     correlation of neighbouring samples.
     """
     nothing = np.zeros((0, len(forces), 2 * ORDER + 1)), np.zeros(len(forces))
-    edges = cycle_edges(basis.phase, cycle_count(basis.phase))
-    size = np.diff(edges)
+    size = np.diff(sums.edges)
     if not size.size or size.min() < 4 * ORDER + 4:
         return nothing
-    rows = basis.up_to(min(2 * ORDER, int(size.min()) // 4)).rows
-    single = CycleSums.of(forces, rows, edges).single
+    order = min(2 * ORDER, int(size.min()) // 4)
+    rows = basis.up_to(order).rows
+    single = sums.up_to(order).single
     noise = []
-    for fitted, (start, stop) in zip(single, itertools.pairwise(edges), strict=True):
+    for fitted, (start, stop) in zip(single, itertools.pairwise(sums.edges), strict=True):
         rest = forces[:, start:stop] - fitted @ rows[:, start:stop]
-        power = np.einsum("ij,ij->i", rest, rest)
-        lag = np.einsum("ij,ij->i", rest[:, 1:], rest[:, :-1])
+        power = np.vecdot(rest, rest)
+        lag = np.vecdot(rest[:, 1:], rest[:, :-1])
         rho = np.clip(np.divide(lag, power, out=np.zeros_like(lag), where=power > 0), 0, 0.98)
         free = max(stop - start - len(rows), 1)
         noise.append(np.sqrt(2 * power / free / (stop - start) * (1 + rho) / (1 - rho)))

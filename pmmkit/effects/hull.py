@@ -176,13 +176,18 @@ def shared_regressors(
     values = {name: primed[name]() for name in {bare(factor) for factor in needed}}
     values |= {factor: np.abs(values[bare(factor)]) for factor in needed if bare(factor) != factor}
     products = np.empty((len(place), len(U)))
-    for row, factors in zip(products, place, strict=True):
-        row[:] = square
+    rows = dict(zip(place, products, strict=True))
+    done: dict[tuple[str, ...], Array] = {(): square}
+    for factors in sorted(rows, key=len):
+        row = rows[factors]
         if convention.surge == "constant" and factors == ("u", "u"):
-            row *= (state.speed / reference) ** 2 if bis else 1.0
-        else:
-            for factor in factors:
-                row *= values.get(factor, 1.0)
+            np.multiply(square, (state.speed / reference) ** 2 if bis else 1.0, out=row)
+            continue
+        known = next(n for n in range(len(factors) - 1, -1, -1) if factors[:n] in done)
+        part = done[factors[:known]]
+        for factor in factors[known:]:
+            part = np.multiply(part, values.get(factor, 1.0), out=row)
+        done[factors] = row
     return Regressors(
         products=products,
         place=tuple(place[factors] for factors in own),

@@ -306,7 +306,9 @@ def _from_cycles(
             cut = counted.cut
     kept, basis = counted.cycles, counted.kept
     projection = trapezoid_projector(basis.phase, ORDER) if integrated else basis.projector
-    found: Harmonics | None = harmonics(basis, record[:, cut], order=ORDER) if noise else None
+    found: Harmonics | None = (
+        harmonics(basis, record[:, cut], order=ORDER, sums=counted.kept_sums) if noise else None
+    )
     fitted = None if integrated or found is None else found.coefficients
     values = record[:, cut] @ projection.T if fitted is None else fitted
     scatter = None if found is None else found.scatter

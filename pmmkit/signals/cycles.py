@@ -64,6 +64,7 @@ def whole_cycles(
     y: ArrayLike,
     *,
     cycles: int | tuple[int, int] | None = None,
+    sums: CycleSums | None = None,
 ) -> Cycles:
     """Whole cycles of an oscillating record, without those that are transient.
 
@@ -79,6 +80,9 @@ def whole_cycles(
     cycles : int or (int, int), optional
         3 takes the third cycle only, (3, 6) the third to the sixth, counted from 1 at the start
         of the record. Default: all whole cycles that are not found to be transient.
+    sums : CycleSums, optional
+        Over all whole cycles of the record, of harmonics 0 to 5 or above, where they are there
+        already.
 
     Returns
     -------
@@ -129,7 +133,9 @@ def whole_cycles(
                 f"A cycle has only {np.diff(edges).min()} samples: at least {2 * REMOVED + 2} "
                 "are needed to compare cycles. State the cycles to use."
             )
-        first, last = _settled(basis_of(phase, theta, REMOVED), values, edges)
+        basis = basis_of(phase, theta, REMOVED)
+        known = sums or CycleSums.of(values, basis.rows, edges)
+        first, last = _settled(basis, values, known.up_to(REMOVED))
         reason = _reason(first, last, total, covered)
     return Cycles(int(edges[first]), int(edges[last]), last - first, first, reason)
 
@@ -163,11 +169,11 @@ def _reason(first: int, last: int, total: int, covered: float) -> str:
     return f"kept {_cycles(first, last)} of {total}; left out {' and '.join(parts)}"
 
 
-def _settled(basis: FourierBasis, values: Array, edges: Ints) -> tuple[int, int]:
+def _settled(basis: FourierBasis, values: Array, sums: CycleSums) -> tuple[int, int]:
     """The cycles [first, last) that agree with one another."""
-    record = _Record(basis, values, edges, CycleSums.of(values, basis.rows, edges))
-    single = record.sums.single[:, :, : 2 * COMPARED + 1]
-    last = edges.size - 1
+    record = _Record(basis, values, sums)
+    single = sums.single[:, :, : 2 * COMPARED + 1]
+    last = len(single)
     first = _first_settled(record, single)
     if last - first >= 3:
         before = np.arange(first, last - 1)
@@ -184,7 +190,6 @@ class _Record:
 
     basis: FourierBasis
     values: Array
-    edges: Ints
     sums: CycleSums
 
 
@@ -212,7 +217,7 @@ def _first_settled(record: _Record, single: Array) -> int:
 def _noise(record: _Record, first: int, last: int, longest: int) -> _Noise:
     """Noise of the cycles [first, last), with autocovariances over `longest` cycles."""
     count = last - first
-    part = slice(record.edges[first], record.edges[last])
+    part = slice(record.sums.edges[first], record.sums.edges[last])
     inside = record.values[:, part]
     rest = inside - record.sums.together(first, last) @ record.basis.rows[:, part]
     start, a_cycle = phase_cells(record.basis.phase[part], count)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -198,7 +198,9 @@ def basis_of(phase: Array, theta: ArrayLike | FourierBasis, order: int) -> Fouri
     return FourierBasis.at(phase, order)
 
 
-def harmonics(theta: ArrayLike | FourierBasis, y: ArrayLike, *, order: int = 5) -> Harmonics:
+def harmonics(
+    theta: ArrayLike | FourierBasis, y: ArrayLike, *, order: int = 5, sums: CycleSums | None = None
+) -> Harmonics:
     """Harmonics by least squares on the actual phase, with their covariance.
 
     Parameters
@@ -210,6 +212,8 @@ def harmonics(theta: ArrayLike | FourierBasis, y: ArrayLike, *, order: int = 5) 
         Channels, over at least one whole cycle.
     order : int
         Highest harmonic.
+    sums : CycleSums, optional
+        Over its cycles, of this order or above, where they are there already.
 
     Returns
     -------
@@ -257,7 +261,7 @@ def harmonics(theta: ArrayLike | FourierBasis, y: ArrayLike, *, order: int = 5) 
         order=order,
         coefficients=coefficients,
         covariance=covariance,
-        scatter=_scatter(phase, values, rows, count),
+        scatter=_scatter(sums or CycleSums.of(values, rows, cycle_edges(phase, count)), order),
         dof=pooled,
         residual=np.sqrt(np.mean(rest**2, axis=-1)),
         count=count,
@@ -306,11 +310,10 @@ def _uncertainty(
     return covariance, dof
 
 
-def _scatter(phase: Array, values: Array, rows: Array, count: int) -> Array | None:
-    if count < 2:
+def _scatter(sums: CycleSums, order: int) -> Array | None:
+    if len(sums.gram) < 2:
         return None
-    single = CycleSums.of(values, rows, cycle_edges(phase, count)).single
-    return np.asarray(np.std(single, axis=0, ddof=1))
+    return np.asarray(np.std(sums.up_to(order).single, axis=0, ddof=1))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -319,12 +322,15 @@ class CycleSums:
 
     Attributes
     ----------
+    edges : (k + 1,) array of int
+        First sample of each cycle, and the end.
     gram : (k, p, p) array
         Products of the functions of the basis.
     right : (k, p, c) array
         Products with the channels.
     """
 
+    edges: Ints
     gram: Array
     right: Array
 
@@ -332,9 +338,25 @@ class CycleSums:
     def of(cls, values: Array, rows: Array, edges: Ints) -> CycleSums:
         """From channels (c, n), the rows (p, n) of a basis, and the k + 1 edges of the cycles."""
         parts = [slice(i, j) for i, j in itertools.pairwise(edges)]
+        gram = [rows[:, part] @ rows[:, part].T for part in parts]
+        right = [rows[:, part] @ values[:, part].T for part in parts]
         return cls(
-            gram=np.stack([rows[:, part] @ rows[:, part].T for part in parts]),
-            right=np.stack([rows[:, part] @ values[:, part].T for part in parts]),
+            edges=edges,
+            gram=np.reshape(gram, (-1, len(rows), len(rows))),
+            right=np.reshape(right, (-1, len(rows), len(values))),
+        )
+
+    def up_to(self, order: int) -> CycleSums:
+        """Without the harmonics above `order`."""
+        p = 2 * order + 1
+        return replace(self, gram=self.gram[:, :p, :p], right=self.right[:, :p])
+
+    def within(self, first: int, last: int) -> CycleSums:
+        """Of the cycles [first, last)."""
+        return CycleSums(
+            edges=self.edges[first : last + 1],
+            gram=self.gram[first:last],
+            right=self.right[first:last],
         )
 
     @property

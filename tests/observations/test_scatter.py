@@ -1,5 +1,7 @@
 """Scatter between runs against likelihoods written out in full and against known draws."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal, norm
@@ -40,6 +42,40 @@ def dense(channel, own, sizes):
         drawn = own[place] * sizes
         cover[np.ix_(place, place)] = noise + drawn @ drawn.T
     return cover
+
+
+def of_two_kinds(rng, sizes):
+    """A channel of four runs with a mean and harmonics, and of five with a mean alone."""
+    channel, own = few_runs(rng, sizes, runs=5)
+    sizes_of = (5, 5, 5, 5, 1, 1, 1, 1, 1)
+    ends = np.cumsum(sizes_of).tolist()
+    places = tuple(np.arange(end - size, end) for end, size in zip(ends, sizes_of, strict=True))
+    return (
+        replace(
+            channel,
+            views=tuple(range(len(places))),
+            rows=tuple(slice(int(p[0]), int(p[-1]) + 1) for p in places),
+            runs=places,
+            noise=tuple(4e-4 * np.eye(size) for size in sizes_of),
+        ),
+        own,
+    )
+
+
+def test_runs_of_a_mean_alone_stand_beside_runs_of_harmonics():
+    sizes = np.array([0.02, 0.01, 0.1])
+    channel, own = of_two_kinds(np.random.default_rng(3), sizes)
+    tried = np.array([[0.01, 0.02, 0.03], sizes])
+    q, _ = np.linalg.qr(channel.design, mode="complete")
+    contrasts = q[:, 2:].T
+    full = [
+        multivariate_normal(cov=contrasts @ dense(channel, own, s) @ contrasts.T).logpdf(
+            contrasts @ channel.y
+        )
+        for s in tried
+    ]
+    told = restricted(channel, own, channel.design).log_likelihood(tried)
+    assert np.diff(told) == pytest.approx(np.diff(full), rel=1e-8)
 
 
 few_or_many = pytest.mark.parametrize(("columns", "runs"), [(2, 6), (WIDE + 8, 12)])

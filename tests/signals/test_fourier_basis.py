@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 
 import numpy as np
@@ -45,6 +46,33 @@ def test_a_basis_stands_for_its_phases(record):
     np.testing.assert_allclose(shared.coefficients, alone.coefficients, atol=1e-13)
     np.testing.assert_allclose(shared.covariance, alone.covariance, rtol=1e-9)
     assert whole_cycles(t, basis, y) == whole_cycles(t, theta, y)
+
+
+@pytest.mark.parametrize("lead", [0.0, 0.7, -3.1])
+def test_a_basis_ahead_is_that_of_the_later_phases(record, lead):
+    theta, _ = record
+    ahead, expected = FourierBasis.at(theta, 6).ahead(lead), FourierBasis.at(theta + lead, 6)
+    np.testing.assert_array_equal(ahead.phase, expected.phase)
+    np.testing.assert_allclose(ahead.rows, expected.rows, atol=1e-13)
+    assert FourierBasis.at(theta, 0).ahead(lead).rows.tolist() == [[1.0] * len(theta)]
+
+
+def test_sums_that_are_there_stand_for_the_cycles(record):
+    """Sums of more harmonics over all cycles, for what fewer harmonics need of some of them."""
+    theta, y = record
+    basis, t = FourierBasis.at(theta, 6), np.arange(len(theta)) * 0.1
+    sums = CycleSums.of(y, basis.rows, cycle_edges(theta, 6))
+    kept = whole_cycles(t, basis, y)
+    assert kept.first > 0
+    assert whole_cycles(t, basis, y, sums=sums) == kept
+    own = sums.within(kept.first, kept.first + kept.count)
+    part = slice(kept.start, kept.stop)
+    single = [
+        np.linalg.lstsq(design_matrix(theta[i:j], 5), y[:, i:j].T, rcond=None)[0].T
+        for i, j in itertools.pairwise(own.edges)
+    ]
+    found = harmonics(theta[part], y[:, part], sums=own).scatter
+    np.testing.assert_allclose(found, np.std(single, axis=0, ddof=1), rtol=1e-9)
 
 
 def test_sums_over_cycles_fit_one_cycle_or_several(record):

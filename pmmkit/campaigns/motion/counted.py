@@ -24,8 +24,8 @@ from pmmkit.signals import (
     steady_window,
     whole_cycles,
 )
-from pmmkit.signals.harmonics import cycle_count
-from pmmkit.signals.record import FEWEST
+from pmmkit.signals.harmonics import CycleSums, cycle_count, cycle_edges
+from pmmkit.signals.record import FEWEST, as_record
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,6 +50,9 @@ class Counted:
     travel : Travel
         Where the carriage is at its speed, with a reason where it is not throughout; or the window
         that the campaign file states.
+    sums : CycleSums
+        Harmonics 0 to `HIGHEST` and the forces over each whole cycle while the carriage is at its
+        speed; samples are counted from there.
     channels : tuple of str
         Those whose agreement from cycle to cycle told which count; none where they were asked for.
     """
@@ -57,6 +60,7 @@ class Counted:
     basis: FourierBasis
     cycles: Cycles
     travel: Travel
+    sums: CycleSums
     channels: tuple[str, ...] = ()
 
     @property
@@ -73,6 +77,12 @@ class Counted:
     def kept(self) -> FourierBasis:
         """Harmonics 0 to `FITTED` at the samples that count."""
         return self.basis.up_to(FITTED).within(self.cut)
+
+    @property
+    def kept_sums(self) -> CycleSums:
+        """Those over the cycles that count."""
+        first = self.cycles.first
+        return self.sums.within(first, first + self.cycles.count)
 
 
 def stated_window(run: Run, times: Array) -> Travel | None:
@@ -201,14 +211,17 @@ def counted_cycles(
         travel = travel_of(run, data, times, record, names)
     if not travel.reason:
         basis = displacement_basis(run, data, times, HIGHEST)
-        found = whole_cycles(times, basis, record, cycles=cycles)
+        sums = _over_cycles(times, basis, record)
+        found = whole_cycles(times, basis, record, cycles=cycles, sums=sums)
         told = tuple(names) if cycles is None else ()
-        return Counted(basis=basis, cycles=found, travel=travel, channels=told)
+        return Counted(basis=basis, cycles=found, travel=travel, sums=sums, channels=told)
     cut = slice(travel.start, travel.stop)
     basis = displacement_basis(run, data, times, HIGHEST, within=cut)
     stated = stated_window(run, times) is not None
     asked = (1, cycle_count(basis.phase[cut])) if stated else None
-    found = whole_cycles(times[cut], basis.within(cut), record[:, cut], cycles=asked)
+    part = basis.within(cut)
+    sums = _over_cycles(times[cut], part, record[:, cut])
+    found = whole_cycles(times[cut], part, record[:, cut], cycles=asked, sums=sums)
     moved = replace(
         found,
         start=found.start + travel.start,
@@ -216,7 +229,13 @@ def counted_cycles(
         reason=f"left out {travel.reason}; {found.reason}",
     )
     own = replace(travel, reason="") if stated else travel
-    return Counted(basis=basis, cycles=moved, travel=own, channels=tuple(names))
+    return Counted(basis=basis, cycles=moved, travel=own, sums=sums, channels=tuple(names))
+
+
+def _over_cycles(times: Array, basis: FourierBasis, record: Array) -> CycleSums:
+    """Sums over each whole cycle of a record, counted from its first sample."""
+    _, values = as_record(times, record)
+    return CycleSums.of(values, basis.rows, cycle_edges(basis.phase, cycle_count(basis.phase)))
 
 
 def whole_series(data: xr.Dataset, *names: str) -> dict[str, Array]:
