@@ -470,7 +470,7 @@ def unscented(
     m = n - NS
     k, work, h = np.zeros(len(base)), np.zeros((6, NS)), np.zeros(n)
     points, y, change = np.zeros((2 * n, n)), np.zeros(NS), np.zeros(m)
-    A = np.zeros((NS, n))
+    A, L = np.zeros((NS, n)), np.zeros((n, n))
     gain, left, Q = np.zeros(n), np.zeros(n), np.zeros((NS, NS))
     root = math.sqrt(float(n))
     for t in range(N):
@@ -484,7 +484,7 @@ def unscented(
                 for j in range(n):
                     S[i, j] = P[i, j] / (scale[i] * scale[j])
                 S[i, i] += 1e-12
-            L = np.linalg.cholesky(S)
+            L[:, :] = np.linalg.cholesky(S)
             for p in range(n):
                 for i in range(n):
                     shift = root * scale[i] * L[i, p]
