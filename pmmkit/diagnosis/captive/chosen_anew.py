@@ -18,6 +18,8 @@ from pmmkit.observations.channels import Places
 
 MOST: Final = 12
 """Sets that stand for election beside the best."""
+HELD: Final = 2**17
+"""Numbers of products that are weighed at once."""
 
 
 def chosen_anew(
@@ -93,15 +95,19 @@ def _losses(
     columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]
     gram, score, centre = system.gram[np.ix_(at, at)], system.score[at], system.centre[at]
 
-    parts = taken_with(system, columns, condition)
-    taken = np.stack([*parts.values()])
+    taken = taken_with(system, columns, condition)
+    names = list(taken)
 
     def loss(cut: Places) -> Array:
         if not len(cut):
-            return np.zeros(len(taken))
+            return np.zeros(len(names))
         G, s, c = gram[np.ix_(cut, cut)], score[cut], centre[cut]
-        left = log_evidences(G - taken[:, cut[:, None], cut], s - taken[:, cut, -1], c)
-        return left - log_evidence(G, s, c)
+        left, few = [], max(1, HELD // len(cut) ** 2)
+        for begin in range(0, len(names), few):
+            own = [taken[name] for name in names[begin : begin + few]]
+            squares = np.stack([x[np.ix_(cut, cut)] for x in own])
+            left.append(log_evidences(G - squares, s - np.stack([x[cut, -1] for x in own]), c))
+        return np.concatenate(left) - log_evidence(G, s, c)
 
     beside = loss(known)
-    return [dict(zip(parts, (loss(cut) - beside).tolist(), strict=True)) for cut in where]
+    return [dict(zip(names, (loss(cut) - beside).tolist(), strict=True)) for cut in where]

@@ -1,0 +1,69 @@
+"""Runs looked at together give what each gives alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hidden_effects import BASE, hidden_campaign
+
+from pmmkit.diagnosis import captive_candidates
+from pmmkit.diagnosis.captive import stretch
+from pmmkit.diagnosis.captive.adequacy import gains
+from pmmkit.diagnosis.captive.conditioning import spread
+from pmmkit.diagnosis.captive.diagnose import captive_system
+from pmmkit.diagnosis.captive.stretch import SAMPLES, stretches
+
+
+@pytest.fixture(scope="module")
+def system():
+    return captive_system(hidden_campaign("small", {}, seed=4), BASE)
+
+
+@pytest.mark.parametrize("item", captive_candidates((1.0, 1.5)), ids=lambda item: item.name)
+def test_columns_of_several_runs_are_those_of_each(system, item):
+    value = item.grid[-1]
+    for view, found in zip(system.views, item.along(system.views, system.base, value), strict=True):
+        alone = item.columns(view, system.base, value)
+        assert found.keys() == alone.keys()
+        for name, columns in alone.items():
+            np.testing.assert_allclose(
+                found[name], columns, rtol=1e-11, atol=1e-12 * np.abs(columns).max(initial=0.0)
+            )
+
+
+def test_runs_stand_in_their_order_and_are_cut_before_they_are_too_long(system, monkeypatch):
+    whole = list(stretches(system.views))
+    assert [view for own in whole for view in own.views] == list(system.views)
+    assert all(own.size <= SAMPLES for own in whole if len(own.views) > 1)
+    monkeypatch.setattr(stretch, "SAMPLES", 1)
+    assert [own.views for own in stretches(system.views)] == [(view,) for view in system.views]
+
+
+def test_numbers_of_each_run_stand_at_its_samples(system):
+    (own, *_) = stretches(system.views)
+    speeds = [view.speed for view in own.views]
+    np.testing.assert_allclose(own.means(own.each(speeds)), speeds, rtol=1e-14)
+    for view, samples in zip(own.views, own.samples, strict=True):
+        np.testing.assert_array_equal(own.history("v")[samples], view.motion.v)
+
+
+def test_what_an_effect_adds_beside_a_transient_is_the_same_written_out(monkeypatch):
+    """Evidence of both is that of the transient and that of the other beside it."""
+    monkeypatch.setattr("pmmkit.diagnosis.captive.build.MANY", 5)
+    found = captive_system(hidden_campaign("small", {"fault_transient": 1.0}, seed=4), BASE)
+    names = ("fault_transient", "modulus_sway_drag")
+    blocks = [next(b for b in found.blocks if b.candidate.name == name) for name in names]
+    assert blocks[0].drawn is not None
+    written, dense = spread(found, blocks)
+    assert gains(found, blocks) == pytest.approx(gains(written, dense), rel=1e-8, abs=1e-8)
+
+
+def test_a_few_runs_are_whitened_as_among_all(system):
+    projection = system.pieces[1].projection
+    columns = np.random.default_rng(1).normal(size=(len(projection.channel.y), 3))
+    rows = np.concatenate([projection.channel.runs[number] for number in (4, 1)])
+    np.testing.assert_allclose(
+        projection.whitened_runs((4, 1), columns[rows]),
+        projection.whitened(columns)[rows],
+        rtol=1e-10,
+    )
