@@ -184,14 +184,17 @@ def kalman(
     Between instants the equations of motion are carried by the classical Runge-Kutta method with
     steps of at most 0.05 L/U; slopes are differences of that map. A pass of the extended filter is
     linearised in the parameters about the result of the pass before (the prior stays), until
-    nothing changes by more than 2 % of its standard deviation. The process noise is the best of a
-    scale of values, climbed from the first. The unscented filter makes one pass. Revolutions are
-    inputs, even where the model has a shaft. What the model lacks widens the covariance: see
-    `lack_of`; its windows are 8 ship lengths long and begin from what is measured there.
+    nothing changes by more than 2 % of its standard deviation. Process noise acts through the whole
+    interval, so that it reaches heading and position too and is damped (Van Loan 1978); its size is
+    the best of a scale of values, climbed from the first. What wanders moves at the instants. The
+    unscented filter makes one pass. Revolutions are inputs, even where the model has a shaft. What
+    the model lacks widens the covariance: see `lack_of`; its windows are 8 ship lengths long and
+    begin from what is measured there.
 
     References
     ----------
-    Bar-Shalom, Li and Kirubarajan 2001, sections 5 and 10; Julier and Uhlmann 2004.
+    Bar-Shalom, Li and Kirubarajan 2001, sections 5 and 10; Julier and Uhlmann 2004; Van Loan 1978;
+    Särkkä and Solin 2019, chapter 6.
     """
     if not records:
         raise DataError("There is no record to identify from.")

@@ -237,10 +237,11 @@ def sample_posterior(
     filtered motion, and so is what acts on the ship beside the model, as white process noise
     (Kristensen, Madsen and Jørgensen 2004). One unknown factor of all variances is integrated out
     too: it has a scaled inverse χ² of 10 degrees of freedom about 1 (0.7 to 1.8 times the standard
-    deviations in 95 of 100). The process noise has an exponential prior of mean 0.03 U²/L over the
-    root of L/U (Simpson et al. 2017). States begin within a ship length, 0.5 rad, and a third
-    of the speed about what the records imply, far wider than they tell. Outliers are those of the
-    filter's own estimate, the same for all draws.
+    deviations in 95 of 100), and is not told by the measurements that find the starts. The process
+    noise has an exponential prior of mean 0.03 U²/L over the root of L/U (Simpson et al. 2017).
+    States begin within a ship length, 0.5 rad, and a third of the speed about what the records
+    imply, far wider than they tell. Outliers are those of the filter's own estimate, the same for
+    all draws.
 
     Walkers begin about that estimate with 1.5 times its spread.
     """
