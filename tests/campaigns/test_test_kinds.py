@@ -13,7 +13,7 @@ import small_campaign
 
 import pmmkit as pk
 from pmmkit.campaigns.motion.kinematics import nominal_motion
-from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.kind import MAY_BE_ZERO, SURGE, NominalMotion, TestKind
 from pmmkit.campaigns.test_kinds.oscillating import PURE_SWAY, PURE_YAW, SWAY_YAW
@@ -23,6 +23,7 @@ from pmmkit.errors import CampaignError, UnknownNameError
 from pmmkit.inspection.drafts.names import facts_of
 from pmmkit.inspection.drafts.settle import asked_of
 from pmmkit.reduction.reduce import reduce_campaign
+from pmmkit.ship import Ship, Water
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
 from pmmkit.test_planning.next_run import next_runs
 from pmmkit.test_planning.options import limits_of, options_of
@@ -251,3 +252,11 @@ def test_what_its_runs_lack_is_named(folder, installed) -> None:
     (folder / "campaign.toml").write_text(text.replace('"double_sway"', '"duoble_sway"'), "utf-8")
     with pytest.raises(CampaignError, match="did you mean 'double_sway'"):
         pk.open_campaign(folder)
+
+
+def test_a_mistyped_kind_selects_nothing_and_is_told():
+    ship = Ship(name="m", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=500.0)
+    empty = Campaign(title="", ship=ship, water=Water(), runs=())
+    assert empty.select("static_drift", "turning").runs == ()
+    with pytest.raises(UnknownNameError, match="did you mean 'static_drift'"):
+        empty.select("static_drfit")

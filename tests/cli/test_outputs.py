@@ -8,6 +8,7 @@ import pytest
 from small_campaign import write_campaign
 
 from pmmkit.cli import main
+from pmmkit.cli.options import stem
 from pmmkit.models import load_model, save_model
 
 FAST = ("--speed", "1.179", "--no-figures")
@@ -97,3 +98,8 @@ def test_files_without_a_name_take_the_next_one(at_home):
     names = {file.name for file in at_home.iterdir()}
     assert {"kvlcc2-l7-changed.toml", "kvlcc2-l7-changed-2.toml"} <= names
     assert len([name for name in names if name.endswith(".m")]) == 2
+
+
+@pytest.mark.parametrize("name", ["tests.zip", "tests.h5", "tests", "tests/campaign.toml"])
+def test_results_are_named_as_the_campaign_however_it_is_packed(at_home, name):
+    assert stem(at_home / name) == "tests"
