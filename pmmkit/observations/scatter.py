@@ -123,7 +123,8 @@ class Restricted:
         return np.concatenate([x for x, _ in parts]), np.concatenate([x for _, x in parts])
 
     def _parts(self, sizes: Array) -> list[Array]:
-        held = max(1, CHUNK // max(1, self.across.size))
+        runs, k, q = self.across.shape
+        held = max(1, CHUNK // max(runs * k * (k + 1) // 2, q * q))
         return [sizes[begin : begin + held] for begin in range(0, len(sizes), held)]
 
     def _gram(self, sizes: Array) -> tuple[Array, Array]:

@@ -109,10 +109,11 @@ def join(
             type_a[span, span] += part
             parts.append(np.diagonal(part))
             run = run_of[group][block.run]
-            for kind, column in enumerate(item.width.columns[index].T):
-                drawn += (pull @ column) ** 2
+            moved = pull @ item.width.columns[index]
+            drawn += np.sum(moved**2, axis=1)
+            for kind, column in enumerate(moved.T):
                 key = (_DRAWN, kind, run, "" if kind == SETTING else item.channel)
-                columns.setdefault(key, np.zeros(total))[span] += pull @ column
+                columns.setdefault(key, np.zeros(total))[span] += column
             for number, change in enumerate(sensitivities[run]):
                 if not change.source.shared and block.covariance is None:
                     continue
@@ -135,13 +136,10 @@ def join(
         )
         for (kind, number, run, _), column in columns.items()
     )
-    covariance = type_a + sum(
-        (
-            np.outer(push.column, others)
-            for push, others in zip(pushes, with_their_causes(pushes), strict=True)
-        ),
-        np.zeros((total, total)),
-    )
+    alone = np.array([push.column for push in pushes]).reshape(len(pushes), total)
+    together = np.array(with_their_causes(pushes)).reshape(len(pushes), total)
+    common = alone.T @ together
+    covariance = type_a + 0.5 * (common + common.T)
     value = np.concatenate([item.fit.value for _, item in fits]) if fits else np.zeros(0)
     blank = np.isnan(value) | unknown
     covariance[blank] = math.nan
