@@ -55,7 +55,7 @@ def moved(gear: list[float], lane: int, s: list[float]) -> None:
         s[m + LaneMove.start * LANES] = start
         s[m + LaneMove.order * LANES] = order
         s[m + LaneMove.pace * LANES] = side * rate if size > 0.0 else 0.0
-        s[m + LaneMove.straight * LANES] = straight
+        s[m + LaneMove.ramp * LANES] = straight
         s[m + LaneMove.rest * LANES] = side * rest
         s[m + LaneMove.lag * LANES] = lag if lag > 0.0 else 1.0
         s[m + LaneMove.value * LANES] = order
@@ -69,7 +69,7 @@ def steered(share: float, s: list[float], moving: list[float]) -> None:
             for lane in range(LANES):
                 at = s[TIMES + lane] + share * s[LaneSlot.length * NS * LANES + lane]
                 gone = at - s[m + LaneMove.since * LANES + lane]
-                over = gone - s[m + LaneMove.straight * LANES + lane]
+                over = gone - s[m + LaneMove.ramp * LANES + lane]
                 ramp = (
                     s[m + LaneMove.start * LANES + lane]
                     + s[m + LaneMove.pace * LANES + lane] * gone

@@ -188,9 +188,10 @@ LaneSlot = IntEnum(
 stands there once a state. Behind it follow the instants, a `LaneMove` of each control and the
 constants, so that all lie in one list: of several a compiler would not know that they are apart."""
 LaneMove = IntEnum(
-    "LaneMove", ("since", "start", "order", "pace", "straight", "rest", "lag", "value"), start=0
+    "LaneMove", ("since", "start", "order", "pace", "ramp", "rest", "lag", "value"), start=0
 )
-"""How a control of each lane moves: its signed rate, for how long, and what is left for the lag."""
+"""How a control of each lane moves: its signed rate, how long it
+holds that, and what is left for the lag."""
 
 InputField = IntEnum(
     "InputField",
