@@ -33,6 +33,8 @@ Captive ship-model tests to hydrodynamic derivatives, a model and its manoeuvres
                           the same with your own files, as far as they go, and what is missing
   pmmkit --help           all commands; pmmkit COMMAND --help has the options and an example"""
 """What to type first."""
+LISTING: Final = ("--help", "--version")
+"""First words after which no command runs."""
 
 
 def application(asked: str = "") -> typer.Typer:
@@ -41,7 +43,8 @@ def application(asked: str = "") -> typer.Typer:
     Parameters
     ----------
     asked : str
-        First word of a command line. A name of a command spares the time to load the others.
+        First word of a command line. A name of a command spares the time to load the others; one
+        of `LISTING` asks for none of them, so that they have names and summaries but no options.
     """
     app = typer.Typer(
         name="pmmkit",
@@ -57,9 +60,20 @@ def application(asked: str = "") -> typer.Typer:
     }
     for name in [asked] if asked in found else found:
         module = import_module(f"{commands.__name__}.{found[name]}")
-        command = _ending(getattr(module, found[name]))
+        whole = getattr(module, found[name])
+        command = _summary(whole) if asked in LISTING else _ending(whole)
         app.command(name, epilog=f"Example: {module.EXAMPLE}")(command)
     return app
+
+
+def _summary(command: Callable[..., Outcome]) -> Callable[[], None]:
+    """What a list of commands shows of one."""
+
+    def run() -> None:
+        raise NotImplementedError
+
+    run.__doc__ = command.__doc__
+    return run
 
 
 def _ending(command: Callable[..., Outcome]) -> Callable[..., None]:

@@ -3,19 +3,31 @@
 from __future__ import annotations
 
 import ast
+import dis
 import re
 from collections.abc import Sequence
 from enum import EnumType, IntEnum
 from functools import cache
 from pathlib import Path
-from typing import Final
+from types import FunctionType
+from typing import Any, Final
 
 from pmmkit.effects import primitives
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.grammar import source_of
 from pmmkit.effects.hull import FACTOR_PLACES
 from pmmkit.equations import layouts
-from pmmkit.equations.layouts import POLYNOMIAL, ROLLING, STATES, Constant, State, StepField
+from pmmkit.equations.layouts import (
+    POLYNOMIAL,
+    ROLLING,
+    STATES,
+    Constant,
+    Control,
+    LaneMove,
+    LaneSlot,
+    State,
+    StepField,
+)
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, Structure, Used
 
 MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U", "beta", "Fn")
@@ -25,6 +37,8 @@ CONDITIONS: Final = ("wind_speed", "wind_direction", "depth", "wave_height", "wa
 GIVEN: Final = frozenset((*MOTION, *CONTROLS, *PARTICULARS, *CONDITIONS))
 """Names that an effect finds without any other effect."""
 ENGINE: Final = ("equilibrium.py", "integrator.py", "queries.py")
+SAILING: Final = (*ENGINE, "lanes.py")
+"""What sails many ships at once."""
 CARRYING: Final = ("equilibrium.py", "integrator.py", "communication.py", "surroundings.py")
 """What a program in another language is made of; with it stands `forces`."""
 ESTIMATING: Final = ("equilibrium.py", "integrator.py", "sensors.py", "estimators.py")
@@ -51,8 +65,12 @@ ENTRIES: Final = (
     "pushed",
     "along",
     "take_in",
+    "steered",
 )
 """Functions that are called from outside the module."""
+LANES: Final = 8
+"""Ships side by side: a vector of AVX-512, two of AVX2. It enters no result."""
+_OF_LANES: Final = ("sin", "cos", "atan2")
 _FACTORS: Final = {
     "u": "surge",
     "v": "sway",
@@ -100,6 +118,7 @@ def module_text(structure: Structure, files: tuple[str, ...] = ENGINE) -> str:
         "",
         *_rates(structure, heeled=structure.rolls or files == ESTIMATING),
         *(_forces(structure) if files == CARRYING else []),
+        *(_rates_of_lanes(structure) if files == SAILING else []),
         "",
         _functions(files),
     ]
@@ -146,18 +165,104 @@ def _instant(structure: Structure, *, heeled: bool) -> list[str]:
 
 def _rates(structure: Structure, *, heeled: bool) -> list[str]:
     """The equations; of a ship without roll `heeled` takes the heel from the constants."""
+    return [
+        "@entry",
+        "def rates(y, delta, revolutions, bucket, k, out):",
+        *(f"    {line}" for line in _equations(structure, heeled=heeled)),
+    ]
+
+
+def _equations(structure: Structure, *, heeled: bool) -> list[str]:
+    """Lines from `y`, the controls and `k` to `out`."""
     body = _instant(structure, heeled=heeled)
     lines, extra_mass, rates_of = summed(structure)
     lines += _motion(structure, extra_mass, heeled=heeled)
     body += _at_the_moment(structure, lines) if structure.follows else lines
-    body += [
+    return body + [
         f"out[{structure.states.index(name)}] = {rates_of[name]}" for name in structure.brought
     ]
-    return [
-        "@entry",
-        "def rates(y, delta, revolutions, bucket, k, out):",
-        *(f"    {line}" for line in body),
+
+
+def _rates_of_lanes(structure: Structure) -> list[str]:
+    """The same equations for all lanes: what lies side by side in `y`, `k` and `out` lies so too.
+
+    A loop of an effect, or a search in a table, is not made vectors of: such a ship has all lanes
+    for itself, which is one, and the functions of the C library.
+    """
+    lanes, size = LANES if _straight(structure) else 1, len(structure.states)
+    times = len(LaneSlot) * size * lanes
+    moves = times + lanes
+    begin = {
+        "y": LaneSlot.z * size * lanes,
+        "out": LaneSlot.rate * size * lanes,
+        "k": moves + len(Control) * len(LaneMove) * lanes,
+    }
+    controls = ", ".join(
+        f"s[{moves + (len(LaneMove) * c + LaneMove.value) * lanes} + lane]" for c in Control
+    )
+    head = [
+        "",
+        f"LANES, TIMES, MOVES, WIDE = {lanes}, {times}, {moves}, {begin['k']}",
+        "part = lane_functions.part",
     ]
+    if lanes == 1:
+        y, out = (f"part(s, {begin[name]}, {size})" for name in ("y", "out"))
+        k = f"part(s, {begin['k']}, len(s) - {begin['k']})"
+        return [
+            *head,
+            "exponential = math.exp",
+            "",
+            "@inner",
+            "def rates_of_lanes(s):",
+            f"    rates({y}, {controls.replace(' + lane', '')}, {k}, {out})",
+        ]
+
+    def own(found: re.Match[str]) -> str:
+        name, first, last = found.group("name", "first", "last")
+        at = begin[name] + lanes * int(first)
+        return f"s[{at}:{begin[name] + lanes * int(last)}]" if last else f"s[{at} + lane]"
+
+    places = re.compile(r"\b(?P<name>y|k|out)\[(?P<first>\d+)(?::(?P<last>\d+))?\]")
+    called = re.compile(rf"\b({'|'.join(_OF_LANES)})\(|\beffect_")
+    lines = [
+        called.sub(lambda found: f"lane_{found.group().removeprefix('effect_')}", line)
+        for line in (places.sub(own, x) for x in _equations(structure, heeled=structure.rolls))
+    ]
+    return [
+        *head,
+        "exponential = lane_functions.exp",
+        *(f"lane_{name} = lane_functions.{name}" for name in _OF_LANES),
+        *(f"lane_{x.effect} = lane_functions.use(plain_{x.effect})" for x in structure.used),
+        "",
+        "@entry",
+        "def rates_of_lanes(s):",
+        f"    for lane in range({lanes}):",
+        f"        delta, revolutions, bucket = {controls}",
+        *(f"        {line}" for line in lines),
+    ]
+
+
+def _straight(structure: Structure) -> bool:
+    """Whether the equations are free of loops and of searches in tables."""
+    return (
+        structure.products is not None
+        and not structure.follows
+        and all(length == 1 for item in structure.used for _, length in item.tables)
+        and not any(_loops(item.known.force) for item in structure.used)
+    )
+
+
+def _loops(function: Any) -> bool:
+    """Whether a function of an effect, or one that it calls, holds a loop."""
+    code = function.__code__
+    if any("FOR_ITER" in x.opname or "BACKWARD" in x.opname for x in dis.get_instructions(code)):
+        return True
+    called = (function.__globals__.get(name) for name in code.co_names)
+    return any(
+        _loops(other)
+        for other in called
+        if isinstance(other, FunctionType) and other.__module__ != primitives.__name__
+    )
 
 
 def _forces(structure: Structure) -> list[str]:

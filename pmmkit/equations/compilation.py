@@ -8,9 +8,10 @@ import sys
 import warnings
 from collections.abc import Callable
 from functools import cache
+from math import atan2, cos, exp, sin
 from pathlib import Path
-from types import FunctionType, ModuleType
-from typing import Any
+from types import FunctionType, ModuleType, SimpleNamespace
+from typing import Any, Final
 
 import numpy as np
 
@@ -37,7 +38,9 @@ def compiled(structure: Structure, files: tuple[str, ...] = ENGINE) -> ModuleTyp
     itself runs them, on arrays.
     """
     try:
-        from pmmkit.equations import compiled_cache
+        import numba
+
+        from pmmkit.equations import compiled_cache, lane_functions
     except ImportError as error:
         warnings.warn(
             f"Equations are interpreted, which takes many times as long: {error}. Install numba.",
@@ -57,7 +60,9 @@ def compiled(structure: Structure, files: tuple[str, ...] = ENGINE) -> ModuleTyp
     except OSError:
         entry = compiled_cache.not_kept
     module = sys.modules[name] = ModuleType(name)
-    module.__dict__["entry"] = entry
+    # Numba runs everything as Python where it is told not to compile.
+    of_lanes = _PLAIN if vars(numba.config)["DISABLE_JIT"] else lane_functions
+    module.__dict__.update(entry=entry, lane_functions=of_lanes)
     exec(compile(text, place, "exec"), module.__dict__)
     return module
 
@@ -68,7 +73,7 @@ def _plain(
     """The functions of a structure for Python itself, with what makes their empty arrays."""
     module = ModuleType("pmmkit_equations")
     given = {"entry": _same, "inner": _same, "use": _same, "vector": vector}
-    module.__dict__.update(given, np=np, numpy=np)
+    module.__dict__.update(given, lane_functions=_PLAIN, np=np, numpy=np)
     exec(compile(module_text(structure, files), "<equations of a model>", "exec"), module.__dict__)
     return module
 
@@ -108,10 +113,15 @@ def _same(function: Any) -> Any:
     return function
 
 
+def _part(values: Any, first: int, size: int) -> Any:
+    return values[first : first + size]
+
+
 def _fingerprint(structure: Structure, text: str) -> str:
     """Hash of all that the compiled code depends on."""
     digest = hashlib.sha256(text.encode())
-    digest.update(Path(str(primitives.__file__)).read_bytes())
+    for file in (str(primitives.__file__), Path(__file__).with_name("lane_functions.py")):
+        digest.update(Path(file).read_bytes())
     for item in structure.used:
         if not item.text:
             for code in sorted(_codes_of(item.known.force)):
@@ -133,7 +143,8 @@ def _codes_of(function: Any) -> set[bytes]:
     return found
 
 
-_HEAD = '''"""Equations of motion of one structure of model; pmmkit wrote it and gives `entry`."""
+_PLAIN: Final = SimpleNamespace(use=_same, part=_part, sin=sin, cos=cos, atan2=atan2, exp=exp)
+_HEAD = '''"""Equations of motion of one structure of model; pmmkit wrote it; it gives the rest."""
 
 import numba
 import numpy

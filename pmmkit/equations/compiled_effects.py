@@ -3,22 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
 import numba
 
 from pmmkit.effects import primitives
 from pmmkit.effects.primitives import rebound
 
+_WITHIN: Final[dict[str, Any]] = {
+    "nogil": True,
+    "error_model": "numpy",
+    "forceinline": True,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
 
-def _compiled(function: Any) -> Any:
-    return numba.njit(function, nogil=True, error_model="numpy", forceinline=True)
+
+def inner(function: Any) -> Any:
+    """A function that only compiled ones call; what Python would need to call it is left out."""
+    return numba.njit(function, **_WITHIN)
 
 
-def use(function: Callable[..., Any]) -> Any:
-    """A compiled copy of an effect's function and of all that it calls."""
+def use(function: Callable[..., Any], **others: Any) -> Any:
+    """A compiled copy of an effect's function and of all that it calls.
+
+    Parameters
+    ----------
+    function : callable
+        A plain function of an effect.
+    **others
+        Compiled functions that stand for those of the C library, by name.
+    """
     own = {
-        name: _compiled(getattr(primitives, name))
+        name: inner(getattr(primitives, name))
         for name in ("where", "maximum", "minimum", "interpolate")
     }
-    return rebound(function, own, _compiled)
+    return rebound(function, own | others, inner)

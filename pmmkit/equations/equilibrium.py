@@ -62,15 +62,17 @@ def chord(low: float, f_low: float, high: float, f_high: float) -> float:
 
 
 def narrowed(
-    low: float, f_low: float, high: float, f_high: float, middle: float, f_middle: float
-) -> tuple[float, float, float, float]:
+    low: float, f_low: float, high: float, f_high: float, middle: float, f_middle: float, moved: int
+) -> tuple[float, float, float, float, int]:
     """A bracket, negative below and positive above, with a place inside as one of its ends.
 
-    The end that stays counts half, so that neither stays for ever: the method of Illinois.
+    An end that stays for the second time counts half, so that neither stays for ever: the method of
+    Illinois (Dowell and Jarratt 1971). The last number says which end moved: 1 the upper, -1 the
+    lower, 0 none yet.
     """
     if f_middle > 0.0:
-        return low, 0.5 * f_low, middle, f_middle
-    return middle, f_middle, high, 0.5 * f_high
+        return low, 0.5 * f_low if moved == 1 else f_low, middle, f_middle, 1
+    return middle, f_middle, high, 0.5 * f_high if moved == -1 else f_high, -1
 
 
 def surge_rate(n: float, speed: float, k: list[float], y: list[float], out: list[float]) -> float:
@@ -104,6 +106,7 @@ def self_propulsion(speed: float, k: list[float], y: list[float], out: list[floa
         low, f_low = high, f_high
     if not f_high >= 0.0:
         return math.nan
+    moved = 0
     for _ in range(100):
         if high - low <= 4e-16 * high or f_high == f_low:
             break
@@ -113,7 +116,9 @@ def self_propulsion(speed: float, k: list[float], y: list[float], out: list[floa
         f_middle = surge_rate(middle, speed, k, y, out)
         if f_middle == 0.0:
             return middle
-        low, f_low, high, f_high = narrowed(low, f_low, high, f_high, middle, f_middle)
+        low, f_low, high, f_high, moved = narrowed(
+            low, f_low, high, f_high, middle, f_middle, moved
+        )
     return high
 
 

@@ -149,6 +149,49 @@ Status = IntEnum(
 """How an integration ended."""
 OutcomeField = IntEnum("OutcomeField", ("status", "revolutions"), start=0)
 """What is told of each of many ships."""
+CourseField = IntEnum(
+    "CourseField",
+    (
+        "t",
+        "h",
+        "before",
+        "kept",
+        "status",
+        "revolutions",
+        "phase",
+        "opened",
+        "since",
+        "end",
+        "level",
+        "more",
+        "past",
+        "ahead",
+        "stop",
+        "clipped",
+        "exact",
+        "lost",
+    ),
+    start=0,
+)
+"""How far a ship has come in its phases: the instant, the next step, the error of the last, the
+number of kept steps, a `Status`, the revolutions of the approach; the phase, whether it is open,
+when it may end and must end, the level it waits for, how often more it may wait for a steady turn,
+whether the first instant is past and how far the level is passed, where the next step must end and
+whether that clips it, the length of a step that ends exactly at the level, and whether a phase was
+lost, after which none is sailed."""
+LaneSlot = IntEnum(
+    "LaneSlot",
+    ("y", "z", "rate", "k1", "k2", "k3", "k4", "k5", "k6", "k7", "size", "error", "length"),
+    start=0,
+)
+"""What lanes have of each state, side by side, k1 to k7 one after another; the length of the step
+stands there once a state. Behind it follow the instants, a `LaneMove` of each control and the
+constants, so that all lie in one list: of several a compiler would not know that they are apart."""
+LaneMove = IntEnum(
+    "LaneMove", ("since", "start", "order", "pace", "ramp", "rest", "lag", "value"), start=0
+)
+"""How a control of each lane moves: its signed rate, how long it
+holds that, and what is left for the lag."""
 
 InputField = IntEnum(
     "InputField",

@@ -1,4 +1,4 @@
-"""What is asked of integrated manoeuvres, and many ships in turn; runs like `engine`.
+"""What is asked of integrated manoeuvres; runs like `integrator`.
 
 A step is looked at through its dense output only, so that nothing depends on how finely a history
 is sampled.
@@ -9,16 +9,14 @@ from __future__ import annotations
 import math
 
 from pmmkit.equations.equilibrium import settle
-from pmmkit.equations.integrator import control, dense, root, run
+from pmmkit.equations.integrator import control, dense, root
 from pmmkit.equations.layouts import (
     Ask,
     Control,
     EventField,
-    OutcomeField,
     ProbeField,
     SettingField,
     State,
-    Status,
     StepField,
 )
 from pmmkit.equations.stand_ins import N_AT, NS, STRIDE, rates, vector
@@ -70,7 +68,7 @@ def probe(
         begin = len(EventField) * int(probes[a + ProbeField.first])
         end = len(EventField) * (int(probes[a + ProbeField.last]) + 1)
         first, last = int(events[begin + EventField.step]), int(events[end + EventField.step])
-        if last <= first:
+        if last <= first or state >= NS:
             continue
         if kind == Ask.crossing:
             for place in range(first, last):
@@ -174,37 +172,6 @@ def sample(
             if c == Control.revolutions:
                 rate *= max(n0, 1e-9)
             out[(NS + c) * size + j] = control(t, begin, start, order, rate, lag)
-
-
-def run_many(
-    ships: list[float],
-    first: int,
-    last: int,
-    width: int,
-    phases: list[float],
-    count: int,
-    settings: list[float],
-    probes: list[float],
-    asked: int,
-    room: int,
-    results: list[float],
-    outcomes: list[float],
-) -> None:
-    """Ships one after another: their probes, their status and revolutions of the approach."""
-    k, steps = vector(width), vector(room)
-    events = vector(len(EventField) * (count + 1))
-    found = vector((1 + NS) * asked)
-    for ship in range(first, last):
-        for i in range(width):
-            k[i] = ships[ship * width + i]
-        status, _, n0 = run(k, phases, count, settings, steps, room, events)
-        outcome = len(OutcomeField) * ship
-        outcomes[outcome + OutcomeField.status] = status
-        outcomes[outcome + OutcomeField.revolutions] = n0
-        if status == Status.done:
-            probe(steps, events, probes, asked, n0, settings, k, found)
-        for i in range((1 + NS) * asked):
-            results[ship * (1 + NS) * asked + i] = found[i] if status == Status.done else math.nan
 
 
 def repeat(y: list[float], k: list[float], times: int, out: list[float]) -> float:

@@ -9,9 +9,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from pmmkit.equations.layouts import State, StepField
+from pmmkit.equations.layouts import Control, LaneMove, LaneSlot, State, StepField
 
 NS = 6
+LANES = 8
+TIMES = len(LaneSlot) * NS * LANES
+MOVES = TIMES + LANES
+WIDE = MOVES + len(Control) * len(LaneMove) * LANES
 N_AT = -1
 REVOLUTIONS = 1
 FREE: tuple[int, ...] = (State.u, State.v, State.r)
@@ -29,6 +33,21 @@ def rates(
     out: list[float],
 ) -> None:
     """Stands for the equations of a structure: fills `out` with the rates of the states."""
+    raise NotImplementedError
+
+
+def rates_of_lanes(s: list[float]) -> None:
+    """Stands for the same equations in lanes: from the states in slot `z` to slot `rate`."""
+    raise NotImplementedError
+
+
+def exponential(x: float) -> float:
+    """Stands for the exponential function of lanes."""
+    raise NotImplementedError
+
+
+def part(values: list[float], first: int, size: int) -> list[float]:
+    """Stands for a view of some of the numbers."""
     raise NotImplementedError
 
 

@@ -288,7 +288,7 @@ def problem(status: int, ready: Prepared, t: float) -> SimulationError | ModelEr
 CHUNK: Final = 250
 """Ships that one thread takes at a time."""
 BATCH_ROOM: Final = 4000
-"""Steps for which each thread has room."""
+"""Steps of a ship for which each thread has room."""
 
 
 def run_ships(
@@ -326,12 +326,13 @@ def run_ships(
 
     Notes
     -----
-    Each ship is integrated on its own, by the code that also runs a single one: the results are
-    the same bit for bit whatever the number of threads.
+    Each ship is integrated on its own, in a lane of `pmmkit.equations.lanes`: the results are the
+    same bit for bit whatever the number of threads and whichever ships are beside it.
     """
+    from pmmkit.equations.code_generation import SAILING
     from pmmkit.equations.compilation import compiled
 
-    functions = compiled(structure)
+    functions = compiled(structure, SAILING)
     number, width = ships.shape
     asked, states = len(plan.probes), structure.states
     filled = np.empty(number * asked * (1 + len(states)))
@@ -342,20 +343,23 @@ def run_ships(
 
     def work(first: int) -> int:
         last: int = min(first + CHUNK, number)
-        functions.run_many(
-            flat,
-            first,
-            last,
-            width,
-            orders,
-            len(plan.phases),
-            given,
-            questions,
-            asked,
-            room,
-            filled,
-            outcomes,
-        )
+        # Lanes without a ship reckon with zeros.
+        with np.errstate(all="ignore"):
+            functions.run_many(
+                flat,
+                first,
+                last,
+                width,
+                orders,
+                len(plan.phases),
+                given,
+                questions,
+                asked,
+                room,
+                np.empty(functions.LANES * room),
+                filled,
+                outcomes,
+            )
         return last - first
 
     starts = range(0, number, CHUNK)

@@ -167,7 +167,8 @@ def test_a_signal_that_nothing_gives_is_named_with_the_part_that_would():
 # Many ships
 
 
-def test_one_ship_alone_is_the_same_ship_in_a_batch_bit_for_bit():
+def test_one_ship_alone_is_the_same_ship_in_a_batch_but_for_last_digits():
+    """Lanes have a sine, an exponential and an arctangent of their own."""
     batch = batch_of(TANKER, "turning", speed=SPEED, rudder_deg=35.0)
     drawn = spread_of(TANKER, SPEED, 0.05)
     values = drawn.draw(3, 0, 40)
@@ -180,7 +181,7 @@ def test_one_ship_alone_is_the_same_ship_in_a_batch_bit_for_bit():
             alone = alone.with_values(part, **{name: value})
         found = simulate(alone, speed=SPEED, rudder_deg=35.0).metrics
         for key, value in found.items():
-            assert metrics[key][ship] == value, key
+            assert metrics[key][ship] == pytest.approx(value, rel=1e-12, abs=1e-12), key
 
 
 @pytest.mark.slow
