@@ -97,8 +97,8 @@ def likelihood(method, base, inputs, t, measured, diffusion):
 @pytest.mark.parametrize("method", ["ekf", "ukf"])
 def test_a_record_is_as_probable_as_all_its_measurements_at_once(method):
     """Sway and yaw are linear about straight ahead: the whole record is one normal vector, whose
-    covariance is made of exponentials of the slopes of the rates. A filter that adds the noise of
-    an interval at its end is off by 6.5 here."""
+    covariance is made of exponentials of the slopes of the rates. With the noise of each interval
+    at its end that vector is off by 6.5 here."""
     binding = bound(EVEN, (), SPEED)
     k, turns = binding.base.copy(), prepare(EVEN, SPEED).self_propulsion()
     assert BY_WATER.complete(k) == 0
