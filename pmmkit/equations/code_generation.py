@@ -41,7 +41,13 @@ SAILING: Final = (*ENGINE, "lanes.py")
 """What sails many ships at once."""
 CARRYING: Final = ("equilibrium.py", "integrator.py", "communication.py", "surroundings.py")
 """What a program in another language is made of; with it stands `forces`."""
-ESTIMATING: Final = ("equilibrium.py", "integrator.py", "sensors.py", "estimators.py")
+ESTIMATING: Final = (
+    "equilibrium.py",
+    "integrator.py",
+    "sensors.py",
+    "covariances.py",
+    "estimators.py",
+)
 ENTRIES: Final = (
     "rates",
     "complete",

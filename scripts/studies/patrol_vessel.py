@@ -97,10 +97,7 @@ def patrol_vessel(*, propulsive: float = 0.55, **changes: float) -> Model:
     values = guess.values | {name: L / DRAUGHT * cross.values[name] for name in ("Yrdot", "Nvdot")}
     doubts = guess.std | {name: L / DRAUGHT * cross.std[name] for name in ("Yrdot", "Nvdot")}
     resistance, fast, flow = jet(propulsive, 0.05)
-    unit = force_unit(
-        "X", guess.convention.system, L=L, d=DRAUGHT, volume=ship.volume, rho=water.rho,
-        g=water.g, U=TURNING_SPEED,
-    )  # fmt: skip
+    unit = force_unit("X", guess.convention.system, ship=ship, water=water, U=TURNING_SPEED)
     values = values | {"Xuu": -resistance / unit}
     doubts = doubts | {"Xuu": 0.25 * resistance / unit}
     values = {name: x * changes.get(name, 1.0) for name, x in values.items()}
