@@ -432,6 +432,17 @@ def told(place: Place, names: Iterable[str], *, counted: int = COUNTED) -> list[
     ]
 
 
+def in_words(name: str) -> str:
+    """What a number is called where its unit stands beside it.
+
+    Examples
+    --------
+    >>> in_words("overshoot_1_deg"), in_words("tactical_diameter_L")
+    ('overshoot 1', 'tactical diameter')
+    """
+    return name.removesuffix("_deg").removesuffix(IN_LENGTHS).replace("_", " ")
+
+
 def main_of(names: Iterable[str]) -> str:
     """The number that is told first: the tactical diameter where there is one.
 

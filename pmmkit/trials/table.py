@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from pmmkit.campaigns.test_kinds.free_running import STOPPING
-from pmmkit.metrics import IN_LENGTHS, in_metres, metric_of, told, unit_of
+from pmmkit.metrics import IN_LENGTHS, in_metres, in_words, metric_of, told, unit_of
 from pmmkit.numerics import Array
 from pmmkit.presentation import ABSENT, WIDE, Described, Grid, Group, Section
 from pmmkit.simulation.imo import Verdict
@@ -207,7 +207,7 @@ class Trial(Described):
         value, std, unit = self.metrics[name], self.std[name], unit_of(name)
         digits = 3 if unit == "-" else 1
         shown = "°" if unit == "deg" else "" if unit == "-" else f" {unit}"
-        label = name.removesuffix("_deg").replace("_", " ")
+        label = in_words(name)
         if not math.isfinite(value):
             return [label, ABSENT, ABSENT, ABSENT]
         length = self.metrics.get(f"{name}_L")

@@ -13,7 +13,7 @@ from pmmkit.campaigns.motion.inertia import Rig, rig_of
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.metrics import in_metres, told
+from pmmkit.metrics import in_metres, in_words, told
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
 from pmmkit.observations.views import View
@@ -216,7 +216,7 @@ class Comparison(Described):
                 if np.isfinite(row["as_executed"]) and row["measure"].startswith("overshoot"):
                     found.setdefault(row["measure"], []).append(row)
         return [
-            f"{measure.removesuffix('_deg').replace('_', ' ')}: off by "
+            f"{in_words(measure)}: off by "
             f"{rms([row['error'] for row in rows]):.2f}° (rms of {len(rows)}), with each execute "
             f"at the heading of the run by {rms([row['error_as_executed'] for row in rows]):.2f}°"
             for measure, rows in found.items()
@@ -553,7 +553,7 @@ def _measure_statements(
             continue
         share = 100.0 * float(np.mean([row["relative"] for row in rows]))
         text = (
-            f"{measure.removesuffix('_deg').replace('_', ' ')}, {kind_of(test).title}, "
+            f"{in_words(measure)}, {kind_of(test).title}, "
             f"{'all' if len(rows) > 1 else 'the'} {len(rows) if len(rows) > 1 else 'one'} "
             f"run{'s' if len(rows) > 1 else ''}: simulated {abs(share):.0f} % "
             f"{'more' if share > 0 else 'less'} than measured"

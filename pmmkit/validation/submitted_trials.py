@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError, PmmkitError
-from pmmkit.metrics import IN_LENGTHS, in_lengths, told, unit_of
+from pmmkit.metrics import in_lengths, in_words, told, unit_of
 from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, counted, number
 from pmmkit.trials import Trial
 from pmmkit.trials.evaluate import JUDGED, evaluate
@@ -124,7 +124,7 @@ class TrialComparison(Described):
     def _sections(self) -> Sequence[Section]:
         rows = [
             [
-                f"{row['run']} {_words(row['measure'])} [{row['unit']}]",
+                f"{row['run']} {in_words(row['measure'])} [{row['unit']}]",
                 number(row["D"], 3),
                 number(row["S"], 3),
                 _percent(row["E_percent"]),
@@ -280,10 +280,6 @@ def _orders(run: Run) -> tuple[float, float]:
     rudder = given.rudder
     switch = abs(rudder) if given.switch is None else abs(given.switch)
     return rudder, switch if kind_of(run.test).switches else 0.0
-
-
-def _words(measure: str) -> str:
-    return measure.removesuffix("_deg").removesuffix(IN_LENGTHS).replace("_", " ")
 
 
 def _percent(share: float) -> str:

@@ -54,15 +54,8 @@ def stopping(
             "heading_at_stop_deg": degrees(a.at("stop", "psi")),
         }
 
-    if reversal_s is None:
-        return Plan(phases=phases, probes=probes, measure=measure)
-    return Plan(
-        phases=phases,
-        probes=probes,
-        measure=measure,
-        revolutions_rate=abs(1.0 - ordered) / reversal_s or None,
-        bucket_rate=1.0 / reversal_s,
-    )
+    plan = Plan(phases=phases, probes=probes, measure=measure)
+    return _reversed_in(reversal_s, plan, abs(1.0 - ordered))
 
 
 def astern_to_ahead(
@@ -104,15 +97,15 @@ def astern_to_ahead(
             "way_ahead": a.at("speed", "x") - a.at("stop", "x"),
         }
 
-    if reversal_s is None:
-        return Plan(phases=phases, probes=probes, measure=measure)
-    return Plan(
-        phases=phases,
-        probes=probes,
-        measure=measure,
-        revolutions_rate=abs(turns - backing) / reversal_s or None,
-        bucket_rate=1.0 / reversal_s,
-    )
+    plan = Plan(phases=phases, probes=probes, measure=measure)
+    return _reversed_in(reversal_s, plan, abs(turns - backing))
+
+
+def _reversed_in(time: float | None, plan: Plan, change: float) -> Plan:
+    """The plan with the revolutions changed, and the bucket moved, in a time that is stated."""
+    if time is None:
+        return plan
+    return replace(plan, revolutions_rate=change / time or None, bucket_rate=1.0 / time)
 
 
 def accelerating(pace: float, *, turns: float) -> Plan:
