@@ -13,10 +13,11 @@ from typing import Any
 
 import pytest
 from hypothesis import settings
+from kept import Kept
 
-settings.register_profile("local", deadline=None)
-settings.register_profile("ci", deadline=None, derandomize=True)
-settings.load_profile("ci" if os.environ.get("CI") else "local")
+# The same examples for everyone; scripts/studies/properties.py looks for others.
+settings.register_profile("everyone", deadline=None, derandomize=True)
+settings.load_profile("everyone")
 
 ROOT = Path(__file__).parents[1]
 
@@ -53,6 +54,13 @@ def symbols_set_once() -> Iterator[None]:
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Reports without pictures, which take most of their time, where another file is asked."""
     monkeypatch.setattr("pmmkit.report.drawn.svg", lambda figure: "<svg></svg>")
+
+
+@pytest.fixture(scope="session")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Kept:
+    """What is made once for all workers."""
+    own = tmp_path_factory.getbasetemp()
+    return Kept((own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "kept")
 
 
 @pytest.fixture(scope="session")

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 from hidden_effects import hidden_campaign
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from small_campaign import write_campaign
 
@@ -300,14 +300,33 @@ def test_many_values_tell_by_what_laboratories_differ():
 
 
 @settings(max_examples=20, deadline=None)
-@given(st.floats(0.01, 0.2), st.floats(0.02, 0.1))
+@given(st.floats(1e-4, 0.2), st.floats(0.02, 0.1))
+@example(0.01063, 0.0547)  # a sum over a fixed grid of τ and σ gave .00995
 def test_scatter_and_offset_make_up_how_far_records_move_the_base(size, scale):
     """Of many directions σ² + 2τ² is known, whatever the priors are."""
     tau, sigma = scatter_of_base([(size, 1e3)], scale, 0.15)
-    assert math.sqrt(sigma**2 + 2.0 * tau**2) == pytest.approx(size, rel=0.05)
-    assert scatter_of_base([], scale, 0.15) == (pytest.approx(scale, rel=0.01), 0.0)
+    assert math.sqrt(sigma**2 + 2.0 * tau**2) == pytest.approx(size, rel=0.005)
+    assert scatter_of_base([], scale, 0.15) == (scale, 0.0)
     vague, _ = scatter_of_base([(size, 1e-6)], scale, 0.15)
-    assert vague == pytest.approx(scale, rel=0.01)
+    assert vague == pytest.approx(scale, rel=1e-3)
+
+
+SIZES = st.tuples(st.floats(0.003, 1.0), st.floats(0.3, 300.0))
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(SIZES, min_size=1, max_size=3), st.floats(0.01, 0.1), st.floats(0.05, 0.3))
+def test_scatter_and_offset_are_means_over_their_density(moved, scale, offset):
+    """By brute force: a sum over ln τ and ln σ, fine and wide."""
+    grid = np.exp(np.linspace(-14.0, 2.5, 1501))
+    tau, sigma = scale * grid[:, None], offset * grid
+    apart = sigma**2 + 2.0 * tau**2
+    log = np.log(tau * sigma) - 0.5 * ((tau / scale) ** 2 + (sigma / offset) ** 2)
+    for size, directions in moved:
+        log = log - 0.5 * directions * (np.log(apart) + size**2 / apart)
+    share = np.exp(log - log.max())
+    means = [np.sqrt(np.sum(share * x**2) / share.sum()) for x in (tau, sigma)]
+    assert scatter_of_base(moved, scale, offset) == pytest.approx(means, rel=1e-3)
 
 
 def test_what_only_laboratories_have_scatters_about_nothing():

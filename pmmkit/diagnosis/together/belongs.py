@@ -18,10 +18,9 @@ SCATTER: Final = 0.25
 """Scale of the half-normal prior of what laboratories differ by, over the size that is found."""
 LEAST: Final = 0.1
 """Least of these sizes over the usual ones: an effect of hardly any size may differ by some."""
-GRID: Final = 60
-"""Points of the integral over what laboratories differ by."""
-FURTHEST: Final = 4.0
-"""End of that integral, over the scale of the prior."""
+SCALES: Final = np.exp(np.linspace(-14.0, 2.0, 257))
+"""What laboratories may differ by, over the scale of the prior, even in its logarithm: from where
+no density is left (1e-6) to where the prior has fallen by exp(-27); steps of 6 %."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -158,17 +157,16 @@ def third(
     [0.23, 0.39, 0.64]
     """
     spread = np.diag(np.square(usual))
-    # Midpoints: none of the probability stands at the ends.
-    taus = scale * FURTHEST * (np.arange(GRID) + 0.5) / GRID
     weight, mean, square = [], [], []
-    for tau in taus.tolist():
+    for tau in (scale * SCALES).tolist():
         between = tau**2 * spread
         whole = _scattered(found, prior, between)
         across = np.tile(prior, (1, len(found)))
         c = np.concatenate([item.values for item in found])
         value = across @ np.linalg.solve(whole, c)
         left = prior - across @ np.linalg.solve(whole, across.T) + between
-        weight.append(_log_normal(c, whole) - 0.5 * (tau / scale) ** 2)
+        # The last is what a step of ln τ holds of τ.
+        weight.append(_log_normal(c, whole) - 0.5 * (tau / scale) ** 2 + math.log(tau))
         mean.append(value)
         square.append(np.diagonal(left) + value**2)
     share = np.exp(np.array(weight) - max(weight))
