@@ -1,4 +1,4 @@
-"""What takes long to make and several tests look at: made once a run, kept on disc for all workers."""
+"""What takes long to make and several tests look at: made once a run, for all workers."""
 
 from __future__ import annotations
 
