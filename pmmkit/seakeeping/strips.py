@@ -207,7 +207,7 @@ def excitation(
         w[mode] = np.sum(level * direct[row], axis=-1)
     w[4] = -np.sum(tilted * direct[HEAVE], axis=-1)
     w[5] = np.sum(tilted * direct[SWAY], axis=-1)
-    w[0] = _surge(strips, k, along, across)
+    w[0] = _surge(strips, k, along, across, level)
     incident = np.broadcast_to(w[:, None], (6, *encounter.shape))
 
     points, steps = strips.sections.points, strips.sections.weights
@@ -216,10 +216,11 @@ def excitation(
     scale = encounter * omega
     total = incident.copy()
     for mode, row, shape in ((2, HEAVE, even), (1, SWAY, odd), (3, ROLL, odd)):
-        force = scale * _summed(strips, row, shape, np.stack([level, tilted]), encounter)
+        local = _over_sections(strips.sections.potentials[row], shape, encounter)
+        force = scale * _summed(strips, local, np.stack([level, tilted]), encounter)
         ends = np.zeros_like(level)[None]
         ends[..., 0] = first
-        (aft,) = scale * _summed(strips, row, shape, ends, encounter)
+        (aft,) = scale * _summed(strips, local, ends, encounter)
         total[mode] += force[0] + drift * aft
         if mode != 3:
             turning = force[1] + drift * (force[0] + strips.x[0] * aft)
@@ -227,17 +228,22 @@ def excitation(
     return Excitation(froude_krylov=incident, total=total)
 
 
-def _summed(strips: Strips, row: int, shape: Complex, by: Complex, encounter: Array) -> Complex:
-    """∫∫ potential times wave over sections and, with weights `by`, along the hull."""
-    overtaken = encounter < 0.0  # there the potential is the conjugate, the wave is not
+def _over_sections(potentials: Complex, shape: Complex, encounter: Array) -> list[Complex]:
+    """∫ potential times wave over sections; where waves are overtaken, with its conjugate too."""
+    waves = (shape, shape.conj()) if (encounter < 0.0).any() else (shape,)
+    return [np.einsum("fsn,hwsn->fhws", potentials, wave, optimize=True) for wave in waves]
+
+
+def _summed(strips: Strips, local: list[Complex], by: Complex, encounter: Array) -> Complex:
+    """What was integrated over sections, with weights `by`, along the hull."""
     found = []
-    for wave, weight in ((shape, by), (shape.conj(), by.conj())):
-        local = np.einsum("fsn,hwsn->fhws", strips.sections.potentials[row], wave, optimize=True)
-        sums = np.einsum("fhws,bhws->bfhw", local, weight, optimize=True)
+    for part, weight in zip(local, (by, by.conj()), strict=False):
+        sums = np.einsum("fhws,bhws->bfhw", part, weight, optimize=True)
         found.append(np.stack([at_frequency(strips, one, np.abs(encounter)) for one in sums]))
-        if not overtaken.any():
-            return found[0]
-    return np.where(overtaken, found[1].conj(), found[0])
+    if len(found) == 1:
+        return found[0]
+    # of waves that are overtaken the potential is the conjugate, the wave is not
+    return np.where(encounter < 0.0, found[1].conj(), found[0])
 
 
 def _waves(points: Complex, steps: Complex, k: Array, across: Array) -> tuple[Complex, Complex]:
@@ -260,12 +266,11 @@ def _projected(points: Complex, steps: Complex, k: Array, across: Array) -> Comp
     return np.stack([np.sum(even * up, -1), np.sum(odd * out, -1), np.sum(odd * turn, -1)])
 
 
-def _surge(strips: Strips, k: Array, along: Array, across: Array) -> Complex:
+def _surge(strips: Strips, k: Array, along: Array, across: Array, level: Complex) -> Complex:
     """Pressure of the wave on the ends: ik cos β ∫∫ over the areas of sections."""
     points, steps = strips.panels
     decay = np.exp(-np.multiply.outer(k, points.real))
     half = np.multiply.outer(np.multiply.outer(across, k), points.imag)
     width = 2 * points.imag * np.sinc(half / math.pi)
     inside = np.sum(decay * width * -steps.real, axis=-1)
-    level = weights(strips.x, along)[0]
     return np.asarray(strips.g * 1j * along * np.sum(level * inside, axis=-1))

@@ -170,7 +170,10 @@ def in_waves(
     Examples
     --------
     >>> from pmmkit.models import load_model
-    >>> rough = in_waves(load_model("kcs"), Sea(Hs=4.0, Tp=10.0), speed=[0, 6, 12], from_deg=30.0)
+    >>> from pmmkit.seakeeping import hull_from_particulars, rao
+    >>> hull = hull_from_particulars(name="KCS", L=230.0, B=32.2, d=10.8, block=0.65)
+    >>> found = rao(hull, speeds=[0, 6, 12], headings_deg=[0, 90, 180], omega=[0.5, 0.7])
+    >>> rough = in_waves(load_model("kcs"), Sea(Hs=4.0, Tp=10.0), motions=found, from_deg=30.0)
     >>> rough.values("wave_drift")["speeds"], rough.values("wave_drift")["from_deg"]
     ((0.0, 6.0, 12.0), 30.0)
     """
