@@ -60,10 +60,12 @@ def test_trends_of_the_turning_circle_are_found_back(s175):
 
 @pytest.mark.slow
 def test_a_saved_campaign_reduces_to_the_same_table(s175, tmp_path):
-    pk.save_campaign(s175.campaign, tmp_path / "all.h5")
-    again = reduce_campaign(pk.load_campaign(tmp_path / "all.h5"), check=False).table
-    assert np.array_equal(again.value, s175.table.value)
-    assert np.array_equal(again.covariance, s175.table.covariance)
+    some = s175.campaign.with_(runs=s175.campaign.runs[::3])
+    pk.save_campaign(some, tmp_path / "some.h5")
+    saved = pk.load_campaign(tmp_path / "some.h5")
+    one, again = (reduce_campaign(made, check=False).table for made in (some, saved))
+    assert np.array_equal(again.value, one.value, equal_nan=True)
+    assert np.array_equal(again.covariance, one.covariance, equal_nan=True)
 
 
 def test_hmri_as_published_is_refused_with_everything_at_once(shared_data, datasets):
