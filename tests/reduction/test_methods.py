@@ -7,12 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import reduced
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import CampaignError, UnknownNameError
 from pmmkit.estimation.elimination import Elimination
-from pmmkit.files import datasets_folder
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.agreement import differences, worst
 from pmmkit.reduction.methods.kalman import filtered
@@ -293,10 +292,9 @@ def test_elimination_finds_the_set_that_an_exhaustive_search_finds():
 
 
 @pytest.mark.slow
-def test_tables_of_harmonics_go_through_every_method(shared_data):
+def test_tables_of_harmonics_go_through_every_method(kept, datasets, shared_data):
     """HMRI's tests of the KVLCC2: pure sway and static drift are known to disagree."""
-    opened = open_campaign(datasets_folder() / "kvlcc2_hmri", data=shared_data)
-    found = reduce_campaign(opened, structure="mmg", method="all", check=False)
+    found = reduced.hmri(kept, datasets, shared_data)
     row = len(found.table.Fn) - 1
     ekf, base = found.estimates["ekf"].table, found.estimates["regression"].table
     np.testing.assert_allclose(ekf.value[row], base.value[row], rtol=1e-3)
