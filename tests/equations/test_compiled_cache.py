@@ -61,6 +61,8 @@ def test_the_second_session_finds_it_and_only_the_user_can_write_it(filled):
     folder, numbers = filled
     assert session(folder, NUMBA_CACHE_DIR=str(folder / "elsewhere"))[:2] == (numbers, 1)
     assert not list((folder / "elsewhere").rglob("*.nb?"))
+    assert len(files(folder, ".py")) == 1
+    assert files(folder, ".nbc")
     if sys.platform != "win32":
         modes = {place.stat().st_mode & 0o777 for place in folder.glob("v*")}
         assert modes == {0o700}

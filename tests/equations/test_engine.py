@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import importlib
-import json
 import math
-import os
-import subprocess
 import sys
 from collections import Counter
 from dataclasses import replace
@@ -299,7 +296,6 @@ def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_
     (tmp_path / "sea_anchor.py").write_text(MADE_UP, encoding="utf-8")
     package = importlib.import_module("pmmkit.effects")
     monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
-    monkeypatch.setenv("PMMKIT_CACHE", str(tmp_path / "cache"))
     catalogue_module._installed.cache_clear()
     try:
         assert "sea_anchor" in catalogue()
@@ -362,30 +358,6 @@ def test_added_mass_that_depends_on_the_motion_is_solved_for(tmp_path, monkeypat
 
 
 # The cache
-
-
-@pytest.mark.slow
-def test_two_sessions_share_what_was_compiled(tmp_path):
-    code = (
-        "import json, time, pmmkit as pk\n"
-        "t = pk.simulate('kvlcc2-l7', speed=1.179, compiled=True)\n"
-        "print(json.dumps([t.metrics['advance'], t.metrics['steady_diameter']]))"
-    )
-    environment = {**os.environ, "PMMKIT_CACHE": str(tmp_path)}
-    results = []
-    for _ in range(2):
-        done = subprocess.run(
-            [sys.executable, "-c", code],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        results.append(json.loads(done.stdout))
-        files = sorted(path.name for path in tmp_path.rglob("*.nbc"))
-    assert results[0] == results[1]
-    assert files
-    assert len(list(tmp_path.rglob("pmmkit_equations_*.py"))) == 1
 
 
 @pytest.mark.slow

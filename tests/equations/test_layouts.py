@@ -87,7 +87,7 @@ measured = {
     "xdot": zigzag.u * np.cos(zigzag.psi) - zigzag.v * np.sin(zigzag.psi),
 }
 noise = np.random.default_rng(1).normal(scale=1e-3, size=(len(measured), len(zigzag.t)))
-N = 80
+N = 24
 record = FreeRecord(
     name="zigzag", t=zigzag.t[:N], delta=zigzag.delta[:N], turns=zigzag.n[:N], speed=1.179,
     measured={name: (x + e)[:N] for (name, x), e in zip(measured.items(), noise, strict=True)},
