@@ -73,7 +73,7 @@ def test_a_fit_through_trajectories_shortens_its_windows_and_lengthens_them_agai
 @pytest.mark.parametrize("method", ["ekf", "ukf"])
 def test_a_filter_begins_anew_from_a_fit(method):
     names = (*HULL, *MASSES)
-    found = identify(LINER, turns(), names, method=method, prior=poor(names, 7), sensors=NOISE)
+    found = identify(LINER, turns()[:1], names, method=method, prior=poor(names, 7), sensors=NOISE)
     assert any("the motion was lost at first" in note for note in found.notes)
     assert np.all(np.isfinite(found.values))
     assert np.all(found.std <= 1.001 * found.prior.std * np.sqrt(found.detail.covariance.shape[0]))
