@@ -316,9 +316,10 @@ SIZES = st.tuples(st.floats(0.003, 1.0), st.floats(0.3, 300.0))
 
 @settings(max_examples=20, deadline=None)
 @given(st.lists(SIZES, min_size=1, max_size=3), st.floats(0.01, 0.1), st.floats(0.05, 0.3))
+@example([(1.0, 119.0)], 0.03125, 0.0625)  # far beyond both priors
 def test_scatter_and_offset_are_means_over_their_density(moved, scale, offset):
     """By brute force: a sum over ln τ and ln σ, fine and wide."""
-    grid = np.exp(np.linspace(-14.0, 2.5, 1501))
+    grid = np.exp(np.linspace(-14.0, 4.0, 1501))
     tau, sigma = scale * grid[:, None], offset * grid
     apart = sigma**2 + 2.0 * tau**2
     log = np.log(tau * sigma) - 0.5 * ((tau / scale) ** 2 + (sigma / offset) ** 2)
