@@ -60,7 +60,7 @@ def test_white_noise_is_known_to_be_white():
 @pytest.mark.slow
 def test_intervals_of_95_percent_hold_95_percent():
     truth = true_prior()
-    found = [fitted([sailed(seed=seed, dt=0.2)], off(truth, seed)) for seed in range(30)]
+    found = [fitted([sailed(seed=seed, dt=0.4)], off(truth, seed)) for seed in range(30)]
     errors = np.array([away(item, truth.mean) for item in found])
     assert 0.86 <= np.mean(np.abs(errors) < 1.96) <= 1.0
     assert 0.5 < np.mean(errors**2) < 1.5
