@@ -77,7 +77,7 @@ def test_sweeps(threads):
 @pytest.mark.slow
 def test_what_checks_and_diagnosis_see_of_captive_tests(folder, threads):
     campaign = pk.open_campaign(folder)
-    campaign = campaign.with_(runs=campaign.runs[::3])
+    campaign = campaign.with_(runs=campaign.runs[::5])
 
     def seen(who):
         views = views_of(campaign, executor=who)
