@@ -169,9 +169,10 @@ def assert_same(one: Campaign, other: Campaign) -> None:
         for field in fields(Run):
             if field.name != "loader":
                 assert repr(getattr(first, field.name)) == repr(getattr(second, field.name))
-        xr.testing.assert_identical(first.data, second.data)
-        for name, variable in first.data.variables.items():
-            assert variable.dtype == second.data[name].dtype, name
+        ours, theirs = first.data, second.data
+        xr.testing.assert_identical(ours, theirs)
+        for name, variable in ours.variables.items():
+            assert variable.dtype == theirs[name].dtype, name
 
 
 @pytest.mark.slow
