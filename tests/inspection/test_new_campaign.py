@@ -28,6 +28,12 @@ def s175(datasets):
     return open_campaign(datasets / "s175")
 
 
+@pytest.fixture(scope="module")
+def fast(s175):
+    """Its 21 runs at the middle speed."""
+    return s175.with_(runs=tuple(run for run in s175 if run.settings.speed == 1.5))
+
+
 def drafted(capsys, *arguments):
     """Status, JSON and words of the command."""
     status = main(["new-campaign", *map(str, arguments), "--json"])
@@ -103,41 +109,41 @@ def test_a_saved_campaign_gives_all_its_runs_back(datasets, s175, tmp_path, caps
 
 
 @pytest.mark.slow
-def test_names_and_recorded_motion_give_all_runs(s175, tmp_path, capsys):
-    folder = exported(s175, tmp_path / "tank", motion=True)
+def test_names_and_recorded_motion_give_all_runs(fast, tmp_path, capsys):
+    folder = exported(fast, tmp_path / "tank", motion=True)
     status, content, words = drafted(capsys, folder)
-    assert (status, content["complete"]) == (0, 63)
-    assert "63 of 63 entries need nothing more" in words
+    assert (status, content["complete"]) == (0, 21)
+    assert "21 of 21 entries need nothing more" in words
     filled_in(folder)
     found = open_campaign(folder)
-    assert len(as_the_real_one(found, s175)) == 63
+    assert len(as_the_real_one(found, fast)) == 21
     run = found["YD_U1.5_b-08_r0.5"]
-    np.testing.assert_allclose(run.data["Y"], s175[run.id].data["Y"], rtol=1e-5, atol=1e-4)
+    np.testing.assert_allclose(run.data["Y"], fast[run.id].data["Y"], rtol=1e-5, atol=1e-4)
 
 
 @pytest.mark.slow
-def test_recorded_motion_alone_gives_all_runs(s175, tmp_path, capsys):
+def test_recorded_motion_alone_gives_all_runs(fast, tmp_path, capsys):
     """Files that are only numbered: kind, speed, drift, period and amplitudes by the record."""
-    numbers = {run.id: f"run_{place:03d}" for place, run in enumerate(s175)}
-    folder = exported(s175, tmp_path / "tank", motion=True, name=lambda run: numbers[run.id])
+    numbers = {run.id: f"run_{place:03d}" for place, run in enumerate(fast)}
+    folder = exported(fast, tmp_path / "tank", motion=True, name=lambda run: numbers[run.id])
     assert drafted(capsys, folder)[0] == 0
     filled_in(folder)
     names = {number: run_id for run_id, number in numbers.items()}
     found = [run.with_(id=names[run.id]) for run in open_campaign(folder)]
-    assert len(as_the_real_one(found, s175)) == 63
+    assert len(as_the_real_one(found, fast)) == 21
 
 
 @pytest.mark.slow
-def test_without_motion_the_amplitudes_are_left_to_a_person(s175, tmp_path, capsys):
+def test_without_motion_the_amplitudes_are_left_to_a_person(fast, tmp_path, capsys):
     """Names and forces: static runs whole, of oscillating ones all but the amplitude."""
-    folder = exported(s175, tmp_path / "tank", motion=False)
+    folder = exported(fast, tmp_path / "tank", motion=False)
     _, content, words = drafted(capsys, folder)
-    assert content["complete"] == 27
+    assert content["complete"] == 9
     assert "v_amplitude, a number in the name: is it that?: PS_" in words
     filled_in(folder)
     with pytest.raises(CampaignError, match="amplitude_m") as caught:
         open_campaign(folder)
-    assert len(caught.value.problems) == 36
+    assert len(caught.value.problems) == 12
     path = folder / "campaign.toml"
     text = path.read_text(encoding="utf-8")
     assert "# v_amplitude = 0.08" in text
@@ -146,8 +152,8 @@ def test_without_motion_the_amplitudes_are_left_to_a_person(s175, tmp_path, caps
         text.replace("# v_amplitude", "v_amplitude").replace("# r_amplitude", "r_amplitude"),
         encoding="utf-8",
     )
-    right = as_the_real_one(open_campaign(folder), s175, period=4e-3)
-    assert len(right) == 63
+    right = as_the_real_one(open_campaign(folder), fast, period=4e-3)
+    assert len(right) == 21
 
 
 def test_what_is_unknown_is_asked_for_by_open_campaign(s175, tmp_path, capsys):
