@@ -6,6 +6,7 @@ import importlib
 import math
 from collections import Counter
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,6 +27,10 @@ TO_EACH_SIDE = {
     "second_overshoot_10_10",
     "first_overshoot_20_20",
 }
+
+
+judged = cache(imo_verdicts)
+"""The verdicts on a ship of the library, which several tests look at."""
 
 
 def by_name(verdicts):
@@ -74,7 +79,7 @@ def test_limits_worked_out_for_known_ships(L, speed, limits):
 
 @pytest.mark.parametrize(("name", "speed"), SHIPS.items())
 def test_every_criterion_is_applied_to_both_sides(name, speed):
-    found = imo_verdicts(name, speed)
+    found = judged(name, speed)
     sides = {
         side: {v.criterion for v in found if v.manoeuvre.endswith(f"to {side}")}
         for side in ("port", "starboard")
@@ -96,7 +101,7 @@ def test_limits_are_those_of_the_standard_and_the_margin_decides(name, speed):
         "first_overshoot_20_20": (25.0, "deg"),
         "track_reach": (15.0, "L"),
     }
-    for verdict in imo_verdicts(name, speed):
+    for verdict in judged(name, speed):
         assert (verdict.limit, verdict.unit) == limits[verdict.criterion]
         assert verdict.scale == load_model(name).scale
         assert verdict.probability is None
@@ -109,7 +114,7 @@ def test_limits_are_those_of_the_standard_and_the_margin_decides(name, speed):
 @pytest.mark.parametrize(("name", "speed"), SHIPS.items())
 @pytest.mark.parametrize("side", ["starboard", "port"])
 def test_values_are_those_of_the_manoeuvres_that_the_standard_asks_for(name, speed, side):
-    found = by_name(imo_verdicts(name, speed))
+    found = by_name(judged(name, speed))
     sign = 1.0 if side == "starboard" else -1.0
     asked = {
         "advance": ("turning", "advance_L", {"rudder_deg": sign * 35.0}),
@@ -187,7 +192,7 @@ def test_a_ship_shorter_than_100_m_is_flagged(name):
 
 @pytest.mark.parametrize(("name", "speed"), SHIPS.items())
 def test_a_ship_longer_than_100_m_is_not_flagged_but_the_engine_is_asked_about(name, speed):
-    for verdict in imo_verdicts(name, speed):
+    for verdict in judged(name, speed):
         text = " ".join(verdict.conditions)
         assert "100 m and more" not in text
         assert ("85 %" in text) == math.isfinite(verdict.value)
