@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import reduced
+from few_runs import few
 
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import CampaignError, UnknownNameError
@@ -41,13 +42,15 @@ def value(found, method, name):
 @pytest.fixture(scope="module")
 def noisy():
     """A small programme with noise, by all methods."""
-    return reduce_campaign(captive(noise=noise), method="all", check=False)
+    return reduce_campaign(captive(noise=noise, runs=few()), method="all", check=False)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", [name for name in METHODS if name != "regression"])
 def test_each_method_finds_the_truth_of_forces_without_noise(method):
-    found = reduce_campaign(captive(noise=quiet, balance=True), method=method, check=False)
+    found = reduce_campaign(
+        captive(noise=quiet, balance=True, runs=few()), method=method, check=False
+    )
     assert found.method == method
     for name, right in SON_NOMOTO.items():
         assert value(found, method, name)[0] == pytest.approx(right, rel=2e-4), name
@@ -59,14 +62,16 @@ def test_uneven_samples_are_as_good_as_even_ones():
         step = t[1] - t[0]
         return t + 0.4 * step * np.random.default_rng(5).uniform(-1, 1, len(t))
 
-    found = reduce_campaign(captive(noise=quiet, times=jittered), method="ekf", check=False)
+    found = reduce_campaign(
+        captive(noise=quiet, times=jittered, runs=few()), method="ekf", check=False
+    )
     for name, right in SON_NOMOTO.items():
         assert value(found, "ekf", name)[0] == pytest.approx(right, rel=2e-4), name
 
 
 @pytest.mark.slow
 def test_other_methods_leave_the_regression_as_it_is_to_the_bit(noisy):
-    alone = reduce_campaign(captive(noise=noise), check=False)
+    alone = reduce_campaign(captive(noise=noise, runs=few()), check=False)
     assert list(alone.estimates) == ["regression"]
     assert identical(alone.table, noisy.table)
     assert identical(alone.table, noisy.estimates["regression"].table)
@@ -97,7 +102,7 @@ def test_the_filter_sees_what_the_terms_lack():
     """Forces with v|v| where the structure has only linear terms: innovations hang together."""
     truth = SON_NOMOTO | {"Yvvv": 0.0, "Yv|v|": -0.12}
     found = reduce_campaign(
-        captive(truth, noise=noise), structure="linear", method="ekf", check=False
+        captive(truth, noise=noise, runs=few()), structure="linear", method="ekf", check=False
     )
     faults = found.estimates["ekf"].tests.channels["Y"].faults()
     assert "tied" in faults
@@ -142,7 +147,9 @@ def test_the_filter_is_recursive_least_squares():
 def test_scatter_between_runs_reaches_every_method_alike(noisy):
     """A drift angle that each run sets 0.3° off widens Yv of all methods as much."""
     own = TypeB(name="drift", std=math.radians(0.3), shared=False)
-    loose = reduce_campaign(captive(noise=noise, uncertainty=(own,)), method="all", check=False)
+    loose = reduce_campaign(
+        captive(noise=noise, runs=few(), uncertainty=(own,)), method="all", check=False
+    )
     wider = {name: value(loose, name, "Yv")[1] / value(noisy, name, "Yv")[1] for name in METHODS}
     assert wider["regression"] > 1.5
     assert wider["ekf"] == pytest.approx(wider["regression"], rel=0.1)
@@ -185,7 +192,7 @@ def test_sparse_regression_takes_the_terms_that_are_there():
     """Forces with v|v| and without v³, asked for by a structure that has v³ alone."""
     truth = {name: x for name, x in SON_NOMOTO.items() if name not in ("Yvvv", "Nvvv")}
     truth |= {"Yv|v|": -0.05, "Nv|v|": 0.01}
-    found = reduce_campaign(captive(truth, noise=noise), method="sindy", check=False)
+    found = reduce_campaign(captive(truth, noise=noise, runs=few()), method="sindy", check=False)
     estimate = found.estimates["sindy"]
     assert {name for name in estimate.table.names if name[0] == "Y"} == {
         name for name in truth if name[0] == "Y"
@@ -203,7 +210,7 @@ def test_sparse_regression_takes_the_terms_that_are_there():
 @pytest.mark.slow
 def test_a_library_of_ones_own_is_what_is_chosen_from(noisy):
     found = reduce_campaign(
-        captive(noise=noise),
+        captive(noise=noise, runs=few()),
         structure="cubic",
         method="sindy",
         library="Yvvr Yvrr Nvvr Nvrr",
@@ -238,7 +245,7 @@ def test_families_that_disagree_are_named_as_the_cause():
 @pytest.mark.slow
 def test_integrals_over_the_third_cycle_are_those_of_the_third_cycle():
     """The second cycle is spoiled; integrals over the third do not see it."""
-    clean = captive(noise=quiet)
+    clean = captive(noise=quiet, runs=few())
     runs = [_spoiled(run) if run.dynamic else run for run in clean.runs]
     found = reduce_campaign(
         clean.with_(runs=tuple(runs)),

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from few_runs import few
 
 from pmmkit.reduction import reduce_campaign
 from pmmkit.ship import Ship
@@ -39,7 +40,7 @@ def worst(table, truth=SON_NOMOTO) -> float:
 @pytest.mark.slow
 @pytest.mark.parametrize("balance", [False, True], ids=["hydrodynamic", "balance"])
 def test_all_methods_agree_with_the_truth(balance):
-    found = reduce_campaign(captive(balance=balance), check=False)
+    found = reduce_campaign(captive(balance=balance, runs=few()), check=False)
     assert set(found.table.names) == set(SON_NOMOTO)
     assert worst(found.table) < 1e-10
     assert set(found.families) == {"static drift", "pure sway", "pure yaw", "yaw with drift"}
@@ -49,7 +50,7 @@ def test_all_methods_agree_with_the_truth(balance):
 
 @pytest.mark.slow
 def test_modulus_form():
-    found = reduce_campaign(captive(MODULUS), structure="modulus", check=False)
+    found = reduce_campaign(captive(MODULUS, runs=few()), structure="modulus", check=False)
     assert worst(found.table, MODULUS) < 1e-10
 
 
@@ -59,13 +60,13 @@ def test_uneven_sampling_is_as_good_as_even():
         step = t[1] - t[0]
         return t + 0.4 * step * np.random.default_rng(5).uniform(-1, 1, len(t))
 
-    found = reduce_campaign(captive(times=jittered), check=False)
+    found = reduce_campaign(captive(times=jittered, runs=few()), check=False)
     assert worst(found.table) < 1e-10
 
 
 @pytest.mark.slow
 def test_carriage_speed_option_is_exact_for_forces_made_with_it():
-    found = reduce_campaign(captive(carriage=True), carriage_speed=True, check=False)
+    found = reduce_campaign(captive(carriage=True, runs=few()), carriage_speed=True, check=False)
     sway = found.families["pure sway"]
     assert worst(sway) < 1e-10
     assert sway.convention.U == "carriage"
@@ -137,7 +138,7 @@ def test_classical_closed_forms_of_pure_sway_agree_with_the_balance():
 @pytest.mark.parametrize("reference", [-0.4, 0.243])
 def test_moments_about_another_point(reference):
     """The balance states moments about a point forward of midship: N_ref = N - x Y."""
-    plain = captive()
+    plain = captive(runs=few())
     runs = tuple(
         run.with_(loader=lambda data=run.data: data.assign(N=data["N"] - reference * data["Y"]))
         for run in plain
@@ -150,7 +151,7 @@ def test_moments_about_another_point(reference):
 def test_motions_about_another_point():
     """The mechanism drives a point forward of midship: v there is v + x r at midship."""
     x = 0.3
-    plain = captive()
+    plain = captive(runs=few())
     runs = []
     for run in plain:
         u, v, r, udot, vdot, rdot = state_of(run)
@@ -168,7 +169,7 @@ def test_inertia_of_what_hangs_on_the_balance():
         **{**SHIP.__dict__, "balance_mass": 520.0, "balance_Izz": 700.0, "balance_xG": 0.2}
     )
     hung = Ship(**{**SHIP.__dict__, "mass": 520.0, "Izz": 700.0, "xG": 0.2})
-    plain = captive()
+    plain = captive(runs=few())
     runs = []
     for run in plain:
         state = state_of(run)
@@ -183,13 +184,13 @@ def test_inertia_of_what_hangs_on_the_balance():
 
 @pytest.mark.slow
 def test_pooled_speeds_give_one_set():
-    found = reduce_campaign(captive(speeds=(1.0, 2.0)), fn="pooled", check=False)
+    found = reduce_campaign(captive(runs=few((1.0, 2.0))), fn="pooled", check=False)
     assert found.table.pooled
     assert worst(found.table) < 1e-10
 
 
 @pytest.mark.slow
 def test_each_speed_has_its_own_set():
-    found = reduce_campaign(captive(speeds=(1.0, 1.5, 2.0)), check=False)
+    found = reduce_campaign(captive(runs=few((1.0, 1.5, 2.0))), check=False)
     assert found.table.Fn == pytest.approx([0.1448, 0.2172, 0.2896], abs=1e-4)
     assert found.table["Nvvr"] == pytest.approx([-0.0424] * 3, rel=1e-9)
