@@ -281,6 +281,47 @@ def test_the_next_laboratory_is_what_another_finds():
     assert math.sqrt(found.covariance[0, 0]) == pytest.approx(told.std[0], rel=0.01)
 
 
+VALUES = st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(-0.3, 0.3)), min_size=2, max_size=2)
+
+
+@settings(max_examples=5, deadline=None)
+@given(VALUES, st.floats(1e-3, 0.2), st.floats(-0.8, 0.8), st.floats(0.02, 0.25))
+@example([(0.5, 0.0), (0.4, 0.005)], 1e-3, 0.0, 0.25)  # 512 sets of the prior: 12 % off
+def test_the_next_laboratory_is_the_mean_over_the_density_of_scatters(values, noise, alike, scale):
+    """Two effects of one coefficient each, found at once: by brute force over both scatters."""
+    heads, apart = np.array(values).T
+    told = np.concatenate([heads, heads + apart])
+    S = noise**2 * np.array([[1.0, alike], [alike, 1.0]])
+    log = np.linspace(-16.0, 2.0, 145)
+    x = np.stack(np.meshgrid(log, log), axis=-1).reshape(-1, 2)
+    between = (scale * np.exp(x))[:, :, None] ** 2 * np.eye(2)
+    whole = np.tile(np.eye(2), (2, 2)) + np.kron(np.eye(2), S)
+    whole = whole + np.concatenate(
+        [np.concatenate([between, 0 * between], 2), np.concatenate([0 * between, between], 2)], 1
+    )
+    known = np.linalg.solve(whole, np.tile(np.eye(2), (2, 1)))
+    mean = told @ known
+    density = np.sum(x - 0.5 * np.exp(2.0 * x), axis=1) - 0.5 * np.linalg.slogdet(whole)[1]
+    density = density - 0.5 * np.linalg.solve(whole, told[:, None])[:, :, 0] @ told
+    share = np.exp(density - density.max())
+    share = share / share.sum()
+    square = np.eye(2) + between - known[:, :2] - known[:, 2:]
+    square = np.einsum("t,tii->i", share, square) + share @ mean**2
+    std = np.sqrt(square - (share @ mean) ** 2)
+
+    found = next_laboratory(
+        [
+            Learned(laboratory="", information=np.linalg.inv(S), score=np.linalg.solve(S, x))
+            for x in (told[:2], told[2:])
+        ],
+        groups([1.0, 1.0], [scale, scale], of=[1, 2], shared=1.0),
+    )
+    np.testing.assert_allclose(found.values, share @ mean, atol=0.003 * std.min())
+    np.testing.assert_allclose(np.sqrt(np.diagonal(found.covariance)), std, rtol=0.003)
+    rms = np.sqrt(share @ (scale * np.exp(x)) ** 2)
+    np.testing.assert_allclose(found.scatter[1:], rms, rtol=0.003)
+
+
 @pytest.mark.slow
 def test_many_values_tell_by_what_laboratories_differ():
     """Two that know 100 values exactly, drawn 0.1 apart: the scatter is found, and the next one is

@@ -13,8 +13,15 @@ from pmmkit.numerics import Array
 
 Places = NDArray[np.intp]
 
-POINTS: Final = 512
+POINTS: Final = 2048
 """Sets of scatters over which is averaged."""
+TOGETHER: Final = 64
+"""Sets whose matrices are factorised together."""
+LOGS: Final = np.linspace(-14.0, 2.0, 129)
+"""Where the density of the scatter of a group is asked, over its scale and in logarithms: from
+where none is left (1e-6) to where the prior has fallen by exp(-27)."""
+FLATTER: Final = 0.8
+"""Power of that density after which sets are drawn, since the others are not where it is asked."""
 STEPS: Final = 200
 """Points over the logarithm of how far records lie from the tests; 100 give 1e-9 already."""
 FALLEN: Final = 40.0
@@ -118,7 +125,8 @@ def next_laboratory(learned: Sequence[Learned], groups: Groups) -> Next:
     next one, of a ship that sails free, is ``m + η``. Its mean and covariance are averaged over τ
     of the groups beside the base, each with a half-normal prior, by how probable the others are
     with them. The scatter of the base is given: a linear problem says too much of a base that goes
-    far.
+    far. Sets of τ are drawn evenly where the density of each group's own is, and where the mean of
+    τ² is made: within 1e-3 of brute force, 1e-2 where two groups are hardly told apart.
 
     Examples
     --------
@@ -136,33 +144,112 @@ def next_laboratory(learned: Sequence[Learned], groups: Groups) -> Next:
     >>> found.values.round(3), found.covariance.round(3)  # 0.01/2 + 0.2²/2 + 0.2²
     (array([1.]), array([[0.065]]))
     """
-    n, count = len(groups.usual), len(learned)
-    size = n * (count + 2)
+    kinds, size = groups.of, len(groups.usual)
+    whole, score = _whole(learned, groups)
+    moves = np.concatenate([np.zeros(2 * size, bool), np.tile(kinds > 0, len(learned))])
+    # What no scatter that is averaged over moves: taken out once.
+    base = np.tile(groups.base * groups.usual, len(learned))
+    root = np.concatenate([groups.shared, groups.offset, base])[~moves]
+    H = np.eye(len(root)) + root[:, None] * whole[np.ix_(~moves, ~moves)] * root
+    known = root[:, None] * np.linalg.solve(H, np.diag(root))
+    along = known @ whole[np.ix_(~moves, moves)]
+    rest = _Rest(
+        information=whole[np.ix_(moves, moves)] - whole[np.ix_(moves, ~moves)] @ along,
+        score=score[moves] - along.T @ score[~moves],
+        of=np.tile(kinds[kinds > 0] - 1, len(learned)),
+        usual=np.tile(groups.usual[kinds > 0], len(learned)),
+        scales=groups.scales,
+    )
+    drawn, drawn_by = _drawn(_densities(rest))
+    parts = np.array_split(drawn, -(-len(drawn) // TOGETHER))
+    log, means, covariances = map(np.concatenate, zip(*map(rest.given, parts), strict=True))
+    log = log - drawn_by
+    share = np.exp(log - log.max())
+    share = share / share.sum()
+    mean = share @ means
+    moved = np.tensordot(share, covariances, 1) + (means - mean).T @ (
+        share[:, None] * (means - mean)
+    )
+    square = np.append(groups.base**2, share @ (groups.scales * np.exp(drawn)) ** 2)
+    covariance = known[:size, :size] + along[:size] @ moved @ along[:size].T
+    return Next(
+        values=known[:size] @ score[~moves] - along[:size] @ mean,
+        covariance=covariance + np.diag(square[kinds] * groups.usual**2),
+        scatter=np.sqrt(square),
+    )
+
+
+def _whole(learned: Sequence[Learned], groups: Groups) -> tuple[Array, Array]:
+    """Information and score of all that the values of all laboratories are made of."""
+    size = len(groups.usual) * (len(learned) + 2)
     whole, score = np.zeros((size, size)), np.zeros(size)
     for number, item in enumerate(learned):
-        parts = _parts(number, item, groups, count)
+        parts = _parts(number, item, groups, len(learned))
         whole += parts.T @ item.information @ parts
         score += parts.T @ item.score
-    logs, means, covariances = [], [], []
-    drawn = groups.scales * _half_normal(len(groups.scales))
-    scatters = np.concatenate([np.full((len(drawn), 1), groups.base), drawn], axis=1)
-    for tau in scatters:
-        apart = tau[groups.of] * groups.usual
-        root = np.concatenate([groups.shared, groups.offset, np.tile(apart, count)])
-        H = np.eye(len(root)) + root[:, None] * whole * root
-        lower = np.linalg.cholesky(H)
-        y = np.linalg.solve(lower, root * score)
-        logs.append(0.5 * float(y @ y) - float(np.log(np.diagonal(lower)).sum()))
-        inverse = np.linalg.solve(lower, np.diag(root))
-        means.append((inverse.T @ y)[:n])
-        covariances.append((inverse.T @ inverse)[:n, :n] + np.diag(apart**2))
-    share = np.exp(np.array(logs) - max(logs))
-    share = share / share.sum()
-    mean = share @ np.stack(means)
-    away = np.stack(means) - mean
-    covariance = np.einsum("t,tij->ij", share, np.stack(covariances))
-    covariance += np.einsum("t,ti,tj->ij", share, away, away)
-    return Next(values=mean, covariance=covariance, scatter=np.sqrt(share @ scatters**2))
+    return whole, score
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Rest:
+    """What is said of the k values by which laboratories differ beside their bases: information
+    (k, k) and score (k,), with the group of each, its usual size, and the scales of the groups."""
+
+    information: Array
+    score: Array
+    of: Places
+    usual: Array
+    scales: Array
+
+    def given(self, logs: Array, *, alone: bool = False) -> tuple[Array, Array, Array]:
+        """Log density (m,) of sets (m, g) of logarithms of scatters over their scales, with mean
+        (m, k) and covariance (m, k, k) of the values; none of these where it is asked alone."""
+        from scipy.linalg import solve_triangular
+
+        root = (self.scales * np.exp(logs))[:, self.of] * self.usual
+        unit = np.eye(len(self.score))
+        lower = np.linalg.cholesky(unit + root[:, :, None] * self.information * root[:, None])
+        columns = unit[:, : 0 if alone else None] * root[:, :, None]
+        asked = np.concatenate([(root * self.score)[:, :, None], columns], axis=2)
+        pairs = zip(lower, asked, strict=True)
+        solved = np.stack([solve_triangular(*pair, lower=True) for pair in pairs])
+        y, inverse = solved[:, :, 0], solved[:, :, 1:]
+        log = 0.5 * np.sum(y**2, axis=1) + np.sum(logs - 0.5 * np.exp(2.0 * logs), axis=1)
+        log -= np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1)
+        across = np.swapaxes(inverse, 1, 2)
+        return log, (across @ y[:, :, None])[:, :, 0], across @ inverse
+
+
+def _densities(rest: _Rest) -> list[Array]:
+    """Density at `LOGS` of each group's scatter and of what it adds to the mean square, where the
+    others are most probable."""
+    densities = [np.zeros(0) for _ in rest.scales]
+    at = np.full(len(densities), -1.0)
+    for group in [*range(len(densities))] * 2:
+        asked = np.tile(at, (len(LOGS), 1))
+        asked[:, group] = LOGS
+        log, _, _ = rest.given(asked, alone=True)
+        own = np.exp(FLATTER * (log - log.max())) + 1e-12
+        square = own * np.exp(2.0 * LOGS)
+        densities[group] = own / own.sum() + square / square.sum()
+        at[group] = LOGS[np.argmax(log)]
+    return densities
+
+
+def _drawn(densities: Sequence[Array]) -> tuple[Array, Array]:
+    """Sets (m, g - 1) of logarithms of scatters, and the log density by which they are drawn."""
+    even, weight = _even(len(densities))
+    sets, log = np.zeros_like(even), -np.log(weight)
+    for k, density in enumerate(densities):
+        cells = 0.5 * (density[1:] + density[:-1])
+        below = np.concatenate([[0.0], np.cumsum(cells)]) / cells.sum()
+        place = np.clip(np.searchsorted(below, even[:, k], side="right") - 1, 0, len(cells) - 1)
+        low, rise = density[place], np.diff(density)[place]
+        left = (even[:, k] - below[place]) * cells.sum()
+        share = 2.0 * left / (low + np.sqrt(low**2 + 2.0 * rise * left))
+        sets[:, k] = LOGS[place] + share * (LOGS[1] - LOGS[0])
+        log += np.log(low + share * rise)
+    return sets, log
 
 
 def scatter_of_base(
@@ -255,17 +342,16 @@ def _parts(number: int, item: Learned, groups: Groups, count: int) -> Array:
     return np.concatenate([np.eye(len(base)), off, *own], axis=1)
 
 
-def _half_normal(count: int) -> Array:
-    """Sets (n, count) of half-normal numbers that fill their space evenly (Roberts 2018: the
-    multiples of powers of the generalised golden ratio)."""
-    from scipy.special import ndtri
-
+def _even(count: int) -> tuple[Array, Array]:
+    """Sets (n, count) of numbers from 0 to 1 that fill their space evenly (Roberts 2018: multiples
+    of powers of the generalised golden ratio, there and back), and weights that fall to both ends,
+    by which means converge with the square of their number (Niederreiter 1978)."""
     if not count:
-        return np.zeros((1, 0))
+        return np.zeros((1, 0)), np.ones(1)
     ratio = 2.0
     for _ in range(50):
         ratio = (1.0 + ratio) ** (1.0 / (count + 1))
     steps = ratio ** -np.arange(1.0, count + 1)
-    even = (0.5 + np.arange(1, POINTS + 1)[:, None] * steps) % 1.0
-    found: Array = ndtri(0.5 + 0.5 * even)
-    return found
+    number = np.arange(1, POINTS + 1)
+    even = np.abs(2.0 * ((0.5 + number[:, None] * steps) % 1.0) - 1.0)
+    return even, 1.0 - np.abs((2.0 * number - 1.0) / POINTS - 1.0)
