@@ -91,6 +91,7 @@ def test_a_csv_file_of_tests_and_files_beside_it(tmp_path):
     np.testing.assert_allclose(run.data["Y"], 103 * np.cos(0.5 * T))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("matrix", "said"),
     [

@@ -216,6 +216,7 @@ def test_an_interval_has_the_width_that_the_slopes_say():
         assert found.shares(metric).sum() == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_slopes_are_those_of_independent_central_differences():
     """To 1e-6 of the slope, against differences of another order, step and way of changing."""
     names = ("Nr", "Nv", "Yv", "Nvvr")

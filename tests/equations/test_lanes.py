@@ -30,6 +30,7 @@ def functions():
     return found
 
 
+@pytest.mark.slow
 def test_functions_of_lanes_are_those_of_the_c_library(functions):
     rng = np.random.default_rng(3)
     x = np.concatenate([rng.uniform(-30.0, 30.0, 4000), rng.uniform(-1e-3, 1e-3, 500), [0.0]])

@@ -142,6 +142,7 @@ def test_a_simulation_knows_no_measured_heel():
     assert f"k[{int(Constant.roll)}]" not in rates
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", OverGround)
 def test_slopes_of_the_velocity_over_ground_of_a_rolling_ship(kind):
     functions, _, k = estimating(ROLLING)

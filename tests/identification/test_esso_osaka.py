@@ -49,6 +49,7 @@ def test_nothing_is_refused(findings, hsva):
     refuse(examine(hsva))
 
 
+@pytest.mark.slow
 def test_the_velocities_are_late_and_hold_a_false_sway(findings):
     assert of(findings, "velocities", "late by").numbers["lag"] == pytest.approx(0.9, abs=0.05)
     item = of(findings, "false sway", "false sway")
@@ -56,12 +57,14 @@ def test_the_velocities_are_late_and_hold_a_false_sway(findings):
     assert item.numbers["time"] == pytest.approx(-0.85, abs=0.1)
 
 
+@pytest.mark.slow
 def test_the_integral_of_r_falls_short_in_all_turns(findings):
     item = of(findings, "headings", "short of")
     assert len(item.runs) == 4
     assert 0.984 < item.numbers["low"] < item.numbers["high"] < 0.993
 
 
+@pytest.mark.slow
 def test_headings_jump_in_the_zigzag_whose_switches_are_off(findings):
     item = of(findings, "headings", "jumps")
     assert "zigzag_135028" in item.message
@@ -71,6 +74,7 @@ def test_headings_jump_in_the_zigzag_whose_switches_are_off(findings):
     assert math.degrees(item.numbers["switch"]) == pytest.approx(27.3, abs=0.3)
 
 
+@pytest.mark.slow
 def test_positions_stand_jump_and_the_rest(findings):
     assert len(of(findings, "standing samples", "stands still").runs) == 12
     assert of(findings, "standing samples", "without a value").numbers["dropped"] == 327
@@ -83,6 +87,7 @@ def test_positions_stand_jump_and_the_rest(findings):
     assert {name for name in approach.runs if "zigzag" in name} >= {"zigzag_130424"}
 
 
+@pytest.mark.slow
 def test_signs_of_rudder_heading_and_wind(esso):
     for run in esso.select("turning"):
         data = run.data

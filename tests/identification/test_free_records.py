@@ -255,6 +255,7 @@ def hsva(shared_data, datasets):
     return pk.open_campaign(datasets / "kvlcc2_hsva", data=shared_data)
 
 
+@pytest.mark.slow
 def test_zigzags_of_a_real_model_are_records(hsva):
     runs = {run.id: run for run in hsva.runs}
     (record,) = free_records(runs["Z_10_01"], TANKER)

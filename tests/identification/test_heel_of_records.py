@@ -182,6 +182,7 @@ def test_the_heel_that_a_ship_lacks_is_told_by_windows(campaign):
 # Roll of its own
 
 
+@pytest.mark.slow
 def test_levers_that_fit_the_heel_of_records_give_that_of_other_turns(records):
     """S175 heels by the levers 0.026 L (hull), 0.031 L (added mass) and 0.033 L (rudder)."""
     made = with_roll(HEELED, records, GM=ROLLING.ship.GM, Ixx=ROLLING.ship.Ixx)

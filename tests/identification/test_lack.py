@@ -66,6 +66,7 @@ def found_by(method, ship, seed):
     ), truth.mean
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["ekf", "trajectory"])
 def test_a_complete_model_keeps_the_intervals_of_its_noise(method):
     found, truth = found_by(method, TANKER, 1)
@@ -188,6 +189,7 @@ def test_the_scatter_between_many_sharp_records_is_that_of_their_mean():
     assert found.covariance[0, 0] == pytest.approx(drawn.var() / 200, rel=0.2)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10_000), st.floats(1.0, 1e3))
 def test_no_interval_becomes_narrower_nor_wider_than_what_lasting_errors_leave(seed, colour):
     rng = np.random.default_rng(seed)

@@ -62,6 +62,7 @@ def test_a_normal_density_is_drawn_with_its_mean_and_covariance(drawn):
     assert np.all((drawn.accepted > 0.2) & (drawn.accepted < 0.8))
 
 
+@pytest.mark.slow
 def test_the_same_seed_draws_the_same_wherever_that_is(drawn):
     with ThreadPoolExecutor(2) as pool:
         again = drawn_from(normal, starts(), ("a", "b", "c"), seed=1, steps=2000, executor=pool)
@@ -240,6 +241,7 @@ def test_draws_sail_any_manoeuvre(found):
         )
 
 
+@pytest.mark.slow
 def test_the_file_holds_the_same_and_is_the_same(found, tmp_path):
     tree = found.detail.tree
     for name in ("a.nc", "b.nc"):

@@ -54,6 +54,7 @@ def test_turns_sampled_at_two_seconds_are_not_lost(method, seed):
     assert np.mean(np.abs(found.values - truth.mean) < 3.0 * found.std) >= 0.8
 
 
+@pytest.mark.slow
 def test_a_fit_through_trajectories_shortens_its_windows_and_lengthens_them_again():
     found = identify(LINER, turns(), HULL, method="trajectory", prior=poor(HULL, 6), sensors=NOISE)
     near = identify(

@@ -66,6 +66,7 @@ def same_derivatives(one, axes: str, flips: set[str]) -> bool:
     return len(set(sideways)) == 1 and ahead[0] == ahead[1]
 
 
+@pytest.mark.slow
 @given(
     st.sampled_from(["", "yz", "xz", "xy"]),
     st.sets(st.sampled_from(FLIPS)),
@@ -150,6 +151,7 @@ def true(ours):
     return reduce_campaign(ours, structure=LINEAR, check=False).table
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changed", SOURCES.values(), ids=SOURCES)
 def test_the_draft_of_a_folder_gives_the_same_derivatives(ours, true, tmp_path, changed):
     """Names and numbers as a source with other signs would have them; ship and water typed in."""

@@ -105,6 +105,7 @@ def test_lines_above_never_hide_the_numbers(between, above, rows, width, header)
         assert found.header_line == len(lines)
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(data=st.binary(max_size=400))
 def test_no_bytes_are_too_much(data, tmp_path_factory):

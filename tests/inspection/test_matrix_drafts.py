@@ -119,6 +119,7 @@ def test_sheets_alone_are_runs_named_after_them(tmp_path, capsys):
     np.testing.assert_allclose(two.data["Y"], 2 * np.cos(0.5 * T))
 
 
+@pytest.mark.slow
 def test_each_sheet_of_a_workbook_is_gone_through_a_few_times_at_most(tmp_path, monkeypatch):
     """Its cost grows with the sheets, not with their square."""
     from pmmkit.readers.excel import reader

@@ -156,6 +156,7 @@ def test_without_motion_the_amplitudes_are_left_to_a_person(fast, tmp_path, caps
     assert len(right) == 21
 
 
+@pytest.mark.slow
 def test_what_is_unknown_is_asked_for_by_open_campaign(s175, tmp_path, capsys):
     exported(s175.select("pure_sway"), tmp_path / "tank", motion=True)
     assert drafted(capsys, tmp_path / "tank")[0] == 0

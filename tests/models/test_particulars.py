@@ -84,6 +84,7 @@ def test_estimated_derivatives_mean_what_those_of_the_table_mean(name):
     assert away["Yvdot"] < 3.0
 
 
+@pytest.mark.slow
 def test_drift_sway_and_yaw_alone_bring_the_hull_to_a_turn():
     """The commonest programme: no coupling, no propeller, no rudder. The turn of the whole ship
     lies in the interval."""

@@ -53,6 +53,7 @@ def test_everything_that_the_effects_take_can_be_stated():
         assert list(faults_of(section, stated)) == []
 
 
+@pytest.mark.slow
 def test_an_open_water_table_that_is_not_there_is_told(tmp_path):
     (tmp_path / "a.csv").write_text("t,X,Y,N\n" + "".join(f"{i},0,1,2\n" for i in range(50)))
     text = SHIP + '[propeller]\nD = 0.2\nopen_water = "curve.csv"\n' + RUN

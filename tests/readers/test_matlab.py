@@ -75,6 +75,7 @@ def test_a_run_of_a_campaign(every_version):
     assert np.array_equal(data["N"].values, series(COUNT)["N"])
 
 
+@pytest.mark.slow
 @given(
     array=hnp.arrays(
         dtype=st.sampled_from(

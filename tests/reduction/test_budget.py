@@ -119,6 +119,7 @@ def test_the_numerical_uncertainty_of_a_computation_is_a_source_of_its_name():
 # Shares
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(
     st.lists(
@@ -183,6 +184,7 @@ def test_what_single_runs_draw_goes_to_their_kind_of_test_and_nothing_is_lost():
     assert by_test.std == budget.std
 
 
+@pytest.mark.slow
 def test_gauges_of_one_calibration_share_what_they_have_in_common():
     """Weights that are 1 % off leave Nv/Yv as it is; two errors of 1 % are √2 % of it."""
 

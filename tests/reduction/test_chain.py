@@ -68,6 +68,7 @@ def test_a_saved_campaign_reduces_to_the_same_table(s175, tmp_path):
     assert np.array_equal(again.covariance, one.covariance, equal_nan=True)
 
 
+@pytest.mark.slow
 def test_hmri_as_published_is_refused_with_everything_at_once(shared_data, datasets):
     made = pk.open_campaign(datasets / "kvlcc2_hmri" / "as_published.toml", data=shared_data)
     with pytest.raises(pk.PmmkitError) as caught:
@@ -101,6 +102,7 @@ def test_hmri_static_drift_is_the_published_cubic(hmri):
     assert values["Nvvv"] == pytest.approx(0.0036 + 0.035 * -0.0393, abs=3e-4)
 
 
+@pytest.mark.slow
 def test_hmri_added_masses_come_out_apart(hmri):
     """my' about .0146 (MMG); Nvdot and Yrdot are equal by the symmetry of the mass matrix."""
     values = dict(zip(hmri.table.names, hmri.table.value[-1], strict=True))
@@ -110,11 +112,13 @@ def test_hmri_added_masses_come_out_apart(hmri):
     assert values["Xvr"] == pytest.approx(-values["Yvdot"], rel=0.1)
 
 
+@pytest.mark.slow
 def test_hmri_propulsion(hmri):
     assert hmri.propulsion.thrust_deduction == pytest.approx(0.20, abs=0.02)
     assert 0.3 < hmri.propulsion.wake[1.1702] < 0.45
 
 
+@pytest.mark.slow
 def test_provenance_names_what_was_left_out_and_why(hmri):
     excluded = hmri.table.provenance["excluded"]
     assert "copy" in excluded["YD_279_b16"]

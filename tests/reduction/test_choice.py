@@ -25,6 +25,7 @@ def only(made, *tests):
     return made.with_(runs=tuple(run for run in made if run.test in tests))
 
 
+@pytest.mark.slow
 def test_yaw_with_drift_shows_the_coupling(tanker):
     """The tank's hull is cubic with coupling, and nothing of it is lost by not asking for it."""
     found = reduced(tanker)
@@ -35,6 +36,7 @@ def test_yaw_with_drift_shows_the_coupling(tanker):
     assert found.table.std == pytest.approx(asked.table.std, rel=1e-10)
 
 
+@pytest.mark.slow
 def test_drift_sway_and_yaw_alone_leave_the_coupling_out_and_say_so(tanker):
     found = reduced(only(tanker, *ROOT_TESTS))
     assert found.table.provenance["structure"] == "cubic"
@@ -43,6 +45,7 @@ def test_drift_sway_and_yaw_alone_leave_the_coupling_out_and_say_so(tanker):
     )
 
 
+@pytest.mark.slow
 def test_what_the_runs_do_not_show_is_estimated_in_the_model_and_not_left_out(tanker):
     """Whoever lets the runs choose does not say that a coupling is zero."""
     made = only(tanker, *ROOT_TESTS)

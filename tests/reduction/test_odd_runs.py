@@ -54,6 +54,7 @@ def test_the_other_runs_are_not_blamed_for_it(with_a_dead_gauge):
     assert {one.run for one in with_a_dead_gauge.influences.odd} == {SWAY}
 
 
+@pytest.mark.slow
 def test_it_is_named_too_where_all_speeds_are_fitted_at_once():
     found = reduced(spoilt(SWAY, dead), fn="pooled")
     assert [(one.run, one.channel) for one in found.influences.odd] == [(SWAY, "Y")]
@@ -66,17 +67,20 @@ def test_weighed_down_it_does_no_harm():
     assert found["Yv"][0] == pytest.approx(TRUTH["Yv"], rel=0.03)
 
 
+@pytest.mark.slow
 def test_it_can_be_refused():
     with pytest.raises(ContradictionError, match=SWAY):
         reduced(spoilt(SWAY, dead), odd_runs="refuse")
 
 
+@pytest.mark.slow
 def test_nothing_is_at_odds_in_a_clean_programme():
     found = reduced(hidden_campaign("small", seed=2))
     assert found.influences.odd == ()
     assert found.verdict.use == "usable"
 
 
+@pytest.mark.slow
 def test_the_influence_of_a_run_is_the_fit_without_it():
     """Against a second reduction of the other runs, scatter held at what all runs gave."""
     made = hidden_campaign("small", seed=3)

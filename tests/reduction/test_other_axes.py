@@ -62,6 +62,7 @@ def in_other_axes(ours, folder, axes, *, words=""):
     return open_campaign(folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axes", CHANGED)
 def test_stated_angles_and_motions_go_with_the_axes(ours, table, tmp_path, axes):
     theirs = in_other_axes(ours, tmp_path / "theirs", axes)
@@ -103,6 +104,7 @@ def test_stated_turns_and_heel_go_with_the_axes(tmp_path, ours, axes, turn, heel
     assert np.sign(found["heel"].settings.heel) == heel
 
 
+@pytest.mark.slow
 def test_a_roll_moment_that_the_structure_does_not_hold_is_passed_over(ours, tmp_path):
     """Some runs hold K and no derivative of it is asked: what the fit makes of forces has none."""
     folder = shutil.copytree(ours, tmp_path / "rolled")

@@ -213,6 +213,7 @@ def test_what_is_assumed_says_so(virtual):
     assert virtual.runs == {"straight ahead": 21, "in drift": 24}
 
 
+@pytest.mark.slow
 def test_a_rudder_not_quite_amidships_is_noticed_and_costs_nothing():
     """A rudder that stands 2° to starboard of its mark: a note, and the same ε, κ and aH."""
     shifted = [
@@ -229,6 +230,7 @@ def test_a_rudder_not_quite_amidships_is_noticed_and_costs_nothing():
     assert found.rudder.values["aH"] == pytest.approx(0.312, rel=0.02)
 
 
+@pytest.mark.slow
 def test_only_the_product_of_lift_slope_and_inflow_squared_is_measured():
     """A lift slope assumed 20 % too large makes ε smaller by its square root, κ stays."""
     runs = (*resistance_tests(), *rudder_tests(), *drift_tests())
@@ -331,11 +333,13 @@ def test_standard_errors_are_of_the_size_of_the_differences(measured):
         assert 1e-3 < measured.std[name] < 0.1, name
 
 
+@pytest.mark.slow
 def test_bollard_pull_of_the_open_water_curve(measured):
     """KT .3113 at J = 0 in HMRI's table; the fit over J to 0.8 meets it to 1 %."""
     assert measured.propeller.values["kt0"] == pytest.approx(0.3113, rel=0.01)
 
 
+@pytest.mark.slow
 def test_wake_and_open_water_give_back_the_thrust_of_the_static_tests(measured):
     """T' = 1.22e-3 of ½ρL²U² straight ahead at 1.1702 m/s and 9.9 1/s."""
     c = measured.propeller.values
@@ -344,6 +348,7 @@ def test_wake_and_open_water_give_back_the_thrust_of_the_static_tests(measured):
     assert thrust / (0.5 * 6.8927**2 * 1.1702**2) == pytest.approx(1.22e-3, rel=0.02)
 
 
+@pytest.mark.slow
 def test_rudder_amidships_of_kvlcc2_steadies_it(hmri, measured):
     full = np.isfinite(hmri.table["Yv"])
     (place,) = np.flatnonzero(full)

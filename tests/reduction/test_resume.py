@@ -336,6 +336,7 @@ def same_in_pieces(path, seed):
         return columns(path, options) == whole
 
 
+@pytest.mark.slow
 def test_a_large_file_is_never_in_memory_whole(tmp_path):
     block = ",".join(["1.234567"] * 40) + "\n"
     path = tmp_path / "wide.csv"

@@ -229,6 +229,7 @@ def rolled(waves=None, **damping):
     )
 
 
+@pytest.mark.slow
 def test_roll_at_resonance_falls_with_damping_and_far_above_it_does_not():
     little, much = (
         np.abs(rolled(roll_damping=damping).mode("roll")[0, 0]) for damping in (0.02, 0.1)

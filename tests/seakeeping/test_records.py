@@ -55,6 +55,7 @@ def written(path, omega, *, heave, head="t [s],wave [mm],heave [mm],pitch [deg],
     return path
 
 
+@pytest.mark.slow
 def test_units_and_scale_of_a_record(tmp_path):
     """A model of 1:25: times five times as long, lengths 25 times as large, angles as they are."""
     file = written(tmp_path / "run.csv", [4.0], heave=0.8)
@@ -135,6 +136,7 @@ def test_what_is_right_needs_no_explanation(given):
     assert "no number" in repr(found)
 
 
+@pytest.mark.slow
 def test_strips_of_another_hull_are_not_taken(given):
     other = thinned(hull_from_particulars(name="model", L=4.0, B=0.8, d=0.25, block=0.65))
     own = rao(other, speeds=1.2, omega=OMEGA)

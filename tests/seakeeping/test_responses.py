@@ -210,6 +210,7 @@ def test_a_table_of_drift_is_of_a_long_crested_sea_over_all_headings(moved):
         drift_table(rao(SHIP, speeds=8.0, omega=OMEGA), Sea(Hs=1.0, Tp=9.0))
 
 
+@pytest.mark.slow
 def test_operability_is_each_value_over_its_limit(moved):
     bow, waves = Place(name="bow", x=70.0, freeboard=6.0, draught=8.5), Sea(Hs=4.0, Tp=9.0)
     found = operability(moved, waves, places=[bow])

@@ -31,6 +31,7 @@ def straight():
     return simulate(SHIP, "straight", speed=SPEED, duration=3000.0, compiled=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("from_deg", "heading"), [(0.0, 180.0), (60.0, 120.0), (-60.0, 120.0)])
 def test_a_straight_course_has_the_spectrum_of_the_response(found, straight, from_deg, heading):
     """2σ is the significant amplitude, and crossings come with the period of encounter."""

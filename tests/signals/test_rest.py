@@ -76,6 +76,7 @@ def test_a_computation_that_starts_at_once_has_none():
     assert head_rest(t, values * (1.0 + 5.0 * np.exp(-t / 1.5))) is None
 
 
+@pytest.mark.slow
 @given(gain=st.floats(1e-3, 1e3), late=st.floats(-1e4, 1e4))
 def test_units_and_the_clock_do_not_matter(gain, late):
     t, values = record(3.0)

@@ -143,6 +143,7 @@ def test_the_limited_torque_is_not_exceeded_along_the_stop():
     assert -torque[late].min() == pytest.approx(0.3 * torque_of(model, SPEED), rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spin", [0.5, 2.0])
 def test_the_assumed_inertia_of_the_shaft_hardly_counts(monkeypatch, spin):
     def reach():

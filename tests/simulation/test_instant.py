@@ -417,6 +417,7 @@ def test_the_criteria_are_judged_on_manoeuvres_that_follow():
 # The command
 
 
+@pytest.mark.slow
 def test_the_command_follows_the_moment_and_says_how_long_it_was_outside(tmp_path, capsys):
     path = tmp_path / "ship.toml"
     save_model(THREE, path)
@@ -431,6 +432,7 @@ def test_the_command_follows_the_moment_and_says_how_long_it_was_outside(tmp_pat
     assert approach["tactical_diameter"] != instant["tactical_diameter"]
 
 
+@pytest.mark.slow
 def test_sweep_and_imo_take_the_word_as_well(tmp_path, capsys):
     path = tmp_path / "ship.toml"
     save_model(THREE, path)

@@ -166,6 +166,7 @@ def test_zigzags_as_other_programs_compute_them(name, speed, rudder_deg, rate, e
     assert found["overshoot_2_deg"] == pytest.approx(expected[1], abs=near)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["s175-3dof", "s175"])
 @pytest.mark.parametrize(
     ("manoeuvre", "given"),
@@ -535,6 +536,7 @@ def test_a_williamson_turn_goes_back_along_its_own_track(name, rudder_deg):
 # Wind and current
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("manoeuvre", "given"),
     [("turning", {"duration": 400.0}), ("zigzag", {}), ("williamson", {}), ("stopping", {})],

@@ -308,6 +308,7 @@ def test_metrics_of_a_steady_turn(side):
     assert found["steady_yaw_rate_deg_s"] == pytest.approx(math.degrees(turn), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_metrics_do_not_depend_on_the_samples_or_the_tolerance():
     fine = simulate(FOUR, speed=9.0, dt=0.1, rtol=1e-11).metrics
     coarse = simulate(FOUR, speed=9.0, dt=20.0, rtol=1e-8).metrics
@@ -324,6 +325,7 @@ def test_the_steady_turn_is_where_the_track_ends():
     )
 
 
+@pytest.mark.slow
 def test_a_small_rudder_turns_as_the_linear_theory_says():
     """r/δ from the linear equations of sway and yaw with the linearised rudder."""
     speed = 6.0
@@ -353,6 +355,7 @@ def test_turns_to_both_sides_give_the_same_positive_numbers(name):
     np.testing.assert_allclose(port.y, -starboard.y, rtol=0, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["s175", "s175-3dof"])
 def test_model_and_ship_turn_alike_at_the_same_froude_number(name):
     ship = load_model(name)

@@ -231,6 +231,7 @@ def test_a_fin_at_the_stern_steadies_and_one_at_the_bow_does_not():
 # Small rudder angles
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("model", "speed"),
     [(load_model("s175-3dof"), 6.0), (kept_on_one_side("kcs"), 12.0)],
@@ -382,6 +383,7 @@ def test_the_height_of_the_loop_is_between_the_two_turns_with_the_same_rudder():
     assert curve.loop_height_deg_s == pytest.approx(starboard - port, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_direct_spiral_of_the_tanker_finds_its_loop_to_a_step():
     found = simulate("esso190k", "spiral", speed=TANKER, rudder_deg=3.0, step_deg=0.25).metrics
     exact = spiral_curve("esso190k", TANKER).loop_width_deg
@@ -389,6 +391,7 @@ def test_the_direct_spiral_of_the_tanker_finds_its_loop_to_a_step():
     assert found["yaw_rate_deg_s_at_+0.5_first"] > 0 > found["yaw_rate_deg_s_at_+0.5_back"]
 
 
+@pytest.mark.slow
 def test_the_direct_spiral_of_the_tanker_has_the_height_of_its_loop():
     found = simulate("esso190k", "spiral", speed=TANKER, rudder_deg=3.0, step_deg=0.25).metrics
     exact = spiral_curve("esso190k", TANKER).loop_height_deg_s

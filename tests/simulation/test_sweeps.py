@@ -172,6 +172,7 @@ FROUDE = {"m": 1.0, "s": 0.5, "m/s": 0.5, "deg/s": -0.5, "deg": 0.0, "-": 0.0}
 """Power of the scale by which a quantity of each unit grows at one Froude number."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("manoeuvre", manoeuvres())
 def test_units_of_the_metrics_are_those_by_which_they_scale(manoeuvre):
     """A ship 25 times the model: metres times 25, seconds times 5, angles the same (Froude)."""

@@ -18,6 +18,7 @@ def table():
     return from_values({"Yv": -0.01}, ship=pk.load_model("kvlcc2-l7").ship, water=pk.Water())
 
 
+@pytest.mark.slow
 def test_a_cell_at_the_far_end_of_a_sheet(table, tmp_path):
     pk.export(table, tmp_path / "t.xlsx")
     book = openpyxl.load_workbook(tmp_path / "t.xlsx")
@@ -27,6 +28,7 @@ def test_a_cell_at_the_far_end_of_a_sheet(table, tmp_path):
         pk.read_table(tmp_path / "t.xlsx")
 
 
+@pytest.mark.slow
 def test_a_workbook_that_unpacks_to_gigabytes(table, tmp_path):
     pk.export(table, tmp_path / "t.xlsx")
     with zipfile.ZipFile(tmp_path / "t.xlsx", "a", zipfile.ZIP_DEFLATED) as parts:

@@ -189,6 +189,7 @@ class TestOthersRead:
         assert content["convention"]["system"] == "prime-d"
         assert content["covariance"][0][3] is None
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("suffix", ["nc", "h5"])
     def test_xarray_reads_the_netcdf_as_the_table_shows_itself(self, tmp_path, suffix):
         table = example()
