@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -23,8 +24,9 @@ EVIDENCE: Final = 5.0
 """Gain of the log likelihood from which windows are taken to differ."""
 LONGER: Final = (2, 4, 8)
 """Times that what hangs together over which residuals of forces are summed up."""
-SHIFTS: Final = np.concatenate([[0.0], np.geomspace(0.003, 30.0, 60)])
-"""Standard deviations of the shift from window to window that are tried, over the prior's."""
+SHIFTS: Final = 60
+"""Standard deviations of the shift from window to window that are tried before the best is sought
+between its neighbours."""
 SEEN: Final = 1e-3
 """Information of a window over the prior's from which a direction counts."""
 
@@ -147,7 +149,7 @@ def lack_of(
     ...           for i, x in enumerate([-0.3, 0.1, 0.4, -0.2])]
     >>> found = lack_of(prior, np.array([[2.5e-5]]), pieces, {})
     >>> round(found.shift, 2), (found.covariance**0.5).round(2)
-    (0.28, array([[0.14]]))
+    (0.27, array([[0.14]]))
     """
     scale = np.outer(prior.std, prior.std)
     narrow: Array = covariance / scale
@@ -189,15 +191,27 @@ def _between_records(narrow: Array, pieces: Sequence[Piece]) -> Array:
 
 def _shift(pieces: Sequence[Piece], sharper: float) -> float:
     """The most likely shift between windows; none where none is much less likely."""
-    gain = np.zeros(len(SHIFTS))
+    from scipy.optimize import minimize_scalar
+
+    found = []
     for item in pieces:
         sizes, vectors = np.linalg.eigh(sharper * item.information)
-        seen = sizes > SEEN
-        sizes, part = sizes[seen], (vectors.T @ item.score)[seen] * sharper
-        variance = sizes + np.outer(SHIFTS**2, sizes**2)
-        gain -= 0.5 * np.sum(np.log(variance) + part**2 / variance, axis=1)
-    best = int(np.argmax(gain))
-    return float(SHIFTS[best]) if gain[best] - gain[0] > EVIDENCE else 0.0
+        found.append(np.stack([sizes, sharper * (vectors.T @ item.score)])[:, sizes > SEEN])
+    sizes, part = np.concatenate([*found, np.zeros((2, 0))], axis=1)
+    if not np.any(part):
+        return 0.0
+
+    def loss(log: float) -> float:
+        variance = sizes + math.exp(2.0 * log) * sizes**2
+        return 0.5 * float(np.sum(np.log(variance) + part**2 / variance))
+
+    # A shift below the first is lost in noise; none is more likely beyond what a window asks for.
+    least = 0.1 / math.sqrt(sizes.max())
+    tried = np.log(np.geomspace(least, max(np.max(np.abs(part / sizes)), 2.0 * least), SHIFTS))
+    best = int(np.argmin([loss(log) for log in tried.tolist()]))
+    between = (tried[max(best - 1, 0)], tried[min(best + 1, SHIFTS - 1)])
+    log = float(minimize_scalar(loss, bounds=between, method="bounded").x)
+    return math.exp(log) if loss(-math.inf) - loss(log) > EVIDENCE else 0.0
 
 
 def _larger(one: Array, other: Array) -> Array:
