@@ -13,10 +13,16 @@ from pmmkit.numerics import Array
 from pmmkit.trials.noise import PositionNoise
 
 CELLS: Final = 100
-RELAXATIONS: Final = (0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 9.0)
-"""Times in which the velocity may settle, in ship lengths over the approach speed."""
-FAST_SHARES: Final = (0.0, 0.03, 0.1, 0.3, 0.6, 1.0)
-TIMES: Final = 7
+RELAXATIONS: Final = (0.7, 9.0)
+"""Between which the velocity may settle, in ship lengths over the approach speed."""
+PLACES: Final = 17
+"""Relaxations that are tried, evenly in logarithms, in ever shorter ranges."""
+SPANNED: Final = 10
+"""How many of them shall hold some of the density."""
+FALLEN: Final = 12.0
+"""By how much its logarithm has fallen where it holds none any more."""
+FAST_SHARES: Final = np.interp(np.arange(41) / 8, range(6), (0.0, 0.03, 0.1, 0.3, 0.6, 1.0))
+TIMES: Final = 19
 
 
 def design(t: Array, psi: Array, relaxation: float) -> Array:
@@ -59,15 +65,15 @@ class _Basis:
 
     def fits(self, power: Array, turn: Array) -> list[tuple[float, Array, Array, float]]:
         """Restricted log likelihood, coefficients, covariance and variance, by share of noise."""
-        share = np.array(FAST_SHARES)[:, None]
+        share = FAST_SHARES[:, None]
         weight = 1.0 / ((1.0 - share) * np.maximum(power, 0.0) + share + 1e-9)
         q, rest = self.q @ turn, self.rest @ turn
-        gram = np.einsum("fn,icn,jcn->fij", weight, q, q)
-        moved = np.einsum("fn,icn,cn->fi", weight, q, rest)
+        gram = (weight @ np.einsum("icn,jcn->nij", q, q).reshape(-1, 64)).reshape(-1, 8, 8)
+        moved = weight @ np.einsum("icn,cn->ni", q, rest)
         inverse = np.linalg.inv(gram)
         step = np.einsum("fij,fj->fi", inverse, moved)
         free = rest.size - 8
-        left = np.einsum("fn,cn,cn->f", weight, rest, rest) - np.einsum("fi,fi->f", moved, step)
+        left = weight @ np.sum(rest**2, axis=0) - np.einsum("fi,fi->f", moved, step)
         variance = np.maximum(left, 1e-18) / free
         score = (
             np.log(weight).sum(axis=1)
@@ -100,24 +106,31 @@ class Posterior:
             np.add.reduceat(rows[..., kept], edges, axis=-1) / size
             for rows in (t, np.stack([x, y]))
         )
-        bases = [
-            _Basis.of(design(t, psi, pace * share)[..., kept], edges, size, values)
-            for share in RELAXATIONS
-        ]
         apart = np.abs(when[:, None] - when)
         cell = float(np.median(np.diff(when)))
-        results = []
-        for time in np.geomspace(
-            1.5 * cell, max((when[-1] - when[0]) / 3.0, 3.0 * cell), TIMES
-        ).tolist():
-            power, turn = np.linalg.eigh(np.exp(-apart / time))
-            for basis, relaxation in zip(bases, RELAXATIONS, strict=True):
-                for share, fit in zip(FAST_SHARES, basis.fits(power, turn), strict=True):
-                    results.append((*fit, time, share, relaxation))
-        scores = np.array([item[0] for item in results])
+        span = max((when[-1] - when[0]) / 3.0, 3.0 * cell)
+        times = np.geomspace(1.5 * cell, span, TIMES).tolist()
+        noises = [(time, *np.linalg.eigh(np.exp(-apart / time))) for time in times]
+        low, high = np.log(RELAXATIONS)
+        while True:
+            results, log = [], np.linspace(low, high, PLACES)
+            for relaxation in np.exp(log).tolist():
+                rows = design(t, psi, pace * relaxation)[..., kept]
+                basis = _Basis.of(rows, edges, size, values)
+                for time, power, turn in noises:
+                    for share, fit in zip(FAST_SHARES, basis.fits(power, turn), strict=True):
+                        results.append((*fit, time, share, relaxation))
+            best = np.array([item[0] for item in results]).reshape(PLACES, -1).max(axis=1)
+            there = np.flatnonzero(best > best.max() - FALLEN)
+            if len(there) >= SPANNED:
+                break
+            low, high = log[max(there[0] - 1, 0)], log[min(there[-1] + 1, PLACES - 1)]
+        ends = [np.r_[0.5, np.ones(n - 2), 0.5] for n in (PLACES, TIMES, len(FAST_SHARES))]
+        halved = np.multiply.outer(np.outer(*ends[:2]), ends[2]).ravel()
+        scores = np.array([item[0] for item in results]) + np.log(halved)
         weight = np.exp(scores - scores.max())
         weight /= weight.sum()
-        some = [item for item in zip(weight, results, strict=True) if item[0] > 1e-4]
+        some = [item for item in zip(weight, results, strict=True) if item[0] > 1e-6 * weight.max()]
         beta = sum((w * item[1] for w, item in some), np.zeros(8)) / sum(w for w, _ in some)
         spread = np.zeros((8, 8))
         fast = slow = diffusion = settle = 0.0

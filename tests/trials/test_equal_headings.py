@@ -54,3 +54,19 @@ def test_a_ship_that_still_loses_speed_seems_to_drift_and_the_fit_of_the_circle_
     misses = [np.hypot(one.x - 0.5, one.y + 0.6) for one in (drift, circle.current)]
     assert misses[0] < 0.03
     assert misses[1] < 0.5 * misses[0]
+
+
+def test_a_circle_does_not_hang_on_the_relaxations_that_are_tried():
+    """Sharp fixes know the relaxation closely: another pace tries others and finds the same."""
+    t = np.arange(0.0, 1300.0, 1.0)
+    rng, psi = np.random.default_rng(2), 0.01 * t
+    u = 3.0 * (1.0 + 0.2 * np.exp(-t / 200.0))
+    speed = np.stack([u * np.cos(psi + 0.15) + 0.2, u * np.sin(psi + 0.15) - 0.1])
+    steps = np.concatenate([np.zeros((2, 1)), 0.5 * (speed[:, 1:] + speed[:, :-1])], axis=1)
+    x, y = np.cumsum(steps, axis=1) + 0.3 * rng.normal(size=(2, len(t)))
+    one, other = (fit_circle(t, x, y, psi, pace=pace) for pace in (80.0, 92.0))
+    std = np.array(one.current.std)
+    away = np.array([one.current.x - other.current.x, one.current.y - other.current.y])
+    assert np.all(np.abs(away) < 0.02 * std)
+    assert np.array(other.current.std) == pytest.approx(std, rel=0.02)
+    assert one.relaxation == pytest.approx(other.relaxation, rel=0.02)
