@@ -57,6 +57,7 @@ def _place(values, wanted):
     return int(np.argmin(np.abs(np.asarray(values) - wanted)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("speed", "heave", "pitch"),
     [(0.0, 0.004, 0.004), (7.7167, 0.012, 0.008), (10.2889, 0.016, 0.012)],
@@ -66,6 +67,7 @@ def test_heave_and_pitch_of_s175_in_head_seas_are_those_of_veres(s175, veres, sp
     assert apart(s175, veres, 4, speed, 180, over_slope=True) < pitch
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("heading", [180, 150, 120, 90, 60, 30, 0])
 def test_s175_is_within_three_percent_of_veres_at_all_headings(s175, veres, heading):
     for speed in veres.speed:
@@ -108,6 +110,7 @@ def test_roll_of_s175_above_its_resonance(s175, veres):
         assert np.abs(ours - theirs).max() < 1.2e-3 * np.abs(theirs).max() + 4e-4
 
 
+@pytest.mark.slow
 def test_phases_of_s175_are_those_of_veres(s175, veres):
     """VERES: x aft, z up, bow-up pitch, reference in the centre of gravity."""
     large = np.abs(veres.values[2, 3, 0]) > 0.3
