@@ -285,26 +285,35 @@ def _averages(t: Array, values: Array, start: NDArrayInt, stop: NDArrayInt) -> A
 def _lag(
     t: Array, places: Array, found: Array, start: NDArrayInt, stop: NDArrayInt
 ) -> tuple[float, float]:
-    """By how much ``found`` is late against the rate of ``places``, and the rms then left."""
-    reach = min(LAGS, 0.2 * float(t[-1] - t[0]))
-    inner = (t[start] - reach >= t[0]) & (t[stop] + reach <= t[-1])
-    if np.count_nonzero(inner) < 20:
-        return 0.0, math.nan
-    begin, end = t[start[inner]], t[stop[inner]]
-    lags = np.linspace(-reach, reach, _GRID)
-    left = np.empty(_GRID)
-    for place, lag in enumerate(lags):
-        rate = np.stack(
-            [np.interp(end - lag, t, row) - np.interp(begin - lag, t, row) for row in places]
-        ) / (end - begin)
-        left[place] = _usual(found[:, inner] - rate)
-    best = int(np.argmin(left))
-    if 0 < best < _GRID - 1:
-        low, mid, high = left[best - 1 : best + 2] ** 2
-        bend = low - 2 * mid + high
-        shift = 0.5 * (low - high) / bend if bend > 0 else 0.0
-        return float(lags[best] + shift * (lags[1] - lags[0])), float(left[best])
-    return float(lags[best]), float(left[best])
+    """By how much ``found`` is late against the rate of ``places``, and the rms then left; looked
+    for further where it is least at the end of what was looked through, and not told where it
+    stays there."""
+    furthest = 0.2 * float(t[-1] - t[0])
+    reach = min(LAGS, furthest)
+    while True:
+        inner = (t[start] - reach >= t[0]) & (t[stop] + reach <= t[-1])
+        if np.count_nonzero(inner) < 20:
+            return 0.0, math.nan
+        begin, end, seen = t[start[inner]], t[stop[inner]], found[:, inner]
+
+        def left(lag: float, begin: Array = begin, end: Array = end, seen: Array = seen) -> float:
+            moved = [np.interp(end - lag, t, x) - np.interp(begin - lag, t, x) for x in places]
+            return _usual(seen - np.stack(moved) / (end - begin))
+
+        lags = np.linspace(-reach, reach, _GRID)
+        rms = np.array([left(lag) for lag in lags.tolist()])
+        best = int(np.argmin(rms))
+        if 0 < best < _GRID - 1:
+            break
+        if reach == furthest:
+            return 0.0, math.nan
+        reach = min(2.0 * reach, furthest)
+    low, mid, high = rms[best - 1 : best + 2] ** 2
+    bend = low - 2 * mid + high
+    shift = 0.5 * (low - high) / bend if bend > 0 else 0.0
+    lag = float(lags[best] + shift * (lags[1] - lags[0]))
+    after = left(lag)
+    return (lag, after) if after < rms[best] else (float(lags[best]), float(rms[best]))
 
 
 def _named(prefix: str, facts: Mapping[str, float]) -> Mapping[str, float]:

@@ -323,3 +323,19 @@ def test_samples_without_a_number_do_not_stop_the_checks():
         return data.assign(Y=data["Y"].where((data["t"] < 20) | (data["t"] > 21)))
 
     assert said(examine(campaign_of([sway(holes)])), "cycles") == []
+
+
+@pytest.mark.parametrize("late", [0.033, 0.25, 2.97, 5.0, -12.0])
+def test_a_lag_is_found_between_the_lags_that_are_tried_and_beyond_the_first(late):
+    t = np.arange(0.0, 300.0, 0.1)
+    place = np.stack([2.0 * t - np.cos(0.3 * t), np.sin(0.17 * t + 1.0)])
+    u, v = 2.0 + 0.3 * np.sin(0.3 * (t - late)), 0.17 * np.cos(0.17 * (t - late) + 1.0)
+    facts = velocity_facts(t, *place, 0.0 * t, u, v)
+    assert facts["lag"] == pytest.approx(late, abs=1e-3)
+    assert facts["lagged"] < 1e-4
+
+
+def test_what_grows_less_like_the_positions_the_further_it_is_moved_is_not_late():
+    t = np.arange(0.0, 100.0, 0.1)
+    facts = velocity_facts(t, 0.01 * t**2, 0.0 * t, 0.0 * t, 0.02 * (t - 40.0), 0.0 * t)
+    assert (facts["lag"], math.isnan(facts["lagged"])) == (0.0, True)
