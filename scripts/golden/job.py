@@ -1,0 +1,74 @@
+"""A job of the golden set, and what its workers see of the machine: nothing."""
+
+from __future__ import annotations
+
+import datetime as dt
+import os
+import re
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[2]
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is asked of the package.
+
+    Parameters
+    ----------
+    name : str
+        Of the job and of the file that keeps its answer.
+    make : callable
+        Gives the answer: mappings, lists, numbers and texts.
+    tolerance : float
+        By which a number may differ, over its size: 1e-9 where nothing is iterated.
+    measured : bool
+        Whether it needs measurements that are not part of the repository.
+    """
+
+    name: str
+    make: Callable[[], Any]
+    tolerance: float = 1e-9
+    measured: bool = False
+
+
+def measurements() -> Path | None:
+    """The folder of measurements that are not part of the repository; None without one."""
+    folder = Path(os.environ.get("PMMKIT_DATA", ROOT.parent / "shared" / "data"))
+    return folder if folder.is_dir() else None
+
+
+@contextmanager
+def empty_folder() -> Iterator[Path]:
+    """A new folder, which is the current one meanwhile."""
+    before = Path.cwd()
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place).resolve()
+        os.chdir(folder)
+        try:
+            yield folder
+        finally:
+            os.chdir(before)
+
+
+def masked(text: str, folder: Path | None = None) -> str:
+    """A text without what differs from one day, version, machine or folder to another."""
+    from pmmkit import __version__
+
+    if folder is not None:
+        text = text.replace(str(folder), "FOLDER")
+    data = measurements()
+    if data is not None:
+        text = text.replace(str(data), "DATA")
+    text = text.replace(str(ROOT), "ROOT").replace(__version__, "VERSION")
+    text = re.sub(rf"{re.escape(tempfile.gettempdir())}/[\w.-]+", "TEMPORARY", text)
+    today = dt.date.today()
+    for day in (today, today - dt.timedelta(days=1)):
+        text = re.sub(rf"{day.isoformat()}(?:[T ][0-9:.+Z]*)?", "DAY", text)
+        text = text.replace(f"{day.day} {day:%B %Y}", "DAY")
+    return re.sub(r"\b[0-9.]+ m?s (?=of the processor|passed)", "SECONDS ", text)

@@ -1,0 +1,88 @@
+"""The ships of the library in every manoeuvre, and the page of the workbench."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from typing import Any
+
+from scripts.golden.job import Job, empty_folder, masked
+
+SHIPS = {
+    "s175": 8.0,
+    "s175-3dof": 8.0,
+    "kvlcc2": 7.97,
+    "kvlcc2-l7": 1.179,
+    "kcs": 12.35,
+    "mariner": 7.7175,
+    "esso190k": 8.23,
+    "esso-osaka-3m": 0.4,
+}
+"""Approach speeds [m/s] of the eight ships."""
+
+
+def sailed(ship: str) -> dict[str, Any]:
+    """A ship in every manoeuvre, with the settings that are usual."""
+    import pmmkit as pk
+    from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
+
+    found: dict[str, Any] = {}
+    for name in sorted(manoeuvres()):
+        try:
+            track = pk.simulate(pk.load_model(ship), name, speed=SHIPS[ship])
+        except pk.PmmkitError as error:
+            found[name] = str(error)
+            continue
+        data = track.to_xarray()
+        found[name] = {
+            "metrics": dict(track.metrics),
+            "track": {str(key): data[key].values for key in data.data_vars},
+            "told": str(track).splitlines(),
+        }
+    return found
+
+
+def many() -> dict[str, Any]:
+    """Drawn ships, by their metrics."""
+    import pmmkit as pk
+
+    found = pk.monte_carlo(
+        pk.load_model("kvlcc2"), "turning", rudder_deg=35, speed=7.97, n=64, spread=0.05, seed=1
+    )
+    return {"told": str(found).splitlines()}
+
+
+def page() -> dict[str, Any]:
+    """What the page of a workbench is told: open, ask, add what is named first."""
+    import pmmkit as pk
+    from pmmkit.workbench.desk import Desk
+    from pmmkit.workbench.frozen import answers
+    from pmmkit.workbench.saved import State
+    from scripts.studies.hidden_effects import tank
+
+    with empty_folder() as folder:
+        hidden = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0}
+        pk.save_campaign(tank().hidden_campaign("middle", hidden, seed=3), folder / "tests.h5")
+        bare = pk.without_effect(pk.load_model("s175-3dof"), "yaw_sway_coupling")
+        pk.save_model(bare, folder / "model.toml")
+        desk = Desk(folder / "workbench", [folder])
+        try:
+            desk.open(State(campaign=str(folder / "tests.h5"), model=str(folder / "model.toml")))
+            desk.wait(lambda _: None)
+            desk.diagnose(desk.page()["revision"])
+            desk.wait(lambda _: None)
+            named = [x["effect"] for x in desk.missing()["candidates"] if x["named"]]
+            desk.add(desk.page()["revision"], named[0])
+            desk.wait(lambda _: None)
+            told = json.dumps(answers(desk), default=str)
+        finally:
+            desk.close()
+        found: dict[str, Any] = json.loads(masked(told, folder))
+    return found
+
+
+JOBS = (
+    *(Job(f"sailed_{ship}", partial(sailed, ship)) for ship in SHIPS),
+    Job("many_ships", many),
+    Job("page_captive", page, tolerance=1e-6),
+)
