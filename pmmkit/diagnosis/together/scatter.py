@@ -345,7 +345,7 @@ def _parts(number: int, item: Learned, groups: Groups, count: int) -> Array:
 def _even(count: int) -> tuple[Array, Array]:
     """Sets (n, count) of numbers from 0 to 1 that fill their space evenly (Roberts 2018: multiples
     of powers of the generalised golden ratio, there and back), and weights that fall to both ends,
-    by which means converge with the square of their number (Niederreiter 1978)."""
+    so that the mean of what is smooth settles sooner than by equal ones."""
     if not count:
         return np.zeros((1, 0)), np.ones(1)
     ratio = 2.0
