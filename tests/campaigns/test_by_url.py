@@ -17,9 +17,9 @@ from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError, DataError
 from pmmkit.reduction.reading import all_runs
-from pmmkit.remote import as_url, copies, joined, objects, urls
+from pmmkit.remote import as_url, copies, joined, look, objects, urls
 from pmmkit.remote.copies import SHEET
-from pmmkit.remote.objects import is_absent, look, told
+from pmmkit.remote.objects import is_absent, told
 from scripts.datasets.make_large import make
 from scripts.studies.cluster import everything
 from scripts.studies.damage import CAMPAIGN

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.errors import CampaignError
 from tests.support.small_campaign import SHIP
 

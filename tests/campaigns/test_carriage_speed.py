@@ -10,8 +10,8 @@ import xarray as xr
 from own_tank import U, drift, sway, write, yaw
 
 import pmmkit as pk
+from pmmkit import Run
 from pmmkit.campaigns.motion.kinematics import measured_motion, nominal_motion
-from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.checks import CheckFinding
 from pmmkit.inspection import look

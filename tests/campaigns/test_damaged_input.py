@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.errors import CampaignError, DataError
 from scripts.datasets.campaign_text import S175
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from small_campaign import HEAD
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.errors import CampaignError
 from pmmkit.exports import export
 

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import cumulative_simpson
 
+from pmmkit import Run
 from pmmkit.campaigns.motion.kinematics import (
     displacement_phase,
     measured_motion,
@@ -18,7 +19,6 @@ from pmmkit.campaigns.motion.kinematics import (
     move_motion,
     nominal_motion,
 )
-from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.effects.state import State

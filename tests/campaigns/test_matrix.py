@@ -9,7 +9,7 @@ import openpyxl
 import pytest
 from small_campaign import HEAD
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.errors import CampaignError
 
 T = np.arange(0.0, 40.0, 0.05)

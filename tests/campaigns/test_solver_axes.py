@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.campaigns.motion.hull_path import set_to
 from pmmkit.campaigns.motion.solver_axes import Solver, seen_from_hull, without_ramp
 from pmmkit.campaigns.samples.loading import file_hashes

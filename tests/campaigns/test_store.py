@@ -23,9 +23,9 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pmmkit.campaigns.run import Campaign, Correction, Run
+from pmmkit import Campaign, Run, load_campaign, save_campaign
+from pmmkit.campaigns.run import Correction
 from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.store import load_campaign, save_campaign
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.errors import CampaignError, PmmkitError, Problem

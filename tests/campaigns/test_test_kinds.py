@@ -12,8 +12,8 @@ import pytest
 import small_campaign
 
 import pmmkit as pk
+from pmmkit import Campaign, Run, next_runs, reduce_campaign
 from pmmkit.campaigns.motion.kinematics import nominal_motion
-from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.kind import MAY_BE_ZERO, SURGE, NominalMotion, TestKind
 from pmmkit.campaigns.test_kinds.oscillating import PURE_SWAY, PURE_YAW, SWAY_YAW
@@ -22,10 +22,8 @@ from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT, STRAIGHT
 from pmmkit.errors import CampaignError, UnknownNameError
 from pmmkit.inspection.drafts.names import facts_of
 from pmmkit.inspection.drafts.settle import asked_of
-from pmmkit.reduction.reduce import reduce_campaign
 from pmmkit.ship import Ship, Water
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
-from pmmkit.test_planning.next_run import next_runs
 from pmmkit.test_planning.options import limits_of, options_of
 from pmmkit.test_planning.plan_file import read_plan_file
 from pmmkit.testing.test_kinds import check_test_kind

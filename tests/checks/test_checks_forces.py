@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from checks_programme import HULL, SHIP, WATER, campaign_of, programme, run_of
 
-from pmmkit.campaigns.run import Run
+from pmmkit import Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.checks import CHECKS, CheckFinding, examine, refuse, summarise
 from pmmkit.errors import ContradictionError

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 from checks_programme import SHIP, campaign_of, run_of
 
-from pmmkit.campaigns.run import Run
+from pmmkit import Run
 from pmmkit.campaigns.segments import usable
 from pmmkit.campaigns.settings import Settings
 from pmmkit.checks import examine

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import Campaign
+from pmmkit import Campaign, open_campaign
 from pmmkit.checks import CheckFinding, examine, refuse
 from pmmkit.errors import ContradictionError
 

@@ -9,8 +9,7 @@ import pytest
 import xarray as xr
 from checks_programme import campaign_of, hash_of, programme, run_of
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import Run
+from pmmkit import Run, open_campaign
 from pmmkit.campaigns.settings import Settings
 from pmmkit.checks import examine
 from pmmkit.checks.track import rate_facts, velocity_facts

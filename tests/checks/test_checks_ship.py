@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from checks_programme import SHIP, WATER, campaign_of, run_of
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.checks import examine
 from pmmkit.files import datasets_folder
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pmmkit import catalogue
 from pmmkit.campaigns.run import Correction
 from pmmkit.checks import CHECKS, examine, summarise
 from pmmkit.checks.agreement.posterior import agreement
@@ -19,7 +20,6 @@ from pmmkit.checks.agreement.suspects import SUSPECTS
 from pmmkit.checks.agreement.usual import MAIN, SPREAD
 from pmmkit.checks.gauges import change_facts, hold_facts
 from pmmkit.checks.untold import untold
-from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError
 from pmmkit.reduction import reduce_campaign
 from tests.support import spoiled

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.checks import summarise
 from pmmkit.checks.physics import along_tank, asked_signs, inertia_inside
 from tests.support.small_campaign import write_campaign

@@ -10,7 +10,7 @@ import pytest
 from small_campaign import write_campaign
 
 import pmmkit as pk
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.checks import Summary
 from pmmkit.checks.whole_files import examine_ends
 from pmmkit.cli import main

@@ -11,7 +11,7 @@ import typer
 from pmmkit.cli import app, commands, main, options
 from pmmkit.cli.commands import convert, export, identify
 from pmmkit.cli.output import Outcome
-from pmmkit.exports.write import ENDINGS
+from pmmkit.exports import ENDINGS
 from pmmkit.identification.methods import METHODS
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
 from pmmkit.tables import write_table

@@ -10,11 +10,9 @@ from hidden_effects import hidden_campaign
 from pages import answers_in, texts_in
 from test_identify_command import write_free_campaign
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.store import save_campaign
+from pmmkit import open_campaign, save_campaign, without_effect
 from pmmkit.cli import main
 from pmmkit.models import load_model, save_model
-from pmmkit.models.edit import without_effect
 from pmmkit.simulation import simulate
 
 

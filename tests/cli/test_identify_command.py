@@ -12,19 +12,19 @@ import pytest
 from commands import rows_of, said
 
 import pmmkit as pk
+from pmmkit import FreeRecord, compare_methods
 from pmmkit.cli import main
 from pmmkit.conventions import Convention
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.estimation.innovations import Innovations, autocorrelation, innovation_tests
 from pmmkit.figures import identification as drawings
 from pmmkit.figures import save
-from pmmkit.identification.comparing import compare_methods, predicted_window
+from pmmkit.identification import reference
+from pmmkit.identification.comparing import predicted_window
 from pmmkit.identification.consistency import consistency
 from pmmkit.identification.known import known_before, parameters_of
 from pmmkit.identification.methods import SECONDS
 from pmmkit.identification.posterior import read_posterior
-from pmmkit.identification.predict import reference
-from pmmkit.identification.record import FreeRecord
 from pmmkit.plotting.identification import parameters
 
 SHIP, SPEED = "kvlcc2-l7", 1.179

@@ -8,7 +8,8 @@ import pytest
 
 from pmmkit.cli import main
 from pmmkit.metrics import METRICS, in_lengths, unit_of
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of, manoeuvres
+from pmmkit.simulation import manoeuvre_of
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
 
 CASES = {"turning": (), "zigzag": ("--rudder-deg", "10"), "pull_out": ("--rudder-deg", "20")}
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pmmkit import converted, hull_table
 from pmmkit.conventions import Convention
 from pmmkit.empirical import (
     METHODS,
@@ -20,10 +21,8 @@ from pmmkit.empirical import (
 )
 from pmmkit.errors import UnknownNameError
 from pmmkit.models import Model, estimated_model, load_model
-from pmmkit.models.hull import hull_table
 from pmmkit.ship_library import load_ship
 from pmmkit.simulation import monte_carlo, simulate
-from pmmkit.tables.convert import converted
 from scripts.studies.paper_b_table import MASS, PRINTED, REASONS, TANKER
 
 

@@ -8,7 +8,7 @@ import pytest
 from pmmkit.diagnosis.free_running.bands import band
 from pmmkit.diagnosis.free_running.left_out import left_out_windows
 from pmmkit.diagnosis.free_running.system import free_system
-from pmmkit.identification.prior import prior_of
+from pmmkit.identification import prior_of
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
 
 NAMES = ("asymmetry",)

@@ -6,10 +6,9 @@ from itertools import pairwise
 
 import pytest
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import begin, open_campaign
 from pmmkit.diagnosis import diagnose_captive
 from pmmkit.errors import DataError
-from pmmkit.loop.session import begin
 
 NOISE, FLOOR = 0.03, 0.02
 

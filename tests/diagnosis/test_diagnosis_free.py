@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
+from pmmkit import FreeRecord
+from pmmkit.diagnosis import diagnose_free
 from pmmkit.diagnosis.free_running.base import Base, base_of, stated_base
 from pmmkit.diagnosis.free_running.candidates import candidates_for
-from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.fits import place_at
 from pmmkit.diagnosis.free_running.hypotheses import Numbers, weighed
 from pmmkit.diagnosis.free_running.information import Forces, Known
@@ -19,8 +20,7 @@ from pmmkit.diagnosis.free_running.question import PACE, paced, question_of
 from pmmkit.diagnosis.free_running.slopes import sheets_of
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.errors import DataError
-from pmmkit.identification.prior import prior_of
-from pmmkit.identification.record import FreeRecord
+from pmmkit.identification import prior_of
 from pmmkit.loop.session import undone
 from pmmkit.models import model_text
 from tests.support.zigzags import ASYMMETRY, KNOWN, RUNS, SENSORS, SHIP, SPEED, sailed

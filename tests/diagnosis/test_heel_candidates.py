@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pmmkit import FreeRecord
 from pmmkit.diagnosis.free_running.candidates import candidates_for, excited
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.hull import HULL
 from pmmkit.identification.binding import bound
-from pmmkit.identification.record import FreeRecord
 from pmmkit.models import load_model
 from pmmkit.models.model import knows_heel
 

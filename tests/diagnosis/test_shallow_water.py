@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
+from pmmkit import FreeRecord
+from pmmkit.diagnosis import diagnose_free
 from pmmkit.diagnosis.free_running.candidates import candidates_for
-from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.question import records_of
-from pmmkit.identification.predict import predict, reference
-from pmmkit.identification.record import FreeRecord
+from pmmkit.identification import predict, reference
 from pmmkit.models import Model
 from tests.support.free_tank.campaigns import Setup, write
 from tests.support.recorded import recorded

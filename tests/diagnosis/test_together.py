@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from small_campaign import write_campaign
 
 import pmmkit as pk
+from pmmkit import without_effect
+from pmmkit.diagnosis import together
 from pmmkit.diagnosis.together.belongs import Measured, log_shared, owner, third
 from pmmkit.diagnosis.together.captive_vote import captive_vote
 from pmmkit.diagnosis.together.result import Belonging
@@ -23,10 +25,8 @@ from pmmkit.diagnosis.together.scatter import (
     next_laboratory,
     scatter_of_base,
 )
-from pmmkit.diagnosis.together.together import together
 from pmmkit.effects.catalogue import effect_of, is_fault
 from pmmkit.errors import DataError
-from pmmkit.models.edit import without_effect
 from tests.support.zigzags import SENSORS, SHIP, sailed
 
 

@@ -11,18 +11,16 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit import FreeRecord, identify
+from pmmkit.diagnosis import Diagnosis, diagnose_free
 from pmmkit.diagnosis.free_running.base import movable
 from pmmkit.diagnosis.free_running.candidates import candidates_for
-from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.question import records_of
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
 from pmmkit.equations.layouts import State
 from pmmkit.errors import DataError
 from pmmkit.identification.binding import bound, driven
-from pmmkit.identification.methods import identify
-from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model, Part
 from pmmkit.seakeeping import drift_table, frequencies
 from tests.support.few_stations import thinned

@@ -9,10 +9,9 @@ from unittest import mock
 
 import pytest
 
+from pmmkit import Effect, Parameter, catalogue, effect, own_effect, register_effect
 from pmmkit.effects import catalogue as registry
-from pmmkit.effects.catalogue import catalogue, effect, effect_of, forget_effect, register_effect
-from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.grammar import own_effect
+from pmmkit.effects.catalogue import effect_of, forget_effect
 from pmmkit.effects.primitives import fabs, maximum
 from pmmkit.effects.seen import Move
 from pmmkit.equations import Prepared

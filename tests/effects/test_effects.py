@@ -11,9 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from polynomials import polynomial_forces
 
+from pmmkit import catalogue
 from pmmkit.conventions import Convention
 from pmmkit.effects import added_mass, propeller, roll, rudder
-from pmmkit.effects.catalogue import catalogue, effect_of
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.primitives import over_arrays
 from pmmkit.effects.state import State

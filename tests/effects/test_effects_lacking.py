@@ -15,7 +15,7 @@ from pmmkit.effects.cross_flow import force as crossflow
 from pmmkit.effects.memory import late_cross_flow_force, late_sway_force
 from pmmkit.equations import prepare
 from pmmkit.equations.histories import water_forces
-from pmmkit.identification.forces import ForceRecord
+from pmmkit.identification import ForceRecord
 from pmmkit.models import load_model
 
 L, U, RHO = 4.0, 1.5, 1000.0

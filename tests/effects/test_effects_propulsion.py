@@ -18,9 +18,8 @@ from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.cross_flow import strip
 from pmmkit.effects.four_quadrant import b4_70, estimate
 from pmmkit.effects.primitives import interpolate, over_arrays
-from pmmkit.equations.prepared import prepare
-from pmmkit.models import load_model
-from pmmkit.models.model import Part
+from pmmkit.equations import prepare
+from pmmkit.models import Part, load_model
 
 TIP = 0.7 * math.pi
 SHIP = {"L": 175.0, "B": 25.4, "d": 8.5, "rho": 1025.0}

@@ -13,12 +13,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pmmkit import catalogue
 from pmmkit import equations as kernel
 from pmmkit.effects import catalogue as catalogue_module
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.equations import prepare
 from pmmkit.equations.compilation import cache_folder
 from pmmkit.equations.histories import water_forces
-from pmmkit.equations.prepared import prepare
 from pmmkit.errors import MissingPartError, ModelError
 from pmmkit.identification import ForceRecord, fit_to_forces
 from pmmkit.models import Part, load_model, model_text, save_model

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
+from pmmkit import froude_sweep, sweep
 from pmmkit.checks import examine
 from pmmkit.cli import main
+from pmmkit.diagnosis import diagnose_free
 from pmmkit.diagnosis.free_running.candidates import candidates_for
-from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.errors import DataError
-from pmmkit.identification.prior import prior_of
+from pmmkit.identification import prior_of
 from pmmkit.observations.views import views_of
 from pmmkit.simulation import sensitivities, sobol
-from pmmkit.simulation.sweeps import froude_sweep, sweep
 from scripts.datasets.make_large import make
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
 

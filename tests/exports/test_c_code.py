@@ -14,8 +14,8 @@ from types import ModuleType
 import pytest
 
 import pmmkit as pk
+from pmmkit import catalogue
 from pmmkit.effects import primitives
-from pmmkit.effects.catalogue import catalogue
 from pmmkit.equations import prepare
 from pmmkit.equations.code_generation import CARRYING, module_text
 from pmmkit.equations.compilation import interpreted

@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 from small_campaign import write_campaign
 
 import pmmkit as pk
+from pmmkit import Campaign, Run
 from pmmkit.campaigns.open_water import open_water
-from pmmkit.campaigns.run import Campaign, Correction, Run
+from pmmkit.campaigns.run import Correction
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.cli import main

@@ -22,9 +22,9 @@ import pytest
 from fmus import exchanged, needs_compiler, needs_fmpy, sailing, steps_of
 
 import pmmkit as pk
+from pmmkit import Effect, Parameter, register_effect
 from pmmkit.cli import main
-from pmmkit.effects.catalogue import forget_effect, register_effect
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.catalogue import forget_effect
 from pmmkit.equations import prepare
 from pmmkit.equations.layouts import Constant
 from pmmkit.errors import DataError, ModelError

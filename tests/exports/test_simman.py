@@ -13,7 +13,7 @@ import xarray as xr
 from small_campaign import write_campaign
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Campaign, Run
+from pmmkit import Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError, DataError

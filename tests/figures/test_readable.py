@@ -11,7 +11,7 @@ import pytest
 from small_campaign import RHO, TRUTH, L
 
 import pmmkit as pk
-from pmmkit import figures
+from pmmkit import converted, figures
 from pmmkit.errors import TableError
 from pmmkit.figures.correlations import correlated
 from pmmkit.figures.forests import farthest
@@ -25,7 +25,6 @@ from pmmkit.presentation import Section
 from pmmkit.report.pictures import of_derivatives
 from pmmkit.ship import Ship, Water
 from pmmkit.simulation.bands import bands_of
-from pmmkit.tables.convert import converted
 from pmmkit.workbench.pages.sections import Place, told_page
 
 SHIP = Ship(name="m", L=L, B=0.705556, d=0.236111, volume=0.454861, mass=454.476, Izz=618.332)

@@ -11,8 +11,8 @@ from types import MappingProxyType
 import pytest
 
 import pmmkit as pk
+from pmmkit import catalogue
 from pmmkit.bibliography import ITSELF, bibliography, bibtex, cite, reference
-from pmmkit.effects.catalogue import catalogue
 from pmmkit.empirical import METHODS, RUDDER_SOURCES, estimate
 from pmmkit.errors import UnknownNameError
 from pmmkit.models import estimated_model, load_model

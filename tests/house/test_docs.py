@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from pmmkit import catalogue
 from pmmkit.campaigns.file import schema
-from pmmkit.effects.catalogue import catalogue, forget_effect
+from pmmkit.effects.catalogue import forget_effect
 from scripts.documentation import campaign_file, make_docs
 
 ROOT = Path(__file__).parents[2]

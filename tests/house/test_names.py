@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from pmmkit import catalogue
 from pmmkit.campaigns.test_kinds.registry import BUILT_IN
-from pmmkit.effects.catalogue import catalogue
 
 ROOT = Path(__file__).parents[2]
 

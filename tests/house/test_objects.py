@@ -18,8 +18,7 @@ import pmmkit as pk
 import pmmkit.diagnosis
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.loop import JointFall, RecordError, RecordFall
-from pmmkit.models import Part
-from pmmkit.models.step import Step
+from pmmkit.models import Part, Step
 from pmmkit.presentation import Described
 from pmmkit.reduction.parts import Parts
 from pmmkit.report.captive import Chapter, Document, Item
@@ -33,7 +32,7 @@ from pmmkit.seakeeping import (
     operability,
     superposed,
 )
-from pmmkit.trials.table import Trial, Wind
+from pmmkit.trials import Trial, Wind
 from pmmkit.validation.submitted_trials import TrialComparison, TrialPair
 
 ROOT = Path(__file__).parents[2]

@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import Campaign
+from pmmkit import Campaign, open_campaign
 from pmmkit.campaigns.segments import usable
 from pmmkit.checks import examine, refuse
 

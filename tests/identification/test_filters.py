@@ -11,17 +11,17 @@ from filterpy.kalman import KalmanFilter, predict, update
 from scipy.integrate import solve_ivp
 
 import pmmkit as pk
+from pmmkit import FreeRecord, identify
 from pmmkit.equations import CALM, prepare
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
 from pmmkit.equations.layouts import Constant, InputField
 from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import DataError, SimulationError
+from pmmkit.identification import Prior, prior_of
 from pmmkit.identification.binding import bound
 from pmmkit.identification.filters import kalman
-from pmmkit.identification.methods import identify
-from pmmkit.identification.prior import Prior, prior_of
-from pmmkit.identification.record import FreeRecord, noise_of, sensors_of
+from pmmkit.identification.record import noise_of, sensors_of
 from pmmkit.models import Part, load_model
 
 TANKER, SPEED = load_model("kvlcc2-l7"), 1.179

@@ -10,11 +10,10 @@ import pytest
 import xarray as xr
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Run
+from pmmkit import FreeRecord, Run, free_records
 from pmmkit.campaigns.settings import Settings
 from pmmkit.errors import DataError
-from pmmkit.identification.from_run import free_records
-from pmmkit.identification.record import FreeRecord, rate_limited
+from pmmkit.identification.record import rate_limited
 from pmmkit.models import load_model
 
 TANKER, LINER, SPEED = load_model("kvlcc2-l7"), load_model("s175"), 1.179

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Run
+from pmmkit import Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.effects.hull import HULL
 from pmmkit.errors import DataError, ModelError

@@ -9,10 +9,10 @@ import pytest
 from test_filters import SENSORS, SHALLOW, SPEED, TANKER, off, sailed, true_prior
 
 import pmmkit as pk
+from pmmkit import identify
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.identification.methods import METHODS, identify
-from pmmkit.identification.predict import Prediction, predict, reference
-from pmmkit.identification.prior import Prior, prior_of
+from pmmkit.identification import Prediction, Prior, predict, prior_of, reference
+from pmmkit.identification.methods import METHODS
 from pmmkit.models import load_model, save_model
 
 NAMES = ("Nv", "Nr")

@@ -13,11 +13,10 @@ from scipy.stats import t as t_student
 from test_filters import SENSORS, SPEED, TANKER, off, sailed
 
 import pmmkit as pk
+from pmmkit import FreeRecord, identify
 from pmmkit.estimation.innovations import Innovations
+from pmmkit.identification import Prior, prior_of
 from pmmkit.identification.lack import Piece, colour_of, lack_of, lasting, stretches
-from pmmkit.identification.methods import identify
-from pmmkit.identification.prior import Prior, prior_of
-from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Part, load_model
 
 NAMES = ("Xvr", "Yv", "Yr", "Yvvv", "Yvvr", "Yvrr", "Nv", "Nr", "Nvvv", "Nvvr", "Nvrr", "Nrrr")

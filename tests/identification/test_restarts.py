@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from test_filters import LINER, SENSORS, SPEED, TANKER, off, sailed
 
+from pmmkit import identify
 from pmmkit.errors import SimulationError
-from pmmkit.identification.methods import identify
-from pmmkit.identification.prior import prior_of
+from pmmkit.identification import prior_of
 
 TWO_HERTZ_THINNED = 2.0
 """Seconds between instants."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pmmkit.identification.record import FreeRecord
+from pmmkit import FreeRecord
 from pmmkit.identification.seas import sea_notes
 from pmmkit.models import Part, load_model
 

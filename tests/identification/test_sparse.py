@@ -24,7 +24,7 @@ from pmmkit.estimation.sparse import (
     solved,
     sparse,
 )
-from pmmkit.identification.forces import ForceRecord
+from pmmkit.identification import ForceRecord
 from pmmkit.identification.sparse.regression import (
     look_for_collinearity,
     physics_groups,

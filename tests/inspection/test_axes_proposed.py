@@ -6,14 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign, reduce_campaign
 from pmmkit.campaigns.samples.conversions import Frame
 from pmmkit.checks import examine
 from pmmkit.checks.physics import AskedSign, asked_signs
 from pmmkit.cli import main
 from pmmkit.inspection.drafts.conventions import ranked
 from pmmkit.inspection.drafts.trial import summaries_of
-from pmmkit.reduction.reduce import reduce_campaign
 from tests.support.small_campaign import SHIP, write_campaign
 
 ASKED = (

@@ -9,7 +9,7 @@ import openpyxl
 import pytest
 from test_new_campaign import drafted, filled_in
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.inspection import look
 
 T = np.arange(0.0, 30.0, 0.1)

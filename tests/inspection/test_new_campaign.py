@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.campaigns.motion.nominal import nominal_motion
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError

@@ -13,17 +13,16 @@ from hidden_effects.programmes import plans
 from hidden_effects.tank import motions
 
 import pmmkit as pk
+from pmmkit import catalogue
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis import captive_candidates, diagnose_captive
-from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import State
 from pmmkit.effects.terms import BY_SPEED
 from pmmkit.equations import prepare
 from pmmkit.equations.histories import water_forces
 from pmmkit.errors import MissingPartError, ModelError, TableError, UnknownNameError
-from pmmkit.models import load_model
-from pmmkit.models.store import model_text
+from pmmkit.models import load_model, model_text
 
 FROUDE = tuple(speed / (WATER.g * SHIP.L) ** 0.5 for speed in (1.0, 1.5, 2.0))
 PHYSICS = [item for item in captive_candidates((1.0,)) if item.kind == "physics"]

@@ -11,15 +11,21 @@ import numpy as np
 import pytest
 from hidden_effects import hidden_campaign
 
-from pmmkit import model_of, reduce_campaign
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import (
+    begin,
+    fit,
+    model_of,
+    open_campaign,
+    own_effect,
+    reduce_campaign,
+    replay,
+    simulate,
+)
 from pmmkit.diagnosis.captive.held_out import held_out
-from pmmkit.effects.grammar import own_effect
 from pmmkit.errors import ModelError, UnknownNameError
-from pmmkit.loop.session import begin, fit, replay, undone
+from pmmkit.loop.session import undone
 from pmmkit.models import load_model, model_text, save_model
 from pmmkit.ship_library import datasets_folder
-from pmmkit.simulation.simulate import simulate
 from tests.support.uncoupled import uncoupled
 
 

@@ -10,11 +10,10 @@ import pytest
 from pages import answers_in, texts_in
 
 import pmmkit as pk
-from pmmkit.diagnosis.captive.candidate import polynomial
-from pmmkit.diagnosis.free_running.diagnose import diagnose_free
+from pmmkit.diagnosis import diagnose_free, polynomial
 from pmmkit.diagnosis.free_running.fits import at_place, having
 from pmmkit.errors import DataError, ModelError, UnknownNameError
-from pmmkit.identification.prior import prior_of
+from pmmkit.identification import prior_of
 from pmmkit.loop import RecordError, RecordFall
 from pmmkit.loop.session import undone
 from pmmkit.plotting.records import before_and_after, waterfall

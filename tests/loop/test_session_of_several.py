@@ -9,9 +9,9 @@ import pytest
 from hidden_effects import hidden_campaign
 
 import pmmkit as pk
+from pmmkit import without_effect
 from pmmkit.errors import DataError, ModelError, UnknownNameError
 from pmmkit.loop import JointFall
-from pmmkit.models.edit import without_effect
 from tests.support.free_tank.campaigns import Setup, write
 from tests.support.zigzags import ASYMMETRY, SENSORS, SHIP, sailed
 

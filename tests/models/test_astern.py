@@ -9,8 +9,8 @@ import pytest
 import pmmkit as pk
 from pmmkit.cli import main
 from pmmkit.errors import ModelError
+from pmmkit.models import Part
 from pmmkit.models.astern import ESTIMATED, as_it_stops, knows_astern, with_estimated_astern
-from pmmkit.models.model import Part
 
 
 def test_ahead_nothing_changes():

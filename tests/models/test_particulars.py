@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
+from pmmkit import hull_table
 from pmmkit.campaigns.open_water import open_water
 from pmmkit.models.build import HULL_TERMS
 from pmmkit.models.estimates import estimated_table
-from pmmkit.models.hull import hull_table
 from pmmkit.models.particulars import STATED, parts_from_particulars
 from pmmkit.models.wageningen import open_water_curve
 from pmmkit.tables import from_values

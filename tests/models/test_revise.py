@@ -9,8 +9,9 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.errors import ModelError, UnknownNameError
+from pmmkit.models import model_text
 from pmmkit.models.revise import with_part_of, with_stated
-from pmmkit.models.store import model_from, model_text
+from pmmkit.models.store import model_from
 from pmmkit.presentation import WIDE
 from pmmkit.simulation.spread import spread_of
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.checks import examine
 from pmmkit.errors import CampaignError
 from pmmkit.models.stated_parts import GEOMETRY, SECTIONS, faults_of

@@ -12,12 +12,12 @@ import pytest
 import small_campaign
 
 import pmmkit as pk
+from pmmkit import reduce_campaign
 from pmmkit.campaigns.motion.inertia import rig_of
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import STATABLE, TypeB
 from pmmkit.errors import DataError
 from pmmkit.observations.stated import INERTIA, RIG, altered, idle
-from pmmkit.reduction.reduce import reduce_campaign
 from pmmkit.validation.captive import compare_captive
 
 WHOLE = {name for name, item in STATABLE.items() if item.of in ("water", "rig")}

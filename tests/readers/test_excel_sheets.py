@@ -26,7 +26,7 @@ from container_files import (
     values,
 )
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.errors import CampaignError
 from pmmkit.readers import reader_of
 

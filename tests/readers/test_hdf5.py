@@ -25,8 +25,7 @@ from container_files import (
 )
 from scipy.io import netcdf_file
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.store import save_campaign
+from pmmkit import open_campaign, save_campaign
 from pmmkit.errors import CampaignError, PmmkitError
 from pmmkit.readers import reader_for, reader_of
 from pmmkit.readers.hdf5 import guard as hdf5_guard

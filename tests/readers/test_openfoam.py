@@ -24,7 +24,7 @@ from foam_texts import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.checks import examine
 from pmmkit.errors import CampaignError

@@ -15,9 +15,8 @@ import pytest
 from installed_readers import installed
 from lab_log import Log
 
+from pmmkit import open_campaign, save_campaign
 from pmmkit import readers as room
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.store import save_campaign
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError
 from pmmkit.readers import Options, readers, recognise

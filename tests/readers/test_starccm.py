@@ -13,11 +13,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.errors import CampaignError, DataError
-from pmmkit.readers import reader_of
-from pmmkit.readers.base import Options, Request
+from pmmkit.readers import Options, Request, reader_of
 from pmmkit.readers.starccm import reader as starccm
 from scripts.datasets.campaign_text import S175
 

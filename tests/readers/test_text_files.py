@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit.errors import CampaignError, DataError
-from pmmkit.readers.base import Options, Request
+from pmmkit.readers import Options, Request
 from pmmkit.readers.text import csv
 from pmmkit.readers.text.decoding import CUT, cut_apart
 

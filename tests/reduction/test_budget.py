@@ -15,14 +15,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pmmkit as pk
+from pmmkit import (
+    Budget,
+    derivative_budget,
+    grid_study,
+    grid_uncertainty,
+    imo_budget,
+    manoeuvre_budget,
+    with_grids,
+)
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.cli import main
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.reduction import reduce_campaign
-from pmmkit.reduction.budgets.budget import Budget, Result, Source, beside
-from pmmkit.reduction.budgets.derivatives import derivative_budget
-from pmmkit.reduction.budgets.grids import grid_study, grid_uncertainty, with_grids
-from pmmkit.reduction.budgets.manoeuvres import imo_budget, manoeuvre_budget
+from pmmkit.reduction.budgets.budget import Result, Source, beside
 from pmmkit.simulation import sensitivities, simulate
 from scripts.datasets.virtual_tank import SHIP, SON_NOMOTO, WATER, captive, programme
 

@@ -9,8 +9,7 @@ import shutil
 import numpy as np
 import pytest
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.reduction.reduce import reduce_campaign
+from pmmkit import open_campaign, reduce_campaign
 from pmmkit.reduction.solve import measured_and_fitted
 from tests.support.small_campaign import write_campaign
 

@@ -14,7 +14,7 @@ import pytest
 import reduced as large
 import xarray as xr
 
-from pmmkit.campaigns.run import Campaign, Run
+from pmmkit import Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import MissingPartError

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pmmkit.campaigns.run import Campaign, Run
+from pmmkit import Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.reduction import reduce_campaign
 from pmmkit.ship import Water

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 from few_runs import few
 
-from pmmkit.campaigns.run import Campaign, Run
+from pmmkit import Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.observations.noise import degrees, shrunk_levels

@@ -17,7 +17,7 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.errors import CampaignError
-from pmmkit.readers.base import Options, Request
+from pmmkit.readers import Options, Request
 from pmmkit.readers.text import csv as csv_reader
 from pmmkit.readers.text import splitting as text
 from pmmkit.reduction import reduce_campaign

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from small_campaign import write_campaign
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.checks.reading import summarise
+from pmmkit import open_campaign
+from pmmkit.checks import summarise
 from pmmkit.errors import CampaignError
 from pmmkit.observations.prepare import prepare
 from pmmkit.observations.views import views_of

@@ -15,24 +15,16 @@ import pytest
 from matplotlib.figure import Figure
 
 import pmmkit as pk
+from pmmkit import save_campaign
 from pmmkit.campaigns.file.campaign_file import campaign_of
 from pmmkit.campaigns.file.report_entry import ReportEntry
-from pmmkit.campaigns.store import save_campaign
 from pmmkit.cli import main
 from pmmkit.cli.commands import report as command
 from pmmkit.errors import CampaignError, DataError, UnknownNameError
 from pmmkit.exports.campaign_toml import campaign_text
 from pmmkit.presentation import Grid, Group, Section
-from pmmkit.report.captive import (
-    FORMATS,
-    STANDARDS,
-    Chapter,
-    Document,
-    Item,
-    captive_document,
-    html_of,
-    write_document,
-)
+from pmmkit.report import captive_document, write_document
+from pmmkit.report.captive import FORMATS, STANDARDS, Chapter, Document, Item, html_of
 from pmmkit.report.captive.columns import columns_of
 from pmmkit.report.captive.document import NOT_SUPPLIED
 from pmmkit.report.drawn import drawn

@@ -9,7 +9,7 @@ from hidden_effects import hidden_campaign
 from pages import answers_in, texts_in
 from uncoupled import uncoupled
 
-from pmmkit.campaigns.store import save_campaign
+from pmmkit import save_campaign
 from pmmkit.cli import main
 from pmmkit.models import save_model
 from pmmkit.presentation import Grid, Group, Picture, Section

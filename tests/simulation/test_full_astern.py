@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import pmmkit as pk
 from pmmkit.effects.four_quadrant import b4_70
 from pmmkit.errors import DataError
-from pmmkit.models.model import Part
+from pmmkit.models import Part
 from pmmkit.simulation.imo import full_astern
 from pmmkit.simulation.imo.full_astern import measured_astern, reached, torque_of, with_torque_limit
 

@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit import equations as kernel
+from pmmkit import stability
 from pmmkit.equations import Conditions
 from pmmkit.models import load_model
 from pmmkit.simulation import simulate
-from pmmkit.simulation.linear import stability
 
 MARINER_SPEED, TANKER_SPEED = 7.7175, 8.23
 

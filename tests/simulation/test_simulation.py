@@ -23,9 +23,7 @@ from pmmkit.errors import (
     UnknownNameError,
 )
 from pmmkit.models import load_model, scaled, to_model
-from pmmkit.simulation import froude_sweep, imo_turning, simulate
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
-from pmmkit.simulation.plan import ProbeResults
+from pmmkit.simulation import ProbeResults, froude_sweep, imo_turning, manoeuvre_of, simulate
 from pmmkit.simulation.run import Gear, run_plan
 from pmmkit.tables import from_values
 

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pmmkit import sweep
 from pmmkit.errors import DataError
 from pmmkit.models import Part, load_model, save_model, scaled
 from pmmkit.simulation import froude_sweep, monte_carlo, simulate
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
-from pmmkit.simulation.sweeps import sweep
 
 CONTAINER = load_model("s175-3dof")
 TANKER = load_model("kvlcc2-l7")

@@ -12,8 +12,8 @@ from collections.abc import Callable
 import numpy as np
 import xarray as xr
 
+from pmmkit import Campaign, Run
 from pmmkit.campaigns.motion.kinematics import nominal_motion
-from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.ship import Ship, Water
 

@@ -11,10 +11,9 @@ from typing import Any
 import h5py
 import numpy as np
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.errors import PmmkitError
-from pmmkit.readers import Request, reader_for
-from pmmkit.readers.base import Columns, Options
+from pmmkit.readers import Columns, Options, Request, reader_for
 from scripts.datasets.campaign_text import S175
 
 CHANNELS = ("t", "X", "Y", "N")

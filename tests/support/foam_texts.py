@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pmmkit.readers.base import Options, Request
+from pmmkit.readers import Options, Request
 from pmmkit.readers.openfoam import reader as openfoam
 
 COFR = (0.35, 0.0, 0.02)

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pmmkit.identification.record import FreeRecord
-from pmmkit.simulation.track import Track
+from pmmkit import FreeRecord, Track
 
 
 def recorded(

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from pmmkit.campaigns.run import Campaign, Run
+from pmmkit import Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.ship import Ship, Water
 

@@ -11,18 +11,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pmmkit import FreeRecord, Limits, next_runs
 from pmmkit.campaigns.file.schema import RunEntry
 from pmmkit.cli import main
 from pmmkit.diagnosis.free_running.system import free_system
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.identification.record import FreeRecord
 from pmmkit.models import load_model
 from pmmkit.simulation import simulate
 from pmmkit.test_planning.free_offer import free_offer
 from pmmkit.test_planning.free_options import COURSES, free_options
 from pmmkit.test_planning.manoeuvres import captive_tests, limits_of_records
-from pmmkit.test_planning.next_run import next_runs
-from pmmkit.test_planning.options import Limits, options_of
+from pmmkit.test_planning.options import options_of
 from pmmkit.test_planning.plan_file import entries_text
 from pmmkit.test_planning.planned_records import planned_record, sea_of
 from pmmkit.test_planning.separation import Likely, expected_odds

@@ -13,6 +13,7 @@ import pytest
 from hidden_effects import BASE, SHIP, WATER, hidden_campaign
 from hidden_effects.programmes import asked, options, plans
 
+from pmmkit import Limits, next_runs, plan
 from pmmkit.campaigns.file.schema import RunEntry
 from pmmkit.campaigns.settings import Settings
 from pmmkit.cli import main
@@ -27,11 +28,10 @@ from pmmkit.models import load_model
 from pmmkit.observations.views import views_of
 from pmmkit.test_planning.ground import ground_of
 from pmmkit.test_planning.information import known, rows_of
-from pmmkit.test_planning.next_run import next_runs
-from pmmkit.test_planning.options import USUAL, Limits, limits_of, options_of, timed
+from pmmkit.test_planning.options import USUAL, limits_of, options_of, timed
 from pmmkit.test_planning.plan_file import entries_text, read_plan_file
 from pmmkit.test_planning.planned import Piece, measured_noise, planned_views, stated_noise
-from pmmkit.test_planning.programme import plan, sights
+from pmmkit.test_planning.programme import sights
 from pmmkit.test_planning.separation import Likely, expected_odds
 
 NAMES = {c: tuple(name for name in (*BASE, "Xdd", "Yd", "Nd") if name[0] == c) for c in "XYN"}

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Campaign
+from pmmkit import Campaign, imo_turning
 from pmmkit.errors import DataError
 from pmmkit.models import estimated_model
 from pmmkit.models.astern import ESTIMATED, with_estimated_astern
 from pmmkit.report.imo_form import form_of_trials
 from pmmkit.ship import Ship, Water
-from pmmkit.simulation.imo import imo_turning
 from pmmkit.trials import Trial
 from pmmkit.trials.loading import (
     Prediction,

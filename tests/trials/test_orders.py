@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.trials import evaluate_trials
-from pmmkit.trials.noise import PositionNoise
+from pmmkit.trials import PositionNoise, Record, evaluate_trials
 from pmmkit.trials.orders import Order, rudder_orders
 from pmmkit.trials.path import path_of
-from pmmkit.trials.record import Record
 
 EXECUTES = (42.3, 57.6, 80.7, 117.4)
 

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
+from pmmkit import save_campaign
 from pmmkit.campaigns.samples.geodesy import geographic, local_metres
-from pmmkit.campaigns.store import save_campaign
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError, DataError
-from pmmkit.trials import evaluate, evaluate_trials, fit_circle
-from pmmkit.trials.current import Current, mean_current
+from pmmkit.trials import Current, evaluate, evaluate_trials, fit_circle
+from pmmkit.trials.current import mean_current
 from pmmkit.trials.orders import rudder_orders
 
 A, F = 6378137.0, 1 / 298.257223563

@@ -14,15 +14,14 @@ from hidden_effects import BASE, hidden_campaign
 from matplotlib.container import BarContainer
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Campaign, Run
+from pmmkit import Campaign, Run, begin
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import DataError, ModelError, UnknownNameError
 from pmmkit.figures.comparison import comparison_figures, loops, worst_of_each_test
 from pmmkit.figures.errors import errors_beside_uncertainty
 from pmmkit.figures.residuals import residuals_over
-from pmmkit.loop.session import begin
-from pmmkit.models.model import Part
+from pmmkit.models import Part
 from pmmkit.observations.views import repeat_scatter, views_of
 from pmmkit.validation.captive import compare_captive
 from pmmkit.validation.misfit import Standout, cells

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Campaign, Run
+from pmmkit import Campaign, Run, compare_submission, errors_in_percent
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.cli import main
@@ -22,8 +22,6 @@ from pmmkit.figures.workshop import forces_over_phase, static_forces
 from pmmkit.ship import Ship, Water
 from pmmkit.tables import from_values, write_table
 from pmmkit.trials import Trial
-from pmmkit.validation.percent import errors_in_percent
-from pmmkit.validation.submission import compare_submission
 
 SHIP = Ship(name="model", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=450.0)
 SPEED, PERIOD = 1.2, 8.0

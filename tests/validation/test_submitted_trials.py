@@ -10,12 +10,12 @@ import pytest
 import xarray as xr
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Campaign, Run
+from pmmkit import Campaign, Run, compare_trials
 from pmmkit.campaigns.settings import Settings
 from pmmkit.cli import main
 from pmmkit.errors import DataError
 from pmmkit.trials import evaluate_trials
-from pmmkit.validation.submitted_trials import compare_trials, resized
+from pmmkit.validation.submitted_trials import resized
 
 SPEED = 1.18
 LARGE = 320.0 / 7.0

@@ -7,9 +7,8 @@ from asgi import Browser
 from hidden_effects import hidden_campaign
 from long_work import done
 
-from pmmkit.campaigns.store import save_campaign
+from pmmkit import save_campaign, without_effect
 from pmmkit.models import load_model, save_model
-from pmmkit.models.edit import without_effect
 from pmmkit.workbench.application import application
 from pmmkit.workbench.desk import Desk
 

@@ -7,7 +7,7 @@ from chromium import chromium, found
 from served import served
 from strange_tank import ANSWERS, write_files
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.workbench.desk import Desk
 
 pytestmark = pytest.mark.slow

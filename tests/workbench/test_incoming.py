@@ -9,7 +9,7 @@ import pytest
 from asgi import Browser, ask
 from strange_tank import ANSWERS, write_files
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.cli.commands.new_campaign import new_campaign
 from pmmkit.workbench import incoming
 from pmmkit.workbench.application import application

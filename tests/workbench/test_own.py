@@ -9,7 +9,7 @@ from asgi import Browser
 from commands import said
 from long_work import done
 
-from pmmkit.effects.grammar import own_effect
+from pmmkit import own_effect
 from pmmkit.errors import DataError
 from pmmkit.files import datasets_folder
 from pmmkit.models import load_model, save_model

@@ -11,11 +11,9 @@ from hidden_effects import hidden_campaign
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.loop.session import begin
+from pmmkit import begin, compare, open_campaign
 from pmmkit.models import load_model
 from pmmkit.simulation import simulate
-from pmmkit.validation.comparison import compare
 from pmmkit.workbench.pages.fall import fall_page
 from pmmkit.workbench.pages.history import history_page
 from pmmkit.workbench.pages.misfit import misfit_page

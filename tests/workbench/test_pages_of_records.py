@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Run
+from pmmkit import Run
 from pmmkit.campaigns.settings import Settings
-from pmmkit.identification.prior import prior_of
+from pmmkit.identification import prior_of
 from pmmkit.simulation.bands import bands_of
 from pmmkit.workbench.pages.missing import missing_page
 from pmmkit.workbench.pages.records import record_cells, record_page

@@ -10,7 +10,7 @@ from commands import said
 from hidden_effects import hidden_campaign
 from long_work import done
 
-from pmmkit.campaigns.store import save_campaign
+from pmmkit import save_campaign
 from pmmkit.models import load_model
 from pmmkit.workbench.application import application
 from pmmkit.workbench.desk import Desk

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from strange_tank import ANSWERS, write_files
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.checks import examine
 from pmmkit.errors import DataError
 from pmmkit.workbench.drafting import Asked, drafted

@@ -9,7 +9,7 @@ from asgi import Browser
 from long_work import done, waited
 from small_campaign import write_campaign
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit import open_campaign
 from pmmkit.models import load_model
 from pmmkit.observations.prepare import prepare
 from pmmkit.workbench.application import application

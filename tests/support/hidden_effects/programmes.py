@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from pmmkit import Limits
 from pmmkit.campaigns.settings import Settings
-from pmmkit.test_planning.options import Limits, Option, timed
+from pmmkit.test_planning.options import Option, timed
 
 from .sizes import FIGURES, MIDDLE_SPEED, SHIP
 
