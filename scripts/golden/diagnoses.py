@@ -14,6 +14,8 @@ FREE = (
     *("resistance", "stall", "clock", "heading"),
 )
 """Twelve of the cases of the free tank: hull, propeller, rudder, surroundings, clock, sensors."""
+BEST = 25
+"""Sets of a diagnosis whose evidence is kept, besides what its group says."""
 BEYOND_SEEDS = (7000, 7001, 7002)
 """Eight kinds of truth that stand in no catalogue, three campaigns of each."""
 
@@ -28,7 +30,12 @@ def captive(names: tuple[str, ...], seeds: tuple[int, ...]) -> dict[str, Any]:
             hidden = ((name, 1.0),) if name else ()
             job = hidden_effects.Job(hidden, seed, "full", "standard", "catalogue")
             answer = pk.diagnose(list(hidden_effects.tank().BASE), job.campaign())
-            found[f"{name or 'nothing'} {seed}"] = answer.to_dict()
+            found[f"{name or 'nothing'} {seed}"] = answer.to_dict() | {
+                "log_evidence": {
+                    " + ".join(entry.names): entry.log_evidence
+                    for entry in sorted(answer.entries, key=lambda x: -x.log_evidence)[:BEST]
+                }
+            }
     return found
 
 

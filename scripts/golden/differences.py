@@ -6,6 +6,7 @@ import math
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 from typing import Any
 
 DIGITS = 12
@@ -97,6 +98,10 @@ def _differences(
                 yield Difference(here, "nothing", new[key])
             else:
                 yield from _differences(old[key], new[key], tolerance, size, here)
+    elif _is_text(old) and _is_text(new):
+        for way, a, b, c, d in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+            if way != "equal":
+                yield Difference(f"{place}[{a}]", " / ".join(old[a:b]), " / ".join(new[c:d]))
     elif isinstance(old, list) and isinstance(new, list):
         if len(old) != len(new):
             yield Difference(f"{place} (entries)", len(old), len(new))
@@ -109,6 +114,11 @@ def _differences(
             yield Difference(place, old, new, abs(new - old) / larger)
     elif old != new:
         yield Difference(place, old, new)
+
+
+def _is_text(value: Any) -> bool:
+    """Whether it is a text by lines."""
+    return isinstance(value, list) and bool(value) and all(isinstance(x, str) for x in value)
 
 
 def _is_number(value: Any) -> bool:

@@ -45,6 +45,11 @@ def test_what_is_missing_is_said():
     assert moved(KEPT, {"Yv": KEPT["Yv"]})[0] == "told: ['Usable.'] -> nothing"
 
 
+def test_a_line_that_comes_between_moves_no_other():
+    old, new = ["one", "two", "three"], ["one", "new", "two", "three", "four"]
+    assert moved({"out": old}, {"out": new}) == ["out[1]:  -> new", "out[3]:  -> four"]
+
+
 def test_a_whole_number_is_no_truth_value():
     assert moved({"a": True}, {"a": 1}) == []  # JSON's own comparison: True == 1
     assert moved({"a": True}, {"a": False}) == ["a: True -> False"]
