@@ -1,0 +1,155 @@
+"""The evidence of effects in closed form: multivariate normals written out, and counted chances."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from pmmkit.diagnosis.captive import evidence
+from pmmkit.diagnosis.captive.evidence import (
+    Sets,
+    evidence_at,
+    gate,
+    log_evidence,
+    price,
+    ranked_sets,
+    sets_of,
+)
+
+ROWS = 40
+
+
+def block_of(name, first, count=1, value=None):
+    """An effect of some columns of a system, at one point of its grid."""
+    candidate = SimpleNamespace(name=name, size=name)
+    columns = slice(first, first + count)
+    places = np.arange(first, first + count)
+    return SimpleNamespace(
+        candidate=candidate, columns=columns, places=places, drawn=None, count=count, value=value
+    )
+
+
+def system_of(blocks, columns, data, centre=None):
+    """What the evidence asks of a system: whitened columns (n, q) and data (n,)."""
+    return SimpleNamespace(
+        blocks=blocks,
+        gram=columns.T @ columns,
+        score=columns.T @ data,
+        centre=np.zeros(columns.shape[1]) if centre is None else np.asarray(centre, float),
+    )
+
+
+@pytest.fixture
+def measured():
+    """Columns of four effects, one of which has two points, and data that hold the second."""
+    rng = np.random.default_rng(7)
+    columns = rng.normal(size=(ROWS, 6))
+    columns[:, 2] = columns[:, 1] + 0.3 * rng.normal(size=ROWS)
+    data = rng.normal(size=ROWS) + 2.0 * columns[:, 1] - 1.5 * columns[:, 5]
+    blocks = [
+        block_of("asymmetry", 0),
+        block_of("lag", 1, value=1.0),
+        block_of("lag", 2, value=2.0),
+        block_of("wind", 3, count=2),
+        block_of("roll", 5),
+    ]
+    return system_of(blocks, columns, data, centre=[0.2, 0.0, 0.0, -0.5, 0.1, 0.0]), columns, data
+
+
+def by_density(columns, data, centre):
+    """ln N(d; E c, I + E E') less ln N(d; 0, I), by scipy."""
+    whole = np.eye(len(data)) + columns @ columns.T
+    return multivariate_normal(columns @ centre, whole).logpdf(data) - multivariate_normal(
+        np.zeros(len(data)), np.eye(len(data))
+    ).logpdf(data)
+
+
+def test_the_evidence_is_a_ratio_of_densities(measured):
+    system, columns, data = measured
+    assert log_evidence(system.gram, system.score, system.centre) == pytest.approx(
+        by_density(columns, data, system.centre), rel=1e-10
+    )
+
+
+def test_columns_of_another_size_keep_their_expected_force(measured):
+    """A prior three times as wide about the same force: z = c / 3."""
+    system, columns, data = measured
+    at, size = np.array([0, 3, 5]), np.array([3.0, 0.5, 2.0])
+    truth = by_density(columns[:, at] * size, data, system.centre[at] / size)
+    assert evidence_at(system, at, size) == pytest.approx(truth, rel=1e-10)
+
+
+def test_an_effect_pays_for_twice_the_number_of_effects(measured):
+    system, *_ = measured
+    assert price(system) == pytest.approx(math.log(2 * 4))
+
+
+def test_a_set_is_averaged_over_its_grid_and_pays_for_each_effect(measured):
+    system, columns, data = measured
+    sets = Sets(
+        system=system, by_name=sets_of(system).by_name, near=sets_of(system).near, beside={}
+    )
+    of = [by_density(columns[:, [k]], data, system.centre[[k]]) for k in (1, 2)]
+    alone = sets.entry(["lag"])
+    assert alone.log_evidence == pytest.approx(np.logaddexp(*of) - math.log(2) - math.log(8))
+    assert alone.values == (1.0 if of[0] > of[1] else 2.0,)
+    both = [by_density(columns[:, [k, 5]], data, system.centre[[k, 5]]) for k in (1, 2)]
+    pair = sets.entry(["lag", "roll"])
+    assert pair.log_evidence == pytest.approx(np.logaddexp(*both) - math.log(2) - 2 * math.log(8))
+    roll = sets.entry(["roll"]).log_evidence
+    assert sets.added(pair) == pytest.approx(
+        (pair.log_evidence - roll, pair.log_evidence - alone.log_evidence)
+    )
+
+
+def test_a_set_has_one_effect_two_or_three(measured):
+    system, *_ = measured
+    sets, names = sets_of(system), ("asymmetry", "lag", "roll", "wind")
+    for most in (1, 2, 3):
+        found = ranked_sets(sets, most=most)
+        logs = [item.log_evidence for item in found]
+        assert logs == sorted(logs, reverse=True)
+        # Of four effects all pairs are asked, and triples that hold one of the three best pairs.
+        asked = {tuple(sorted(item.names)) for item in found}
+        assert {x for x in asked if len(x) < 3} == {
+            own for count in range(1, min(most, 2) + 1) for own in combinations(names, count)
+        }
+        pairs = [set(item.names) for item in found if len(item.names) == 2][:3]
+        assert {x for x in asked if len(x) == 3} == {
+            own for own in combinations(names, 3) if most > 2 and any(p < set(own) for p in pairs)
+        }
+    assert ranked_sets(sets) == ranked_sets(sets, most=evidence.MOST)
+
+
+def test_the_chance_of_the_null_is_counted(measured):
+    """Of data that hold nothing the share whose best effect is as good, drawn anew here."""
+    system, columns, _ = measured
+    empty = np.random.default_rng(12).normal(size=(8_000, ROWS))
+    best = np.full(len(empty), -np.inf)
+    for places in ([[0]], [[1], [2]], [[3, 4]], [[5]]):
+        own = []
+        for at in places:
+            E, c = columns[:, at], system.centre[at]
+            whole = np.eye(ROWS) + E @ E.T
+            logs = multivariate_normal(E @ c, whole).logpdf(empty)
+            own.append(logs - multivariate_normal(np.zeros(ROWS), np.eye(ROWS)).logpdf(empty))
+        mean = np.logaddexp.reduce(own, axis=0) - math.log(len(places)) - price(system)
+        best = np.maximum(best, mean)
+    for share in (0.5, 0.1, 0.02):
+        bar = float(np.quantile(best, 1 - share))
+        found = gate(system, bar, draws=4_000)
+        # Both are counts: 4,000 draws of ours and 8,000 here.
+        std = math.sqrt(share * (1 - share) * (1 / 4_000 + 1 / 8_000))
+        assert found == pytest.approx(share, abs=4 * std)
+
+
+def test_the_chance_is_never_zero_and_never_above_one(measured):
+    """One more than were counted, over one more than were drawn (Davison and Hinkley 1997)."""
+    system, *_ = measured
+    assert gate(system, 1e9, draws=99) == pytest.approx(1 / 100)
+    assert gate(system, -1e9, draws=99) == 1.0
