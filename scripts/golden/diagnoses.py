@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from scripts.golden.job import Job
+from scripts.golden.job import ITERATED, Job
 from scripts.studies import free_hidden, hidden_effects, spoiled
 
 SEED = 0
@@ -81,13 +81,11 @@ def third(number: int) -> dict[str, Any]:
     return captive(beyond, (BEYOND_SEEDS[number],))
 
 
-# The search among values between the points of a grid ends at a tolerance of its own.
-SEARCHED = 1e-6
 JOBS = (
     *(Job(f"free_{case}", partial(free, case), tolerance=1e-4) for case in FREE),
-    *(Job(f"hidden_{k + 1}_of_4", partial(quarter, k), tolerance=SEARCHED) for k in range(4)),
-    *(Job(f"beyond_{k + 1}_of_3", partial(third, k), tolerance=SEARCHED) for k in range(3)),
-    Job("hidden_nothing", partial(captive, ("",), (10_000, 10_001, 10_002)), tolerance=SEARCHED),
+    *(Job(f"hidden_{k + 1}_of_4", partial(quarter, k), tolerance=ITERATED) for k in range(4)),
+    *(Job(f"beyond_{k + 1}_of_3", partial(third, k), tolerance=ITERATED) for k in range(3)),
+    Job("hidden_nothing", partial(captive, ("",), (10_000, 10_001, 10_002)), tolerance=ITERATED),
     Job("spoiled_small", partial(spoilt, "small")),
     Job("spoiled_full", partial(spoilt, "full")),
 )

@@ -1,22 +1,18 @@
-"""Answers as plain values, and where two of them differ."""
+"""Where two answers differ."""
 
 from __future__ import annotations
 
 import math
-import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Any
 
-DIGITS = 12
-"""Significant digits that are kept."""
-LONG = 40
-"""Lists of more entries than this are kept at `THINNED` of them, evenly, and by their length."""
-THINNED = 12
 DUST = 1e-3
-"""A number may differ by the tolerance times this share of the largest number beside it: sums that
-cancel leave digits that mean nothing."""
+"""A number of a list may differ by the tolerance times this share of the largest beside it: sums
+that cancel leave digits that mean nothing."""
+ROUNDING = 1e-14
+"""The same beside numbers under other keys, over the largest of them."""
 
 
 @dataclass(frozen=True)
@@ -43,40 +39,13 @@ class Difference:
         return f"{self.place}: {_short(self.old)} -> {_short(self.new)}{by}"
 
 
-def plain(value: Any) -> Any:
-    """A value as JSON holds it: numbers rounded, long lists thinned, keys as text."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, str) or value is None or isinstance(value, bool):
-        return value
-    if isinstance(value, int):
-        return value
-    if isinstance(value, float):
-        return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else str(value)
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, (Sequence, frozenset, set)):
-        items = sorted(value, key=str) if isinstance(value, (frozenset, set)) else list(value)
-        if len(items) <= LONG or any(isinstance(item, str) for item in items):
-            return [plain(item) for item in items]
-        at = [round(k * (len(items) - 1) / (THINNED - 1)) for k in range(THINNED)]
-        return {"entries": len(items), "at": {str(k): plain(items[k]) for k in at}}
-    return str(value)
-
-
-def lines_of(text: str) -> dict[str, Any]:
-    """A long text by the number of its lines and a sum of each, which say what line moved."""
-    lines = text.splitlines()
-    return {"lines": len(lines), "sums": " ".join(f"{zlib.crc32(x.encode()):08x}" for x in lines)}
-
-
 def differences(old: Any, new: Any, tolerance: float, place: str = "") -> Iterator[Difference]:
     """Where two plain answers differ.
 
     Parameters
     ----------
     old, new : plain values
-        As `plain` gives them.
+        As `values.plain` gives them.
     tolerance : float
         Relative, of numbers.
     place : str
@@ -86,10 +55,11 @@ def differences(old: Any, new: Any, tolerance: float, place: str = "") -> Iterat
 
 
 def _differences(
-    old: Any, new: Any, tolerance: float, beside: float, place: str
+    old: Any, new: Any, tolerance: float, floor: float, place: str
 ) -> Iterator[Difference]:
+    """`floor` is the least difference that counts."""
     if isinstance(old, dict) and isinstance(new, dict):
-        size = max(_largest(old.values()), _largest(new.values()))
+        least = ROUNDING * max(_largest(old.values()), _largest(new.values()))
         for key in dict.fromkeys([*old, *new]):
             here = f"{place}.{key}" if place else str(key)
             if key not in new:
@@ -97,7 +67,7 @@ def _differences(
             elif key not in old:
                 yield Difference(here, "nothing", new[key])
             else:
-                yield from _differences(old[key], new[key], tolerance, size, here)
+                yield from _differences(old[key], new[key], tolerance, least, here)
     elif _is_text(old) and _is_text(new):
         for way, a, b, c, d in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
             if way != "equal":
@@ -105,14 +75,15 @@ def _differences(
     elif isinstance(old, list) and isinstance(new, list):
         if len(old) != len(new):
             yield Difference(f"{place} (entries)", len(old), len(new))
-        size = max(_largest(old), _largest(new))
+        share = max(tolerance * DUST, ROUNDING)
+        least = share * max(_largest(old), _largest(new))
         for number, (one, other) in enumerate(zip(old, new, strict=False)):
-            yield from _differences(one, other, tolerance, size, f"{place}[{number}]")
+            yield from _differences(one, other, tolerance, least, f"{place}[{number}]")
     elif _is_number(old) and _is_number(new):
         larger = max(abs(old), abs(new))
-        if abs(old - new) > tolerance * max(larger, DUST * beside):
+        if abs(old - new) > max(tolerance * larger, floor):
             yield Difference(place, old, new, abs(new - old) / larger)
-    elif old != new:
+    elif type(old) is not type(new) or old != new:
         yield Difference(place, old, new)
 
 
@@ -130,5 +101,5 @@ def _largest(values: Any) -> float:
 
 
 def _short(value: Any) -> str:
-    text = str(value)
-    return text if len(text) <= 120 else f"{text[:117]}..."
+    told = str(value)
+    return told if len(told) <= 120 else f"{told[:117]}..."

@@ -13,6 +13,18 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
+SPEEDS = {
+    "s175": 8.0,
+    "s175-3dof": 8.0,
+    "kvlcc2": 7.97,
+    "kvlcc2-l7": 1.179,
+    "kcs": 12.35,
+    "mariner": 7.7175,
+    "esso190k": 8.23,
+    "esso-osaka-3m": 0.4,
+    "tanker-320": 7.97,
+}
+"""Approach speeds [m/s] of the ships of the library."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +49,10 @@ class Job:
     measured: bool = False
 
 
+ITERATED = 1e-6
+"""Tolerance of a job in which a search, a filter or an adaptive step ends at one of its own."""
+
+
 def measurements() -> Path | None:
     """The folder of measurements that are not part of the repository; None without one."""
     folder = Path(os.environ.get("PMMKIT_DATA", ROOT.parent / "shared" / "data"))
@@ -57,7 +73,10 @@ def empty_folder() -> Iterator[Path]:
 
 
 def masked(text: str, folder: Path | None = None) -> str:
-    """A text without what differs from one day, version, machine or folder to another."""
+    """A text without what differs from one day, version, machine or folder to another.
+
+    Lines of progress, which come by the clock, are left out.
+    """
     from pmmkit import __version__
 
     if folder is not None:
@@ -65,10 +84,12 @@ def masked(text: str, folder: Path | None = None) -> str:
     data = measurements()
     if data is not None:
         text = text.replace(str(data), "DATA")
-    text = text.replace(str(ROOT), "ROOT").replace(__version__, "VERSION")
+    text = text.replace(str(ROOT), "ROOT")
+    text = re.sub(rf"(?<![\d.]){re.escape(__version__)}(?![\d])", "VERSION", text)
     text = re.sub(rf"{re.escape(tempfile.gettempdir())}/[\w.-]+", "TEMPORARY", text)
     today = dt.date.today()
     for day in (today, today - dt.timedelta(days=1)):
         text = re.sub(rf"{day.isoformat()}(?:[T ][0-9:.+Z]*)?", "DAY", text)
         text = text.replace(f"{day.day} {day:%B %Y}", "DAY")
+    text = re.sub(r"(?m)^\s*\d+ of \d+: .*\n?", "", text)
     return re.sub(r"\b[0-9.]+ m?s (?=of the processor|passed)", "SECONDS ", text)

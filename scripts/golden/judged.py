@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from scripts.golden.differences import Difference, differences, plain
+from scripts.golden.differences import Difference, differences
 from scripts.golden.job import Job, measurements
 from scripts.golden.kept import FOLDER, answer_of
+from scripts.golden.values import plain
 
 
 @dataclass(frozen=True)

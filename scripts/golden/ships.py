@@ -6,19 +6,7 @@ import json
 from functools import partial
 from typing import Any
 
-from scripts.golden.job import Job, empty_folder, masked
-
-SHIPS = {
-    "s175": 8.0,
-    "s175-3dof": 8.0,
-    "kvlcc2": 7.97,
-    "kvlcc2-l7": 1.179,
-    "kcs": 12.35,
-    "mariner": 7.7175,
-    "esso190k": 8.23,
-    "esso-osaka-3m": 0.4,
-}
-"""Approach speeds [m/s] of the eight ships."""
+from scripts.golden.job import SPEEDS, Job, empty_folder, masked
 
 
 def sailed(ship: str) -> dict[str, Any]:
@@ -29,7 +17,7 @@ def sailed(ship: str) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name in sorted(manoeuvres()):
         try:
-            track = pk.simulate(pk.load_model(ship), name, speed=SHIPS[ship])
+            track = pk.simulate(pk.load_model(ship), name, speed=SPEEDS[ship])
         except pk.PmmkitError as error:
             found[name] = str(error)
             continue
@@ -82,7 +70,7 @@ def page() -> dict[str, Any]:
 
 
 JOBS = (
-    *(Job(f"sailed_{ship}", partial(sailed, ship)) for ship in SHIPS),
+    *(Job(f"sailed_{ship}", partial(sailed, ship)) for ship in SPEEDS),
     Job("many_ships", many),
     Job("page_captive", page, tolerance=1e-6),
 )

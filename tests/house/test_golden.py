@@ -8,11 +8,13 @@ import tomllib
 
 import pytest
 
-from scripts.golden.differences import LONG, differences, lines_of, plain
+from scripts.golden.differences import differences
+from scripts.golden.files import columns_of, tables_of
 from scripts.golden.job import ROOT, Job, empty_folder, masked
 from scripts.golden.judged import judge, judged, refused_names
 from scripts.golden.kept import accepted, answer_of
-from scripts.golden.typed import columns_of, typed
+from scripts.golden.typed import typed
+from scripts.golden.values import LONG, WHOLE, plain, text
 
 KEPT = {"Yv": [-0.0153, 1e-19], "told": ["Usable."], "odds": 20.0, "none": math.nan}
 
@@ -51,19 +53,41 @@ def test_a_line_that_comes_between_moves_no_other():
 
 
 def test_a_whole_number_is_no_truth_value():
-    assert moved({"a": True}, {"a": 1}) == []  # JSON's own comparison: True == 1
-    assert moved({"a": True}, {"a": False}) == ["a: True -> False"]
+    assert moved({"a": True}, {"a": 1}) == ["a: True -> 1"]
+    assert moved({"a": 2}, {"a": 2.0}) == []
 
 
-def test_long_records_are_thinned_and_long_texts_summed():
-    record = plain([float(k) for k in range(LONG + 1)])
-    assert record["entries"] == LONG + 1
-    assert record["at"]["0"] == 0.0
-    assert record["at"][str(LONG)] == LONG
-    one, other = lines_of("a\nb\n"), lines_of("a\nc\n")
-    assert one["sums"].split()[0] == other["sums"].split()[0]
-    assert one["sums"] != other["sums"]
+def test_dust_of_sums_that_cancel_moves_nothing_beside_large_numbers():
+    assert moved({"Y": [1e3, 1e-10]}, {"Y": [1e3, -1e-10]}) == []
+    assert moved({"Y": [1e3, 1e-4]}, {"Y": [1e3, -1e-4]}) == ["Y[1]: 0.0001 -> -0.0001  (2 of it)"]
+    assert moved({"Y": 1e3, "N": 1e-10}, {"Y": 1e3, "N": -1e-10}) != []
+
+
+def test_a_long_record_moves_wherever_one_of_its_numbers_does():
+    old = [float(k) for k in range(LONG + 1)]
+    assert plain(old)["entries"] == LONG + 1
+    for k in range(1, LONG + 1):
+        new = [-x if i == k else x for i, x in enumerate(old)]
+        assert moved(old, new), k
+    rows = [{"run": str(k), "Y": float(k)} for k in range(LONG + 1)]
+    assert moved(rows, [{**row, "run": "0" if row["run"] == "17" else row["run"]} for row in rows])
+
+
+def test_a_long_text_moves_by_any_letter():
+    lines = [f"line {k}" for k in range(WHOLE + 1)]
+    one = "\n".join(lines)
+    assert text("a\nb") == ["a", "b"]
+    assert moved(text(one), text(one)) == []
+    assert moved(text(one), text(one.replace("line 17", "line 71"))) != []
+
+
+def test_files_are_held_by_their_numbers():
     assert columns_of("t,told\n1.5,yes\n") == {"0 t": [1.5], "1 told": ["yes"]}
+    page = "<style>p {}</style><p>Usable</p><table><tr><th>Yv</th><td>-0.3</td></tr></table>"
+    held = tables_of(page)
+    assert held["tables"] == ["Yv | -0.3"]
+    assert moved(held, tables_of(page.replace("p {}", "p { }"))) == []
+    assert moved(held, tables_of(page.replace("Usable", "Not usable"))) != []
 
 
 def test_days_folders_and_versions_are_masked(tmp_path):

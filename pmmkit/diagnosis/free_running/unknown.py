@@ -48,8 +48,16 @@ def most_likely(
     factors : sequence of float
         By which they are varied, round by round.
     """
+    told: dict[tuple[bytes, float], float] = {}  # a quarter is asked again
+
+    def probability(forces: Forces) -> float:
+        key = (forces.shares.tobytes(), forces.memory)
+        if key not in told:
+            told[key] = value(information.under(forces))
+        return told[key]
+
     made = begin or Forces(shares=np.maximum(0.01, least), memory=MEMORIES[1])
-    known = value(information.under(made))
+    known = probability(made)
     for factor in factors:
         for i in range(len(least)):
             for f in (1.0 / factor, factor):
@@ -59,7 +67,7 @@ def most_likely(
                     if shares[i] == made.shares[i]:
                         break
                     other = Forces(shares=shares, memory=made.memory)
-                    found = value(information.under(other))
+                    found = probability(other)
                     if found <= known:
                         break
                     made, known = other, found
@@ -71,7 +79,7 @@ def most_likely(
             for scale in (1.0, root, 1.0 / root):
                 shares = np.clip(scale * made.shares, least, MOST)
                 other = Forces(shares=shares, memory=memory)
-                found = value(information.under(other))
+                found = probability(other)
                 if found > known:
                     made, known = other, found
     return made, known
