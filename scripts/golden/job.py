@@ -92,4 +92,5 @@ def masked(text: str, folder: Path | None = None) -> str:
         text = re.sub(rf"{day.isoformat()}(?:[T ][0-9:.+Z]*)?", "DAY", text)
         text = text.replace(f"{day.day} {day:%B %Y}", "DAY")
     text = re.sub(r"(?m)^\s*\d+ of \d+: .*\n?", "", text)
+    text = re.sub(r"(?m),? +[0-9.]+ m?s\.?$| +time$", " SECONDS", text)
     return re.sub(r"\b[0-9.]+ m?s (?=of the processor|passed)", "SECONDS ", text)

@@ -27,7 +27,8 @@ def plain(value: Any) -> Any:
     Returns
     -------
     object
-        Numbers rounded to `DIGITS`, long lists thinned, long lists of records as columns.
+        Numbers rounded to `DIGITS`, long lists thinned, long lists of records as columns; how long
+        something took (`seconds`) is not kept.
 
     Examples
     --------
@@ -39,7 +40,9 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else str(value)
     if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {
+            str(key): "SECONDS" if key == "seconds" else plain(item) for key, item in value.items()
+        }
     if hasattr(value, "tolist"):
         return plain(value.tolist())
     if isinstance(value, (frozenset, set)):

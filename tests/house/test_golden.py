@@ -95,6 +95,13 @@ def test_days_folders_and_versions_are_masked(tmp_path):
     assert masked(text, tmp_path) == "FOLDER/a ROOT/b DAY Yv 2.5"
 
 
+def test_how_long_something_took_is_masked():
+    assert masked("a period of 8 s is long\n  ekf  0.0817   0.35 s\nharmonics: 1.6 (Yv), 0.1 s.") == (
+        "a period of 8 s is long\n  ekf  0.0817 SECONDS\nharmonics: 1.6 (Yv) SECONDS"
+    )
+    assert plain({"seconds": 0.3, "Yv": 1.0}) == {"seconds": "SECONDS", "Yv": 1.0}
+
+
 def test_a_command_leaves_its_words_its_status_and_its_files():
     found = typed("convert nothing.csv --json", "ships --json")
     missing, ships = found.values()
