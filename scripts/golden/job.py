@@ -53,6 +53,13 @@ ITERATED = 1e-6
 """Tolerance of a job in which a search, a filter or an adaptive step ends at one of its own."""
 
 
+TOOK = re.compile(
+    r"(?m)^(  (?:ekf|ukf|trajectory|regression|sindy|posterior) .*?) +[0-9.]+ s$|"
+    r"^(  model .*?) +time$|^(.* from the regression .*), [0-9.]+ s\.$"
+)
+"""Lines that end with how long a method took."""
+
+
 def measurements() -> Path | None:
     """The folder of measurements that are not part of the repository; None without one."""
     folder = Path(os.environ.get("PMMKIT_DATA", ROOT.parent / "shared" / "data"))
@@ -92,5 +99,5 @@ def masked(text: str, folder: Path | None = None) -> str:
         text = re.sub(rf"{day.isoformat()}(?:[T ][0-9:.+Z]*)?", "DAY", text)
         text = text.replace(f"{day.day} {day:%B %Y}", "DAY")
     text = re.sub(r"(?m)^\s*\d+ of \d+: .*\n?", "", text)
-    text = re.sub(r"(?m),? +[0-9.]+ m?s\.?$| +time$", " SECONDS", text)
+    text = TOOK.sub(lambda x: f"{x[1] or x[2] or x[3]} SECONDS", text)
     return re.sub(r"\b[0-9.]+ m?s (?=of the processor|passed)", "SECONDS ", text)

@@ -96,9 +96,16 @@ def test_days_folders_and_versions_are_masked(tmp_path):
 
 
 def test_how_long_something_took_is_masked():
-    assert masked("a period of 8 s is long\n  ekf  0.0817   0.35 s\nharmonics: 1.6 (Yv), 0.1 s.") == (
-        "a period of 8 s is long\n  ekf  0.0817 SECONDS\nharmonics: 1.6 (Yv) SECONDS"
+    told = (
+        "Steady after 81.2 s\n  ekf  0.0817   0.35 s\n  model   rate     time\n"
+        "harmonics: 1.6 standard deviations from the regression (Yv), 0.1 s."
     )
+    assert masked(told).splitlines() == [
+        "Steady after 81.2 s",
+        "  ekf  0.0817 SECONDS",
+        "  model   rate SECONDS",
+        "harmonics: 1.6 standard deviations from the regression (Yv) SECONDS",
+    ]
     assert plain({"seconds": 0.3, "Yv": 1.0}) == {"seconds": "SECONDS", "Yv": 1.0}
 
 
