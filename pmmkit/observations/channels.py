@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,22 +44,3 @@ class Channel:
     design: Array
     noise: tuple[Array, ...]
     scale: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class Scatter:
-    """What differs from run to run: offset over the scale, gain, drift setting [deg]."""
-
-    offset: float = 0.003
-    gain: float = 0.004
-    drift: float = 0.0
-
-    @property
-    def sizes(self) -> Array:
-        """The three, in the order of the columns of what each run draws."""
-        return np.array([getattr(self, name) for name in self.names()])
-
-    @classmethod
-    def names(cls) -> tuple[str, ...]:
-        """What a run may draw, in that order."""
-        return tuple(field.name for field in fields(cls))

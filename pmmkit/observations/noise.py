@@ -9,8 +9,6 @@ import numpy as np
 
 from pmmkit.numerics import Array
 
-REPEAT_P = 0.05
-"""Repeats scatter beyond the noise where chance does so more rarely than this."""
 FLOOR = 1e-6
 """Noise below this share of a channel's size does not count: records of a noise-free solver."""
 KIN = 3
@@ -160,47 +158,6 @@ def _relative(durations: Sequence[float]) -> Array:
     if not np.isfinite(known).any():
         return np.ones(len(known))
     return np.asarray(np.nan_to_num(known / np.nanmean(known), nan=1.0))
-
-
-def repeat_scatter(
-    repeats: Sequence[Sequence[Array]], noise: Sequence[Sequence[Array]]
-) -> tuple[float, float]:
-    """Variance by which repeated runs differ beyond the noise of their records.
-
-    Parameters
-    ----------
-    repeats : sequence (condition) of sequence (run) of array (m,)
-        Rows of the runs that repeat each other.
-    noise : the same of array (m, m)
-        Covariance of the rows by the records.
-
-    Returns
-    -------
-    variance, dof : float
-        Mean excess variance of a row, zero where the scatter can be chance (F test at 5 %), and
-        the degrees of freedom of the repeats.
-
-    Examples
-    --------
-    >>> rows = [[np.array([1.0]), np.array([1.4]), np.array([0.6])]]
-    >>> variance, dof = repeat_scatter(rows, [[np.eye(1) * 1e-4] * 3])
-    >>> round(variance, 4), dof
-    (0.1599, 2.0)
-    """
-    from scipy.special import fdtrc
-
-    square, expected, freedom = 0.0, 0.0, 0.0
-    for rows, covariances in zip(repeats, noise, strict=True):
-        if len(rows) < 2 or len({row.shape for row in rows}) > 1:
-            continue
-        spread = np.stack(rows) - np.mean(rows, axis=0)
-        degrees = len(rows) - 1
-        square += float(np.mean(np.sum(spread**2, axis=0)))
-        expected += degrees * float(np.mean([np.mean(np.diagonal(c)) for c in covariances]))
-        freedom += degrees
-    if freedom == 0 or fdtrc(freedom, 1e6, square / max(expected, 1e-300)) > REPEAT_P:
-        return 0.0, freedom
-    return (square - expected) / freedom, freedom
 
 
 def whiteners(covariances: Sequence[Array]) -> list[Array]:

@@ -25,6 +25,7 @@ from pmmkit.signals import (
     Window,
     design_matrix,
     estimate_frequency,
+    fitted_order,
     harmonics,
     steady_mean,
 )
@@ -81,6 +82,9 @@ class RunResult:
         What was done to the source's numbers when they were read.
     ramp : str
         Times left out of an oscillating record because the carriage was not at its speed.
+    smoothed : int or None
+        Highest harmonic to which an oscillating record was fitted before it was handed in: it says
+        nothing of its own noise, nor of higher harmonics. None for one with noise of its own.
     """
 
     run: Run
@@ -99,6 +103,7 @@ class RunResult:
     notes: tuple[str, ...] = ()
     conversions: tuple[str, ...] = ()
     ramp: str = ""
+    smoothed: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -312,14 +317,22 @@ def _from_cycles(
     fitted = None if integrated or found is None else found.coefficients
     values = record[:, cut] @ projection.T if fitted is None else fitted
     scatter = None if found is None else found.scatter
+    smoothed = None if found is None else fitted_order(record[:, cut], found)
+    if smoothed is not None:
+        values = np.where(np.arange(values.shape[1]) <= 2 * smoothed, values, np.nan)
     return Prepared(
         result=RunResult(
             run=run,
             froude=_froude(run, campaign),
             labels=label_harmonics(ORDER),
             measured=_without_mean(dict(zip(channels, values, strict=True)), run),
-            covariance={} if found is None else dict(zip(channels, found.covariance, strict=True)),
+            covariance={}
+            if found is None
+            else dict.fromkeys(channels)
+            if smoothed is not None
+            else dict(zip(channels, found.covariance, strict=True)),
             dof={} if found is None else dict(zip(channels, found.dof.tolist(), strict=True)),
+            smoothed=smoothed,
             samples=kept.stop - kept.start,
             duration=_lasting(times[cut]),
             window=kept.reason,

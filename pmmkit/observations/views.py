@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_limits
 from pmmkit.campaigns.day import places_in_day
 from pmmkit.campaigns.motion.counted import travel_of
 from pmmkit.campaigns.motion.inertia import Rig, rig_of
+from pmmkit.campaigns.repeats import repeats
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects.state import State
@@ -253,12 +254,15 @@ def _view(prepared: Prepared, rig: Rig, keep: bool) -> View:
     result = prepared.result
     motion = prepared.motion_at_midship(rig)
     measured = prepared.water_force(rig)
-    rows = _there(measured) if keep else np.full(len(result.labels), True)
+    # A record that was smoothed has no noise of its own; the scatter between runs has it.
+    smoothed = result.smoothed is not None
+    rows = _there(measured) if keep or smoothed else np.full(len(result.labels), True)
     force = {name: x[rows] for name, x in measured.items() if np.isfinite(x[rows]).all()}
+    nothing = np.zeros((len(rows), len(rows)))
     covariance = {
         name: item[np.ix_(rows, rows)]
         for name in force
-        if (item := result.covariance.get(name)) is not None
+        if (item := nothing if smoothed else result.covariance.get(name)) is not None
     }
     return View(
         run=result.run,
@@ -332,11 +336,12 @@ def _with_noise(views: Sequence[View], campaign: Campaign) -> list[View]:
 
 
 def _elsewhere(
-    view: View, channel: str, scatter: Mapping[str, float], campaign: Campaign
+    view: View, channel: str, scatter: Repeatability, campaign: Campaign
 ) -> tuple[Array, Noise]:
     one = np.eye(view.rows)
-    if channel in scatter:
-        return (scatter[channel] * view.speed**2) ** 2 * one, "repeats"
+    repeated = repeatability_of(scatter, channel, dynamic=view.run.dynamic)
+    if repeated is not None:
+        return repeated**2 * one, "repeats"
     stated = [item for item in campaign.uncertainty if item.kind.channel == channel]
     if stated:
         variance = sum(
@@ -369,27 +374,53 @@ def scale_of(channel: str, views: Sequence[View]) -> float:
     return float(np.sqrt(np.mean(np.square(sizes))))
 
 
-def repeat_scatter(views: Sequence[View]) -> dict[str, float]:
-    """Standard deviation of one run's harmonics over U² by channel, from runs that were repeated.
+Repeatability = Mapping[tuple[str, bool], float]
+"""Standard deviation of a mean of steady runs (False), and of each harmonic of oscillating ones
+(True), by channel [N, N m]."""
+
+
+def repeat_scatter(views: Sequence[View]) -> Repeatability:
+    """How far runs that repeat each other scatter: a force, which does not shrink with the speed.
 
     Parameters
     ----------
     views : sequence of View
-        Runs; those that repeat another one say so in their settings.
+        Runs; which of them repeat each other says `campaigns.repeats`.
 
     Returns
     -------
-    dict of channel to float
-        [N/(m/s)²], [N m/(m/s)²]; channels without any repeat are left out.
+    Repeatability
+        Of the kinds of runs of which any was repeated.
     """
     first = {view.run.id: view for view in views if not view.early}
-    squares: dict[str, list[float]] = {}
-    for view in first.values():
-        original = first.get(view.run.settings.repeat_of or "")
-        if original is None or original.labels != view.labels:
-            continue
-        for channel in set(view.force) & set(original.force):
-            change = view.force[channel] / view.speed**2
-            change = change - original.force[channel] / original.speed**2
-            squares.setdefault(channel, []).append(float(np.mean(change**2)) / 2.0)
-    return {channel: math.sqrt(float(np.mean(found))) for channel, found in squares.items()}
+    squares: dict[tuple[str, bool], list[tuple[float, int]]] = {}
+    for group in repeats([view.run for view in first.values()]):
+        alike: dict[tuple[str, tuple[str, ...]], list[Array]] = {}
+        for view in (first[run.id] for run in group):
+            for channel, force in view.force.items():
+                alike.setdefault((channel, view.labels), []).append(force)
+        for (channel, _), forces in alike.items():
+            if len(forces) > 1:
+                rows = np.stack(forces)
+                square = float(np.mean(np.sum((rows - rows.mean(axis=0)) ** 2, axis=0)))
+                key = (channel, group[0].dynamic)
+                squares.setdefault(key, []).append((square, len(rows) - 1))
+    return {
+        key: math.sqrt(sum(x for x, _ in own) / sum(n for _, n in own))
+        for key, own in squares.items()
+    }
+
+
+def repeatability_of(scatter: Repeatability, channel: str, *, dynamic: bool) -> float | None:
+    """Of a kind of runs, else of the other kind of the same gauge; None where nothing was repeated.
+
+    Parameters
+    ----------
+    scatter : Repeatability
+        Of a campaign.
+    channel : str
+        X, Y, N or K.
+    dynamic : bool
+        Whether of oscillating runs.
+    """
+    return scatter.get((channel, dynamic), scatter.get((channel, not dynamic)))

@@ -9,8 +9,9 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.inference import per_column
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Channel, Places, Scatter
+from pmmkit.observations.channels import Channel, Places
 
 FLOOR: Final = 0.005
 """What is too small to matter in measured forces, over the rms force of a channel."""
@@ -20,7 +21,7 @@ HELD: Final = 2**17
 """Numbers that are whitened at once: a megabyte stays in the processor's cache."""
 
 
-def whitened(channel: Channel, columns: Array, own: Array, scatter: Scatter) -> Array:
+def whitened(channel: Channel, columns: Array, own: Array, scatter: Array) -> Array:
     """Columns multiplied by the inverse root of the covariance of noise and run scatter.
 
     Parameters
@@ -29,16 +30,21 @@ def whitened(channel: Channel, columns: Array, own: Array, scatter: Scatter) -> 
         Rows and the noise of each run.
     columns : array (n, q)
         What is whitened.
-    own : array (n, k)
-        What each run draws for itself, at size one.
-    scatter : Scatter
+    own : array (n, 3 + k)
+        What each run draws for itself, at size one: `KINDS`, k harmonics.
+    scatter : array (4,)
         Its sizes; runs are independent of each other.
 
     Returns
     -------
     array (n, q)
     """
-    return _applied(_inverse_roots(channel, own * scatter.sizes), columns)
+    return _applied(_inverse_roots(channel, sized(own, scatter)), columns)
+
+
+def sized(own: Array, scatter: Array) -> Array:
+    """What each run draws (n, 3 + k), per standard deviation."""
+    return own * per_column(scatter, own.shape[1] - len(scatter) + 1)
 
 
 def noise_whitened(channel: Channel, columns: Array) -> Array:
@@ -54,9 +60,9 @@ class Projection:
     ----------
     channel : Channel
         Rows.
-    own : array (n, 3)
+    own : array (n, 3 + k)
         What each run draws for itself, at size one.
-    scatter : Scatter
+    scatter : array (4,)
         Its sizes.
     floor : array (n, D)
         Features of the smooth floor at its size, whitened.
@@ -68,7 +74,7 @@ class Projection:
 
     channel: Channel
     own: Array
-    scatter: Scatter
+    scatter: Array
     floor: Array
     span: Array
     freedom: int
@@ -109,14 +115,14 @@ class Projection:
     def roots(self) -> tuple[Array, ...]:
         """Lower roots of the covariance of each run's rows: what whitening takes off."""
         found: list[Array] = [np.zeros((0, 0))] * len(self.channel.runs)
-        for own, root in _roots(self.channel, self.own * self.scatter.sizes):
+        for own, root in _roots(self.channel, sized(self.own, self.scatter)):
             for number, one in zip(own, root, strict=True):
                 found[number] = one
         return tuple(found)
 
     @cached_property
     def _inverse_roots(self) -> list[tuple[Places, Array]]:
-        return _inverse_roots(self.channel, self.own * self.scatter.sizes)
+        return _inverse_roots(self.channel, sized(self.own, self.scatter))
 
     def whitened(self, columns: Array) -> Array:
         """Columns (n, q) over the root of the covariance (`whitened`)."""

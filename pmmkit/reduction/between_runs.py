@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -12,12 +11,22 @@ from pmmkit.campaigns.motion.inertia import rig_of
 from pmmkit.campaigns.motion.nominal import has_nominal
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.uncertainty import TypeB
+from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.conventions import Convention
+from pmmkit.inference import (
+    KINDS,
+    Condition,
+    Restricted,
+    RunEffects,
+    by_kind,
+    half_width,
+    per_column,
+    repeatability,
+)
 from pmmkit.numerics import Array, coverage_factor
-from pmmkit.observations.channels import Channel, Scatter
 from pmmkit.observations.equations import Rows, Sensitivity, sensitivity
-from pmmkit.observations.scatter import Restricted, RunScatter, half_width, restricted
-from pmmkit.reduction.estimate import Block, ChannelFit, Width
+from pmmkit.observations.noise import whiteners
+from pmmkit.reduction.estimate import BIRGE_P, Block, ChannelFit, Width
 from pmmkit.tables.table import CONFIDENCE
 
 ONE_DEGREE = TypeB(name="drift", std=float(np.radians(1.0)))
@@ -33,13 +42,13 @@ class BetweenRuns:
         How the equations of each run change with a degree of drift.
     readings : tuple of mapping of channel to array (m,)
         Harmonics of each run as measured, zero where not known [N, N m].
-    scatter : RunScatter, optional
+    scatter : RunEffects, optional
         Sizes; estimated from the runs where they are not given.
     """
 
     drift: tuple[Sensitivity, ...]
     readings: tuple[Mapping[str, Array], ...]
-    scatter: RunScatter | None = None
+    scatter: RunEffects | None = None
 
     def of(self, runs: Sequence[int]) -> BetweenRuns:
         """Some of the runs."""
@@ -97,8 +106,9 @@ class Drawn:
     ----------
     stated : tuple of array (m_i, q)
         Columns per standard deviation that the campaign states.
-    own : tuple of array (m_i, 3)
-        Offset, gain and degree of drift at size one; zero where one is stated.
+    own : tuple of array (m_i, 3 + m_i)
+        Offset, gain and degree of drift at size one, zero where one is stated; then a column for
+        each harmonic.
     """
 
     stated: tuple[Array, ...]
@@ -107,7 +117,7 @@ class Drawn:
     def private(self, blocks: Sequence[Block], sizes: Array) -> dict[int, Array]:
         """Columns of each run as `fit_channel` takes them."""
         return {
-            block.run: np.concatenate([stated, own * sizes], axis=1)
+            block.run: np.concatenate([stated, own * per_column(sizes, len(own))], axis=1)
             for block, stated, own in zip(blocks, self.stated, self.own, strict=True)
         }
 
@@ -141,27 +151,23 @@ def drawn(
         The channel's rms force [N, N m].
     """
     stated, own = [], []
-    names = Scatter.names()
     for place, block in enumerate(blocks):
         private = [change for change in changes[block.run] if not change.source.shared]
         count = len(block.rows)
         told = [change.residual(channel, values)[block.keep] for change in private]
         stated.append(np.stack(told, axis=1) if told else np.zeros((count, 0)))
-        columns = np.zeros((count, len(names)))
-        own.append(columns)
-        if block.covariance is None:
+        if block.covariance is None:  # what it draws is part of what the fit leaves of it
+            own.append(np.zeros((count, len(KINDS) - 1 + count)))
             continue
         known = {_drawn_by(change.source, channel) for change in private}
-        for column, name in zip(columns.T, names, strict=True):
-            if name in known:
-                continue
-            if name == "offset":
-                labels = rows[block.run].result.labels
-                column[:] = size * (np.array(labels) == "C0")[block.keep]
-            elif name == "gain":
-                column[:] = between.readings[block.run][channel][block.keep] - residual[place]
-            else:
-                column[:] = between.drift[block.run].residual(channel, values)[block.keep]
+        mean = (np.array(rows[block.run].result.labels) == "C0")[block.keep]
+        columns = {
+            "offset": size * mean,
+            "gain": between.readings[block.run][channel][block.keep] - residual[place],
+            "drift": between.drift[block.run].residual(channel, values)[block.keep],
+        }
+        left = [np.zeros(count) if name in known else columns[name] for name in KINDS[:-1]]
+        own.append(np.column_stack([*left, size * np.diag(~mean)]))
     return Drawn(stated=tuple(stated), own=tuple(own))
 
 
@@ -182,26 +188,58 @@ def size_of(blocks: Sequence[Block], channel: str, between: BetweenRuns) -> floa
 
 def likelihood_of(item: ChannelFit, drawn: Drawn) -> Restricted:
     """The restricted likelihood of what the runs of a fit draw."""
-    edges = np.cumsum([0, *(len(block.rows) for block in item.blocks)]).tolist()
-    places = tuple(slice(a, b) for a, b in pairwise(edges))
-    design = np.concatenate([block.design[:, item.chosen] for block in item.blocks])
-    channel = Channel(
-        name=item.channel,
-        views=tuple(range(len(item.blocks))),
-        rows=places,
-        runs=tuple(np.arange(a, b) for a, b in pairwise(edges)),
-        y=np.concatenate(item.residual),
-        design=design,
-        noise=tuple(
-            noise + stated @ stated.T
-            for noise, stated in zip(item.noise.covariances, drawn.stated, strict=True)
-        ),
-        scale=1.0,
+    white = whiteners(_record_noise(item, drawn))
+    groups = [
+        (
+            np.stack([white[i] @ _columns(item, i) for i in places]),
+            by_kind(np.stack([white[i] @ drawn.own[i] for i in places])),
+        )
+        for places in _equal_rows(item.blocks)
+    ]
+    return Restricted.of(groups, len(item.chosen))
+
+
+def repeats_of(item: ChannelFit, drawn: Drawn) -> Restricted | None:
+    """The likelihood of what repeated runs alone say of it; None where no run was repeated."""
+    conditions: dict[tuple[str, int], list[int]] = {}
+    for place, block in enumerate(item.blocks):
+        conditions.setdefault((block.origin, len(block.rows)), []).append(place)
+    covariances = _record_noise(item, drawn)
+    return repeatability(
+        [
+            Condition(
+                rows=np.stack([item.residual[i] for i in places]),
+                drawn=np.mean([drawn.own[i] for i in places], axis=0),
+                noise=np.mean([covariances[i] for i in places], axis=0),
+            )
+            for places in conditions.values()
+        ]
     )
-    return restricted(channel, np.concatenate(drawn.own), design)
 
 
-def widened(item: ChannelFit, drawn: Drawn, scatter: RunScatter) -> ChannelFit:
+def _record_noise(item: ChannelFit, drawn: Drawn) -> list[Array]:
+    """Covariance of each block by its noise and what is stated of it."""
+    return [
+        noise + stated @ stated.T
+        for noise, stated in zip(item.noise.covariances, drawn.stated, strict=True)
+    ]
+
+
+def _columns(item: ChannelFit, place: int) -> Array:
+    """Model and what is left of the data, of one block."""
+    block = item.blocks[place]
+    return np.column_stack([block.design[:, item.chosen], item.residual[place]])
+
+
+def _equal_rows(blocks: Sequence[Block]) -> list[list[int]]:
+    """Places of blocks of as many rows together."""
+    found: dict[int, list[int]] = {}
+    for place, block in enumerate(blocks):
+        found.setdefault(len(block.rows), []).append(place)
+    return list(found.values())
+
+
+def widened(item: ChannelFit, drawn: Drawn, scatter: RunEffects) -> ChannelFit:
     """A fit with the intervals of the mixture over all sizes of the scatter.
 
     Parameters
@@ -210,7 +248,7 @@ def widened(item: ChannelFit, drawn: Drawn, scatter: RunScatter) -> ChannelFit:
         Fitted at the mean sizes.
     drawn : Drawn
         What its runs draw.
-    scatter : RunScatter
+    scatter : RunEffects
         Sizes with their weights.
 
     Notes
@@ -220,8 +258,8 @@ def widened(item: ChannelFit, drawn: Drawn, scatter: RunScatter) -> ChannelFit:
     chi-square distribution that has the mixture's mean and variance of the variance.
     """
     sizes = scatter.sizes(item.channel)
-    columns = tuple(own * sizes for own in drawn.own)
-    nodes, weight = scatter.weighed(item.channel)
+    columns = tuple(own * per_column(sizes, len(own)) for own in drawn.own)
+    nodes, weight = scatter.nodes[item.channel], scatter.weights[item.channel]
     change, variance = likelihood_of(item, drawn).estimates(nodes)
     there = item.fit.determined & np.all(variance > 0, axis=0)
     mean = weight @ variance
@@ -241,3 +279,83 @@ def widened(item: ChannelFit, drawn: Drawn, scatter: RunScatter) -> ChannelFit:
     factor = np.ones(len(there))
     factor[there] = half / coverage_factor(dof[there], CONFIDENCE) / np.sqrt(plain[there])
     return replace(item, width=Width(columns=columns, factor=factor, dof=dof))
+
+
+def judged(item: ChannelFit, drawn: Drawn, scatter: RunEffects, expected: RunEffects) -> ChannelFit:
+    """A fit with how far its misfit is beyond what repeats, or a usual laboratory, allow.
+
+    Parameters
+    ----------
+    item : ChannelFit
+        Fitted.
+    drawn : Drawn
+        What its runs draw.
+    scatter, expected : RunEffects
+        Sizes by all that the fit leaves, and by repeated runs alone.
+
+    Notes
+    -----
+    What a structure lacks looks like scatter between runs, so that sizes by all that a fit leaves
+    explain any misfit; they make the intervals. Whether it is one, repeats say. The chance is that
+    of an F variable, averaged over the expected sizes where they are smaller than those found.
+    """
+    from scipy.special import fdtrc
+
+    if any(block.covariance is None for block in item.blocks):
+        return _lack_of_fit(item)
+    likelihood, freedom = likelihood_of(item, drawn), item.freedom
+    found = likelihood.misfits(scatter.sizes(item.channel)[None])[0]
+    nodes, weight = expected.nodes[item.channel], expected.weights[item.channel]
+    beside = likelihood.misfits(nodes) / max(freedom, 1)
+    strength = float(np.clip(np.median(item.noise.dof), 3.0, 1e6))
+    chance = float(weight @ fdtrc(max(freedom, 1), strength, beside))
+    return replace(
+        item,
+        chi_square=float(found),
+        scale=float(weight @ beside) if freedom else 1.0,
+        excessive=freedom > 0 and chance <= BIRGE_P,
+    )
+
+
+def _lack_of_fit(item: ChannelFit) -> ChannelFit:
+    """The test for lack of fit of runs that state no noise: their misfit over that of repeats."""
+    from scipy.special import fdtrc
+
+    white = whiteners(item.noise.covariances)
+    left = [w @ rest for w, rest in zip(white, item.residual, strict=True)]
+    conditions: dict[tuple[str, int], list[int]] = {}
+    for place, block in enumerate(item.blocks):
+        conditions.setdefault((block.origin, len(block.rows)), []).append(place)
+    repeated = [np.stack([left[i] for i in own]) for own in conditions.values() if len(own) > 1]
+    pure = sum(float(np.sum((x - x.mean(axis=0)) ** 2)) for x in repeated)
+    freedom = sum((len(x) - 1) * x.shape[1] for x in repeated)
+    others = item.freedom - freedom
+    if not pure or others <= 0:
+        return item
+    lack = (float(sum(x @ x for x in left)) - pure) / others * freedom / pure
+    return replace(
+        item,
+        scale=float(sum(x @ x for x in left)) / item.freedom * freedom / pure,
+        excessive=bool(fdtrc(others, freedom, lack) <= BIRGE_P),
+    )
+
+
+def in_words(scatter: RunEffects, channel: str) -> str:
+    """The sizes of a channel of which its runs say anything, in its units.
+
+    Parameters
+    ----------
+    scatter : RunEffects
+        Sizes.
+    channel : str
+        X, Y, N or K.
+    """
+    unit = CHANNEL_UNITS[channel]
+    words = {
+        "offset": f"zero {{:.2g}} {unit}",
+        "gain": "gain {:.2%}",
+        "drift": "drift setting {:.2g}°",
+        "harmonics": f"each harmonic {{:.2g}} {unit}",
+    }
+    told = [words[kind].format(size) for kind, size in scatter.in_units(channel).items()]
+    return f"{channel}: {', '.join(told) or 'not told by these runs'}"

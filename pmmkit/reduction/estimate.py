@@ -4,25 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.repeats import repeats
 from pmmkit.campaigns.settings import Settings
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Scatter
 from pmmkit.observations.equations import Rows
-from pmmkit.observations.noise import FLOOR, KIN, Noise, moderated, repeat_scatter, whiteners
+from pmmkit.observations.noise import FLOOR, KIN, Noise, moderated, whiteners
 from pmmkit.reduction.fit import Fit, fit, optional_columns
 
 ROUNDS = 6
-SETTING = Scatter.names().index("drift")
-"""What a run draws once for all its channels."""
+"""Times that values and the noise of runs that state none are found in turns."""
 QUIETEST = 0.1
 """A record's standard deviation below this share of the median of its gauge is not believed."""
-STATED = 5.0
-"""Degrees of freedom that the noise stated by the records counts for beside the residuals."""
 BIRGE_P = 0.001
 """Chance below which residuals are larger than the noise: a campaign asks in each of its channels
 at each Froude number, a dozen times."""
@@ -87,18 +84,18 @@ class ChannelFit:
     whiteners : tuple of array
         What whitens each block's rows.
     noise : Noise
-        Type A covariance of each block's rows [N², (N m)²], and how well it is known.
+        Covariance of each block's rows by its record [N², (N m)²], and how well it is known.
     private : tuple of array (m_i, q) or None
         Errors that each block's run drew on its own, as columns per standard deviation: the
         scatter between runs, for whatever else is estimated from the same runs.
     residual : tuple of array
         Rows minus fit, block by block [N, N m].
     chi_square : float
-        Squared residuals over the noise; NaN where the noise was taken from the residuals.
+        Squared residuals over noise and scatter between runs; NaN before it was judged.
     scale : float
-        Factor by which the residuals correct the variances that the records state.
+        The same a degree of freedom, by the scatter that repeats show or a usual laboratory has.
     excessive : bool
-        Whether the misfit is larger than the noise allows.
+        Whether that is larger than chance allows.
     width : Width
         What scatter between runs adds.
     """
@@ -158,19 +155,10 @@ class ChannelFit:
 
 
 def origins_of(rows: Sequence[Rows]) -> list[str]:
-    """The run that each run repeats: as the campaign says, else the first one set like it.
-
-    Parameters
-    ----------
-    rows : sequence of Rows
-        What each run says.
-    """
-    first: dict[tuple[str, Settings], str] = {}
-    found = []
-    for run in (item.result.run for item in rows):
-        same = first.setdefault((run.test, replace(run.settings, repeat_of=None)), run.id)
-        found.append(run.settings.repeat_of or same)
-    return found
+    """The first of the runs that each run repeats, itself among them (`repeats`)."""
+    runs = [item.result.run for item in rows]
+    first = {run.id: group[0].id for group in repeats(runs) for run in group}
+    return [first[run.id] for run in runs]
 
 
 def blocks_of(
@@ -242,7 +230,6 @@ def fit_channel(
     names: Sequence[str],
     required: int,
     private: Mapping[int, Array],
-    inflation: float = 1.0,
     *,
     stated: Noise | None = None,
 ) -> ChannelFit:
@@ -261,8 +248,6 @@ def fit_channel(
         How many are required.
     private : mapping of run to array (m_i, q)
         Errors that each run draws on its own, as columns per standard deviation.
-    inflation : float
-        Factor of the variances that the records state, as far as an earlier fit found one.
     stated : Noise, optional
         Of `stated_noise`, where it is there already.
     """
@@ -270,9 +255,7 @@ def fit_channel(
         private[block.run] if block.run in private and block.covariance is not None else None
         for block in blocks
     ]
-    noise = _inflated(stated or stated_noise(blocks), blocks, inflation)
-    for dynamic in (False, True):
-        noise = _with_repeat_scatter(dynamic, blocks, noise, scatter)
+    noise = stated or stated_noise(blocks)
     design, rows = _white(blocks, _whiteners(noise, [None] * len(blocks)))
     optional = optional_columns(design[:, :required], names[required:], design[:, required:])
     chosen = [*range(required), *(required + place for place in optional)]
@@ -281,18 +264,12 @@ def fit_channel(
     whiteners = _whiteners(noise, scatter)
     design, rows = _white(blocks, whiteners)
     found = fit(columns, design[:, chosen], rows)
-    from_residuals = any(block.covariance is None for block in blocks)
-    for _ in range(ROUNDS if from_residuals else 0):
+    silent = any(block.covariance is None for block in blocks)
+    for _ in range(ROUNDS if silent else 0):
         noise = _noise_from_residuals(blocks, noise, whiteners, found, design[:, chosen])
         whiteners = _whiteners(noise, scatter)
         design, rows = _white(blocks, whiteners)
         found = fit(columns, design[:, chosen], rows)
-    misfit = rows - design[:, chosen] @ (found.gain @ rows)
-    scale = (
-        _Scale(math.nan, 1.0, False, noise)
-        if from_residuals
-        else _scale(misfit, _freedom(found, len(rows)), noise)
-    )
     values = np.nan_to_num(found.value)
     return ChannelFit(
         channel=channel,
@@ -301,12 +278,12 @@ def fit_channel(
         chosen=tuple(chosen),
         blocks=tuple(blocks),
         whiteners=tuple(whiteners),
-        noise=scale.noise,
+        noise=noise,
         private=tuple(scatter),
         residual=tuple(block.rows - block.design[:, chosen] @ values for block in blocks),
-        chi_square=scale.chi_square,
-        scale=inflation * scale.factor,
-        excessive=scale.excessive,
+        chi_square=math.nan,
+        scale=1.0,
+        excessive=False,
         width=Width(
             columns=tuple(np.zeros((len(block.rows), 0)) for block in blocks),
             factor=np.ones(len(columns)),
@@ -352,19 +329,6 @@ def stated_noise(blocks: Sequence[Block]) -> Noise:
     return Noise(covariances=tuple(_believed(covariances, blocks)), doubt=doubt)
 
 
-def _inflated(noise: Noise, blocks: Sequence[Block], factor: float) -> Noise:
-    """The noise that runs state, larger by a factor."""
-    if factor == 1.0:
-        return noise
-    return Noise(
-        covariances=tuple(
-            covariance if block.covariance is None else factor * covariance
-            for covariance, block in zip(noise.covariances, blocks, strict=True)
-        ),
-        doubt=noise.doubt,
-    )
-
-
 def _alike(blocks: Sequence[Block]) -> list[tuple[list[int], bool]]:
     """Places of runs with like noise, of those that state one, and whether they are of one kin.
 
@@ -395,42 +359,6 @@ def _believed(noise: Sequence[Array], blocks: Sequence[Block]) -> list[Array]:
         else covariance
         for place, covariance in enumerate(noise)
     ]
-
-
-def _with_repeat_scatter(
-    dynamic: bool, blocks: Sequence[Block], noise: Noise, scatter: Sequence[Array | None]
-) -> Noise:
-    """Noise of static or of oscillating runs with what repeats scatter beyond it and their own."""
-    known = [
-        place
-        for place, block in enumerate(blocks)
-        if block.dynamic == dynamic and block.covariance is not None
-    ]
-
-    def known_of(place: int) -> Array:
-        part, own = scatter[place], noise.covariances[place]
-        return own if part is None else own + part @ part.T
-
-    conditions: dict[str, list[int]] = {}
-    for place in known:
-        conditions.setdefault(blocks[place].origin, []).append(place)
-    repeated = [places for places in conditions.values() if len(places) > 1]
-    extra, freedom = repeat_scatter(
-        [[blocks[place].rows for place in places] for places in repeated],
-        [[known_of(place) for place in places] for places in repeated],
-    )
-    if extra <= 0:
-        return noise
-    wide = list(noise.covariances)
-    share = np.ones(len(blocks))
-    for place in known:
-        own = float(np.mean(np.diagonal(wide[place])))
-        wide[place] = wide[place] + extra * np.eye(len(wide[place]))
-        share[place] = own / (own + extra)
-    common = (1 - share) * math.sqrt(2 / freedom)
-    return Noise(
-        covariances=tuple(wide), doubt=np.column_stack([share[:, None] * noise.doubt, common])
-    )
 
 
 def _whiteners(noise: Noise, scatter: Sequence[Array | None]) -> list[Array]:
@@ -485,41 +413,3 @@ def _noise_from_residuals(
         doubt[silent] = 0.0
         doubt = np.column_stack([doubt, common])
     return Noise(covariances=tuple(fresh), doubt=doubt[:, doubt.any(axis=0)])
-
-
-@dataclass(frozen=True)
-class _Scale:
-    """How the residuals correct the noise that the records state."""
-
-    chi_square: float
-    factor: float
-    excessive: bool
-    noise: Noise
-
-
-def _scale(misfit: Array, freedom: int, noise: Noise) -> _Scale:
-    """The stated noise and the residuals weighed by their degrees of freedom.
-
-    A short autocorrelated record understates its slow noise a little; the residuals of many runs
-    see it. `excessive` says that the misfit is larger than chance allows (F test). What the
-    levels have in common the residuals know better.
-    """
-    from scipy.special import fdtrc
-
-    chi_square = float(misfit @ misfit)
-    strength = float(np.clip(np.median(noise.dof), 3.0, 1e6))
-    prior = min(strength, STATED)
-    factor = (prior + chi_square) / (prior + freedom)
-    excessive = freedom > 0 and fdtrc(freedom, strength, chi_square / freedom) <= BIRGE_P
-    known = freedom / (prior + freedom)
-    left = noise.doubt - known * noise.doubt.mean(axis=0)
-    common = np.full(len(left), math.sqrt(2 * freedom) / (prior + freedom))
-    return _Scale(
-        chi_square,
-        factor,
-        bool(excessive),
-        Noise(
-            covariances=tuple(factor * covariance for covariance in noise.covariances),
-            doubt=np.column_stack([left, common]),
-        ),
-    )

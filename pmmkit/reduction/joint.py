@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pmmkit.campaigns.uncertainty import TypeB
+from pmmkit.inference import KINDS
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Scatter
 from pmmkit.observations.equations import Sensitivity
-from pmmkit.reduction.estimate import SETTING, ChannelFit
+from pmmkit.reduction.estimate import ChannelFit
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -22,7 +22,7 @@ class Push:
     Parameters
     ----------
     source : TypeB or str
-        A stated uncertainty, or a name of `Scatter`: what each run draws for itself.
+        A stated uncertainty, or one of `KINDS`: what each run draws for itself.
     run : int, optional
         Place of the run that draws it; None for an error of all runs.
     column : array (P,)
@@ -112,7 +112,7 @@ def join(
             moved = pull @ item.width.columns[index]
             drawn += np.sum(moved**2, axis=1)
             for kind, column in enumerate(moved.T):
-                key = (_DRAWN, kind, run, "" if kind == SETTING else item.channel)
+                key = (_DRAWN, kind, run, "" if _kind(kind) == "drift" else item.channel)
                 columns.setdefault(key, np.zeros(total))[span] += column
             for number, change in enumerate(sensitivities[run]):
                 if not change.source.shared and block.covariance is None:
@@ -130,7 +130,7 @@ def join(
         shares[span] += (np.diagonal(type_a)[span] + drawn) ** 2 / item.width.dof
     pushes = tuple(
         Push(
-            source=Scatter.names()[number] if kind == _DRAWN else sensitivities[0][number].source,
+            source=_kind(number) if kind == _DRAWN else sensitivities[0][number].source,
             run=run,
             column=column,
         )
@@ -154,6 +154,11 @@ def join(
         pushes=pushes,
         dof=dof,
     )
+
+
+def _kind(column: int) -> str:
+    """Of a column of what a run draws; each harmonic has one."""
+    return KINDS[min(column, len(KINDS) - 1)]
 
 
 _DRAWN = "drawn"

@@ -108,6 +108,7 @@ def notes(solution: Solution, rows: Sequence[Rows]) -> tuple[str, ...]:
         *_thrust_inside(solution, rows),
         *dict.fromkeys(_sentences(solution)),
         *_ramps(rows),
+        *_smoothed(rows),
     )
 
 
@@ -118,6 +119,17 @@ def _ramps(rows: Sequence[Rows]) -> Iterator[str]:
         yield (
             f"The carriage speeds up or stops within {counted(len(cut), 'oscillating record')}; "
             f"cycles count from where it is at its speed. Left out: {'; '.join(cut)}."
+        )
+
+
+def _smoothed(rows: Sequence[Rows]) -> Iterator[str]:
+    """Oscillating records that say nothing of their noise."""
+    orders = [item.result.smoothed for item in rows if item.result.smoothed is not None]
+    if orders:
+        yield (
+            f"{counted(len(orders), 'oscillating record')} hold nothing but harmonics up to number "
+            f"{max(orders)}: they were smoothed before they were handed in. They do not tell their "
+            f"own noise; it is that of the records like them, and the scatter between the runs."
         )
 
 

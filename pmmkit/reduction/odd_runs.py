@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.checks import CheckFinding
+from pmmkit.inference import per_column
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.reduction.between_runs import BetweenRuns, Drawn, drawn, size_of
@@ -159,7 +160,7 @@ def _held_against(
         between,
         size_of(item.blocks, item.channel, between),
     )
-    nodes, weight = scatter.weighed(item.channel)
+    nodes, weight = scatter.nodes[item.channel], scatter.weights[item.channel]
     allowed = _allowed(item, number, prediction, draw, nodes)
     return _judgement(rest, allowed, weight, float(item.noise.dof[number]))
 
@@ -215,11 +216,9 @@ def _allowed(
     """Covariance of a run's departure from what others predict at each size of the scatter,
     array (g, m, m): noise, doubt of the prediction, stated uncertainties, and its own draw."""
     noise = _as_sisters(item, number) * item.noise.covariances[number]
-    if np.isfinite(item.scale):
-        noise = noise / max(item.scale, 1.0)
     known = item.blocks[number].design[:, item.chosen][:, prediction.there]
     base = noise + known @ prediction.covariance @ known.T + draw.stated[0] @ draw.stated[0].T
-    own = draw.own[0] * nodes[:, None, :]
+    own = draw.own[0] * per_column(nodes, len(known))[:, None, :]
     return base + own @ np.swapaxes(own, 1, 2)
 
 

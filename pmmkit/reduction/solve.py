@@ -13,11 +13,20 @@ import numpy as np
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention, canonical
+from pmmkit.inference import Restricted, RunEffects, run_effects
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.observations.noise import Noise
-from pmmkit.observations.scatter import USUAL, Restricted, RunScatter, run_scatter
-from pmmkit.reduction.between_runs import BetweenRuns, Drawn, drawn, likelihood_of, size_of, widened
+from pmmkit.reduction.between_runs import (
+    BetweenRuns,
+    Drawn,
+    drawn,
+    judged,
+    likelihood_of,
+    repeats_of,
+    size_of,
+    widened,
+)
 from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.estimate import (
     Block,
@@ -31,7 +40,9 @@ from pmmkit.reduction.joint import Joint, join
 from pmmkit.tables import DerivativeTable
 
 ROUNDS = 3
-"""Times that values, scatter and misfit are found in turns; scatter explains what it can first."""
+"""Times that values and scatter are found in turns."""
+BEGUN = 0.004
+"""Error of every row, over the rms force, in the first fit."""
 SPEED_GAP = 0.01
 """Runs whose speeds differ by less than this share belong to one Froude number."""
 
@@ -52,6 +63,8 @@ class Solution:
         Values and covariance.
     between : BetweenRuns
         Scatter between runs.
+    repeatability : RunEffects
+        Its sizes by repeated runs alone; those of a usual laboratory where none was repeated.
     """
 
     Fn: Array
@@ -59,6 +72,7 @@ class Solution:
     fits: tuple[tuple[int, ChannelFit], ...]
     joint: Joint
     between: BetweenRuns
+    repeatability: RunEffects
 
 
 def froude_groups(froude: Sequence[float]) -> list[tuple[float, tuple[int, ...]]]:
@@ -114,10 +128,10 @@ def solve(
         channel: float(np.sqrt(np.mean([case.size**2 for case in own])))
         for channel, own in _by_channel(cases).items()
     }
-    scatter = between.scatter or RunScatter.usual(list(size))
+    scatter = between.scatter or RunEffects.usual(size)
     draws: list[Drawn] = []
     fits = [case.begun(size[case.channel]) for case in cases]
-    for number in range(ROUNDS if between.scatter is None else 1):
+    for _ in range(ROUNDS if between.scatter is None else 1):
         draws = [
             case.drawn(found, size[case.channel]) for case, found in zip(cases, fits, strict=True)
         ]
@@ -125,15 +139,17 @@ def solve(
             likelihoods: dict[str, list[Restricted]] = {}
             for case, found, draw in zip(cases, fits, draws, strict=True):
                 likelihoods.setdefault(case.channel, []).append(likelihood_of(found, draw))
-            scatter = run_scatter(likelihoods)
+            scatter = run_effects(likelihoods, size)
+        fits = [case.fit(draw, scatter) for case, draw in zip(cases, draws, strict=True)]
+    repeatability = between.scatter or scatter
+    if intervals and between.scatter is None:
+        repeatability = _by_repeats(fits, draws, size)
+    if intervals:
         fits = [
-            case.fit(draw, scatter, found if number else None)
-            for case, draw, found in zip(cases, draws, fits, strict=True)
+            judged(widened(found, draw, scatter), draw, scatter, repeatability)
+            for found, draw in zip(fits, draws, strict=True)
         ]
-    done = tuple(
-        (case.group, widened(found, draw, scatter) if intervals else found)
-        for case, found, draw in zip(cases, fits, draws, strict=True)
-    )
+    done = tuple((case.group, found) for case, found in zip(cases, fits, strict=True))
     run_of = {number: list(members) for number, (_, members) in enumerate(groups)}
     return Solution(
         Fn=np.array([froude for froude, _ in groups]),
@@ -141,6 +157,7 @@ def solve(
         fits=done,
         joint=join(done, sensitivities, run_of, known or {}),
         between=replace(between, scatter=scatter),
+        repeatability=repeatability,
     )
 
 
@@ -170,7 +187,7 @@ class _Case:
 
     def begun(self, size: float) -> ChannelFit:
         """Fit with an error of usual size in every row, so that no run can speak for all."""
-        error = USUAL["gain"] * size
+        error = BEGUN * size
         private = {block.run: error * np.eye(len(block.rows)) for block in self.blocks}
         return self._fitted(private)
 
@@ -187,25 +204,26 @@ class _Case:
             size,
         )
 
-    def fit(self, draw: Drawn, scatter: RunScatter, before: ChannelFit | None = None) -> ChannelFit:
-        """Fit with the mean sizes of the scatter, and the misfit that an earlier fit left."""
-        private = draw.private(self.blocks, scatter.sizes(self.channel))
-        inflation = before.scale if before else 1.0
-        found = self._fitted(private, inflation)
-        return replace(
-            found, excessive=found.excessive or (before is not None and before.excessive)
+    def fit(self, draw: Drawn, scatter: RunEffects) -> ChannelFit:
+        """Fit with the mean sizes of the scatter."""
+        return self._fitted(draw.private(self.blocks, scatter.sizes(self.channel)))
+
+    def _fitted(self, private: Mapping[int, Array]) -> ChannelFit:
+        return fit_channel(
+            self.channel, self.blocks, self.names, self.required, private, stated=self.stated
         )
 
-    def _fitted(self, private: Mapping[int, Array], inflation: float = 1.0) -> ChannelFit:
-        return fit_channel(
-            self.channel,
-            self.blocks,
-            self.names,
-            self.required,
-            private,
-            inflation,
-            stated=self.stated,
-        )
+
+def _by_repeats(
+    fits: Sequence[ChannelFit], draws: Sequence[Drawn], size: Mapping[str, float]
+) -> RunEffects:
+    """Sizes by repeated runs alone; a usual laboratory's where none was repeated."""
+    found: dict[str, list[Restricted]] = {channel: [] for channel in size}
+    for item, draw in zip(fits, draws, strict=True):
+        repeated = repeats_of(item, draw)
+        if repeated is not None:
+            found[item.channel].append(repeated)
+    return run_effects(found, size)
 
 
 def _cases(

@@ -134,8 +134,7 @@ def _white(item: ChannelFit) -> tuple[Array, Array, Array]:
 
     Scatter between runs stays out: it takes a zero of all runs for an offset of each.
     """
-    scale = item.scale if math.isfinite(item.scale) else 1.0
-    white = whiteners([noise / scale for noise in item.noise.covariances])
+    white = whiteners(item.noise.covariances)
     pairs = list(zip(white, item.blocks, strict=True))
     columns = list(item.chosen)
     return (

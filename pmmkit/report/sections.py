@@ -9,6 +9,7 @@ from pmmkit.models.reference import Reference
 from pmmkit.presentation import Grid, Group, Section
 from pmmkit.reduction import Reduction
 from pmmkit.reduction.agreement import differences
+from pmmkit.reduction.between_runs import in_words
 from pmmkit.reduction.methods.registry import METHODS
 from pmmkit.report import pictures, tables
 from pmmkit.report.drawn import drawn
@@ -25,16 +26,11 @@ def influence(reduction: Reduction) -> Section:
     """
     found = reduction.influences
     scatter = reduction.solution.between.scatter
-    sizes = (
-        "; ".join(f"{channel}: {scatter.words(channel)}" for channel in scatter.weights)
-        if scatter
-        else ""
-    )
+    sizes = "; ".join(in_words(scatter, channel) for channel in scatter.weights) if scatter else ""
     return Section(
         title="What each run does",
         paragraphs=[
-            f"Scatter between runs that the intervals hold (standard deviations; offset over the "
-            f"rms force of the channel): {sizes}.",
+            f"Scatter between runs that the intervals hold (standard deviations): {sizes}.",
             "Each derivative with all runs less the same without one run, over half of its 95 % "
             "interval. Above 1 the interval hangs on that run.",
         ],

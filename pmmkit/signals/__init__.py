@@ -13,6 +13,7 @@ from pmmkit.signals.harmonics import (
 )
 from pmmkit.signals.noise import Mean, steady_mean
 from pmmkit.signals.rest import Rest, head_rest
+from pmmkit.signals.smoothing import fitted_order
 from pmmkit.signals.steady import Window, steady_window
 from pmmkit.signals.travel import Travel, at_speed, in_step
 
@@ -27,6 +28,7 @@ __all__ = [
     "at_speed",
     "design_matrix",
     "estimate_frequency",
+    "fitted_order",
     "harmonics",
     "head_rest",
     "in_step",

@@ -16,8 +16,8 @@ from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.captive.grid import best_blocks
 from pmmkit.diagnosis.captive.system import System, channels_of
 from pmmkit.errors import DataError
+from pmmkit.inference import RunEffects
 from pmmkit.models import Model
-from pmmkit.observations.channels import Scatter
 from pmmkit.observations.views import View
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.reduction.derivatives import columns_of
@@ -206,7 +206,8 @@ def _before_tests(
     size = {name: x * base.reference**2 for name, x in scale.items()}
     planned = _views(offered, base, stated_noise(size, noise), 0.0)
     every = _candidates_of(base, limits.speeds, candidates)
-    rows = rows_of(planned, base, every, floor=floor, scatter=Scatter(), scale=scale)
+    usual = RunEffects.usual(size).mode
+    rows = rows_of(planned, base, every, floor=floor, scatter=usual, scale=scale)
     grids = {c.name: c.grid for c in every}
     values = {name: grids[name][len(grids[name]) // 2 :][:1] for name in given if name in grids}
     return _ground(rows.condition_on(values), (), offered, every, given, None)

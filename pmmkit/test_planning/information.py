@@ -28,7 +28,7 @@ from pmmkit.diagnosis.captive.system import (
     run_columns,
 )
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Places, Scatter
+from pmmkit.observations.channels import Places
 from pmmkit.observations.views import View
 from pmmkit.observations.whitening import whitened
 
@@ -87,7 +87,7 @@ def rows_of(
     candidates: Sequence[Candidate],
     *,
     floor: float,
-    scatter: Scatter,
+    scatter: Mapping[str, Array],
     scale: Mapping[str, float] | None = None,
 ) -> Rows:
     """Whitened rows of measured and of planned runs together.
@@ -102,7 +102,7 @@ def rows_of(
         All that take part.
     floor : float
         What is too small to matter, over the rms force of a channel.
-    scatter : Scatter
+    scatter : mapping of channel to array (4,)
         What differs from run to run.
     scale : mapping of channel to float, optional
         Rms force over U² to which floor and scatter refer [N/(m/s)²]; that of the views by default.
@@ -129,7 +129,7 @@ def rows_of(
                 effects[:, block.columns] = by_channel[c.name] * prior_sizes(block.candidate)
         features = floor * floor_features(c, views, base)
         columns = np.column_stack([c.design, features, effects, c.y])
-        white = whitened(c, columns, own[c.name], scatter)
+        white = whitened(c, columns, own[c.name], scatter[c.name])
         size = np.linalg.norm(white[:, :p], axis=0)
         white[:, :p] /= np.where(size > 0, size, 1.0)
         null[c.name] = p + FEATURES

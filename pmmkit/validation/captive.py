@@ -16,7 +16,13 @@ from pmmkit.errors import DataError, ExtrapolationError
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.observations.stated import idle
-from pmmkit.observations.views import View, repeat_scatter, views_of
+from pmmkit.observations.views import (
+    Repeatability,
+    View,
+    repeat_scatter,
+    repeatability_of,
+    views_of,
+)
 from pmmkit.progress import Progress
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
 from pmmkit.validation.uncertainty import (
@@ -191,7 +197,7 @@ def _compared(
     predictor: Predictor,
     campaign: Campaign,
     rig: Rig,
-    scatter: Mapping[str, float],
+    scatter: Repeatability,
     scale: Mapping[str, float],
     floor: float,
 ) -> CaptiveRun:
@@ -218,7 +224,7 @@ def measured_shares(
     view: View,
     campaign: Campaign,
     rig: Rig,
-    scatter: Mapping[str, float],
+    scatter: Repeatability,
     sources: Sequence[TypeB],
     forces: Forces,
     predicted: Mapping[str, Array],
@@ -233,8 +239,8 @@ def measured_shares(
         States what it is uncertain by.
     rig : Rig
         Inertia and reference points.
-    scatter : mapping of channel to float
-        Of repeats, over U².
+    scatter : Repeatability
+        Of repeats.
     sources : sequence of TypeB
         What is stated.
     forces, predicted
@@ -242,7 +248,10 @@ def measured_shares(
     """
     noise = {name: np.sqrt(np.diagonal(view.covariance[name])) for name in predicted}
     again = {
-        name: np.full(view.rows, _beyond(scatter.get(name, 0.0) * view.speed**2, noise[name]))
+        name: np.full(
+            view.rows,
+            _beyond(repeatability_of(scatter, name, dynamic=view.run.dynamic) or 0.0, noise[name]),
+        )
         for name in predicted
     }
     told = {name for name in predicted if view.noise.get(name) == "stated"}

@@ -16,7 +16,7 @@ from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import force_unit
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
-from pmmkit.observations.views import View, repeat_scatter
+from pmmkit.observations.views import Repeatability, View, repeat_scatter
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.validation.captive import CaptiveRun, measured_shares, observed
 from pmmkit.validation.comparison import Comparison
@@ -125,7 +125,7 @@ class _Side:
 
     campaign: Campaign
     views: tuple[View, ...]
-    scatter: Mapping[str, float]
+    scatter: Repeatability
 
     @classmethod
     def of(cls, campaign: Campaign) -> _Side:

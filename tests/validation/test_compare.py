@@ -409,12 +409,33 @@ def test_the_scatter_of_repeats_is_found():
     chosen = {run.id for run in repeated} | {run.settings.repeat_of for run in repeated}
     views = views_of(campaign.with_(runs=tuple(run for run in campaign if run.id in chosen)))
     late = {view.run.id: view for view in views if not view.early}
-    squares = [
-        np.mean((late[run.id].force["Y"] - late[run.settings.repeat_of].force["Y"]) ** 2)
-        / (2 * run.settings.speed**4)
-        for run in repeated
+    found = repeat_scatter(views)
+    for dynamic in (False, True):
+        halves = [
+            np.mean((late[run.id].force["Y"] - late[run.settings.repeat_of].force["Y"]) ** 2) / 2
+            for run in repeated
+            if run.dynamic == dynamic
+        ]
+        assert found["Y", dynamic] == pytest.approx(math.sqrt(np.mean(halves)))
+
+
+def test_repeats_need_not_be_declared(small):
+    """Eight runs, each setting twice, 8 N between runs: the same scatter whether it is said."""
+    rng = np.random.default_rng(1)
+    runs = [
+        mean_run(f"{name}{k}", 100.0 * drift + 8.0 * rng.normal(), 5.0, drift=drift)
+        for k, drift in enumerate((0.05, 0.1, 0.15, 0.2))
+        for name in "ab"
     ]
-    assert repeat_scatter(views)["Y"] == pytest.approx(math.sqrt(np.mean(squares)))
+    said = [
+        run.with_(
+            settings=replace(run.settings, repeat_of=f"a{run.id[1:]}" if "b" in run.id else None)
+        )
+        for run in runs
+    ]
+    found = repeat_scatter(views_of(table_campaign(small, *runs), unknown_noise=True))
+    assert found["Y", False] == pytest.approx(8.0, rel=0.6)
+    assert found == repeat_scatter(views_of(table_campaign(small, *said), unknown_noise=True))
 
 
 # What stands out

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.campaigns.repeats import repeats
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
 from pmmkit.effects.catalogue import catalogue
@@ -67,6 +68,7 @@ def eligible(
 def excited(views: Sequence[View], base: Base) -> frozenset[str]:
     """What runs hold, in the words of `effects.seen.EXCITES`."""
     speeds = {round(view.speed, 6) for view in views}
+    runs = tuple({view.run.id: view.run for view in views}.values())
     sway = max(float(np.max(np.abs(view.motion.v) / view.motion.speed)) for view in views)
     yaw = max(
         float(np.max(np.abs(view.motion.r) / view.motion.speed)) * base.ship.L for view in views
@@ -76,7 +78,7 @@ def excited(views: Sequence[View], base: Base) -> frozenset[str]:
         for word, there in {
             "several speeds": len(speeds) > 1,
             "four speeds": len(speeds) > 3,
-            "repeats": any(view.run.settings.repeat_of for view in views),
+            "repeats": any(len(own) > 1 for own in repeats(runs)),
             "roll": any(np.any(view.motion.phi) or np.any(view.motion.p) for view in views),
             "rudder": any(np.any(view.motion.delta) for view in views),
             "large motion": sway > LARGE[0] or yaw > LARGE[1],

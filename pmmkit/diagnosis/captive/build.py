@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
+from pmmkit.campaigns.repeats import repeats
+from pmmkit.campaigns.run import Run
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.drawn import Drawn, OwnColumns
@@ -25,14 +28,17 @@ from pmmkit.diagnosis.captive.system import (
     run_columns,
     term_columns,
 )
+from pmmkit.inference import KINDS, Condition, Restricted, by_kind, repeatability, run_effects
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Channel, Places, Scatter
-from pmmkit.observations.scatter import estimated_scatter
+from pmmkit.observations.channels import Channel, Places
 from pmmkit.observations.views import View
-from pmmkit.observations.whitening import FLOOR, Piece, Projection, whitened
+from pmmkit.observations.whitening import FLOOR, Piece, Projection, alike, noise_whitened, whitened
 
-ROUGH: Final = Scatter(offset=0.004, gain=0.0, drift=0.0)
-"""Run scatter for the first fit of the base."""
+ROUGH: Final = np.array([0.004, 0.0, 0.0, 0.0])
+"""Run scatter for the first fit of the base: an offset."""
+HARMONICS: Final = KINDS.index("harmonics")
+ENOUGH: Final = 240
+"""Runs that tell the sizes of their scatter to 5 %; of more, so many are looked at."""
 
 
 def build(
@@ -41,7 +47,7 @@ def build(
     candidates: Sequence[Candidate],
     *,
     floor: float = FLOOR,
-    scatter: Scatter | None = None,
+    scatter: Mapping[str, Array] | None = None,
 ) -> System:
     """The system of a campaign.
 
@@ -56,7 +62,7 @@ def build(
     floor : float
         Size of what is too small to matter, over the largest force of a channel: the user's
         uncertainty of everything that is smooth in the motion.
-    scatter : Scatter, optional
+    scatter : mapping of channel to array (4,), optional
         Run scatter, where it is known; by default it is estimated.
     """
     channels = channels_of(views, base)
@@ -73,7 +79,7 @@ def build(
     floors = {c.name: floor * x for c, x in zip(channels, features, strict=True)}
     if scatter is None:
         models = {c.name: _largest(c, raw) for c in channels}
-        scatter = estimated_scatter(channels, own, models, floors)
+        scatter = estimated_scatter(channels, views, base, own, models, floors)
     drawn = [
         _EachRun(
             item,
@@ -104,7 +110,7 @@ def build(
             + [item.own[number].dense() for item in few]
             + [floors[c.name]]
         )
-        projection = _projection(c, floors[c.name], own[c.name], scatter)
+        projection = _projection(c, floors[c.name], own[c.name], scatter[c.name])
         left = projection.left(np.column_stack([columns, c.y]))
         piece = Piece(projection=projection, columns=left[:, :-1], places=at, data=left[:, -1])
         pieces.append(piece)
@@ -150,11 +156,89 @@ def build(
     )
 
 
+def estimated_scatter(
+    channels: Sequence[Channel],
+    views: Sequence[View],
+    base: Base,
+    own: Mapping[str, Array],
+    models: Mapping[str, Array],
+    floors: Mapping[str, Array],
+) -> dict[str, Array]:
+    """The most probable sizes of what runs draw for themselves, by channel (4,).
+
+    Parameters
+    ----------
+    channels : sequence of Channel
+        Rows.
+    views : sequence of View
+        Runs.
+    base : Base
+        With the speed to which their scale refers.
+    own : mapping of channel to array (n, 3 + k)
+        What each run draws for itself, at size one.
+    models : mapping of channel to array (n, p)
+        The largest model, so that a missing effect is not taken for scatter.
+    floors : mapping of channel to array (n, D)
+        Features of the smooth floor at its size.
+
+    Notes
+    -----
+    What acts in single harmonics may be physics that no candidate holds, and looks like their
+    scatter: of that repeated runs alone are asked.
+    """
+    scale = {c.name: c.scale * base.reference**2 for c in channels}
+    groups = repeats(tuple({view.run.id: view.run for view in views}.values()))
+    repeated = {c.name: _repeatability(c, views, own[c.name], groups) for c in channels}
+    known = run_effects(repeated, scale).mode
+    likelihoods = {}
+    for c in channels:
+        model, floor, drawn = models[c.name], floors[c.name], own[c.name]
+        white = noise_whitened(c, np.column_stack([model, floor, c.y, drawn]))
+        whole = model.shape[1] + floor.shape[1] + 1
+        every = math.ceil(len(c.runs) / ENOUGH)
+        taken = [
+            (white[rows][..., :whole], by_kind(white[rows][..., whole:]))
+            for rows in (rows[::every] for rows in alike(c))
+        ]
+        likelihoods[c.name] = [
+            Restricted.of(taken, model.shape[1], floor.shape[1]).given(HARMONICS, known[c.name][-1])
+        ]
+    mode = run_effects(likelihoods, scale).mode
+    return {name: np.append(sizes[:-1], known[name][-1]) for name, sizes in mode.items()}
+
+
+def _repeatability(
+    c: Channel, views: Sequence[View], own: Array, groups: Sequence[Sequence[Run]]
+) -> list[Restricted]:
+    """What repeated runs say of one channel."""
+    place = {name: number for number, name in enumerate(dict.fromkeys(_runs(c, views)))}
+    conditions: dict[tuple[str, int], list[int]] = {}
+    for group in groups:
+        for number in (place[run.id] for run in group if run.id in place):
+            conditions.setdefault((group[0].id, len(c.runs[number])), []).append(number)
+    found = repeatability(
+        [
+            Condition(
+                rows=np.stack([c.y[c.runs[i]] for i in numbers]),
+                drawn=np.mean([own[c.runs[i]] for i in numbers], axis=0),
+                noise=np.mean([c.noise[i] for i in numbers], axis=0),
+            )
+            for numbers in conditions.values()
+        ]
+    )
+    return [] if found is None else [found]
+
+
+def _runs(c: Channel, views: Sequence[View]) -> list[str]:
+    """The run of each view of a channel."""
+    return [views[i].run.id for i in c.views]
+
+
 def fitted(base: Base, channels: Sequence[Channel], views: Sequence[View]) -> Base:
     """The base with values by weighted least squares, run scatter at usual sizes."""
     values: dict[str, float] = dict(base.values)
     for c in channels:
-        own = np.zeros((len(c.y), 3))
+        own = np.zeros((len(c.y), len(ROUGH)))
         own[:, 0] = offset_column(c, views, base)
         white = whitened(c, np.column_stack([c.design, c.y]), own, ROUGH)
         size = np.linalg.norm(white[:, :-1], axis=0)
@@ -266,7 +350,7 @@ def _layout(raw: Sequence[_Raw], drawn: Sequence[_EachRun], channels: int) -> _L
     )
 
 
-def _projection(c: Channel, floor: Array, own: Array, scatter: Scatter) -> Projection:
+def _projection(c: Channel, floor: Array, own: Array, scatter: Array) -> Projection:
     """Whitening of a channel, and what the base and the smooth floor span in it.
 
     The floor stands as columns with a unit prior, rows of their own below the data; what is left

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
+from pmmkit.campaigns.repeats import repeats
 from pmmkit.campaigns.run import Run
 from pmmkit.diagnosis.captive.least_squares import Stack, solved, stacked
 from pmmkit.diagnosis.captive.noise_level import LeftOut, expected_errors
@@ -277,12 +278,14 @@ def _mean_square(harmonics: Array) -> float:
 def _groups(system: System, stack: Stack) -> dict[str, list[tuple[str, View, Places]]]:
     """Channel, view and rows by condition."""
     found: dict[str, list[tuple[str, View, Places]]] = {}
+    runs = {view.run.id: view.run for view in system.views}
+    named = {run.id: condition(own[0]) for own in repeats(tuple(runs.values())) for run in own}
     for c in system.channels:
         for i, rows in zip(c.views, c.rows, strict=True):
             view = system.views[i]
             begin = stack.places[c.name].start
             at = np.arange(begin + rows.start, begin + rows.stop)
-            found.setdefault(condition(view.run), []).append((c.name, view, at))
+            found.setdefault(named[view.run.id], []).append((c.name, view, at))
     return found
 
 

@@ -16,7 +16,7 @@ from pmmkit.diagnosis.captive.columns import TermTable, channels_of_terms
 from pmmkit.diagnosis.captive.drawn import Drawn, OwnColumns
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Channel, Places, Scatter
+from pmmkit.observations.channels import Channel, Places
 from pmmkit.observations.views import View, scale_of
 from pmmkit.observations.whitening import Piece
 
@@ -74,7 +74,7 @@ class System:
         With fitted values.
     channels : tuple of Channel
         Rows.
-    scatter : Scatter
+    scatter : mapping of channel to array (4,)
         Estimated.
     blocks : tuple of Block
         Candidates; columns in units of their prior standard deviation.
@@ -105,7 +105,7 @@ class System:
     views: tuple[View, ...]
     base: Base
     channels: tuple[Channel, ...]
-    scatter: Scatter
+    scatter: Mapping[str, Array]
     blocks: tuple[Block, ...]
     gram: Array
     score: Array
@@ -200,7 +200,9 @@ def offset_column(channel: Channel, views: Sequence[View], base: Base) -> Array:
 def run_columns(
     channels: Sequence[Channel], views: Sequence[View], base: Base, predicted: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """What each run draws for itself, at size one: offset, gain, degree of drift (n, 3)."""
+    """What each run draws for itself, at size one: offset, gain, degree of drift, and each of the
+    k harmonics, which its pieces have in common (n, 3 + k)."""
+    harmonics = max(len(view.labels) for view in views)
     turned = {
         i: base.change(view, _turned, math.degrees(STEP))
         for i, view in enumerate(views)
@@ -208,11 +210,15 @@ def run_columns(
     }
     found = {}
     for c in channels:
-        drift = np.zeros(len(c.y))
+        drift, each = np.zeros(len(c.y)), np.zeros((len(c.y), harmonics))
         for i, rows in zip(c.views, c.rows, strict=True):
             if i in turned:
                 drift[rows] = turned[i][c.name]
-        found[c.name] = np.stack([offset_column(c, views, base), predicted[c.name], drift], axis=1)
+            first = int(views[i].has_mean)
+            own = range(rows.start + first, rows.stop)
+            each[own, range(first, views[i].rows)] = c.scale * base.reference**2
+        offset = offset_column(c, views, base)
+        found[c.name] = np.column_stack([offset, predicted[c.name], drift, each])
     return found
 
 

@@ -25,6 +25,7 @@ NOISE: Final = "noise, repeats and misfit"
 NUMERICAL: Final = "U_SN of the computation"
 SCATTER: Final = {
     "offset": "scatter between runs: zero",
+    "harmonics": "scatter between runs: harmonics",
     "gain": "scatter between runs: gain",
     "drift": "scatter between runs: drift angle",
 }

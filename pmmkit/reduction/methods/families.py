@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.test_kinds.registry import captive_kinds
@@ -23,6 +24,9 @@ def by_family(
 ) -> dict[str, DerivativeTable]:
     """Derivatives from each family of tests alone: curve fits and multiple-run balance.
 
+    Their intervals hold the scatter that repeats show: families that contradict each other would
+    widen the scatter by which all runs agree.
+
     Parameters
     ----------
     rows, sensitivities, columns
@@ -38,6 +42,7 @@ def by_family(
         By the title of the kind of test; kinds without runs are absent.
     """
     tables = {}
+    between = replace(solution.between, scatter=solution.repeatability)
     for kind in captive_kinds():
         if kind.fit is None:
             continue
@@ -51,7 +56,7 @@ def by_family(
         wanted = columns.only(kind.fit.factors)
         if not groups or not any(wanted.required.values()):
             continue
-        found = solve(rows, sensitivities, wanted, groups, solution.between)
+        found = solve(rows, sensitivities, wanted, groups, between)
         if found.fits:
             tables[kind.title] = to_table(found, wanted, campaign, convention, method=kind.title)
     return tables

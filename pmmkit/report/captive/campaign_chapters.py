@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from itertools import pairwise
 from statistics import median
 
 from pmmkit.campaigns.day import seconds_of
+from pmmkit.campaigns.repeats import repeats
 from pmmkit.campaigns.run import FORCES, Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.registry import kinds
@@ -301,14 +301,8 @@ def _starts(runs: Sequence[Run]) -> Item:
 
 
 def _repeats(runs: Sequence[Run]) -> str:
-    """The runs with the settings of an earlier one, or that say whom they repeat."""
-    first: dict[tuple[str, Settings], str] = {}
-    found = []
-    for run in runs:
-        same = first.setdefault((run.test, replace(run.settings, repeat_of=None)), run.id)
-        other = run.settings.repeat_of or (same if same != run.id else "")
-        if other:
-            found.append(f"{run.id} ({other})")
+    """The runs that repeat another, with that one."""
+    found = [f"{run.id} ({group[0].id})" for group in repeats(runs) for run in group[1:]]
     return ", ".join(found) or "none"
 
 

@@ -1,0 +1,304 @@
+"""The errors that each run of a laboratory draws for itself, and how large they are.
+
+For a run and a channel: y = Xθ + (s₁ F + s₂ ŷ + s₃ ∂ŷ/∂β + s₄ F) z + noise, each part with its
+own z and F the rms force of the channel. The offset s₁ acts on means, s₄ on each harmonic of an
+oscillating run by itself: both are forces that do not shrink with the speed. s₂ is a gain, s₃ the
+setting of the drift angle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from pmmkit.inference.restricted import Restricted
+from pmmkit.numerics import Array
+
+MEDIANS: Final[Mapping[str, float]] = MappingProxyType(
+    {"offset": 0.003, "gain": 0.004, "drift": 0.03, "harmonics": 0.003}
+)
+"""Medians of a laboratory that is not known: offset over the channel's rms force, gain, drift
+setting [deg], each harmonic of an oscillating run over the rms force. Those of HMRI's and the
+S175 programme's repeats (scripts/studies/run_scatter.py)."""
+KINDS: Final = tuple(MEDIANS)
+SHARED: Final = KINDS.index("drift")
+"""The kind that a run draws once for all channels: how it was set."""
+BETWEEN_LABORATORIES: Final = 0.8
+"""Standard deviation of the logarithm of a size from one laboratory to another. Flanders
+Hydraulics' tests of KCS (WL2012R00_066, tables 22 to 25) lie at 2.3 of it in Y."""
+BETWEEN_CHANNELS: Final = 0.7
+"""The same from one channel to another of one laboratory."""
+STEPS: Final = 100
+"""Newton steps after which the search ends, converged or not."""
+LONGEST: Final = 2.0
+"""Change of a logarithm in one step at most."""
+CONVERGED: Final = 1e-9
+"""Gain of log likelihood that a step promises from which the mode counts as found: a size is then
+known to some 1e-5 of its uncertainty."""
+SHORTEST: Final = 1e-4
+"""Share of a step below which none is taken: rounding decides there."""
+SOON: Final = 1e-4
+"""Share of the promised gain of likelihood that a step must bring (Armijo)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunEffects:
+    """Sizes of what runs draw for themselves with their weights, channel by channel.
+
+    Parameters
+    ----------
+    nodes : mapping of channel to array (g, 4)
+        Sizes of each of `KINDS`.
+    weights : mapping of channel to array (g,)
+        Posterior weight of each; they sum to one.
+    mode : mapping of channel to array (4,)
+        The most probable sizes.
+    scale : mapping of channel to float
+        Rms force of a channel, by which offset and harmonics are measured [N, N m].
+    informed : mapping of channel to tuple of str
+        The kinds of which the runs of a channel say anything.
+
+    Examples
+    --------
+    >>> RunEffects.usual({"Y": 100.0}).sizes("Y").round(4)
+    array([0.0081, 0.0108, 0.0548, 0.0081])
+    """
+
+    nodes: Mapping[str, Array]
+    weights: Mapping[str, Array]
+    mode: Mapping[str, Array]
+    scale: Mapping[str, float]
+    informed: Mapping[str, tuple[str, ...]]
+
+    @classmethod
+    def usual(cls, scale: Mapping[str, float]) -> RunEffects:
+        """Those of a laboratory that is not known, before any run is looked at."""
+        return run_effects(dict.fromkeys(scale, ()), scale)
+
+    def sizes(self, channel: str) -> Array:
+        """Root of the mean squares of the sizes in a channel, array (4,)."""
+        found: Array = np.sqrt(self.weights[channel] @ self.nodes[channel] ** 2)
+        return found
+
+    def in_units(self, channel: str) -> dict[str, float]:
+        """The sizes of which the runs say anything: offset and harmonics [N, N m], gain, drift
+        [deg]."""
+        unit = {"offset": self.scale[channel], "harmonics": self.scale[channel]}
+        return {
+            kind: float(size) * unit.get(kind, 1.0)
+            for kind, size in zip(KINDS, self.sizes(channel), strict=True)
+            if kind in self.informed[channel]
+        }
+
+
+def run_effects(
+    likelihoods: Mapping[str, Sequence[Restricted]], scale: Mapping[str, float]
+) -> RunEffects:
+    """Sizes of what runs draw for themselves, by restricted likelihood and a laboratory's prior.
+
+    Parameters
+    ----------
+    likelihoods : mapping of channel to sequence of Restricted
+        Those of a channel, such as one for each Froude number; their runs draw alike.
+    scale : mapping of channel to float
+        Rms force of each channel [N, N m].
+
+    Returns
+    -------
+    RunEffects
+
+    Notes
+    -----
+    The logarithms of the sizes have the prior N(log median, 1²) for the laboratory and N(that,
+    0.4²) for each channel; the drift setting of a run is one for its channels. Their posterior has
+    no edge: its mode is found by Newton steps with the average information, and its spread is
+    summed over the 25 nodes of a rule of the fifth degree (McNamee and Stenger 1967, Numer. Math.
+    10) with the weights that the likelihood itself has there. Nothing is random, and no maximum
+    at zero can stand for certainty. See Gelman (2006), Bayesian Anal. 1(3), on such priors.
+    """
+    channels = list(likelihoods)
+    places = _places(len(channels))
+    mean, precision = _prior(len(channels))
+    at, information = _mode(list(likelihoods.values()), places, mean, precision)
+    covariance = np.linalg.inv(information)
+    nodes, weights, informed = {}, {}, {}
+    mode = {channel: np.exp(at[own]) for channel, own in zip(channels, places, strict=True)}
+    for channel, own in zip(channels, places, strict=True):
+        items = likelihoods[channel]
+        root = np.linalg.cholesky(covariance[np.ix_(own, own)])
+        points, weight = _rule(len(KINDS))
+        away = points @ root.T
+        logs = at[own] + away
+        if items:
+            slopes = [item.slope(at[own]) for item in items]
+            value = sum(x.value for x in slopes)
+            gradient, curved = sum(x.gradient for x in slopes), sum(x.information for x in slopes)
+            told = np.array([sum(item.log_likelihood(x) for item in items) for x in logs])
+            promised = value + away @ gradient - 0.5 * np.sum(away @ curved * away, axis=1)
+            weight = weight * np.exp(told - promised - np.max(told - promised))
+        nodes[channel], weights[channel] = np.exp(logs), weight / weight.sum()
+        acts = np.any([item.informed() for item in items], axis=0) if items else KINDS
+        informed[channel] = tuple(kind for kind, yes in zip(KINDS, acts, strict=True) if yes)
+    return RunEffects(nodes=nodes, weights=weights, mode=mode, scale=dict(scale), informed=informed)
+
+
+def per_column(sizes: Array, rows: int) -> Array:
+    """Sizes of `KINDS` for the columns of what a run draws, which has one for each harmonic.
+
+    Parameters
+    ----------
+    sizes : array (…, 4)
+        Of the kinds.
+    rows : int
+        Columns of the last kind.
+
+    Returns
+    -------
+    array (…, 3 + rows)
+
+    Examples
+    --------
+    >>> per_column(np.array([1.0, 2.0, 3.0, 4.0]), 2)
+    array([1., 2., 3., 4., 4.])
+    """
+    return np.concatenate([sizes[..., :-1], np.repeat(sizes[..., -1:], rows, axis=-1)], axis=-1)
+
+
+def by_kind(columns: Array) -> Array:
+    """``D D'`` of each of `KINDS` (4, r, m, m), of whitened columns (r, m, 3 + …) of r runs.
+
+    Parameters
+    ----------
+    columns : array (r, m, 3 + n)
+        Offset, gain, setting, harmonics.
+    """
+    few = len(KINDS) - 1
+    parts = [columns[..., kind : kind + 1] for kind in range(few)] + [columns[..., few:]]
+    return np.stack([part @ np.swapaxes(part, 1, 2) for part in parts])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Condition:
+    """Runs of one condition, which repeat each other.
+
+    Parameters
+    ----------
+    rows : array (r, m)
+        What they measured.
+    drawn : array (m, 3 + k)
+        What each draws for itself, at size one: `KINDS`.
+    noise : array (m, m)
+        Covariance of their noise.
+    """
+
+    rows: Array
+    drawn: Array
+    noise: Array
+
+
+def repeatability(conditions: Sequence[Condition]) -> Restricted | None:
+    """The likelihood of the sizes by runs that repeat each other, whatever the model.
+
+    Runs of one condition have one force. Their orthonormal contrasts have none, and draw as each
+    of them. None where no run was repeated.
+
+    Parameters
+    ----------
+    conditions : sequence of Condition
+        Those with a single run say nothing.
+    """
+    from scipy.linalg import helmert
+
+    groups: dict[int, list[tuple[Array, Array]]] = {}
+    for item in conditions:
+        if len(item.rows) < 2:
+            continue
+        white = np.linalg.inv(np.linalg.cholesky(item.noise))
+        own = white @ item.drawn
+        groups.setdefault(item.rows.shape[1], []).extend(
+            (white @ x, own) for x in helmert(len(item.rows)) @ item.rows
+        )
+    made = [
+        (np.stack([x for x, _ in pairs])[..., None], by_kind(np.stack([own for _, own in pairs])))
+        for pairs in groups.values()
+    ]
+    return Restricted.of(made, 0) if made else None
+
+
+def _places(count: int) -> list[list[int]]:
+    """Where the sizes of each channel stand among all; the shared kind has one place."""
+    return [
+        [0 if kind == SHARED else 1 + channel * (len(KINDS) - 1) + (kind - (kind > SHARED))
+         for kind in range(len(KINDS))]
+        for channel in range(count)
+    ]  # fmt: skip
+
+
+def _prior(count: int) -> tuple[Array, Array]:
+    """Mean and precision of the logarithms of all sizes."""
+    places = _places(count)
+    total = 1 + count * (len(KINDS) - 1)
+    mean: Array = np.zeros(total)
+    covariance: Array = np.zeros((total, total))
+    for kind, name in enumerate(KINDS):
+        own = sorted({places[channel][kind] for channel in range(count)})
+        mean[own] = np.log(MEDIANS[name])
+        covariance[np.ix_(own, own)] = BETWEEN_LABORATORIES**2
+        covariance[own, own] += 0.0 if kind == SHARED else BETWEEN_CHANNELS**2
+    return mean, np.asarray(np.linalg.inv(covariance), float)
+
+
+def _mode(
+    likelihoods: Sequence[Sequence[Restricted]],
+    places: Sequence[Sequence[int]],
+    mean: Array,
+    precision: Array,
+) -> tuple[Array, Array]:
+    """The most probable logarithms and the information there, by damped Newton steps."""
+
+    def slope(at: Array) -> tuple[float, Array, Array]:
+        away = at - mean
+        value, gradient = -0.5 * float(away @ precision @ away), -precision @ away
+        information = precision.copy()
+        for items, own in zip(likelihoods, places, strict=True):
+            for item in items:
+                found = item.slope(at[own])
+                value += found.value
+                gradient[own] += found.gradient
+                information[np.ix_(own, own)] += found.information
+        return value, gradient, information
+
+    at = mean
+    value, gradient, information = slope(at)
+    for _ in range(STEPS):
+        step = np.linalg.solve(information, gradient)
+        if float(gradient @ step) < CONVERGED:
+            break
+        step *= min(1.0, LONGEST / float(np.max(np.abs(step))))
+        share, promised = 1.0, float(gradient @ step)
+        new = slope(at + step)
+        while not new[0] >= value + SOON * share * promised and share > SHORTEST:
+            share *= 0.5
+            new = slope(at + share * step)
+        if share <= SHORTEST:
+            break
+        at, (value, gradient, information) = at + share * step, new
+    return at, information
+
+
+def _rule(d: int) -> tuple[Array, Array]:
+    """Points (g, d) and weights of a rule for the standard normal density, exact to degree 5."""
+    pairs: Array = np.zeros((4 * (d * (d - 1) // 2), d))
+    for number, (i, j) in enumerate(combinations(range(d), 2)):
+        for place, (a, b) in enumerate(((1, 1), (1, -1), (-1, 1), (-1, -1))):
+            pairs[4 * number + place, [i, j]] = np.sqrt(3.0) * np.array([a, b])
+    # The weight of points on the axes, (4 - d) / 18, is zero in four dimensions.
+    points: Array = np.concatenate([np.zeros((1, d)), pairs])
+    weights: Array = np.full(len(points), 1.0 / 36.0)
+    weights[0] = 1.0 / 3.0
+    return points, weights
