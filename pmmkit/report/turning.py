@@ -15,6 +15,7 @@ from pmmkit.models.reference import Reference
 from pmmkit.presentation import Cell, Grid, Group, Section, number, percent
 from pmmkit.report.drawn import drawn
 from pmmkit.simulation import froude_sweep, imo_turning, simulate
+from pmmkit.simulation.imo.verdict import UNSETTLED
 from pmmkit.simulation.manoeuvres.turning import LENGTHS
 
 if TYPE_CHECKING:
@@ -190,5 +191,7 @@ def _verdicts(tracks: Sequence[Track]) -> dict[str, str]:
             text += f", exceeded at {', '.join(exceeded)}"
         elif all(item.passed for item in same):
             text += ", met"
+        elif not all(item.settled for item in same):
+            text += f", {UNSETTLED}"
         found[same[0].metric] = text
     return found

@@ -200,7 +200,9 @@ def simulate(
         more.append(LINEAR.format(drift=drift, rate=rate))
     if chosen.held_straight:
         more += [HELD, *([] if knows_astern(stated) else [ESTIMATED])]
-    return replace(track, notes=(*track.notes, *more, *caution(loaded, speed)))
+    return replace(
+        track, notes=(*track.notes, *more, *caution(loaded, speed)), not_usable=loaded.not_usable
+    )
 
 
 def has_linear_hull(model: Model) -> bool:

@@ -12,7 +12,7 @@ from pmmkit.metrics import Criterion, Metric, criteria
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import Condition
-from pmmkit.simulation.imo.verdict import Side
+from pmmkit.simulation.imo.verdict import UNSETTLED, Side
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 
 if TYPE_CHECKING:
@@ -133,6 +133,11 @@ class Line:
         return True if len(found) == len(self.sides) and None not in found else None
 
     @property
+    def settled(self) -> bool:
+        """Whether the model behind the numbers, if one is, is usable."""
+        return all(x.settled for x in self.verdicts.values())
+
+    @property
     def margin(self) -> float:
         """The least of the margins [L or deg]."""
         known = [x.margin for x in self.verdicts.values() if math.isfinite(x.margin)]
@@ -210,7 +215,8 @@ class Form(Described):
     def verdict(self) -> str:
         """All criteria together, in words."""
         failed = [item.words for item in self.lines if item.passed is False]
-        unjudged = sum(item.passed is None for item in self.lines)
+        unsettled = sum(not item.settled for item in self.lines)
+        unjudged = sum(item.passed is None and item.settled for item in self.lines)
         besides = [
             item.title
             for item in self.conditions
@@ -220,6 +226,7 @@ class Form(Described):
         parts = [
             f"{sum(item.passed is True for item in self.lines)} of {len(self.lines)} criteria met",
             f"NOT met: {', '.join(failed)}" if failed else "",
+            f"{unsettled} {UNSETTLED}: the model is not usable" if unsettled else "",
             f"{unjudged} not judged" if unjudged else "",
             f"conditions NOT met: {', '.join(besides)}" if besides else "",
             f"{counted(unknown, 'condition')} not shown" if unknown else "",
@@ -361,7 +368,7 @@ def _results(lines: Sequence[Line], sides: tuple[Side, ...]) -> Grid:
             line.criterion.paragraph,
             *(cell for side in sides for cell in _told(line, side)),
             _with_unit(line.limit, line.unit, ".4g"),
-            _MET[line.passed],
+            _MET[line.passed] if line.settled else UNSETTLED,
         ]
         for line in lines
     ]
