@@ -12,7 +12,7 @@ from pmmkit.figures import measures_over_froude, trajectory, turn_histories
 from pmmkit.metrics import HARD_OVER, in_lengths, metric_of, told, unit_of
 from pmmkit.models import Model
 from pmmkit.models.reference import Reference
-from pmmkit.presentation import Cell, Grid, Group, Section, number, percent
+from pmmkit.presentation import Cell, Grid, Group, Section, fixed, number, percent
 from pmmkit.report.drawn import drawn
 from pmmkit.simulation import froude_sweep, imo_turning, simulate
 from pmmkit.simulation.imo.verdict import UNSETTLED
@@ -96,7 +96,7 @@ def _told(turns: Turns) -> list[str]:
     sentences = []
     for track in turns.tracks:
         known = [
-            f"{name.removesuffix('_L').replace('_', ' ')} {track.metrics[name]:.2f} L"
+            f"{name.removesuffix('_L').replace('_', ' ')} {fixed(track.metrics[name], 2)} L"
             for name in ("advance_L", "transfer_L", "tactical_diameter_L")
             if np.isfinite(track.metrics.get(name, np.nan))
         ]

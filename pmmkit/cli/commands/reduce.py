@@ -434,7 +434,7 @@ def turn_table(turns: Turns) -> str:
     turns : Turns
         Turns at several speeds.
     """
-    from pmmkit.presentation import percent
+    from pmmkit.presentation import fixed, percent
     from pmmkit.report import changes
     from pmmkit.simulation.manoeuvres.turning import LENGTHS
 
@@ -442,7 +442,7 @@ def turn_table(turns: Turns) -> str:
     rows = [
         [
             name.replace("_L", " / L").replace("_", " "),
-            *(f"{track.metrics[name]:.3f}" for track in turns.tracks),
+            *(fixed(track.metrics[name], 3) for track in turns.tracks),
             *([percent(moved[name])] if moved else []),
         ]
         for name in LENGTHS

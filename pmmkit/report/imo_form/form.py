@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.bibliography import cite
 from pmmkit.metrics import Criterion, Metric, criteria
-from pmmkit.presentation import Described, Grid, Group, Section, counted, number
+from pmmkit.presentation import Described, Grid, Group, Section, counted, fixed, number
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import Condition
 from pmmkit.simulation.imo.verdict import UNSETTLED, Side
@@ -340,8 +340,8 @@ def _row(part: str, name: str, value: Any, **more: Any) -> dict[str, Any]:
 _MET: Final = {True: "met", False: "NOT met", None: "not judged"}
 
 
-def _with_unit(value: float, unit: str, form: str) -> str:
-    return f"{value:{form}}{' L' if unit == 'L' else '°'}"
+def _with_unit(text: str, unit: str) -> str:
+    return f"{text}{' L' if unit == 'L' else '°'}"
 
 
 def conditions_grid(conditions: Sequence[Condition]) -> Grid:
@@ -367,7 +367,7 @@ def _results(lines: Sequence[Line], sides: tuple[Side, ...]) -> Grid:
             line.words,
             line.criterion.paragraph,
             *(cell for side in sides for cell in _told(line, side)),
-            _with_unit(line.limit, line.unit, ".4g"),
+            _with_unit(number(line.limit), line.unit),
             _MET[line.passed] if line.settled else UNSETTLED,
         ]
         for line in lines
@@ -382,7 +382,10 @@ def _told(line: Line, side: Side) -> tuple[str, str]:
     found = line.verdicts.get(side)
     if found is None or not math.isfinite(found.value):
         return ABSENT, ""
-    return _with_unit(found.value, line.unit, ".2f"), _with_unit(found.margin, line.unit, "+.2f")
+    return (
+        _with_unit(fixed(found.value, 2), line.unit),
+        _with_unit(fixed(found.margin, 2, signed=True), line.unit),
+    )
 
 
 def lines_of(

@@ -16,7 +16,7 @@ from pmmkit.metrics import (
     first_overshoot_limit,
     second_overshoot_limit,
 )
-from pmmkit.presentation import ABSENT, Described, Grid, Group, Section
+from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, fixed
 from pmmkit.simulation.imo.conditions import approach_condition, length_condition
 from pmmkit.simulation.imo.full_astern import FullAstern
 from pmmkit.simulation.track import Track
@@ -93,9 +93,9 @@ class Verdict(Described):
         return [
             self.criterion.replace("_", " "),
             self.manoeuvre,
-            f"{self.value:.2f}{unit}" if math.isfinite(self.value) else ABSENT,
+            f"{fixed(self.value, 2)}{unit}" if math.isfinite(self.value) else ABSENT,
             f"{self.limit:.4g}{unit}",
-            f"{self.margin:+.2f}" if math.isfinite(self.margin) else ABSENT,
+            fixed(self.margin, 2, signed=True),
             self.words,
             ABSENT if self.probability is None else f"{100 * self.probability:.1f} %",
         ]
