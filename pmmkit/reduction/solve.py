@@ -25,6 +25,7 @@ from pmmkit.reduction.estimate import (
     blocks_of,
     fit_channel,
     origins_of,
+    solvable,
     stated_noise,
 )
 from pmmkit.reduction.joint import Joint, join
@@ -124,14 +125,15 @@ def solve(
         if between.scatter is None:
             likelihoods: dict[str, list[Restricted]] = {}
             for case, found, draw in zip(cases, fits, draws, strict=True):
-                likelihoods.setdefault(case.channel, []).append(likelihood_of(found, draw))
+                with solvable(case.channel, case.Fn):
+                    likelihoods.setdefault(case.channel, []).append(likelihood_of(found, draw))
             scatter = run_scatter(likelihoods)
         fits = [
             case.fit(draw, scatter, found if number else None)
             for case, draw, found in zip(cases, draws, fits, strict=True)
         ]
     done = tuple(
-        (case.group, widened(found, draw, scatter) if intervals else found)
+        (case.group, case.widened(found, draw, scatter) if intervals else found)
         for case, found, draw in zip(cases, fits, draws, strict=True)
     )
     run_of = {number: list(members) for number, (_, members) in enumerate(groups)}
@@ -149,6 +151,7 @@ class _Case:
     """One channel at one Froude number."""
 
     group: int
+    Fn: float
     channel: str
     names: Sequence[str]
     required: int
@@ -197,15 +200,21 @@ class _Case:
         )
 
     def _fitted(self, private: Mapping[int, Array], inflation: float = 1.0) -> ChannelFit:
-        return fit_channel(
-            self.channel,
-            self.blocks,
-            self.names,
-            self.required,
-            private,
-            inflation,
-            stated=self.stated,
-        )
+        with solvable(self.channel, self.Fn):
+            return fit_channel(
+                self.channel,
+                self.blocks,
+                self.names,
+                self.required,
+                private,
+                inflation,
+                stated=self.stated,
+            )
+
+    def widened(self, found: ChannelFit, draw: Drawn, scatter: RunScatter) -> ChannelFit:
+        """A fit with the intervals of the mixture over all sizes of the scatter."""
+        with solvable(self.channel, self.Fn):
+            return widened(found, draw, scatter)
 
 
 def _cases(
@@ -216,7 +225,7 @@ def _cases(
     between: BetweenRuns,
     known: Mapping[int, Mapping[str, float]],
 ) -> Iterator[_Case]:
-    for number, (_, members) in enumerate(groups):
+    for number, (Fn, members) in enumerate(groups):
         held = known.get(number, {})
         chosen = [rows[place] for place in members]
         origins = origins_of(chosen)
@@ -226,6 +235,7 @@ def _cases(
             if blocks and names:
                 yield _Case(
                     group=number,
+                    Fn=float(Fn),
                     channel=channel,
                     names=names,
                     required=len(columns.required[channel]),
