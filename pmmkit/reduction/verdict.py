@@ -26,9 +26,11 @@ DECIDES: Final = 3.0
 """Half intervals by which one run may move a derivative before it is said aloud."""
 FAR: Final = 30.0
 """Standard deviations from which a run that is at odds is no measurement of the same thing."""
-AWAY: Final = 0.1
-"""Share of the rms force that a run must miss, too: of forces without noise, as solvers give them,
-a structure that is good to a per mille is hundreds of standard deviations off."""
+AWAY: Final = 0.5
+"""Share of the rms force that a run must miss, too, as one of another sign, unit or factor does. A
+structure that lacks a term is no fault of the tests: without products of sway and yaw the S175's
+largest yaw with drift is 44 standard deviations and a third of the force away, and of forces
+without noise, as solvers give them, a per mille is hundreds of standard deviations."""
 SHARED: Final = 4
 """Derivatives of two families below which chance may part most of them."""
 APART: Final = 0.5
