@@ -184,7 +184,7 @@ def write_campaign(
         )
         text.append(
             f'\n[[runs]]\nid = "{name}"\nfile = "runs/{name}.csv"\nspeed = {speed}\n{keys}\n'
-            f"{'propeller_rps = 8.0' if thrust else ''}\n"
+            + ("propeller_rps = 8.0\n" if thrust else "")
         )
 
     for speed in SPEEDS:
