@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from small_campaign import TRUTH, write_campaign
 
 import pmmkit as pk
 from pmmkit.cli import main
+from pmmkit.report import turns_of
 
 ODD = "PS_U1_a0.3"
 FILES = {"derivatives.csv", "derivatives.nc", "report.html", "findings.json", "runs.csv"}
@@ -157,3 +159,19 @@ def test_no_number_has_more_digits_than_it_means(tmp_path, capsys):
         told = capsys.readouterr()
         assert not re.search(r"\d{9}", told.out.replace(str(tmp_path), "")), name
         assert "Warning" not in told.err
+
+
+@pytest.mark.slow
+def test_a_speed_that_no_propeller_holds_costs_the_turn_at_that_speed():
+    ship = pk.load_model("s175-3dof")
+    drag = ship.parts["hull_polynomial"].values["Xuu"]
+    hull = replace(
+        ship.parts["hull_polynomial"],
+        values={**ship.parts["hull_polynomial"].values, "Xuu": (-drag, drag)},
+    )
+    model = ship.with_(Fn=(0.145, 0.29), parts={**ship.parts, "hull_polynomial": hull})
+    turns = turns_of(model, ())
+    assert [round(track.Fn, 3) for track in turns.tracks] == [0.29]
+    assert list(turns.sweeps) == ["these derivatives"]
+    (why,) = turns.failed
+    assert "No propeller revolutions hold 6" in why

@@ -343,9 +343,10 @@ def _turns(
         return None, []
     tested = sorted({round(item.froude, 4) for item in found.runs})
     try:
-        return turns_of(model, tested, beside), []
+        turns = turns_of(model, tested, beside)
     except PmmkitError as error:
         return None, [f"No turning circle: {words_of(error)}"]
+    return turns, [f"No turning circle: {text}" for text in turns.failed]
 
 
 def _methods(found: Reduction) -> dict[str, dict[str, Any]]:
