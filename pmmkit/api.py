@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
@@ -198,7 +198,11 @@ def _guessed(part: Part) -> str:
 
 
 def model_of(
-    reduction: Reduction, parts: str | Path | Model | None = None, *, missing: Missing = "estimate"
+    reduction: Reduction,
+    parts: str | Path | Model | None = None,
+    *,
+    missing: Missing = "estimate",
+    force: bool = False,
 ) -> Model:
     """A model from a reduction: its hull, and propeller and rudder by what is known of them.
 
@@ -212,6 +216,8 @@ def model_of(
         estimates from the particulars (`ship_as_tested`).
     missing : {"estimate", "refuse", "zero", "library"}
         What stands for derivatives that the tests do not give, as for `to_model`.
+    force : bool
+        Make a model of derivatives that are not usable; a step marks it for ever.
 
     Returns
     -------
@@ -221,12 +227,15 @@ def model_of(
 
     Raises
     ------
+    NotUsableError
+        If the verdict of the reduction is that, and `force` is not set.
     MissingPartError
         If the table lacks Yv, Yr, Nv or Nr, or what `missing` does not fill.
     """
     table, left = _tested_in_full(reduction.table)
+    how: dict[str, Any] = {"missing": missing, "also": _not_shown(reduction), "force": force}
     if parts is not None:
-        model = to_model(table, parts, missing=missing, also=_not_shown(reduction))
+        model = to_model(table, parts, **how)
         others = {
             name: part if part.std else lent(part)
             for name, part in model.parts.items()
@@ -240,7 +249,7 @@ def model_of(
     if found is not None:
         donor = _with_tests(donor, found)
         table = _without_rudder(reduction, table, found)
-    model = to_model(table, donor, missing=missing, also=_not_shown(reduction))
+    model = to_model(table, donor, **how)
     return model.with_(
         title=f"{donor.name}, from its tests", notes=(*donor.notes, *left, *model.notes)
     )

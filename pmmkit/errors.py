@@ -207,6 +207,10 @@ class ModelError(DataError):
     """A model file or a model is not usable as asked."""
 
 
+class NotUsableError(ModelError):
+    """A model was asked of derivatives that are not usable."""
+
+
 class MissingPartError(ModelError, LookupError):
     """The model lacks a part that the request needs."""
 

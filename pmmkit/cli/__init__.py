@@ -26,7 +26,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 done, 1 the data or the request is wrong, 2 usage, 130 stopped by the user.
+        0 done, 1 the data or the request is wrong, 2 usage, 3 done but not usable, 130 stopped by
+        the user.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     _open_streams()

@@ -121,7 +121,7 @@ def as_far_as_it_goes(
     FileExists
         If a campaign file stands where the draft should go.
     """
-    from pmmkit.errors import DataError
+    from pmmkit.errors import PmmkitError
 
     way = _with_campaign(path, ship, out)
     try:
@@ -132,7 +132,7 @@ def as_far_as_it_goes(
                 way = _measured(way, measure, results)
             else:
                 way = _reduced(way, campaign, reduce, results)
-    except DataError as error:
+    except PmmkitError as error:
         way = replace(way, stopped=words_of(error))
     return _told(way)
 
@@ -198,6 +198,7 @@ def _contradiction(finding: CheckFinding) -> str:
 
 def _reduced(way: Way, campaign: Campaign, reduce: Callable[..., Outcome], results: Path) -> Way:
     """Derivatives, the model and its turn."""
+    from pmmkit.errors import PmmkitError
     from pmmkit.models import load_model
     from pmmkit.reduction.choice import AUTO
     from pmmkit.toml_files import MODEL
@@ -218,7 +219,12 @@ def _reduced(way: Way, campaign: Campaign, reduce: Callable[..., Outcome], resul
     )
     lent = [part.effect for part in model.parts.values() if _estimated(part)]
     way = way.after("model", f"{quoted(file)}; estimates in {', '.join(lent) or 'nothing'}")
-    return _turned(way, model) if content["turns"] else way
+    if not content["turns"]:
+        return way
+    try:
+        return _turned(way, model)
+    except PmmkitError as error:
+        return way.after("turn", f"its interval is not known: {words_of(error)}")
 
 
 def _turned(way: Way, model: Model) -> Way:

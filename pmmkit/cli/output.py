@@ -6,7 +6,7 @@ import math
 import sys
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,7 +15,10 @@ from pmmkit.escaping import lines_of
 
 if TYPE_CHECKING:
     from pmmkit.checks import CheckFinding
+    from pmmkit.models import Model
 
+NOT_USABLE: Final = 3
+"""Status of a command that did what was asked, with a result that is not usable."""
 
 LINES: Final = 40
 """Rows of an error on a screen."""
@@ -32,6 +35,15 @@ class Outcome:
     content: Mapping[str, Any]
     lines: Sequence[str]
     status: int = 0
+
+
+def marked(outcome: Outcome, model: Model) -> Outcome:
+    """What a command did with a model; where that was made by force, this stands above it."""
+    why = model.not_usable
+    if not why:
+        return outcome
+    content = {"not_usable": why, **outcome.content}
+    return replace(outcome, content=content, lines=[why, "", *outcome.lines], status=NOT_USABLE)
 
 
 def tell(outcome: Outcome, *, as_json: bool, quiet: bool = False) -> None:

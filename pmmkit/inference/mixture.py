@@ -46,7 +46,7 @@ def half_width(
         short = weight @ (ndtr(right) - ndtr(left)) - confidence
         density = weight @ ((np.exp(-0.5 * right**2) + np.exp(-0.5 * left**2)) / std)
         low, high = np.where(short < 0, half, low), np.where(short < 0, high, half)
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             newton = half - short / density * np.sqrt(2.0 * np.pi)
         before = half
         half = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))

@@ -14,7 +14,15 @@ from pmmkit.conventions import parse_derivative
 from pmmkit.effects.added_mass import INERTIA, dimensional
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL_PART
-from pmmkit.errors import MissingPartError, ModelError, Problem, Remedy, TableError, setting
+from pmmkit.errors import (
+    MissingPartError,
+    ModelError,
+    NotUsableError,
+    Problem,
+    Remedy,
+    TableError,
+    setting,
+)
 from pmmkit.models.estimates import estimated_table
 from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
@@ -42,6 +50,7 @@ def to_model(
     missing: Missing = "refuse",
     name: str | None = None,
     also: Iterable[str] = (),
+    force: bool = False,
 ) -> Model:
     """A model with the derivatives of a table on a library ship.
 
@@ -62,6 +71,9 @@ def to_model(
         Name of the model; by default that of the table's ship.
     also : iterable of str
         Derivatives that the model shall have though the table does not name them.
+    force : bool
+        Make a model of a table that its reduction found not usable. A step of the model says so
+        for ever, and whatever sails it does too.
 
     Returns
     -------
@@ -71,6 +83,8 @@ def to_model(
 
     Raises
     ------
+    NotUsableError
+        If the reduction of the table found it not usable, and `force` is not set.
     MissingPartError
         If a derivative is missing: which, and the tests that would give it.
     ModelError
@@ -92,6 +106,7 @@ def to_model(
     """
     if missing not in get_args(Missing):
         raise TableError(f"missing = {missing!r} is not known: {', '.join(get_args(Missing))}.")
+    forced = _usable(table, force=force)
     donor = parts if isinstance(parts, Model) else load_model(parts)
     _check_similar(table, donor)
     if missing == "estimate":
@@ -152,8 +167,27 @@ def to_model(
         title=f"Hull of {table.ship.name}; other parts of {donor.name}",
         scale=_scale(table, donor),
         notes=(*notes, *table.notes),
-        steps=(Step(action="built", ship=table.ship.name, parts=donor.name),),
+        steps=(Step(action="built", ship=table.ship.name, parts=donor.name), *forced),
     )
+
+
+def _usable(table: DerivativeTable, *, force: bool) -> tuple[Step, ...]:
+    """The step that marks a model of a table that is not usable; none where it is usable."""
+    faults = table.verdict.faults if table.verdict else ()
+    if faults and not force:
+        raise NotUsableError(
+            [*(Problem(message=text) for text in faults), _BY_FORCE],
+            title=f"The derivatives of {table.ship.name} are not usable",
+        )
+    return (Step(action="forced", ship=table.ship.name, names=faults),) if faults else ()
+
+
+_BY_FORCE: Final = Problem(
+    message="No model was made.",
+    remedy=Remedy(
+        "Mend the tests, or make one by force, which stays marked ({}).", (setting("force", True),)
+    ),
+)
 
 
 def _accelerates(name: str) -> bool:

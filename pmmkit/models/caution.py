@@ -1,4 +1,4 @@
-"""What is to be said of a model whose hull is an estimate, wherever it sails."""
+"""What is to be said of a model wherever it sails: made by force, or with an estimated hull."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ TOO_FAST: Final = (
 
 
 def caution(model: Model, speed: float) -> tuple[str, ...]:
-    """What a reader of its manoeuvres must know of a model whose hull nobody has tested.
+    """What a reader of its manoeuvres must know of a model that nobody should trust.
 
     Parameters
     ----------
     model : Model
-        Whose sources say which values are estimates.
+        Whose steps say whether it was made by force, and whose sources which values are estimates.
     speed : float
         Of the approach [m/s].
 
     Returns
     -------
     tuple of str
-        Sentences; none where a derivative of side force or moment is not an estimate.
+        Sentences; none of a hull of which a derivative of side force or moment is no estimate.
 
     Examples
     --------
@@ -45,11 +45,12 @@ def caution(model: Model, speed: float) -> tuple[str, ...]:
     >>> len(caution(load_model("kcs"), 12.35)), len(caution(made, 12.35)), len(caution(made, 20.0))
     (0, 1, 2)
     """
+    marked = (model.not_usable,) if model.not_usable else ()
     part = model.parts.get(HULL)
     if part is None:
-        return ()
+        return marked
     across = [part.source_of(name) for name in part.values if name[0] in "YN"]
     if not across or not all(source.startswith(EMPIRICAL) for source in across):
-        return ()
+        return marked
     Fn = model.ship.froude(speed, model.water.g)
-    return (GUESSED, *([TOO_FAST.format(Fn, FASTEST)] if Fn > FASTEST else []))
+    return (*marked, GUESSED, *([TOO_FAST.format(Fn, FASTEST)] if Fn > FASTEST else []))

@@ -45,6 +45,7 @@ TAKE_PARTS: Final = Remedy(
     "Take parts from a library ship ({}) or write them into the model file.",
     (Way('to_model(table, parts="…")', "pmmkit model replace MODEL PART --from SHIP"),),
 )
+FORCED: Final = "NOT USABLE: made by force of derivatives that are not usable. {}"
 FN_TOLERANCE: Final = 0.02
 """Share of a Froude number by which a speed may lie beside the range of the values, as those of
 runs on one carriage setting do; they hold at its edge."""
@@ -156,6 +157,21 @@ class Model(Described):
         """The steps that led to the model, a sentence each."""
         return tuple(str(step) for step in self.steps)
 
+    @property
+    def not_usable(self) -> str:
+        """Why nothing that it computes can be used: derivatives that are not usable went into it
+        by force. Empty where no step says so.
+
+        Examples
+        --------
+        >>> from pmmkit.models import Step, load_model
+        >>> forced = Step(action="forced", ship="KCS", names=("Yv is positive.",))
+        >>> load_model("kcs").stepped(forced).not_usable
+        'NOT USABLE: made by force of derivatives that are not usable. Yv is positive.'
+        """
+        faults = [text for step in self.steps if step.action == "forced" for text in step.names]
+        return FORCED.format(" ".join(dict.fromkeys(faults))) if faults else ""
+
     def stepped(self, *steps: Step) -> Model:
         """A copy with steps more."""
         return replace(self, steps=(*self.steps, *steps))
@@ -187,7 +203,13 @@ class Model(Described):
         return [self.parts[name] for name in DERIVATIVE_PARTS if name in self.parts]
 
     def _sections(self) -> Sequence[Section]:
-        about = [self.title, self.ship.words, self.scale, f"Derivatives: {self.convention.meaning}"]
+        about = [
+            self.not_usable,
+            self.title,
+            self.ship.words,
+            self.scale,
+            f"Derivatives: {self.convention.meaning}",
+        ]
         others = [x for x in self.parts.values() if x.values and x not in self._hull()]
         told = [
             Section(title="History", points=self.history),

@@ -14,6 +14,7 @@ Value = float | tuple[float, ...]
 Action = Literal[
     "noted",
     "built",
+    "forced",
     "estimated",
     "scaled",
     "friction_corrected",
@@ -66,7 +67,8 @@ class Step:
     Parameters
     ----------
     action : str
-        What was done: ``built`` from a table, ``estimated``, ``scaled``, ``friction_corrected``,
+        What was done: ``built`` from a table, ``forced`` though that table is not usable (`names`
+        says why), ``estimated``, ``scaled``, ``friction_corrected``,
         ``wake_corrected``, ``effect_added``, ``effect_removed``, ``fault_corrected`` (in the data,
         by the fit), ``fitted``, ``identified``, ``terms_selected``, values ``stated`` by hand,
         ``part_replaced``; ``noted`` is a text alone.
@@ -91,7 +93,7 @@ class Step:
     faults : tuple of str
         Faults of the measurement that the fit corrected.
     names : tuple of str
-        Values that were identified.
+        Values that were identified, or what makes the table of a forced model not usable.
     left_out : tuple of str
         Terms that were left out, or that the model had before.
     numbers : mapping of str to float or tuple of float
@@ -278,6 +280,10 @@ SENTENCES: Final[Mapping[Action, Callable[[Step], str]]] = MappingProxyType(
     {
         "noted": lambda step: step.note,
         "built": lambda step: f"Derivatives of {step.ship} joined with the parts of {step.parts}.",
+        "forced": lambda step: (
+            f"Made by force, for the derivatives of {step.ship} are not usable: "
+            f"{' '.join(step.names)}"
+        ),
         "estimated": lambda step: f"Estimated by {step.method}.",
         "scaled": _scaled,
         "friction_corrected": _friction,

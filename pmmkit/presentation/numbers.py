@@ -8,6 +8,8 @@ from typing import Final, Literal
 
 ABSENT: Final = "–"
 """What stands where there is no value."""
+LONG: Final = 1e7
+"""Size from which a number is told by its power of ten: no digit before the point means more."""
 WIDE: Final = 1.96
 """Standard deviations of half of a 95 % interval."""
 Style = Literal["parentheses", "plus-minus"]
@@ -31,6 +33,8 @@ def with_uncertainty(value: float, spread: float, style: Style = "parentheses") 
     -0.01160 ± 0.00023
     >>> with_uncertainty(-12.3, 41.)
     '-12(41)'
+    >>> print(with_uncertainty(-.0116, 3.2e180, "plus-minus"))
+    -0 ± 3.20e+180
     """
     if math.isnan(value):
         return ""
@@ -41,11 +45,15 @@ def with_uncertainty(value: float, spread: float, style: Style = "parentheses") 
         places -= 1
     places = max(places, 0)
     if style == "plus-minus":
-        return f"{value:.{places}f} ± {spread:.{places}f}"
+        return f"{fixed(value, places)} ± {fixed(spread, places)}"
+    if max(abs(value), spread) >= LONG:
+        return f"{fixed(value, places)}({fixed(spread, places)})"
     return f"{value:.{places}f}({round(spread * 10**places)})"
 
 
 def _plain(value: float) -> str:
+    if abs(value) >= LONG:
+        return fixed(value, 0)
     places = 4 - math.floor(math.log10(abs(value))) if value else 0
     return f"{value:.{max(places, 0)}f}"
 
@@ -86,6 +94,29 @@ def number(value: float, digits: int = 4) -> str:
     return f"{value:.{digits}g}" if math.isfinite(value) else ABSENT
 
 
+def fixed(value: float, places: int, *, signed: bool = False) -> str:
+    """A number to some decimal places; by its power of ten from ten million on, a dash for none.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    places : int
+        Decimal places.
+    signed : bool
+        Whether a positive number has its sign.
+
+    Examples
+    --------
+    >>> fixed(4.3611, 2), fixed(4.36e180, 2), fixed(0.5, 1, signed=True), fixed(math.nan, 2)
+    ('4.36', '4.36e+180', '+0.5', '–')
+    """
+    if not math.isfinite(value):
+        return ABSENT
+    form = ".2e" if abs(value) >= LONG else f".{places}f"
+    return f"{value:{'+' if signed else ''}{form}}"
+
+
 def percent(share: float) -> str:
     """A change in percent with its sign; no sign where it rounds to zero.
 
@@ -96,10 +127,12 @@ def percent(share: float) -> str:
 
     Examples
     --------
-    >>> percent(0.2193), percent(-0.0001)
-    ('+21.9 %', '0.0 %')
+    >>> percent(0.2193), percent(-0.0001), percent(math.nan)
+    ('+21.9 %', '0.0 %', '–')
     """
-    text = f"{100 * share:+.1f} %"
+    if not math.isfinite(share):
+        return ABSENT
+    text = f"{fixed(100 * share, 1, signed=True)} %"
     return "0.0 %" if text in ("+0.0 %", "-0.0 %") else text
 
 

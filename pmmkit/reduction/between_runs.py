@@ -340,7 +340,7 @@ def _lack_of_fit(item: ChannelFit) -> ChannelFit:
     )
 
 
-def in_words(scatter: RunEffects, channel: str) -> str:
+def in_words(scatter: RunEffects, channel: str, fits: Sequence[ChannelFit] = ()) -> str:
     """The sizes of a channel of which its runs say anything, in its units.
 
     Parameters
@@ -349,6 +349,8 @@ def in_words(scatter: RunEffects, channel: str) -> str:
         Sizes.
     channel : str
         X, Y, N or K.
+    fits : sequence of ChannelFit
+        Those of the channel, for what they leave of runs that state no noise.
     """
     unit = CHANNEL_UNITS[channel]
     words = {
@@ -358,4 +360,14 @@ def in_words(scatter: RunEffects, channel: str) -> str:
         "harmonics": f"each harmonic {{:.2g}} {unit}",
     }
     told = [words[kind].format(size) for kind, size in scatter.in_units(channel).items()]
+    for dynamic, what in ((False, "means"), (True, "harmonics")):
+        left = [
+            noise[0, 0]
+            for item in fits
+            for block, noise in zip(item.blocks, item.noise.covariances, strict=True)
+            if block.covariance is None and block.dynamic == dynamic
+        ]
+        if left:
+            size = float(np.sqrt(np.mean(left)))
+            told.append(f"{what} without noise of their own {size:.2g} {unit}")
     return f"{channel}: {', '.join(told) or 'not told by these runs'}"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +12,11 @@ from numpy.typing import NDArray
 
 from pmmkit.campaigns.repeats import repeats
 from pmmkit.campaigns.settings import Settings
+from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows
 from pmmkit.observations.noise import FLOOR, KIN, Noise, moderated, whiteners
+from pmmkit.presentation import at_froude
 from pmmkit.reduction.fit import Fit, fit, optional_columns
 
 ROUNDS = 6
@@ -23,6 +26,23 @@ QUIETEST = 0.1
 BIRGE_P = 0.001
 """Chance below which residuals are larger than the noise: a campaign asks in each of its channels
 at each Froude number, a dozen times."""
+
+
+@contextmanager
+def solvable(channel: str, Fn: float) -> Iterator[None]:
+    """Equations that have no solution in numbers are an error of the data that says which."""
+    try:
+        yield
+    except np.linalg.LinAlgError as error:
+        raise CampaignError(
+            Problem(
+                message=f"{channel}{at_froude(Fn)}: these runs have no solution in numbers "
+                f"({error}): the noise of their records comes out as zero or without bound.",
+                remedy="Records that were fitted or smoothed before they were written do that: "
+                "reduce those of the gauges, state the noise under [uncertainty], or leave runs "
+                "of one kind out.",
+            )
+        ) from error
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

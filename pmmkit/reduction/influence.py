@@ -11,7 +11,7 @@ import numpy as np
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.observations.equations import Rows
 from pmmkit.presentation import at_froude
-from pmmkit.reduction.estimate import ChannelFit
+from pmmkit.reduction.estimate import ChannelFit, solvable
 from pmmkit.reduction.solve import Solution
 from pmmkit.tables.table import CONFIDENCE
 
@@ -146,9 +146,11 @@ def influences(solution: Solution, rows: Sequence[Rows]) -> tuple[Influence, ...
     eᵀ(I − AG)⁻¹e.
     """
     half = _half_widths(solution)
-    return tuple(
-        one for group, item in solution.fits for one in _of_fit(solution, group, item, half, rows)
-    )
+    found: list[Influence] = []
+    for group, item in solution.fits:
+        with solvable(item.channel, float(solution.Fn[group])):
+            found += _of_fit(solution, group, item, half, rows)
+    return tuple(found)
 
 
 def _half_widths(solution: Solution) -> dict[tuple[int, str], float]:

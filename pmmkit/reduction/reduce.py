@@ -39,9 +39,10 @@ from pmmkit.reduction.reading.all_runs import Means, read_all
 from pmmkit.reduction.reading.run import ReductionSettings
 from pmmkit.reduction.solve import Solution, froude_groups, measured_and_fitted, solve, to_table
 from pmmkit.reduction.surge_zero import surge_zero
-from pmmkit.reduction.verdict import Verdict, verdict
+from pmmkit.reduction.verdict import verdict
 from pmmkit.structures import Structure, structure_of
 from pmmkit.tables import DerivativeTable
+from pmmkit.tables.verdict import KEY, Verdict
 from pmmkit.version import __version__
 
 if TYPE_CHECKING:
@@ -93,6 +94,10 @@ class Reduction(Described):
         Why the structure was taken, where the runs chose it.
     influences : Influences
         What each run does to each derivative, and which are at odds with the others.
+    families : dict of str to DerivativeTable
+        The derivatives from each family of tests alone, by its title.
+    verdict : Verdict
+        Whether the table can be used, and what stands against it; the table keeps it.
     """
 
     table: DerivativeTable
@@ -111,35 +116,14 @@ class Reduction(Described):
     convention: Convention
     solution: Solution
     influences: Influences
+    families: dict[str, DerivativeTable]
+    verdict: Verdict
     because: str = ""
-
-    @cached_property
-    def families(self) -> dict[str, DerivativeTable]:
-        """The derivatives from each family of tests alone, by its title."""
-        return by_family(*self._fitted)
 
     @cached_property
     def single_runs(self) -> dict[str, DerivativeTable]:
         """The derivatives from each oscillating run alone, by its id."""
-        return by_run(*self._fitted)
-
-    @cached_property
-    def verdict(self) -> Verdict:
-        """Whether the table can be used, and what stands against it."""
-        return verdict(self.table, self.families, self.solution, self.influences, self.findings)
-
-    @property
-    def _fitted(
-        self,
-    ) -> tuple[
-        tuple[Rows, ...],
-        tuple[tuple[Sensitivity, ...], ...],
-        Columns,
-        Solution,
-        Campaign,
-        Convention,
-    ]:
-        return (
+        return by_run(
             self.rows,
             self.sensitivities,
             self.columns,
@@ -368,14 +352,19 @@ def reduce_campaign(
     if main != chosen[0].name:
         origin = {**table.provenance, "method": main}
         table = found[main].table.with_(notes=remarks, provenance=origin)
+    weighed = odd_runs == "weigh"
+    told = loudest_first((*surge_zero(solution), *findings, *at_odds(odd, weighed=weighed)))
+    families = by_family(rows, sensitivities, columns, solution, campaign, convention)
+    moved = Influences(items=each, odd=odd)
+    judged = verdict(table, families, solution, moved, told, rows, weighed=weighed)
     return Reduction(
-        table=table,
+        table=_judged(table, judged),
         method=main,
-        estimates=found,
+        estimates={
+            name: replace(item, table=_judged(item.table, judged)) for name, item in found.items()
+        },
         runs=results,
-        findings=loudest_first(
-            (*surge_zero(solution), *findings, *at_odds(odd, weighed=odd_runs == "weigh"))
-        ),
+        findings=told,
         offsets=offsets(solution),
         notes=remarks,
         resistance=curve,
@@ -386,9 +375,16 @@ def reduce_campaign(
         columns=columns,
         convention=convention,
         solution=solution,
-        influences=Influences(items=each, odd=odd),
+        influences=moved,
+        families=families,
+        verdict=judged,
         because=because,
     )
+
+
+def _judged(table: DerivativeTable, found: Verdict) -> DerivativeTable:
+    """A table that keeps what was found against it."""
+    return table.with_(provenance={**table.provenance, KEY: found.to_dict()})
 
 
 def _excited(

@@ -34,6 +34,7 @@ from pmmkit.reduction.estimate import (
     blocks_of,
     fit_channel,
     origins_of,
+    solvable,
     stated_noise,
 )
 from pmmkit.reduction.joint import Joint, join
@@ -138,7 +139,8 @@ def solve(
         if between.scatter is None:
             likelihoods: dict[str, list[Restricted]] = {}
             for case, found, draw in zip(cases, fits, draws, strict=True):
-                likelihoods.setdefault(case.channel, []).append(likelihood_of(found, draw))
+                with solvable(case.channel, case.Fn):
+                    likelihoods.setdefault(case.channel, []).append(likelihood_of(found, draw))
             scatter = run_effects(likelihoods, size)
         fits = [case.fit(draw, scatter) for case, draw in zip(cases, draws, strict=True)]
     repeatability = between.scatter or scatter
@@ -146,8 +148,8 @@ def solve(
         repeatability = _by_repeats(fits, draws, size)
     if intervals:
         fits = [
-            judged(widened(found, draw, scatter), draw, scatter, repeatability)
-            for found, draw in zip(fits, draws, strict=True)
+            case.judged(found, draw, scatter, repeatability)
+            for case, found, draw in zip(cases, fits, draws, strict=True)
         ]
     done = tuple((case.group, found) for case, found in zip(cases, fits, strict=True))
     run_of = {number: list(members) for number, (_, members) in enumerate(groups)}
@@ -166,6 +168,7 @@ class _Case:
     """One channel at one Froude number."""
 
     group: int
+    Fn: float
     channel: str
     names: Sequence[str]
     required: int
@@ -209,9 +212,17 @@ class _Case:
         return self._fitted(draw.private(self.blocks, scatter.sizes(self.channel)))
 
     def _fitted(self, private: Mapping[int, Array]) -> ChannelFit:
-        return fit_channel(
-            self.channel, self.blocks, self.names, self.required, private, stated=self.stated
-        )
+        with solvable(self.channel, self.Fn):
+            return fit_channel(
+                self.channel, self.blocks, self.names, self.required, private, stated=self.stated
+            )
+
+    def judged(
+        self, found: ChannelFit, draw: Drawn, scatter: RunEffects, repeatability: RunEffects
+    ) -> ChannelFit:
+        """A fit with the intervals of the mixture over all sizes of the scatter, and its misfit."""
+        with solvable(self.channel, self.Fn):
+            return judged(widened(found, draw, scatter), draw, scatter, repeatability)
 
 
 def _by_repeats(
@@ -234,7 +245,7 @@ def _cases(
     between: BetweenRuns,
     known: Mapping[int, Mapping[str, float]],
 ) -> Iterator[_Case]:
-    for number, (_, members) in enumerate(groups):
+    for number, (Fn, members) in enumerate(groups):
         held = known.get(number, {})
         chosen = [rows[place] for place in members]
         origins = origins_of(chosen)
@@ -244,6 +255,7 @@ def _cases(
             if blocks and names:
                 yield _Case(
                     group=number,
+                    Fn=float(Fn),
                     channel=channel,
                     names=names,
                     required=len(columns.required[channel]),

@@ -4,55 +4,55 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final, Literal
+from itertools import combinations
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.checks import CheckFinding
+from pmmkit.effects.added_mass import resolve
+from pmmkit.inference import KINDS
+from pmmkit.observations.equations import Rows
 from pmmkit.presentation import at_froude, listed
-from pmmkit.reduction.influence import Influences
+from pmmkit.reduction.between_runs import in_words
+from pmmkit.reduction.estimate import ChannelFit
+from pmmkit.reduction.influence import Influence, Influences
 from pmmkit.reduction.solve import Solution
 from pmmkit.tables import DerivativeTable
+from pmmkit.tables.verdict import Verdict
 
-Use = Literal["usable", "usable with doubts", "not usable"]
 LOST: Final = 0.25
 """Share of the rms force that a fit leaves from which it fits nothing."""
+BEYOND: Final = 3.0
+"""Times the noise that it must leave as well: a small force, such as X at self-propulsion, may be
+all scatter and fitted well."""
 DECIDES: Final = 3.0
 """Half intervals by which one run may move a derivative before it is said aloud."""
+FAR: Final = 30.0
+"""Standard deviations from which a run that is at odds is no measurement of the same thing."""
+AWAY: Final = 0.5
+"""Share of the rms force that a run must miss, too, as one of another sign, unit or factor does. A
+structure that lacks a term is no fault of the tests: without products of sway and yaw the S175's
+largest yaw with drift is 44 standard deviations and a third of the force away, and of forces
+without noise, as solvers give them, a per mille is hundreds of standard deviations."""
+SHARED: Final = 4
+"""Derivatives of two families below which chance may part most of them."""
+APART: Final = 0.5
+"""Share of the larger value by which they must differ as well. No structure is exact: in HMRI's
+tests of the KVLCC2 the intervals of static drift and pure sway part in four derivatives of five,
+two of which differ by so much."""
+WORST: Final[Mapping[str, float]] = {"offset": 0.5, "gain": 0.25, "drift": 2.0, "harmonics": 0.5}
+"""Scatter between runs that no laboratory has: offset and each harmonic over the rms force, gain,
+drift setting [deg]. Surge near self-propulsion is a small force: that of Flanders Hydraulics' KCS
+repeats to a fifth of its rms. Repeated tests agree to some per cent and some hundredths of a degree
+(ITTC 7.5-02-06-04); ten times that is another quantity, unit or sign in some of the runs."""
 NEGATIVE: Final = ("Xudot", "Yvdot", "Nrdot", "Kpdot", "Yv", "Nr", "Xuu")
 """Derivatives that are negative for every hull."""
+MASS: Final = ("Yvdot", "Nrdot")
+"""Without these nothing is known of the mass matrix."""
 TOLD: Final = 4
 """Names that a sentence lists."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Verdict:
-    """Whether a derivative table can be used.
-
-    Parameters
-    ----------
-    use : {"usable", "usable with doubts", "not usable"}
-        The verdict.
-    reasons : tuple of str
-        What stands against it, the gravest first.
-
-    Examples
-    --------
-    >>> print(Verdict(use="usable with doubts", reasons=("Y: misfit.",)))
-    Usable with the 1 doubt above.
-    """
-
-    use: Use
-    reasons: tuple[str, ...]
-
-    def __str__(self) -> str:
-        if self.use == "usable":
-            return "Usable: nothing speaks against these derivatives."
-        count = f"{len(self.reasons)} {'doubt' if len(self.reasons) == 1 else 'doubts'}"
-        if self.use == "usable with doubts":
-            return f"Usable with the {count} above."
-        return f"Not usable: {self.reasons[0]}"
 
 
 def verdict(
@@ -61,6 +61,9 @@ def verdict(
     solution: Solution,
     influences: Influences,
     findings: Sequence[CheckFinding],
+    rows: Sequence[Rows],
+    *,
+    weighed: bool = False,
 ) -> Verdict:
     """Judge a reduction by everything that it found.
 
@@ -74,26 +77,38 @@ def verdict(
         What each run does.
     findings : sequence of CheckFinding
         What the checks found.
+    rows : sequence of Rows
+        What was fitted.
+    weighed : bool
+        Whether runs at odds were weighed down, so that they decide nothing.
     """
-    fatal = [
-        *(str(item) for item in findings if item.severity == "error"),
-        *_lost(solution),
-        *_nothing(table),
-    ]
-    doubts = [
-        *_misfit(solution),
-        *_disagreeing(table, families),
-        *_odd(influences),
-        *_signs(table),
-        *_alone(influences),
-        *(
-            f"The checks warn: {item.message}"
-            for item in findings
-            if item.severity == "warning" and item.check != "odd_run"
+    far = [] if weighed else [one for one in influences.odd if _far(one, solution, rows)]
+    pushed = any(item.result.run.settings.propeller_rps for item in rows)
+    wrong = [name for name in _positive(table) if name != "Xuu" or not pushed]
+    return Verdict(
+        faults=(
+            *(str(item) for item in findings if item.severity == "error"),
+            *_nothing(table),
+            *_signs(wrong),
+            *_beyond(far),
+            *_lost(solution),
+            *_contradicting(families),
+            *_scattered(solution),
+            *_massless(table),
         ),
-    ]
-    use: Use = "not usable" if fatal else "usable with doubts" if doubts else "usable"
-    return Verdict(use=use, reasons=(*fatal, *doubts))
+        doubts=(
+            *_misfit(solution),
+            *_disagreeing(table, families),
+            *_odd([one for one in influences.odd if one not in far]),
+            *_signs([name for name in _positive(table) if name not in wrong]),
+            *_alone(influences),
+            *(
+                f"The checks warn: {item.message}"
+                for item in findings
+                if item.severity == "warning" and item.check != "odd_run"
+            ),
+        ),
+    )
 
 
 def _nothing(table: DerivativeTable) -> Iterator[str]:
@@ -103,7 +118,7 @@ def _nothing(table: DerivativeTable) -> Iterator[str]:
 
 def _lost(solution: Solution) -> Iterator[str]:
     for group, item in solution.fits:
-        if item.excessive and item.left > LOST:
+        if _is_lost(item):
             yield (
                 f"{item.channel}{at_froude(solution.Fn[group])}: the fit leaves "
                 f"{100 * item.left:.0f} % of the force, {math.sqrt(item.scale):.0f} times the "
@@ -111,9 +126,14 @@ def _lost(solution: Solution) -> Iterator[str]:
             )
 
 
+def _is_lost(item: ChannelFit) -> bool:
+    """Whether a fit fits nothing: much is left, and far more than repeats or noise make."""
+    return item.excessive and item.left > LOST and item.scale > BEYOND**2
+
+
 def _misfit(solution: Solution) -> Iterator[str]:
     for group, item in solution.fits:
-        if item.excessive and item.left <= LOST:
+        if item.excessive and not _is_lost(item):
             yield (
                 f"{item.channel}{at_froude(solution.Fn[group])}: the misfit is "
                 f"{math.sqrt(item.scale):.1f} times the noise ({100 * item.left:.1f} % of the "
@@ -142,9 +162,9 @@ def _disagreeing(table: DerivativeTable, families: Mapping[str, DerivativeTable]
             )
 
 
-def _odd(found: Influences) -> Iterator[str]:
-    for run in dict.fromkeys(one.run for one in found.odd):
-        channels = [one.channel for one in found.odd if one.run == run]
+def _odd(found: Sequence[Influence]) -> Iterator[str]:
+    for run in dict.fromkeys(one.run for one in found):
+        channels = [one.channel for one in found if one.run == run]
         yield f"Run {run} is at odds with the others in {_list(list(dict.fromkeys(channels)))}."
 
 
@@ -160,12 +180,116 @@ def _alone(found: Influences) -> Iterator[str]:
         )
 
 
-def _signs(table: DerivativeTable) -> Iterator[str]:
+def _positive(table: DerivativeTable) -> list[str]:
     """Added masses and damping of a sign that no hull has, beyond their intervals."""
     low, _ = table.interval()
-    for name in table.names:
-        if name in NEGATIVE and np.any(low[:, table.index(name)] > 0):
-            yield f"{name} is positive, which no hull has: check signs, units and inertia."
+    asked = NEGATIVE if table.convention.surge != "delta-u" else NEGATIVE[:-1]
+    return [name for name in table.names if name in asked and np.any(low[:, table.index(name)] > 0)]
+
+
+def _signs(names: Sequence[str]) -> Iterator[str]:
+    for name in names:
+        pushed = ", or thrust that is inside" if name == "Xuu" else ""
+        yield f"{name} is positive, which no hull has: check signs, units and inertia{pushed}."
+
+
+def _far(one: Influence, solution: Solution, rows: Sequence[Rows]) -> bool:
+    """Whether a run at odds departs beyond anything, in standard deviations and in newtons."""
+    if not one.departure > FAR:
+        return False
+    for group, item in solution.fits:
+        if item.channel == one.channel:
+            size = np.sqrt(np.mean(np.concatenate([block.rows for block in item.blocks]) ** 2))
+            for block, rest in zip(item.blocks, item.residual, strict=True):
+                run = rows[solution.groups[group][block.run]].result.run.id
+                if run == one.run and np.sqrt(np.mean(rest**2)) > AWAY * size:
+                    return True
+    return False
+
+
+def _beyond(far: Sequence[Influence]) -> Iterator[str]:
+    """Runs that depart beyond anything, a sentence for all of them."""
+    if far:
+        worst = max(far, key=lambda one: one.departure)
+        runs = list(dict.fromkeys(one.run for one in sorted(far, key=lambda x: -x.departure)))
+        yield (
+            f"{'Run' if len(runs) == 1 else 'Runs'} {_list(runs)} cannot be of the same ship and "
+            f"signs as the others: {worst.run} departs from them by {worst.departure:.0f} standard "
+            f"deviations in {worst.channel}. Mend or exclude."
+        )
+
+
+def _contradicting(families: Mapping[str, DerivativeTable]) -> Iterator[str]:
+    """Two families of which most derivatives that both determine have nothing in common."""
+    for (title, one), (other, two) in combinations(families.items(), 2):
+        names = [x for x in one.names if x in two and not x.endswith("0")]
+        apart = [_apart(one, two, name) for name in names]
+        known = sum(len(found) for found in apart)
+        parted = sum(int(found.sum()) for found in apart)
+        if known >= SHARED and 2 * parted > known:
+            told = [name for name, found in zip(names, apart, strict=True) if found.any()]
+            yield (
+                f"{title.capitalize()} and {other} contradict each other: of {known} values that "
+                f"both determine {parted} have nothing in common ({_list(told)}). Check signs, "
+                f"phases, units and inertia of one of them."
+            )
+
+
+def _apart(one: DerivativeTable, two: DerivativeTable, name: str) -> NDArray[np.bool_]:
+    """At each speed at which both determine a derivative, whether they have nothing in common."""
+    here, there = one.index(name), two.index(name)
+    pairs = [
+        (row, place)
+        for row, Fn in enumerate(one.Fn)
+        for place, own in enumerate(two.Fn)
+        if np.isclose(own, Fn, rtol=1e-3, equal_nan=True)
+    ]
+    (low, high), (below, above) = one.interval(), two.interval()
+    found = []
+    for row, place in pairs:
+        ends = low[row, here], high[row, here], below[place, there], above[place, there]
+        if np.all(np.isfinite(ends)):
+            x, y = one.value[row, here], two.value[place, there]
+            parted = ends[0] > ends[3] or ends[1] < ends[2]
+            found.append(bool(parted and abs(x - y) > APART * max(abs(x), abs(y))))
+    return np.array(found, dtype=np.bool_)
+
+
+def _scattered(solution: Solution) -> Iterator[str]:
+    """Channels whose runs scatter beyond any laboratory."""
+    scatter = solution.between.scatter
+    if scatter is None:
+        return
+    for channel in scatter.weights:
+        found = dict(zip(KINDS, scatter.sizes(channel).tolist(), strict=True))
+        if any(size > WORST[name] for name, size in found.items()):
+            yield (
+                f"Runs scatter as in no laboratory ({in_words(scatter, channel)}): some of them "
+                f"are of another quantity, unit or sign."
+            )
+
+
+def _massless(table: DerivativeTable) -> Iterator[str]:
+    """Rows whose mass matrix, with the model's own inertia, is not positive."""
+    if not all(name in table for name in MASS):
+        return
+    ship = table.ship
+    for row, Fn in enumerate(table.Fn):
+        known = {
+            name: float(x)
+            for name, x in zip(table.names, table.value[row], strict=True)
+            if math.isfinite(x)
+        }
+        if all(name in known for name in MASS):
+            added = resolve(known, ship=ship, water=table.water, convention=table.convention)
+            sway, yaw = ship.mass - added.Yvdot, ship.Izz - added.Nrdot
+            moment = ship.mass * ship.xG
+            cross = (moment - added.Yrdot) * (moment - added.Nvdot)
+            if not (min(ship.mass - added.Xudot, sway, yaw) > 0 and sway * yaw > cross):
+                yield (
+                    f"The mass matrix{at_froude(Fn)} is not positive: no ship with these added "
+                    f"masses moves. Check the inertia, and what is said of the forces."
+                )
 
 
 def _list(names: Sequence[str]) -> str:

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.errors import PmmkitError, SimulationError
 from pmmkit.figures import measures_over_froude, trajectory, turn_histories
 from pmmkit.metrics import HARD_OVER, in_lengths, metric_of, told, unit_of
 from pmmkit.models import Model
 from pmmkit.models.reference import Reference
-from pmmkit.presentation import Cell, Grid, Group, Section, number, percent
+from pmmkit.presentation import Cell, Grid, Group, Section, fixed, number, percent
 from pmmkit.report.drawn import drawn
 from pmmkit.simulation import froude_sweep, imo_turning, simulate
+from pmmkit.simulation.imo.verdict import UNSETTLED
 from pmmkit.simulation.manoeuvres.turning import LENGTHS
 
 if TYPE_CHECKING:
@@ -38,11 +40,14 @@ class Turns:
         Measures over the Froude number, ours first, as `froude_sweep` gives them.
     notes : sequence of str
         Notes of the model.
+    failed : sequence of str
+        Why there is none at a speed, or no sweep.
     """
 
     tracks: Sequence[Track]
     sweeps: Mapping[str, xr.Dataset] = field(default_factory=dict)
     notes: Sequence[str] = ()
+    failed: Sequence[str] = ()
 
 
 def turns_of(model: Model, tested: Sequence[float], reference: Reference | None = None) -> Turns:
@@ -60,19 +65,30 @@ def turns_of(model: Model, tested: Sequence[float], reference: Reference | None 
     Raises
     ------
     SimulationError
-        If the model cannot be sailed.
+        If the model cannot be sailed at any of the speeds.
     """
-    at = model.Fn or tuple(tested)
+    tracks: list[Track] = []
+    failed: list[str] = []
+    for Fn in model.Fn or tuple(tested):
+        try:
+            speed = model.ship.speed(Fn, model.water.g)
+            tracks.append(simulate(model, rudder_deg=HARD_OVER, speed=speed))
+        except PmmkitError as error:
+            failed.append(str(error))
+    if not tracks:
+        raise SimulationError(failed[0])
+    at = [track.Fn for track in tracks]
     along = np.linspace(at[0], at[-1], STEPS if len(at) > 1 else 1).tolist()
-    speeds = [model.ship.speed(number, model.water.g) for number in at]
-    tracks = [simulate(model, rudder_deg=HARD_OVER, speed=speed) for speed in speeds]
     sailing = {"these derivatives": model}
     if reference is not None and reference.model is not None:
         sailing[reference.name] = reference.model
-    sweeps = {
-        name: froude_sweep(item, Fn=along, rudder_deg=HARD_OVER) for name, item in sailing.items()
-    }
-    return Turns(tracks=tracks, sweeps=sweeps, notes=model.notes)
+    sweeps = {}
+    for name, item in sailing.items():
+        try:
+            sweeps[name] = froude_sweep(item, Fn=along, rudder_deg=HARD_OVER)
+        except PmmkitError as error:
+            failed.append(f"{name}: {error}")
+    return Turns(tracks=tracks, sweeps=sweeps, notes=model.notes, failed=failed)
 
 
 def changes(tracks: Sequence[Track]) -> dict[str, float]:
@@ -95,7 +111,7 @@ def _told(turns: Turns) -> list[str]:
     sentences = []
     for track in turns.tracks:
         known = [
-            f"{name.removesuffix('_L').replace('_', ' ')} {track.metrics[name]:.2f} L"
+            f"{name.removesuffix('_L').replace('_', ' ')} {fixed(track.metrics[name], 2)} L"
             for name in ("advance_L", "transfer_L", "tactical_diameter_L")
             if np.isfinite(track.metrics.get(name, np.nan))
         ]
@@ -122,7 +138,9 @@ def turning_section(turns: Turns) -> Section:
         "The limits are those of IMO MSC.137(76). What the standard asks for and these turns do "
         "not show, and what was assumed:",
     ]
-    notes = dict.fromkeys([*turns.notes, *(note for track in turns.tracks for note in track.notes)])
+    notes = dict.fromkeys(
+        [*turns.failed, *turns.notes, *(note for track in turns.tracks for note in track.notes)]
+    )
     pictures = [
         drawn(
             trajectory(turns.tracks),
@@ -190,5 +208,7 @@ def _verdicts(tracks: Sequence[Track]) -> dict[str, str]:
             text += f", exceeded at {', '.join(exceeded)}"
         elif all(item.passed for item in same):
             text += ", met"
+        elif not all(item.settled for item in same):
+            text += f", {UNSETTLED}"
         found[same[0].metric] = text
     return found

@@ -45,6 +45,7 @@ LINEAR: Final = (
     "The hull's side force and moment are linear in v and r, which holds for small rudder angles "
     "alone: larger turns come out too tight. Here the drift reaches {drift:.0f}° and r' {rate:.1f}."
 )
+NO_TURN: Final = "In the end the ship does not turn to the side of its rudder: no steady diameter."
 ONE_SET: Final = "The model has one set of values for all speeds: nothing follows the moment's."
 REVERSAL: Final = 2.0
 """Time in ship lengths over the approach speed in which revolutions fall to zero, in a model
@@ -200,7 +201,9 @@ def simulate(
         more.append(LINEAR.format(drift=drift, rate=rate))
     if chosen.held_straight:
         more += [HELD, *([] if knows_astern(stated) else [ESTIMATED])]
-    return replace(track, notes=(*track.notes, *more, *caution(loaded, speed)))
+    return replace(
+        track, notes=(*track.notes, *more, *caution(loaded, speed)), not_usable=loaded.not_usable
+    )
 
 
 def has_linear_hull(model: Model) -> bool:
@@ -331,6 +334,9 @@ def track_of(
     channels = dict(zip(states, rows, strict=False))
     still = np.zeros(len(t))
     metrics = {name: float(value) for name, value in plan.metrics_of(history.results).items()}
+    notes = _notes(history)
+    if "steady_diameter" in metrics and metrics["speed_ratio"] > 0.0:
+        notes += [NO_TURN] if math.isnan(metrics["steady_diameter"]) else []
     return Track(
         t=t,
         x=rows[State.x],
@@ -351,7 +357,7 @@ def track_of(
         rudder_deg=math.degrees(plan.rudder),
         metrics=MappingProxyType(metrics),
         scale=model.scale,
-        notes=tuple(_notes(history)),
+        notes=tuple(notes),
         orders=history.begins,
         settings=MappingProxyType(dict(settings)),
     )

@@ -72,6 +72,8 @@ class Track(Described):
     tested : FroudeRange, optional
         Of derivatives that follow the Froude number of the moment: how long it was outside the
         range that was tested.
+    not_usable : str
+        Why the model that sailed gives no number that can be used; empty where it does.
     """
 
     t: Array
@@ -97,6 +99,7 @@ class Track(Described):
     orders: tuple[float, ...] = ()
     settings: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     tested: FroudeRange | None = None
+    not_usable: str = ""
 
     def __len__(self) -> int:
         return len(self.t)

@@ -17,6 +17,7 @@ from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import Described, Grid, Group, Section, counted, plus_minus
 from pmmkit.ship import Ship, Water
 from pmmkit.tables.attributes import KIND, SCHEMA, digest, flat, plain
+from pmmkit.tables.verdict import Verdict, kept_verdict
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -109,6 +110,11 @@ class DerivativeTable(Described):
     def pooled(self) -> bool:
         """Whether one set of values stands for all speeds."""
         return len(self.Fn) == 1 and bool(np.isnan(self.Fn[0]))
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """What its reduction found against it; None for a table that nobody judged."""
+        return kept_verdict(self.provenance)
 
     @property
     def std(self) -> Array:

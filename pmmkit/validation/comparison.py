@@ -443,7 +443,7 @@ def compare(
         free=free,
         manoeuvres=manoeuvres,
         rig=rig_of(campaign),
-        notes=notes,
+        notes=(known.not_usable, *notes) if known.not_usable else notes,
     )
 
 

@@ -222,7 +222,8 @@ class Tasks:
         from pmmkit.reduction import reduce_campaign
 
         reduction = reduce_campaign(captive[0], structure=model or STRUCTURE, fn="pooled")
-        return model_of(reduction, parts)
+        # Whoever opens it asks what is wrong: a model by force says so wherever it sails.
+        return model_of(reduction, parts, force=True)
 
     def _session(
         self,

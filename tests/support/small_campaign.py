@@ -138,6 +138,8 @@ def write_campaign(
     noise: float = 1.0,
     rest: float = 0.0,
     zero: Mapping[str, float] = MappingProxyType({}),
+    hundredfold: str = "",
+    thrust: float = 0.0,
 ) -> Path:
     """Write the campaign file and its histories.
 
@@ -153,6 +155,10 @@ def write_campaign(
         Seconds for which the carriage stands at the head of each record; it then starts in 2 s.
     zero : mapping of str to float
         What gauges show at rest [N, N m].
+    hundredfold : str
+        A run whose side force is written in another unit, a hundred times too large.
+    thrust : float
+        Of a propeller that turns in all runs and stands inside X, over ½ρL²U².
     """
     generator = np.random.default_rng(seed)
     (folder / "runs").mkdir(parents=True)
@@ -164,7 +170,9 @@ def write_campaign(
         columns = {"t": np.concatenate([before, t])}
         for channel, run in forces(**motion).items():
             clean = np.concatenate([started * run[0], run]) + zero.get(channel, 0.0)
-            columns[channel] = clean + noise * NOISE[channel] * generator.normal(size=len(clean))
+            clean = clean + (0.5 * RHO * (L * speed) ** 2 * thrust if channel == "X" else 0.0)
+            shown = clean + noise * NOISE[channel] * generator.normal(size=len(clean))
+            columns[channel] = 100.0 * shown if (name, channel) == (hundredfold, "Y") else shown
         table = np.stack(list(columns.values()), axis=1)
         np.savetxt(
             folder / "runs" / f"{name}.csv",
@@ -176,6 +184,7 @@ def write_campaign(
         )
         text.append(
             f'\n[[runs]]\nid = "{name}"\nfile = "runs/{name}.csv"\nspeed = {speed}\n{keys}\n'
+            + ("propeller_rps = 8.0\n" if thrust else "")
         )
 
     for speed in SPEEDS:

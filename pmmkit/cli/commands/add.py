@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Own, sound_campaigns
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Force, Out, results_file, results_folder
 from pmmkit.cli.records import (
     WINDOW,
@@ -160,7 +160,8 @@ def add(
         lines += ["", f"Windows of {window:g} s of the runs held out:", errors_table(held_out)]
     lines += [f"note: {text}" for text in after.notes if text not in before.notes]
     lines += ["", f"Model: {written}", *([f"Results: {out}"] if out is not None else [])]
-    return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
+    done = Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
+    return marked(done, after)
 
 
 def _rolling(model: Model, campaign: Campaign, asked: Asked) -> Model:

@@ -25,7 +25,7 @@ from pmmkit.cli.options import (
     where,
     words,
 )
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.output import NOT_USABLE, Outcome
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import Speed, approach
 
@@ -80,6 +80,12 @@ def budget(
     workers: WorkerCount = None,
     scheduler: Scheduler = None,
     out: Out = None,
+    force: Annotated[
+        bool,
+        typer.Option(
+            "--force", help="Sail a ship of derivatives that are not usable; the result says so."
+        ),
+    ] = False,
 ) -> Outcome:
     """Which source makes how much of the uncertainty: of derivatives, a manoeuvre, a grid."""
     from pmmkit.api import model_of
@@ -109,7 +115,7 @@ def budget(
     if study is not None:
         found["derivatives"] = with_grids(found["derivatives"], study)
     if imo or manoeuvre is not None:
-        model = model_of(reduction, parts)
+        model = model_of(reduction, parts, force=force)
         pace = approach(speed, model)
         asked = {**stated(rudder_deg=rudder_deg, switch_deg=switch_deg), **settings_of(more)}
         whole = (
@@ -139,7 +145,12 @@ def budget(
     files = write_results(folder, [*results, ("budget.json", content)])
     lines = [] if study is None else [str(study), ""]
     lines += [_printed(list(found.values()), words(of)), "", f"Results: {folder}"]
-    return Outcome(content={**content, "files": files}, lines=lines)
+    judged = reduction.verdict
+    return Outcome(
+        content={**content, "files": files, "verdict": judged.to_dict()},
+        lines=[*lines, *([str(judged)] if judged.faults else [])],
+        status=NOT_USABLE if judged.faults else 0,
+    )
 
 
 def _study(grids: str | None, steps: str | None, formal_order: float) -> GridStudy | None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from pmmkit.cli.options import Data, Figures, patterns, sound_campaign, stem
-from pmmkit.cli.output import Outcome, warned
+from pmmkit.cli.output import Outcome, marked, warned
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.sea import (
     Carried,
@@ -124,7 +124,7 @@ def compare(
             extrapolate=extrapolate,
             progress=progress,
         )
-    return _written(found, findings, folder, figures, new_notes(rough, known))
+    return marked(_written(found, findings, folder, figures, new_notes(rough, known)), known)
 
 
 def _chosen(

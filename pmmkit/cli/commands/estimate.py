@@ -12,7 +12,7 @@ from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import WAYS, TypedSpeed, typed
 from pmmkit.empirical import METHODS, Estimate, Method, StraightLine
-from pmmkit.presentation import ABSENT, WIDE, aligned, with_uncertainty
+from pmmkit.presentation import ABSENT, WIDE, aligned, fixed, with_uncertainty
 
 EXAMPLE: Final = (
     "pmmkit estimate --length 320 --breadth 58 --draught 20.8 --block 0.81 --speed 8 "
@@ -92,8 +92,8 @@ def estimate(
         f"Their uncertainty is how far ships lie from the formulas ("
         f"{_grounds(found[method], METHODS[method])}).",
         "",
-        f"Turning circle at {service:g} m/s by {method}: advance {turn['advance_L']:.2f} L, "
-        f"tactical diameter {turn['tactical_diameter_L']:.2f} L.",
+        f"Turning circle at {service:g} m/s by {method}: advance {fixed(turn['advance_L'], 2)} L, "
+        f"tactical diameter {fixed(turn['tactical_diameter_L'], 2)} L.",
         *(f"warning: {method}: {text}." for text in found[method].notes),
         *(f"warning: {text}" for text in track.notes),
         f"Model: {path}",

@@ -9,7 +9,7 @@ from typing import Annotated, Final
 import typer
 
 from pmmkit.cli.options import Data, stem
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import results_file
 from pmmkit.cli.speeds import WAYS, TypedSpeed, typed
 
@@ -75,16 +75,16 @@ def export(
     from pmmkit.models import Model
 
     default: str | Path = ""
+    subject = read_subject(what, data=data)
     if output is None:
         if to is None:
             raise typer.BadParameter(
                 "Say what to write: --to mss, or -o with an ending such as .m."
             )
-        default = file_name(read_subject(what, data=data), stem(what), to.value)
+        default = file_name(subject, stem(what), to.value)
     target = results_file(output, default)
     pace = None
     if speed is not None:
-        subject = read_subject(what, data=data)
         known = isinstance(subject, Model)
         pace = speed.of(subject.ship, subject.water) if known else speed.without_ship()
     files = exports.export(
@@ -99,7 +99,8 @@ def export(
     lines = [f"{target}: {len(files)} files." if target.is_dir() else f"Written: {target}"]
     if target.suffix == ENDINGS[Format.fmu.value]:
         lines += _of_fmu(what, pace, compile=compile)
-    return Outcome(content={"files": [str(file) for file in files]}, lines=lines)
+    done = Outcome(content={"files": [str(file) for file in files]}, lines=lines)
+    return marked(done, subject) if isinstance(subject, Model) else done
 
 
 def _of_fmu(what: str, speed: float | None, *, compile: bool) -> list[str]:

@@ -22,7 +22,7 @@ from pmmkit.cli.options import (
     where,
     words,
 )
-from pmmkit.cli.output import Outcome, warned
+from pmmkit.cli.output import Outcome, marked, warned
 from pmmkit.cli.outputs import Force, Out, results_folder
 
 if TYPE_CHECKING:
@@ -231,7 +231,8 @@ def identify(
     content = _content(work)
     files = write_results(folder, _files(work, content, extrapolate))
     lines = [*_words(work), "", f"Results: {folder}"]
-    return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
+    done = Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
+    return marked(done, base)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from pmmkit.cli.options import Depth, Extrapolate, Follow, Form, Model, Spread, stem
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import Speed, approach
 from pmmkit.presentation import counted, text_of
@@ -93,7 +93,9 @@ def imo(
         f"Form: {folder / PAGE}, with {counted(len(filled.not_supplied), 'field')} not supplied",
         f"Results: {folder}",
     ]
-    return Outcome(content={"out": str(folder), "files": files, "verdicts": rows}, lines=lines)
+    return marked(
+        Outcome(content={"out": str(folder), "files": files, "verdicts": rows}, lines=lines), loaded
+    )
 
 
 def _table(found: Sequence[Verdict]) -> pd.DataFrame:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from pmmkit.cli.options import stem
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Force, results_file
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
         if lacks
         else "It has all that a simulation needs."
     )
-    return Outcome(
+    told = Outcome(
         content={
             "model": path,
             "name": model.name,
@@ -129,6 +129,7 @@ def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
         },
         lines=[str(model), "", said, *(["", *done] if done else [])],
     )
+    return marked(told, model)
 
 
 def _first(std: Mapping[str, tuple[float, ...]], name: str) -> float | None:

@@ -22,8 +22,8 @@ from pmmkit.cli.options import (
     stem,
     where,
 )
-from pmmkit.cli.output import Outcome, say, words_of
-from pmmkit.cli.outputs import Force, Out, results_folder
+from pmmkit.cli.output import NOT_USABLE, Outcome, say, words_of
+from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import aligned, counted, table_lines
 
 if TYPE_CHECKING:
@@ -136,7 +136,14 @@ def reduce(
         ),
     ] = 1000.0,
     out: Out = None,
-    force: Force = False,
+    force: Annotated[
+        bool,
+        typer.Option(
+            "--force",
+            help="Make a model of derivatives that are not usable, which stays marked; let the "
+            "output replace the very file that was read.",
+        ),
+    ] = False,
 ) -> Outcome:
     """Reduce captive tests to a table of derivatives, a model and a report.
 
@@ -158,6 +165,7 @@ def reduce(
         odd_runs=odd_runs.value,
         executor=where(workers, scheduler),
         memory=memory,
+        force=force,
     )
 
 
@@ -181,6 +189,7 @@ def reduced(
     executor: Workers = None,
     memory: float = 1000.0,
     title: str = "",
+    force: bool = False,
 ) -> Outcome:
     """Reduce a campaign and write everything.
 
@@ -209,6 +218,8 @@ def reduced(
         As for `reduce_campaign`.
     title : str
         Of the results; that of the campaign if empty.
+    force : bool
+        Make a model of derivatives that are not usable.
 
     Returns
     -------
@@ -247,7 +258,7 @@ def reduced(
             memory=memory,
             resume=kept,
         )
-    model, why = _model(found, donor, missing)
+    model, why = _model(found, donor, missing, force=force)
     turns, why_not = _turns(found, model, beside)
     why += why_not
     loop = None
@@ -284,7 +295,7 @@ def reduced(
     return Outcome(
         content=content,
         lines=[*lines, f"Report:  {out.resolve() / 'report.html'}", "", str(judged)],
-        status=1 if judged.use == "not usable" else 0,
+        status=NOT_USABLE if judged.faults else 0,
     )
 
 
@@ -302,14 +313,20 @@ def _missing(loop: Loop | None) -> list[str]:
     ]
 
 
-def _model(found: Reduction, donor: Model | None, missing: Gaps) -> tuple[Model | None, list[str]]:
+def _model(
+    found: Reduction, donor: Model | None, missing: Gaps, *, force: bool
+) -> tuple[Model | None, list[str]]:
     """The model and in words what of it these tests do not show, or why there is none."""
     from pmmkit.api import model_of
-    from pmmkit.errors import MissingPartError, ModelError
+    from pmmkit.errors import NotUsableError, PmmkitError
 
     try:
-        model = model_of(found, donor, missing=missing)
-    except (MissingPartError, ModelError) as error:
+        model = model_of(found, donor, missing=missing, force=force)
+    except NotUsableError:
+        return None, [
+            "No model.toml: the derivatives are not usable. --force makes one, which stays marked."
+        ]
+    except PmmkitError as error:
         return None, [f"No model.toml: {words_of(error)}"]
     return model, [note for note in model.notes if note not in found.table.notes]
 
@@ -318,7 +335,7 @@ def _turns(
     found: Reduction, model: Model | None, beside: Reference | None
 ) -> tuple[Turns | None, list[str]]:
     """Turning circles, or why there are none."""
-    from pmmkit.errors import SimulationError
+    from pmmkit.errors import PmmkitError
     from pmmkit.models.roles import lacking
     from pmmkit.report import turns_of
 
@@ -326,9 +343,10 @@ def _turns(
         return None, []
     tested = sorted({round(item.froude, 4) for item in found.runs})
     try:
-        return turns_of(model, tested, beside), []
-    except SimulationError as error:
-        return None, [f"No turning circle: {error}"]
+        turns = turns_of(model, tested, beside)
+    except PmmkitError as error:
+        return None, [f"No turning circle: {words_of(error)}"]
+    return turns, [f"No turning circle: {text}" for text in turns.failed]
 
 
 def _methods(found: Reduction) -> dict[str, dict[str, Any]]:
@@ -417,7 +435,7 @@ def turn_table(turns: Turns) -> str:
     turns : Turns
         Turns at several speeds.
     """
-    from pmmkit.presentation import percent
+    from pmmkit.presentation import fixed, percent
     from pmmkit.report import changes
     from pmmkit.simulation.manoeuvres.turning import LENGTHS
 
@@ -425,7 +443,7 @@ def turn_table(turns: Turns) -> str:
     rows = [
         [
             name.replace("_L", " / L").replace("_", " "),
-            *(f"{track.metrics[name]:.3f}" for track in turns.tracks),
+            *(fixed(track.metrics[name], 3) for track in turns.tracks),
             *([percent(moved[name])] if moved else []),
         ]
         for name in LENGTHS

@@ -20,7 +20,7 @@ from pmmkit.cli.options import (
     stem,
     where,
 )
-from pmmkit.cli.output import Outcome, say
+from pmmkit.cli.output import NOT_USABLE, Outcome, say
 from pmmkit.cli.outputs import results_file
 from pmmkit.presentation import counted
 
@@ -115,7 +115,8 @@ def report(
     lines = [
         f"{counted(len(keys), 'item')} not supplied{named}",
         *(["The last chapter lists them with the keys of campaign.toml."] if keys else []),
+        *(f"  - {reason}" for reason in judged.faults),
         f"Verdict: {judged.use}.",
         f"Report: {file.resolve()}",
     ]
-    return Outcome(content=content, lines=lines, status=1 if judged.use == "not usable" else 0)
+    return Outcome(content=content, lines=lines, status=NOT_USABLE if judged.faults else 0)

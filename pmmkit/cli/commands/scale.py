@@ -9,7 +9,7 @@ from typing import Annotated, Final
 import typer
 
 from pmmkit.cli.options import Data, Model, stated, stem
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Force, Out, results_folder
 from pmmkit.cli.speeds import WAYS, TypedSpeed, typed
 
@@ -83,7 +83,10 @@ def scale(
     steps = list(made.history[len(loaded.history) :])
     steps += [text for text in made.notes if text not in loaded.notes]
     path = str(folder / MODEL.file)
-    return Outcome(
-        content={"out": str(folder), "model": path, "scale": made.scale, "steps": steps},
-        lines=[*steps, f"Scale: {made.scale}", f"Model: {path}"],
+    return marked(
+        Outcome(
+            content={"out": str(folder), "model": path, "scale": made.scale, "steps": steps},
+            lines=[*steps, f"Scale: {made.scale}", f"Model: {path}"],
+        ),
+        loaded,
     )

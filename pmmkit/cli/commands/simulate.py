@@ -20,7 +20,7 @@ from pmmkit.cli.options import (
     stated,
     stem,
 )
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.sea import (
     WAVES,
@@ -139,4 +139,7 @@ def simulate(
         judged.append("note: The standard asks for a calm; these numbers are those in waves.")
     told = [*new_notes(rough, loaded), "", *([str(moved), ""] if moved else [])]
     lines = [str(track), "", *(told if sea else []), *judged, f"Results: {folder}"]
-    return Outcome(content={"out": str(folder), "files": files, **metrics_of(track)}, lines=lines)
+    return marked(
+        Outcome(content={"out": str(folder), "files": files, **metrics_of(track)}, lines=lines),
+        loaded,
+    )

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Final
 
 from pmmkit.cli.options import Depth, Extrapolate, Model, stem
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import Speed, approach
 
@@ -53,4 +53,6 @@ def stability(
         ],
     )
     lines = [str(found), "", curve.sentence(), f"Scale: {loaded.scale}", f"Results: {folder}"]
-    return Outcome(content={"out": str(folder), "files": files, **numbers}, lines=lines)
+    return marked(
+        Outcome(content={"out": str(folder), "files": files, **numbers}, lines=lines), loaded
+    )

@@ -26,7 +26,7 @@ from pmmkit.cli.options import (
     stem,
     where,
 )
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import typed_list
 from pmmkit.presentation import aligned
@@ -111,7 +111,9 @@ def sweep(
         aligned([*_heads(found, coordinates, metrics, manoeuvre), *columns[len(metrics) :]], cells),
         f"Results: {folder}",
     ]
-    return Outcome(content={"out": str(folder), "files": files, "sweep": rows}, lines=lines)
+    return marked(
+        Outcome(content={"out": str(folder), "files": files, "sweep": rows}, lines=lines), loaded
+    )
 
 
 def _heads(

@@ -25,7 +25,7 @@ from pmmkit.cli.options import (
     stem,
     where,
 )
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import Speed, approach
 from pmmkit.presentation import text_of
@@ -121,4 +121,4 @@ def uncertainty(
         "metrics": summary.to_dict("index"),
         "causes": causes.to_dict("index"),
     }
-    return Outcome(content=content, lines=lines)
+    return marked(Outcome(content=content, lines=lines), loaded)

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.bibliography import cite
 from pmmkit.metrics import Criterion, Metric, criteria
-from pmmkit.presentation import Described, Grid, Group, Section, counted, number
+from pmmkit.presentation import Described, Grid, Group, Section, counted, fixed, number
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import Condition
-from pmmkit.simulation.imo.verdict import Side
+from pmmkit.simulation.imo.verdict import UNSETTLED, Side
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 
 if TYPE_CHECKING:
@@ -133,6 +133,11 @@ class Line:
         return True if len(found) == len(self.sides) and None not in found else None
 
     @property
+    def settled(self) -> bool:
+        """Whether the model behind the numbers, if one is, is usable."""
+        return all(x.settled for x in self.verdicts.values())
+
+    @property
     def margin(self) -> float:
         """The least of the margins [L or deg]."""
         known = [x.margin for x in self.verdicts.values() if math.isfinite(x.margin)]
@@ -210,7 +215,8 @@ class Form(Described):
     def verdict(self) -> str:
         """All criteria together, in words."""
         failed = [item.words for item in self.lines if item.passed is False]
-        unjudged = sum(item.passed is None for item in self.lines)
+        unsettled = sum(not item.settled for item in self.lines)
+        unjudged = sum(item.passed is None and item.settled for item in self.lines)
         besides = [
             item.title
             for item in self.conditions
@@ -220,6 +226,7 @@ class Form(Described):
         parts = [
             f"{sum(item.passed is True for item in self.lines)} of {len(self.lines)} criteria met",
             f"NOT met: {', '.join(failed)}" if failed else "",
+            f"{unsettled} {UNSETTLED}: the model is not usable" if unsettled else "",
             f"{unjudged} not judged" if unjudged else "",
             f"conditions NOT met: {', '.join(besides)}" if besides else "",
             f"{counted(unknown, 'condition')} not shown" if unknown else "",
@@ -333,8 +340,8 @@ def _row(part: str, name: str, value: Any, **more: Any) -> dict[str, Any]:
 _MET: Final = {True: "met", False: "NOT met", None: "not judged"}
 
 
-def _with_unit(value: float, unit: str, form: str) -> str:
-    return f"{value:{form}}{' L' if unit == 'L' else '°'}"
+def _with_unit(text: str, unit: str) -> str:
+    return f"{text}{' L' if unit == 'L' else '°'}"
 
 
 def conditions_grid(conditions: Sequence[Condition]) -> Grid:
@@ -360,8 +367,8 @@ def _results(lines: Sequence[Line], sides: tuple[Side, ...]) -> Grid:
             line.words,
             line.criterion.paragraph,
             *(cell for side in sides for cell in _told(line, side)),
-            _with_unit(line.limit, line.unit, ".4g"),
-            _MET[line.passed],
+            _with_unit(number(line.limit), line.unit),
+            _MET[line.passed] if line.settled else UNSETTLED,
         ]
         for line in lines
     ]
@@ -375,7 +382,10 @@ def _told(line: Line, side: Side) -> tuple[str, str]:
     found = line.verdicts.get(side)
     if found is None or not math.isfinite(found.value):
         return ABSENT, ""
-    return _with_unit(found.value, line.unit, ".2f"), _with_unit(found.margin, line.unit, "+.2f")
+    return (
+        _with_unit(fixed(found.value, 2), line.unit),
+        _with_unit(fixed(found.margin, 2, signed=True), line.unit),
+    )
 
 
 def lines_of(

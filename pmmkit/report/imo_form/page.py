@@ -19,13 +19,20 @@ from pmmkit.report.imo_form.form import (
     conditions_grid,
     results_grids,
 )
+from pmmkit.simulation.imo.verdict import UNSETTLED
 from pmmkit.version import __version__
 
 STYLE: Final = Path(__file__).with_name("form.css")
 PAGE: Final = "imo_form.html"
 """Name of the page; those for machines are called the same."""
 CELL: Final = '<{kind} class="{names}">{text}</{kind}>'
-SHADES: Final = {"met": "met", "NOT met": "failed", "not judged": "open", "not shown": "open"}
+SHADES: Final = {
+    "met": "met",
+    "NOT met": "failed",
+    "not judged": "open",
+    "not shown": "open",
+    UNSETTLED: "open",
+}
 """Class of a cell that says a verdict."""
 
 

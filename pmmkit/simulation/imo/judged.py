@@ -149,7 +149,7 @@ def imo_verdicts(
                 verdict = verdict_of(
                     metric, item, track, (*track_conditions(track, full_speed), *warned)
                 )
-                if many is not None:
+                if many is not None and verdict.settled:
                     probability = many.probability(verdict.metric, verdict.limit)
                     verdict = replace(verdict, probability=probability)
                 found.append(verdict)
@@ -237,6 +237,7 @@ def _stopping(
                 f"{', '.join(x.name for x in catalogue().values() if x.astern)} do, and it has no "
                 "propeller from whose open water they could be estimated.",
             ),
+            not_usable=model.not_usable,
         )
     if not engine.turns < 0.0:
         raise DataError(f"Revolutions of a stop are negative: astern is {engine.turns:g}.")

@@ -16,13 +16,15 @@ from pmmkit.metrics import (
     first_overshoot_limit,
     second_overshoot_limit,
 )
-from pmmkit.presentation import ABSENT, Described, Grid, Group, Section
+from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, fixed
 from pmmkit.simulation.imo.conditions import approach_condition, length_condition
 from pmmkit.simulation.imo.full_astern import FullAstern
 from pmmkit.simulation.track import Track
 
 SOURCE: Final = cite("msc137")
 Side = Literal["port", "starboard", ""]
+UNSETTLED: Final = "not settled"
+"""What is said of a criterion where the model behind the number is not usable."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -53,6 +55,8 @@ class Verdict(Described):
         Of the first order; none for a stop.
     full_astern : FullAstern or None
         Of a stop: what is assumed, or was measured, of the engine.
+    settled : bool
+        Whether the model behind the number is usable; where it is not, nothing is met or failed.
     """
 
     criterion: str
@@ -67,6 +71,16 @@ class Verdict(Described):
     probability: float | None = None
     side: Side = ""
     full_astern: FullAstern | None = None
+    settled: bool = True
+
+    @property
+    def words(self) -> str:
+        """What follows."""
+        return (
+            {True: "met", False: "NOT met", None: "not judged"}[self.passed]
+            if self.settled
+            else UNSETTLED
+        )
 
     @property
     def metric(self) -> str:
@@ -79,10 +93,10 @@ class Verdict(Described):
         return [
             self.criterion.replace("_", " "),
             self.manoeuvre,
-            f"{self.value:.2f}{unit}" if math.isfinite(self.value) else ABSENT,
+            f"{fixed(self.value, 2)}{unit}" if math.isfinite(self.value) else ABSENT,
             f"{self.limit:.4g}{unit}",
-            f"{self.margin:+.2f}" if math.isfinite(self.margin) else ABSENT,
-            {True: "met", False: "NOT met", None: "not judged"}[self.passed],
+            fixed(self.margin, 2, signed=True),
+            self.words,
             ABSENT if self.probability is None else f"{100 * self.probability:.1f} %",
         ]
 
@@ -126,6 +140,7 @@ def judge(
     scale: str,
     conditions: tuple[str, ...] = (),
     side: Side = "",
+    not_usable: str = "",
 ) -> Verdict:
     """A criterion applied to the numbers of a manoeuvre.
 
@@ -139,6 +154,8 @@ def judge(
         Ship length [m], test speed [m/s].
     manoeuvre, scale, conditions, side
         As in `Verdict`.
+    not_usable : str
+        Why the numbers are not usable, a condition that settles nothing; empty where they are.
     """
     limit = criterion.limit_for(L, speed)
     value = metrics.get(metric.judged(criterion), math.nan)
@@ -147,12 +164,15 @@ def judge(
         limit=limit,
         value=value,
         margin=limit - value,
-        passed=None if math.isnan(value) else value <= limit,
-        conditions=conditions,
+        passed=None if math.isnan(value) or not_usable else value <= limit,
+        conditions=conditions
+        if not not_usable or not_usable in conditions
+        else (not_usable, *conditions),
         scale=scale,
         unit="L" if metric.length else metric.unit,
         manoeuvre=manoeuvre,
         side=side,
+        settled=not not_usable,
     )
 
 
@@ -215,6 +235,7 @@ def verdict_of(
         conditions=conditions,
         manoeuvre=_sailed(track),
         side=side_of(track.rudder_deg),
+        not_usable=track.not_usable,
     )
 
 

@@ -15,6 +15,10 @@ HALF: Final = math.pi / 2
 CIRCLES: Final = 3 * math.pi
 """A turning circle ends after this change of heading (540°) when it is steady then."""
 
+WIDEST: Final = 1000.0
+"""Steady diameter in ship lengths from which a ship does not turn: one such circle takes three
+thousand lengths, ten times as far as a turn is followed."""
+
 
 def turning_circle(pace: float, *, rudder_deg: float, duration: float | None, wind: bool) -> Plan:
     """Turning circle: one order, until 540° of heading and the turn is steady."""
@@ -45,7 +49,11 @@ def turning_circle(pace: float, *, rudder_deg: float, duration: float | None, wi
             "advance": a.at("quarter", "x"),
             "transfer": side * a.at("quarter", "y"),
             "tactical_diameter": side * a.at("half", "y"),
-            "steady_diameter": 2.0 * hypot(u, v * upright) / _positive(turn),
+            "steady_diameter": chosen(
+                turn * WIDEST * a.L > 2.0 * hypot(u, v * upright),
+                2.0 * hypot(u, v * upright) / larger(turn, 1e-300),
+                math.nan,
+            ),
             "time_90": a.t("quarter"),
             "time_180": a.t("half"),
             "steady_drift_deg": side * degrees(arctan2(-v, u)),
@@ -90,11 +98,6 @@ def initial_turning(pace: float, *, rudder_deg: float, heading_deg: float) -> Pl
 
     probes = {"there": Probe(ask=Ask.reached), "path": Probe(ask=Ask.path)}
     return Plan(phases=(phase,), probes=probes, measure=measure, rudder=rudder)
-
-
-def _positive(rate: Any) -> Any:
-    """A yaw rate; infinitely small where the ship turns the other way."""
-    return larger(rate, 1e-300)
 
 
 TURNING_CIRCLE: Final = Manoeuvre(

@@ -35,7 +35,8 @@ def derivatives_page(reduction: Reduction, beside: Reference | None = None) -> d
     -------
     dict
         ``speeds``, ``factor`` (what they are told times), ``system``, ``about`` (how to read them),
-        ``structure``, ``reference`` (its name), ``notes`` and ``rows``: by derivative its
+        ``structure``, ``reference`` (its name), ``notes``, ``verdict`` with its ``use`` and its
+        ``reasons``, and ``rows``: by derivative its
         ``values`` at each speed (value, low, high), ``published``, ``families``, ``runs`` that move
         it and what it ``trades`` with.
     """
@@ -55,6 +56,8 @@ def derivatives_page(reduction: Reduction, beside: Reference | None = None) -> d
         "reference": reference.name if reference else "",
         "notes": list(table.notes),
         "verdict": str(reduction.verdict),
+        "use": reduction.verdict.use,
+        "reasons": list(reduction.verdict.reasons),
         "rows": [
             {
                 "name": name,

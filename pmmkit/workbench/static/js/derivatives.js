@@ -24,10 +24,17 @@ export async function showDerivatives(root, app, shown) {
     el("div", { class: "head" }, el("h2", {}, t("place_derivatives")),
       el("span", { class: "soft small" }, t("derivatives_about", { system: found.system, structure: found.structure }))),
     frozen ? null : chooser(app),
+    frozen ? null : judged(found),
     el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("place_derivatives") }, grid(found, choose)),
     el("p", { class: "soft small" }, found.about, found.reference ? ` ${t("reference", { name: found.reference })}` : null));
   refill(root, el("div", { class: "two wide-left" }, table, detail));
   choose(found.rows.find((row) => row.name === app.derivative) ?? found.rows.find((row) => row.name === "Yv") ?? found.rows[0]);
+}
+
+// What stands against them, as the command line says it; a report has it at a glance.
+function judged(found) {
+  const shade = { "not usable": "finding error", "usable with doubts": "finding warning" }[found.use] ?? "soft small";
+  return el("div", {}, found.reasons.length ? el("ul", { class: "small" }, found.reasons.map((text) => el("li", {}, text))) : null, el("p", { class: shade }, found.verdict));
 }
 
 function question(app) {

@@ -13,6 +13,7 @@ export function num(value, digits = 3) {
 
 export function fixed(value, places = 1) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  if (Math.abs(value) >= 1e7) return num(value);
   const text = value.toFixed(places);
   return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 }
@@ -28,6 +29,11 @@ export function withUnit(value, unit, digits = 3) {
 
 export function signed(value, digits = 3) {
   return value > 0 ? `+${num(value, digits)}` : num(value, digits);
+}
+
+// Of a criterion: the class of what is said, and its mark. A model that is not usable settles none.
+export function judgement(item) {
+  return item.passed === null ? ["soft", "?"] : item.passed ? ["met", "✓"] : ["unmet", "✗"];
 }
 
 export function plainWord(name) {

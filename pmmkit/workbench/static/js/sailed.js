@@ -2,7 +2,7 @@
 
 import { el, refill, svg } from "./dom.js";
 import { t } from "./words.js";
-import { num, unitOf } from "./format.js";
+import { judgement, num, unitOf } from "./format.js";
 import { extent, frame, path } from "./linear.js";
 
 export async function turnPanel(root, app) {
@@ -18,6 +18,7 @@ export async function turnPanel(root, app) {
   refill(root,
     el("div", { class: "head" }, el("h2", {}, t("turn")),
       el("span", { class: "soft small" }, t("turn_about", { rudder: 35, speed: num(after.approach), Fn: num(after.Fn) }))),
+    after.not_usable ? el("p", { class: "finding warning" }, after.not_usable) : null,
     el("div", { class: "pair" },
       el("div", { class: "plot" }, trackPlot(turns.after ? [[turns.before, "measured dashed"], [turns.after, "model"]] : [[turns.before, "model"]])),
       el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("measures") }, measures(turns))),
@@ -56,7 +57,8 @@ function measures(turns) {
   const judged = (row) => {
     const item = limits[row.name.replace(/_L$/, "")];
     if (!item) return el("td", {});
-    return el("td", {}, el("span", { class: item.passed ? "met" : "unmet" }, item.passed ? "✓ " : "✗ ", `≤ ${num(item.limit)}`));
+    const [shade, mark] = judgement(item);
+    return el("td", {}, el("span", { class: shade }, `${mark} ≤ ${num(item.limit)}`));
   };
   return el("table", { class: "plain" },
     el("thead", {}, el("tr", {}, el("th", {}, el("span", { class: "sr" }, t("measure"))),

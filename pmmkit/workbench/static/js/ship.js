@@ -2,7 +2,7 @@
 
 import { el, refill } from "./dom.js";
 import { t } from "./words.js";
-import { num, plainWord } from "./format.js";
+import { judgement, num, plainWord } from "./format.js";
 import { frozen, post } from "./api.js";
 import { extent, frame, path, roomOf } from "./linear.js";
 import { metricTitle, trackPlot, turnPanel } from "./sailed.js";
@@ -112,6 +112,7 @@ function draw(root, asked, found, trials) {
   refill(root,
     el("div", { class: "head" }, el("h2", {}, t(asked.manoeuvre)), el("span", { class: "soft small" }, `Fn ${num(found.Fn)}`),
       found.band ? el("span", { class: "soft small right" }, bandOf(found.band)) : null),
+    found.not_usable ? el("p", { class: "finding warning" }, found.not_usable) : null,
     near ? el("p", { class: "legend" }, key("c-model", t("model")),
       key("c-measured", t("measured_run", { run: near.run, rudder: num(Math.abs(near.rudder), 2), Fn: num(near.Fn) })),
       turning && others.length ? key("c-measured faint", t("other_runs", { count: others.length })) : null) : null,
@@ -121,7 +122,7 @@ function draw(root, asked, found, trials) {
     el("div", { class: "plot" }, time.root),
     el("p", { class: "legend" }, key("c-model", t("heading")), key("c-rudder", t("rudder")), near ? key("c-measured", `${t("heading")}, ${t("measured")}`) : null,
       near ? key("c-rudder dashed", `${t("rudder")}, ${t("measured")}`) : null),
-    found.notes.map((text) => el("p", { class: "soft small" }, text)));
+    found.notes.filter((text) => text !== found.not_usable).map((text) => el("p", { class: "soft small" }, text)));
 }
 
 // Whose band it is: ships of the model, or of all sets that the tests accept.
@@ -138,10 +139,11 @@ function measures(found, near) {
     near ? el("thead", {}, el("tr", {}, el("th", {}, el("span", { class: "sr" }, t("measure"))), heads, found.verdicts.length ? el("th", { scope: "col" }, "IMO") : null)) : null,
     el("tbody", {}, found.metrics.slice(0, 12).map((row) => {
       const judged = verdict(row);
+      const [shade, mark] = judged ? judgement(judged) : [];
       return el("tr", {}, el("th", { scope: "row" }, metricTitle(row)),
         el("td", {}, num(row.value), ends(row) ? el("small", { class: "soft" }, ` ${num(ends(row)[0])}–${num(ends(row)[1])}`) : null),
         near ? el("td", {}, num(near.metrics[row.name])) : null,
-        near && !found.verdicts.length ? null : el("td", {}, judged ? el("span", { class: judged.passed ? "met" : "unmet" }, `${judged.passed ? "✓" : "✗"} ${near ? "" : "IMO "}≤ ${num(judged.limit)}`) : ""));
+        near && !found.verdicts.length ? null : el("td", {}, judged ? el("span", { class: shade }, `${mark} ${near ? "" : "IMO "}≤ ${num(judged.limit)}`) : ""));
     })));
 }
 

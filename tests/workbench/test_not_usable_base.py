@@ -1,0 +1,31 @@
+"""The page opens on tests that give no ship, and says so beside each number of it."""
+
+from __future__ import annotations
+
+import pytest
+
+import pmmkit as pk
+from pmmkit.reduction import reduce_campaign
+from pmmkit.workbench.pages.derivatives import derivatives_page
+from pmmkit.workbench.pages.turning import sailed_page
+from pmmkit.workbench.saved import model_file
+from pmmkit.workbench.tasks import Tasks
+from tests.support.small_campaign import write_campaign
+
+ODD = "PS_U1_a0.3"
+
+
+@pytest.mark.slow
+def test_a_base_by_force_is_marked_wherever_the_page_sails_it(tmp_path):
+    folder = write_campaign(tmp_path / "tests", hundredfold=ODD)
+    place = tmp_path / "page"
+    place.mkdir()
+    Tasks().open(str(place), [str(folder)], "", "", None, tell=lambda *_: None)
+    base = pk.load_model(model_file(place, ()))
+    assert ODD in base.not_usable
+    page = sailed_page(base, "turning", speed=1.5, rudder_deg=35.0)
+    assert page["not_usable"] == base.not_usable
+    assert {item["passed"] for item in page["verdicts"]} == {None}
+    told = derivatives_page(reduce_campaign(pk.open_campaign(folder), executor=1))
+    assert told["use"] == "not usable"
+    assert any(ODD in text for text in told["reasons"])
