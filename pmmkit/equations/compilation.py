@@ -154,7 +154,9 @@ from pmmkit.equations.compiled_effects import use
 
 
 def inner(function):
-    return numba.njit(function, nogil=True, error_model="numpy", forceinline=True)
+    return numba.njit(
+        function, nogil=True, error_model="numpy", forceinline=True, no_cfunc_wrapper=True
+    )
 
 
 @inner
