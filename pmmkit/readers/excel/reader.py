@@ -113,6 +113,8 @@ def _grid(request: Request) -> Grid:
         merged = sheet.merged_cell_ranges or []
     except BaseException as error:
         raise _unreadable(request, error) from error
+    if not any(value != "" for row in rows for value in row):
+        raise request.error(request.problem("the sheet is empty."))
     if len(rows) <= request.options.skip_rows:
         raise request.error(
             request.problem(
