@@ -155,6 +155,36 @@ def rates_of(time: Array, values: Mapping[int, Array]) -> dict[int, tuple[int, f
     return found
 
 
+def wrong_unit(header: str, unit: str | None, *, table: bool = False) -> str:
+    """What is said of a column whose name is usual and whose unit measures something else.
+
+    Parameters
+    ----------
+    header : str
+        Without its unit.
+    unit : str or None
+        As stated.
+    table : bool
+        Whether the rows are runs.
+
+    Examples
+    --------
+    >>> wrong_unit("roll", "Nm")
+    "'roll' is a usual name of phi, which is not measured in Nm: a wrong unit, or something else"
+    >>> wrong_unit("Fx", "N"), wrong_unit("gauge 7", "mV")
+    ('', '')
+    """
+    if not unit or _by_name(header, unit, table=table, usual={}) is not None:
+        return ""
+    item = _by_name(header, None, table=table, usual={})
+    if item is None or item.certainty == "perhaps":
+        return ""
+    return (
+        f"{header!r} is a usual name of {item.name}, which is not measured in {unit}: a wrong "
+        "unit, or something else"
+    )
+
+
 _RANK: Final = {"surely": 0, "probably": 1, "perhaps": 2}
 
 
