@@ -121,7 +121,7 @@ def _grid(request: Request) -> Grid:
                 f"the sheet has {len(rows)} rows, skip_rows is {request.options.skip_rows}."
             )
         )
-    return _unmerged(rows, merged, request)
+    return _unmerged(rows[: request.options.last_row], merged, request)
 
 
 def _wanted(sheets: Sequence[str], request: Request) -> str:

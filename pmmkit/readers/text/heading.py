@@ -212,7 +212,7 @@ def _top(
 
 
 def _as_wide(lines: Sequence[_Line], delimiter: str, decimal: str) -> list[_Line]:
-    """The lines, those of texts cut to the width of the rows where delimiters stand at their end."""
+    """The lines, those of texts without delimiters at their end beyond the width of the rows."""
     if delimiter in (BLANKS, CUT):
         return list(lines)
     rows = [fields_of(line.text, delimiter) for line in lines]
