@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pmmkit.inspection.doubts import concerns, doubt_in, without_doubt
 from pmmkit.inspection.guessing import Suggestion, rates_of, suggest, wrong_unit
 from pmmkit.inspection.seen import Clock, ColumnLook, FileLook
 from pmmkit.numerics import Array
@@ -25,7 +26,7 @@ def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = (
     seams : sequence of int
         Rows before which rows were left out.
     """
-    headers = [column.header for column in look.columns]
+    headers = [without_doubt(column.header) for column in look.columns]
     units = [column.unit for column in look.columns]
     usual = reader_of(look.format).usual(headers)
     found = suggest(headers, units, values, usual=usual)
@@ -84,7 +85,11 @@ def _kind(
 
 
 def _doubted(column: ColumnLook, kind: str) -> ColumnLook:
-    """With a remark where the name says one thing and the unit another."""
+    """Without what its header doubts, with a remark; also where name and unit do not agree."""
+    said = doubt_in(column.title)
+    if concerns(said, column.unit):
+        remark = f"its header says {said!r}: left out unless you name it under [columns]"
+        return replace(column, suggestion=None, remark=remark)
     if column.suggestion is not None:
         return column
     said = wrong_unit(column.header, column.unit, table=kind == "table")

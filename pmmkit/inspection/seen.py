@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from pmmkit.errors import Problem
+from pmmkit.inspection.blocks import Blocks
+from pmmkit.inspection.doubts import without_doubt
 from pmmkit.inspection.guessing import Suggestion
 from pmmkit.readers import Options, Request, reader_of
 from pmmkit.readers.text.layout import Layout
@@ -87,7 +89,8 @@ class ColumnLook:
     @property
     def clipped(self) -> str:
         """The label, cut to 36 letters, that can be shown."""
-        plain = "".join(char if char.isprintable() else "?" for char in self.label)
+        label = without_doubt(self.label)
+        plain = "".join(char if char.isprintable() else "?" for char in label)
         return plain if len(plain) <= 36 else plain[:34] + " …"
 
 
@@ -119,6 +122,8 @@ class FileLook:
         All columns.
     clock : Clock or None
         Of a history.
+    blocks : Blocks
+        What the rows of a sheet are.
     problems : tuple of Problem
         What keeps it from being read as it is.
     notes : tuple of str
@@ -136,6 +141,7 @@ class FileLook:
     layout: Layout | None = None
     columns: tuple[ColumnLook, ...] = ()
     clock: Clock | None = None
+    blocks: Blocks = field(default_factory=Blocks)
     problems: tuple[Problem, ...] = ()
     notes: tuple[str, ...] = ()
 
