@@ -19,6 +19,7 @@ from pmmkit.inspection.drafts.entries import (
     matrix_lines,
     saved_run_lines,
 )
+from pmmkit.inspection.drafts.sheets import scatter_lines
 from pmmkit.inspection.drafts.text import Todo, aligned, commented, toml
 from pmmkit.readers import reader_of
 from pmmkit.readers.saved import SavedCampaign
@@ -70,10 +71,11 @@ def written(draft: Draft) -> Written:
     else:
         lines += axes_lines(draft.proposal, todo, computed=False)
     if base is not None:
-        shared = replace(base.options, sheet=None) if apart else base.options
+        several = apart or not draft.runs
+        shared = replace(base.options, sheet=None, last_row=None) if several else base.options
         lines += ["", "[source]", *source_lines(base, shared)]
         lines += ["", "[columns]                        # our name = theirs"]
-        lines += column_lines(base, draft.kind, todo, table=False)
+        lines += column_lines(base, draft.kind, todo, table=not draft.runs)
     elif draft.saved:
         lines += ["", "[source]", f"format = {toml(SavedCampaign.name)}"]
     for file, campaign in draft.saved:
@@ -92,6 +94,10 @@ def written(draft: Draft) -> Written:
         ]
     for entry in common.tables:
         lines += ["", *entry_lines(entry, "tables", base, draft.kind, todo)]
+    sheets = {entry.look.shown: entry.look for entry in draft.tables}
+    lines += ["", *scatter_lines(list(sheets.values()))]
+    if len({entry.sheet for entry in draft.tables if entry.look.blocks.mixed}) > 1:
+        todo.add(_SHEETS)
     lines += [*_unused(draft), "", "[end]"]
     entries = (
         sum(len(campaign) for _, campaign in draft.saved) + len(draft.runs) + len(draft.tables)
@@ -99,6 +105,12 @@ def written(draft: Draft) -> Written:
     return Written(
         text="\n".join(lines) + "\n", todo=tuple(todo.all()), complete=entries - len(todo.open_runs)
     )
+
+
+_SHEETS: Final = (
+    "The runs stand on several sheets. If the water was not as deep for all of them, draft a "
+    "campaign of each: pmmkit new-campaign ... --sheet NAME --out NAME.toml."
+)
 
 
 def _campaign(draft: Draft, todo: Todo) -> list[str]:
@@ -235,6 +247,11 @@ def _largest(draft: Draft) -> FileLook | None:
     for entry in draft.runs:
         looks[id(entry.look)] = entry.look
         counted[id(entry.look)] = counted.get(id(entry.look), 0) + 1
+    mixed = [entry.look for entry in draft.tables if entry.look.blocks.mixed]
+    if not draft.runs and mixed and len(mixed) == len(draft.tables):
+        alike = all(look.columns == mixed[0].columns for look in mixed)
+        # not itself: each table says its own sheet
+        return replace(mixed[0]) if alike else None
     return looks[max(counted, key=lambda key: counted[key])] if counted else None
 
 
