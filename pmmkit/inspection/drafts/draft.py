@@ -27,6 +27,7 @@ from pmmkit.inspection.drafts.conventions import Proposal
 from pmmkit.inspection.drafts.matrix import MatrixDraft, matrix_of
 from pmmkit.inspection.drafts.motion import Moved, motion_facts
 from pmmkit.inspection.drafts.names import facts_of
+from pmmkit.inspection.drafts.particulars import Found, particulars_of
 from pmmkit.inspection.drafts.settle import Setting, settled
 from pmmkit.inspection.drafts.sheets import (
     left_lines,
@@ -114,6 +115,8 @@ class Draft:
         Histories; tables whose rows are runs.
     matrices : tuple of MatrixDraft
         Tables that list runs: one for the files, one for each workbook with a sheet per run.
+    particulars : mapping of str to (float, str)
+        Of the model, as a list beside the tests has them, and where.
     proposal : Proposal or None
         Axes and signs by the physics of all runs; None where they were not asked.
     saved : tuple of (str, Campaign)
@@ -133,6 +136,7 @@ class Draft:
     unused: tuple[str, ...]
     look: Look
     matrices: tuple[MatrixDraft, ...] = ()
+    particulars: Found = field(default_factory=lambda: MappingProxyType({}))
     proposal: Proposal | None = None
 
 
@@ -242,7 +246,15 @@ def draft_of(
         unused=tuple(unused),
         look=seen,
         matrices=matrices,
+        particulars={} if ship else particulars_of(_beside(seen, listed), sheets),
     )
+
+
+def _beside(seen: Look, tables: Sequence[FileLook]) -> list[FileLook]:
+    """Sheets of the workbooks of some tables that hold no runs."""
+    books = {item.path for item in tables}
+    looks = [item for group in seen.groups for item in group.files]
+    return [item for item in looks if item.path in books and item.kind == "unknown"]
 
 
 def _matrices(seen: Look, base: str, runs: Sequence[RunDraft]) -> tuple[MatrixDraft, ...]:

@@ -40,7 +40,11 @@ def only_sheet(seen: Look, sheet: str) -> Look:
     """
     groups = []
     for group in seen.groups:
-        files = [item for item in group.files if item.options.sheet in (None, sheet)]
+        files = [
+            item
+            for item in group.files
+            if item.options.sheet in (None, sheet) or group.first.kind == "unknown"
+        ]
         if files and files[0] is not group.first:
             files[0] = with_numbers(files[0])
         groups += [Group(files=tuple(files))] if files else []

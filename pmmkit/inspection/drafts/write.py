@@ -197,6 +197,8 @@ def _ship(draft: Draft, todo: Todo) -> list[str]:
             f"name = {toml(draft.ship_name)}  # of the library, at the scale it has there; or in "
             "full: L, B, d, mass, volume, Izz",
         ]
+    elif draft.particulars:
+        return _listed(draft, todo)
     else:
         todo.add(
             "[ship] the particulars L, B, d, mass or volume, Izz, or the name of a library ship."
@@ -214,10 +216,29 @@ def _ship(draft: Draft, todo: Todo) -> list[str]:
             *(_ROLL if any("K" in entry.look.known for entry in draft.runs) else ()),
         ]
     todo.add("[water] rho: the density of the water [kg/m³].")
-    rho = "# rho = ...                      # TODO density [kg/m³]; fresh water of 15 °C: 999.1"
-    return [*lines, "", "[water]", rho]
+    return [*lines, "", "[water]", _RHO]
 
 
+def _listed(draft: Draft, todo: Todo) -> list[str]:
+    """Ship and water as a list beside the tests has them."""
+    found = draft.particulars
+    todo.add("[ship] taken from a list beside the tests: is it the model as it was tested?")
+    lines = ["[ship]"]
+    for key in _OF_SHIP:
+        if key in found:
+            lines.append(aligned(f"{key} = {toml(found[key][0])}", found[key][1]))
+        elif key not in ("mass", "xG"):
+            lines.append(f"# {key} = ...   # TODO")
+            todo.add(f"[ship] {key}: it is not in the list.")
+    todo.add("[water] rho: the density of the water [kg/m³].")
+    lines += ["", "[water]", _RHO]
+    if "depth" in found:
+        return [*lines, aligned(f"depth = {toml(found['depth'][0])}", found["depth"][1])]
+    return lines
+
+
+_OF_SHIP: Final = ("L", "B", "d", "volume", "Izz", "xG")
+_RHO: Final = "# rho = ...                      # TODO density [kg/m³]; fresh water of 15 °C: 999.1"
 _ROLL: Final = (
     "# zG = 0.0                       # TODO centre of gravity below the origin [m]",
     "# GM = ...                       # TODO metacentric height [m], for a model that rolls",
