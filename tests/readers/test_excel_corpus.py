@@ -1,4 +1,4 @@
-"""One sheet, as the programs of laboratories write it: printed, filtered, with charts and macros."""
+"""One sheet, as the programs of laboratories write it: printed, filtered, with macros."""
 
 from __future__ import annotations
 

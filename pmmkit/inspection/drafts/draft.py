@@ -24,6 +24,7 @@ from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.inspection import ColumnLook, FileLook, Group, Look, look
 from pmmkit.inspection.drafts.choosing import Choice, with_choices
 from pmmkit.inspection.drafts.conventions import Proposal
+from pmmkit.inspection.drafts.drift import drift_column, with_drift
 from pmmkit.inspection.drafts.matrix import MatrixDraft, matrix_of
 from pmmkit.inspection.drafts.motion import Moved, motion_facts
 from pmmkit.inspection.drafts.names import facts_of
@@ -38,7 +39,6 @@ from pmmkit.inspection.drafts.sheets import (
     template_of,
     where_of,
 )
-from pmmkit.inspection.guessing import suggest
 from pmmkit.inspection.sampling import LARGE
 from pmmkit.inspection.values import values_of
 from pmmkit.numerics import Array
@@ -187,7 +187,7 @@ def draft_of(
             )
         )
     found = look(folder) if sheet is None else only_sheet(look(folder), sheet)
-    seen = _with_drift(with_choices(found, choices))
+    seen = with_drift(with_choices(found, choices))
     place = folder if folder.is_dir() else folder.parent
     base = _relative(place, target)
     saved = [
@@ -321,7 +321,7 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
         if column.suggestion and column.suggestion.certainty != "perhaps"
     }
     clock = group.first.known["t"]
-    drift = _drift_column(group.first)
+    drift = drift_column(group.first)
     drafts = []
     for item in group.files:
         named = facts_of(_name(item))
@@ -354,35 +354,6 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
             )
         )
     return drafts
-
-
-def _with_drift(seen: Look) -> Look:
-    """With a remark at columns that are no channel, and say the drift angle of their runs."""
-    return replace(seen, groups=tuple(_drift_told(group) for group in seen.groups))
-
-
-def _drift_told(group: Group) -> Group:
-    found = _drift_column(group.first) if group.first.kind == "history" else None
-    if found is None:
-        return group
-    columns = tuple(
-        replace(column, remark="it says the drift angle of each run")
-        if column.position == found.position
-        else column
-        for column in group.first.columns
-    )
-    return replace(group, files=(replace(group.first, columns=columns), *group.files[1:]))
-
-
-def _drift_column(look: FileLook) -> ColumnLook | None:
-    """A column of a history that is the drift angle: no channel of ours, but a setting."""
-    for column in look.columns:
-        if column.suggestion is None and column.numbers:
-            (found,) = suggest([column.header], [column.unit], {}, table=True)
-            if found is not None and found.name == "drift_deg":
-                unit = found.unit or column.unit or "deg"
-                return replace(column, suggestion=replace(found, unit=unit))
-    return None
 
 
 def _told(item: FileLook, test: str | None) -> Moved:
