@@ -119,7 +119,7 @@ def set_facts(run: Run, data: xr.Dataset) -> dict[str, float]:
     return found
 
 
-def examine_settings(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+def examine_set(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     """Settings that their own columns contradict: by one factor in all runs, or in some runs."""
     for pair in _PAIRS:
         items = [
@@ -155,7 +155,7 @@ def _slip(pair: _Pair, items: Sequence[Summary], factor: float) -> CheckFinding:
     sure = abs(factor / nearest - 1.0) < SAME
     likely = f": one of them is {_SLIPS[nearest]}" if sure else ""
     return CheckFinding(
-        check="settings",
+        check="set and measured",
         severity="warning",
         message=f"{pair.column} is {figure(factor)} times {pair.setting} in {len(items)} runs (1 "
         f"expected){likely}.",
@@ -179,7 +179,7 @@ def _apart(
     worst = max(map(int, off), key=lambda place: abs(float(apart[place])))
     shown = [figure(x[worst] * pair.factor) for x in (stated, stated + apart)]
     yield CheckFinding(
-        check="settings",
+        check="set and measured",
         severity="warning",
         message=f"{pair.setting} is not what {pair.column} says in {len(off)} of {len(items)} "
         f"runs: in {items[worst].run.id} {shown[0]} {pair.unit} is stated, {shown[1]} "
@@ -190,4 +190,4 @@ def _apart(
     )
 
 
-CHECKS = (Check("settings", "what a test was set to against its own column", examine_settings),)
+CHECKS = (Check("set and measured", "what a test was set to against its own column", examine_set),)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -13,15 +12,12 @@ from pmmkit.campaigns.test_kinds.kind import SWAY, YAW
 from pmmkit.campaigns.test_kinds.registry import kind_with
 from pmmkit.channels import CHANNEL_UNITS, SETTING_UNITS, factor_to
 from pmmkit.errors import DataError
+from pmmkit.inspection.seen import Block, Blocks, ColumnLook, What
 from pmmkit.numerics import Array
 from pmmkit.readers.base import Cell, Cells, to_number
 from pmmkit.readers.rows import as_text
 from pmmkit.vocabulary import meanings
 
-if TYPE_CHECKING:
-    from pmmkit.inspection.seen import ColumnLook
-
-What = Literal["steady", "cycle", "sweep", "statistics", "other names", "incomplete"]
 FEWEST: Final = 8
 """Rows of one name that can be a cycle."""
 _OTHER: Final = 3
@@ -35,83 +31,6 @@ _SWEPT: Final = math.radians(2.0)
 _STEADY: Final[tuple[What, str | None]] = ("steady", None)
 _TYPES: Final = 12
 """Different words of a column that says the kinds of test, at most."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Block:
-    """Rows of a sheet that belong together.
-
-    Parameters
-    ----------
-    what : str
-        ``steady``: each row is a test; ``cycle``: the rows of a name are one cycle; ``sweep``: the
-        rudder goes through a cycle, the rest is steady; ``statistics``: of the rows above;
-        ``other names``: a row that names columns otherwise, and all below; ``incomplete``.
-    test : str or None
-        Kind of test of steady rows, cycles and sweeps.
-    lines : tuple of int
-        Rows of the file, counted from 1.
-    names : tuple of str
-        Tests, each once; of other names those names; of statistics what they are.
-    words : tuple of str
-        What their column of kinds says.
-    """
-
-    what: What
-    test: str | None
-    lines: tuple[int, ...]
-    names: tuple[str, ...]
-    words: tuple[str, ...] = ()
-
-    @property
-    def places(self) -> str:
-        """Its rows in words."""
-        ends = [
-            place
-            for place in range(1, len(self.lines))
-            if self.lines[place] != self.lines[place - 1] + 1
-        ]
-        first, last = self.lines[0], self.lines[-1]
-        if not ends:
-            return f"row {first}" if first == last else f"rows {first} to {last}"
-        return f"{len(self.lines)} of the rows {first} to {last}"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Blocks:
-    """The blocks of a sheet, and the columns by which they are told.
-
-    Parameters
-    ----------
-    blocks : tuple of Block
-        In the order of their first rows.
-    name, word : str
-        Headers of the columns of names and of kinds of test; empty where there is none.
-    """
-
-    blocks: tuple[Block, ...] = ()
-    name: str = ""
-    word: str = ""
-
-    def of(self, *what: What) -> tuple[Block, ...]:
-        """The blocks of some kinds."""
-        return tuple(block for block in self.blocks if block.what in what)
-
-    @property
-    def runs(self) -> tuple[Block, ...]:
-        """Those whose rows are runs or samples of runs."""
-        return self.of("steady", "cycle", "sweep")
-
-    @property
-    def mixed(self) -> bool:
-        """Whether there is more than rows that are runs."""
-        return any(block.what != "steady" for block in self.blocks)
-
-    @property
-    def last_row(self) -> int | None:
-        """The last row above other names."""
-        below = self.of("other names")
-        return below[0].lines[0] - 1 if below else None
 
 
 def blocks_of(cells: Cells, columns: Sequence[ColumnLook]) -> Blocks:

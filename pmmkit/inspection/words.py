@@ -8,9 +8,8 @@ from typing import Final
 import numpy as np
 
 from pmmkit.errors import Problem
-from pmmkit.inspection.blocks import Block
 from pmmkit.inspection.folder import MOST_COUNTED, Group, Look
-from pmmkit.inspection.seen import Clock, ColumnLook, FileLook
+from pmmkit.inspection.seen import Block, Clock, ColumnLook, FileLook
 from pmmkit.presentation import counted
 from pmmkit.readers import reader_of
 

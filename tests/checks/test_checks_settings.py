@@ -9,7 +9,7 @@ import pytest
 
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
-from pmmkit.checks.stated import examine_settings
+from pmmkit.checks.stated import examine_set
 from pmmkit.checks.summary import Summary
 from pmmkit.ship import Ship, Water
 
@@ -34,7 +34,7 @@ def rudder(factor: float = 1.0, shift: float = 0.0) -> list[Summary]:
 
 
 def found(items: list[Summary]):
-    return list(examine_settings(EMPTY, items))
+    return list(examine_set(EMPTY, items))
 
 
 def test_a_steering_gear_that_reads_one_or_two_per_cent_more_is_no_matter() -> None:

@@ -12,8 +12,9 @@ import numpy as np
 
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.inspection import FileLook, Group, Look
-from pmmkit.inspection.blocks import Block, Blocks, statistic_in
+from pmmkit.inspection.blocks import statistic_in
 from pmmkit.inspection.file import with_numbers
+from pmmkit.inspection.seen import Block, Blocks
 from pmmkit.inspection.words import block_words
 from pmmkit.numerics import Array
 from pmmkit.readers import reader_of
