@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.checks.stated import examine_set
 from pmmkit.checks.summary import Summary
+from pmmkit.checks.track import motion_facts
 from pmmkit.ship import Ship, Water
 
 DEG = math.pi / 180
@@ -117,3 +120,21 @@ def test_the_speed_of_a_row_is_that_of_u_and_v() -> None:
     (finding,) = found(items)
     assert finding.runs == ("0",)
     assert "0.600 m/s is stated, 0.700 m/s is measured" in finding.message
+
+
+@pytest.mark.parametrize(("amplitude", "told"), [(2e-4, False), (3e-2, True)])
+def test_the_rate_of_a_velocity_that_is_only_rounding_is_not_asked(
+    amplitude: float, told: bool
+) -> None:
+    """Four digits of v are rounding in pure yaw, and a motion in pure sway."""
+    phase = 2 * math.pi * np.arange(24) / 24
+    omega = 2 * math.pi / 40.0
+    v = np.round(amplitude * np.cos(phase), 4)
+    data = xr.Dataset(
+        {"v": ("t", v), "vdot": ("t", np.round(-amplitude * omega * np.sin(phase), 4))},
+        coords={"t": phase / omega},
+    )
+    settings = Settings(speed=0.6, period=40.0, yaw_amplitude=0.2)
+    run = Run(id="G", test="pure_yaw", kind="history", settings=settings, loader=lambda: data)
+    facts = motion_facts(run, data, data["t"].values)
+    assert ("vdot_slope" in facts) == told
