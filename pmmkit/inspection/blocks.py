@@ -165,7 +165,8 @@ def _kind(
     rudder = "rudder_deg" if "rudder_deg" in known else "delta"
     if not swings:
         swept = change(rudder) > _SWEPT
-        return ("sweep", "drift_rudder") if swept else _STEADY
+        each = kind_with(held=("drift", "rudder"))
+        return ("sweep", each.name) if swept and each is not None else _STEADY
     held = (
         []
         if SWAY in swings

@@ -140,6 +140,7 @@ def specs_of(entry: FileEntry | None, base: Mapping[str, ColumnSpec]) -> dict[st
 
 
 def request_of(entry: FileEntry, label: str, setup: Setup, out: Assembled) -> Request | None:
+    """What is read for an entry; None with a problem where its file is not there."""
     free = kind_of(entry.test).free_running
     if free != (setup.kind == "free-running"):
         out.problems.append(
@@ -179,6 +180,7 @@ def add_history(
     setup: Setup,
     out: Assembled,
 ) -> None:
+    """A run with a history of its own."""
     corrections = _with_tare(entry, corrections_of(entry.id, setup))
     given = {**entry.settings(), **set_by(corrections)}
     motion = _motion(entry, label, request, setup, out)
@@ -277,6 +279,7 @@ def _motion(
 
 
 def out_of_range(given: Mapping[str, Any], label: str, setup: Setup, out: Assembled) -> bool:
+    """Whether settings out of cells are none that a campaign file may state; with problems."""
     from pmmkit.campaigns.file.schema import SettingsEntry, read_entry
 
     before = len(out.problems)
@@ -285,6 +288,7 @@ def out_of_range(given: Mapping[str, Any], label: str, setup: Setup, out: Assemb
 
 
 def needs(missing: Sequence[str], test: str, label: str, setup: Setup, out: Assembled) -> bool:
+    """Whether a test lacks settings; with the problem."""
     if missing:
         out.problems.append(
             Problem(
@@ -297,6 +301,7 @@ def needs(missing: Sequence[str], test: str, label: str, setup: Setup, out: Asse
 
 
 def corrections_of(run_id: str, setup: Setup) -> tuple[Correction, ...]:
+    """The corrections that apply to a run."""
     return tuple(item for item in setup.corrections if item.applies_to(run_id))
 
 
@@ -315,6 +320,7 @@ def _with_tare(entry: FileEntry, corrections: tuple[Correction, ...]) -> tuple[C
 
 
 def set_by(corrections: Iterable[Correction]) -> dict[str, Any]:
+    """Settings that corrections state."""
     return {
         name: value
         for correction in corrections
@@ -337,6 +343,7 @@ def said(run: Run, corrections: Sequence[Correction], setup: Setup) -> Run:
 
 
 def numbers_in(given: Mapping[str, Any]) -> Mapping[str, float]:
+    """The settings of a mapping that are numbers."""
     return MappingProxyType(
         {name: float(value) for name, value in given.items() if name in SETTING_UNITS}
     )

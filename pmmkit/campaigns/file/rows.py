@@ -114,6 +114,7 @@ def add_row(
     setup: Setup,
     out: Assembled,
 ) -> None:
+    """A row of a table as a run."""
     cells, picked = table
     line = cells.lines[index]
     request = replace(request, run=run_id)
@@ -184,6 +185,7 @@ def add_row(
 def row_numbers(
     cells: Cells, picked: Sequence[Picked], index: int, request: Request, out: Assembled
 ) -> dict[str, float] | None:
+    """The numbers of a row by our names; None where they are wrong or the row is left out."""
     problems: list[Problem] = []
     numbers: dict[str, float] = {}
     line = cells.lines[index]
