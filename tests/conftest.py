@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import io
 import json
 import os
@@ -33,14 +32,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         made = known.name2fixturedefs.values() if known else ()
         if any(own[-1].scope != "function" and own[-1].baseid == _file(item) for own in made):
             item.add_marker(pytest.mark.xdist_group(_file(item)))
-
-
-def pytest_collection_finish() -> None:
-    """What was collected stays to the end. The search for garbage passes over it: else it costs
-    many times as much, and comes so seldom that reports and figures pile up between."""
-    gc.collect()
-    gc.freeze()
-    gc.collect()  # sets the count of what may be garbage, on which the next search hangs
 
 
 def _file(item: pytest.Item) -> str:
