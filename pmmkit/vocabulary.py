@@ -11,7 +11,7 @@ from importlib.resources import files
 from types import MappingProxyType
 from typing import Final, Literal, get_args
 
-Subject = Literal["channel", "setting", "test"]
+Subject = Literal["channel", "setting", "test", "statistic", "doubt"]
 _SUBJECTS: Final[tuple[Subject, ...]] = get_args(Subject)
 _UMLAUTS: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"})
 _LATIN: Final = re.compile(r"[a-z]")
@@ -56,7 +56,7 @@ def meanings(subject: Subject, text: str) -> tuple[tuple[str, str], ...]:
 
     Parameters
     ----------
-    subject : {"channel", "setting", "test"}
+    subject : {"channel", "setting", "test", "statistic", "doubt"}
         What is asked for.
     text : str
         A header or the name of a file.

@@ -24,6 +24,7 @@ from pmmkit.checks.gauges import change_facts, hold_facts
 from pmmkit.checks.record import flat_facts
 from pmmkit.checks.rest import rest_facts
 from pmmkit.checks.signs import axis_facts
+from pmmkit.checks.stated import set_facts
 from pmmkit.checks.summary import EMPTY, Summary
 from pmmkit.checks.track import free_facts, motion_facts
 from pmmkit.errors import DataError
@@ -93,7 +94,11 @@ def summarise(run: Run, campaign: Campaign, *, known: Known | None = None) -> Su
     means = {name: float(data[name]) for name in FORCES if name in data}
     values = np.array([means[name] for name in _HULL if name in means])
     return Summary(
-        run=run, means=means, digest=_digest(values), sketch=_scaled(values), facts=axis_facts(data)
+        run=run,
+        means=means,
+        digest=_digest(values),
+        sketch=_scaled(values),
+        facts={**axis_facts(data), **set_facts(run, data)},
     )
 
 
@@ -151,7 +156,7 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset, known: Known | N
     for row, name in zip(forces, present, strict=True):
         row[:] = columns[name] if whole else columns[name][order]
     facts |= motion_facts(run, clean, t)
-    facts |= carriage_facts(run, clean, t)
+    facts |= carriage_facts(run, clean, t) | set_facts(run, clean)
     tared = json.loads(data.attrs.get("tared", "{}"))
     facts |= rest_facts(t, dict(zip(present, forces, strict=True)), tared)
     at = np.linspace(0, len(t) - 1, _SKETCH).astype(int)

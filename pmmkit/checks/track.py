@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 NDArrayInt = NDArray[np.int64]
 NDArrayBool = NDArray[np.bool_]
 
+DIGITS: Final = 20
+"""Last digits of a column without which its rate of change is that of the rounding."""
 WINDOW: Final = 1.0
 LONG: Final = 6.0
 LAGS: Final = 3.0
@@ -219,13 +221,19 @@ def motion_facts(run: Run, data: xr.Dataset, t: Array) -> Mapping[str, float]:
         )
     for name in ("u", "v", "r"):
         rate = f"{name}dot"
-        if name in column and rate in column and np.ptp(column[name]) > 1e-6 and run.dynamic:
+        if name in column and rate in column and run.dynamic and _moves(column[name]):
             facts |= _named(rate, rate_facts(t, column[name], column[rate]))
     half = len(t) // 2
     for name in ("u", "v", "r"):
         if name in column:
             facts[f"{name}_mean"] = float(np.mean(column[name][half:]))
     return facts
+
+
+def _moves(values: Array) -> bool:
+    """Whether a column changes by much more than the last digit that is written of it."""
+    steps = np.diff(np.unique(values))
+    return bool(len(steps)) and float(np.ptp(values)) > max(1e-6, DIGITS * float(steps.min()))
 
 
 def _columns(data: xr.Dataset) -> Mapping[str, Array]:

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pmmkit.inspection.guessing import Suggestion, rates_of, suggest
+from pmmkit.inspection.doubts import concerns, doubt_in, without_doubt
+from pmmkit.inspection.guessing import Suggestion, rates_of, suggest, wrong_unit
 from pmmkit.inspection.seen import Clock, ColumnLook, FileLook
 from pmmkit.numerics import Array
 from pmmkit.readers import reader_of
@@ -25,7 +26,7 @@ def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = (
     seams : sequence of int
         Rows before which rows were left out.
     """
-    headers = [column.header for column in look.columns]
+    headers = [without_doubt(column.header) for column in look.columns]
     units = [column.unit for column in look.columns]
     usual = reader_of(look.format).usual(headers)
     found = suggest(headers, units, values, usual=usual)
@@ -33,7 +34,7 @@ def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = (
     if kind in ("table", "open water"):
         found = suggest(headers, units, values, table=True)
     columns = tuple(
-        _seen(replace(column, suggestion=item), values.get(column.position))
+        _seen(_doubted(replace(column, suggestion=item), kind), values.get(column.position))
         for column, item in zip(look.columns, found, strict=True)
     )
     look = replace(look, kind=kind, columns=columns)
@@ -58,7 +59,7 @@ def _with_rates(look: FileLook, values: Mapping[int, Array], clock: int) -> File
         if other is not None:
             times = "" if factor == 1.0 else f", times {factor:g}"
             said = f"the rate of {look.columns[other].label}{times}"
-            column = replace(column, remark="; ".join(filter(None, (column.remark, said))))
+            column = replace(column, remark=_also(column, said))
         columns.append(column)
     return replace(look, columns=tuple(columns))
 
@@ -83,10 +84,22 @@ def _kind(
     return "table" if forces and settings and rows < 5000 else "unknown"
 
 
+def _doubted(column: ColumnLook, kind: str) -> ColumnLook:
+    """Without what its header doubts, with a remark; also where name and unit do not agree."""
+    said = doubt_in(column.title)
+    if concerns(said, column.unit):
+        remark = f"its header says {said!r}: left out unless you name it under [columns]"
+        return replace(column, suggestion=None, remark=remark)
+    if column.suggestion is not None:
+        return column
+    said = wrong_unit(column.header, column.unit, table=kind == "table")
+    return replace(column, remark=said) if said else column
+
+
 def _seen(column: ColumnLook, numbers: Array | None) -> ColumnLook:
     finite = None if numbers is None else numbers[np.isfinite(numbers)]
     if finite is None or not len(finite):
-        return column if numbers is None else replace(column, remark="no numbers")
+        return column if numbers is None else replace(column, remark=_also(column, "no numbers"))
     missing = len(numbers) - len(finite) if numbers is not None else 0
     return replace(
         column,
@@ -95,8 +108,13 @@ def _seen(column: ColumnLook, numbers: Array | None) -> ColumnLook:
         high=float(finite.max()),
         mean=float(finite.mean()),
         first=float(finite[0]),
-        remark=f"{missing} without a number" if missing else "",
+        remark=_also(column, f"{missing} without a number" if missing else ""),
     )
+
+
+def _also(column: ColumnLook, said: str) -> str:
+    """The remark on a column with another one."""
+    return "; ".join(filter(None, (column.remark, said)))
 
 
 def clock_of(time: Array, seams: Sequence[int] = ()) -> Clock | None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from pmmkit.errors import CampaignError, Problem
+from pmmkit.inspection.blocks import blocks_of
 from pmmkit.inspection.columns import judged
 from pmmkit.inspection.guessing import bare_header
 from pmmkit.inspection.sampling import LARGE, Sample, sample_of
@@ -168,8 +169,12 @@ def _sheet(look: FileLook, count: int, numbers: bool) -> FileLook:
     ]
     if sum(numeric) < 2:
         return _with_problem(look, "the sheet has no rows of numbers in columns.")
-    look = replace(look, columns=_columns(cells.headers, ("",) * len(numeric), numeric))
-    return with_numbers(look) if numbers else judged(look, {})
+    look = judged(replace(look, columns=_columns(cells.headers, ("",) * len(numeric), numeric)), {})
+    if look.kind == "table":
+        blocks = blocks_of(cells, look.columns)
+        options = replace(look.options, last_row=blocks.last_row)
+        look = replace(look, blocks=blocks, options=options)
+    return with_numbers(look) if numbers else look
 
 
 def _other(look: FileLook, numbers: bool) -> FileLook:

@@ -254,7 +254,7 @@ def _grouped(looks: Sequence[FileLook]) -> tuple[tuple[Group, ...], list[Problem
 
 
 def _key(item: FileLook) -> tuple[object, ...]:
-    return item.format, item.titles, replace(item.options, sheet=None)
+    return item.format, item.titles, replace(item.options, sheet=None, last_row=None)
 
 
 def _files(folder: Path) -> tuple[list[Path], int]:

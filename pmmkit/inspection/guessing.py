@@ -15,6 +15,7 @@ import numpy as np
 from pmmkit.channels import (
     CHANNEL_UNITS,
     DEGREE_CHANNELS,
+    SETTING_UNITS,
     channel_of,
     harmonic_part,
     names_taken_unasked,
@@ -88,6 +89,8 @@ def suggest(
         _by_name(header, unit, table=table, usual=places)
         for header, unit in zip(headers, units, strict=True)
     ]
+    if table:
+        found = _with_components(found, headers, units)
     known = {item.name for item in found if item}
     for position, (header, unit) in enumerate(zip(headers, units, strict=True)):
         numbers = values.get(position)
@@ -100,7 +103,7 @@ def suggest(
             known.add(item.name)
             if numbers is not None and unit is None and item.unit is None:
                 found[position] = _with_unit(item, numbers)
-    return _each_once(found)
+    return _each_once(found, table=table)
 
 
 def rates_of(time: Array, values: Mapping[int, Array]) -> dict[int, tuple[int, float]]:
@@ -155,21 +158,69 @@ def rates_of(time: Array, values: Mapping[int, Array]) -> dict[int, tuple[int, f
     return found
 
 
+def wrong_unit(header: str, unit: str | None, *, table: bool = False) -> str:
+    """What is said of a column whose name is usual and whose unit measures something else.
+
+    Parameters
+    ----------
+    header : str
+        Without its unit.
+    unit : str or None
+        As stated.
+    table : bool
+        Whether the rows are runs.
+
+    Examples
+    --------
+    >>> wrong_unit("roll", "Nm")
+    "'roll' is a usual name of phi, which is not measured in Nm: a wrong unit, or something else"
+    >>> wrong_unit("Fx", "N"), wrong_unit("gauge 7", "mV")
+    ('', '')
+    """
+    if not unit or _by_name(header, unit, table=table, usual={}) is not None:
+        return ""
+    item = _by_name(header, None, table=table, usual={})
+    if item is None or item.certainty == "perhaps":
+        return ""
+    return (
+        f"{header!r} is a usual name of {item.name}, which is not measured in {unit}: a wrong "
+        "unit, or something else"
+    )
+
+
 _RANK: Final = {"surely": 0, "probably": 1, "perhaps": 2}
 
 
-def _each_once(found: Sequence[Suggestion | None]) -> tuple[Suggestion | None, ...]:
+def _each_once(found: Sequence[Suggestion | None], *, table: bool) -> tuple[Suggestion | None, ...]:
     """The best claim on each name; the first of several that are as good."""
     best: dict[str, int] = {}
     for position, item in enumerate(found):
         if item is None:
             continue
-        name = channel_of(item.name)
+        # what a table says was set stands beside what was measured
+        name = item.name if table and item.name in SETTING_UNITS else channel_of(item.name)
         holder = found[best[name]] if name in best else None
         if holder is None or _RANK[item.certainty] < _RANK[holder.certainty]:
             best[name] = position
     kept = set(best.values())
     return tuple(item if position in kept else None for position, item in enumerate(found))
+
+
+def _with_components(
+    found: Sequence[Suggestion | None], headers: Sequence[str], units: Sequence[str | None]
+) -> list[Suggestion | None]:
+    """In a table u and v in m/s are the motion of the hull, and tell its speed."""
+    own = {
+        header.strip(): place
+        for place, (header, unit) in enumerate(zip(headers, units, strict=True))
+        if header.strip() in ("u", "v") and unit is not None and _dimension(unit) == "m/s"
+    }
+    if len(own) < 2:
+        return list(found)
+    kept = [None if item and item.name in ("speed", "v_amplitude") else item for item in found]
+    for name, place in own.items():
+        kept[place] = Suggestion(name=name, certainty="surely", reason="its exact name")
+    return kept
 
 
 def _by_name(
@@ -180,6 +231,10 @@ def _by_name(
         return None
     if plain in usual and _fits(usual[plain], unit, table=table):
         return Suggestion(name=usual[plain], certainty="surely", reason="its name in this format")
+    rate = _RATE.fullmatch(plain)
+    if rate is not None and unit and _fits(f"{rate[1]}dot", unit, table=False):
+        why = f"{plain!r} in {unit}"
+        return Suggestion(name=f"{rate[1]}dot", certainty="probably", reason=why)
     exact = re.sub(r"'(?=$|_)", "", plain)
     if _known(exact, table=table) and _fits(exact, unit, table=table):
         return Suggestion(name=exact, certainty="surely", reason="its exact name")
@@ -386,13 +441,19 @@ _NAMES: Final = tuple(
     }.items()
 )
 
+_SEEN: Final = "measured|actual|mean"
 _TABLE_NAMES: Final = tuple(
     (name, _pattern(words))
     for name, words in {
+        "n": f"prop(?:eller)? (?:{_SEEN})",
+        "delta": f"rudder (?:{_SEEN})",
+        "FX_rudder": "r ?x|rudder x",
+        "FY_rudder": "r ?y|rudder y",
+        "Q": "prop(?:eller)? q",
         "drift_deg": "beta|β|drift(?: angle)?",
         "rudder_deg": "delta|δ|rudder(?: angle)?",
         "heel_deg": "phi|φ|heel(?: angle)?",
-        "propeller_rps": "rps|rpm|n|prop(?:eller)? (?:rps|rev(?:olution)?s?)",
+        "propeller_rps": "rps|rpm|n|prop(?:eller)? (?:rps|rev(?:olution)?s?|given|ordered|nominal)",
         "frequency_hz": "freq|frequency|f",
         "period": "period",
         "yaw_amplitude_deg": "(?:yaw|heading|psi)(?: angle)? ampl?(?:itude)?|psi ?[a0]|ψ ?[a0]",
@@ -404,8 +465,6 @@ _TABLE_NAMES: Final = tuple(
         "speed": "speed(?: m s)?|v|u|(?:towing )?carriage speed|towing speed|v ?carriage|u ?c",
         "T": "t ?x|thrust",
         "X": "resistance(?: n)?",
-        "FX_rudder": "r ?x",
-        "FY_rudder": "r ?y",
     }.items()
 )
 
@@ -421,4 +480,6 @@ _SETTINGS_OF: Final = {
 _HARMONIC: Final = re.compile(
     r"(?P<channel>[XYNKTQ]|R[XYxy])_?(?P<part>(?P<mean>mean|std)|sin|cos|in|out)_?(?P<order>[1-9]?)'?"
 )
+_RATE: Final = re.compile(r"([uvrp])'")
+"""A rate of change, if its unit is that of one; else a number without dimension."""
 _RUDDER_FORCES: Final = {"RX": "FX_rudder", "RY": "FY_rudder"}

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
 from pmmkit.errors import Problem
+from pmmkit.inspection.doubts import without_doubt
 from pmmkit.inspection.guessing import Suggestion
 from pmmkit.readers import Options, Request, reader_of
 from pmmkit.readers.text.layout import Layout
+
+What = Literal["steady", "cycle", "sweep", "statistics", "other names", "incomplete"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,8 +91,86 @@ class ColumnLook:
     @property
     def clipped(self) -> str:
         """The label, cut to 36 letters, that can be shown."""
-        plain = "".join(char if char.isprintable() else "?" for char in self.label)
+        label = without_doubt(self.label)
+        plain = "".join(char if char.isprintable() else "?" for char in label)
         return plain if len(plain) <= 36 else plain[:34] + " …"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """Rows of a sheet that belong together.
+
+    Parameters
+    ----------
+    what : str
+        ``steady``: each row is a test; ``cycle``: the rows of a name are one cycle; ``sweep``: the
+        rudder goes through a cycle, the rest is steady; ``statistics``: of the rows above;
+        ``other names``: a row that names columns otherwise, and all below; ``incomplete``.
+    test : str or None
+        Kind of test of steady rows, cycles and sweeps.
+    lines : tuple of int
+        Rows of the file, counted from 1.
+    names : tuple of str
+        Tests, each once; of other names those names; of statistics what they are.
+    words : tuple of str
+        What their column of kinds says.
+    """
+
+    what: What
+    test: str | None
+    lines: tuple[int, ...]
+    names: tuple[str, ...]
+    words: tuple[str, ...] = ()
+
+    @property
+    def places(self) -> str:
+        """Its rows in words."""
+        ends = [
+            place
+            for place in range(1, len(self.lines))
+            if self.lines[place] != self.lines[place - 1] + 1
+        ]
+        first, last = self.lines[0], self.lines[-1]
+        if not ends:
+            return f"row {first}" if first == last else f"rows {first} to {last}"
+        return f"{len(self.lines)} of the rows {first} to {last}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Blocks:
+    """The blocks of a sheet, and the columns by which they are told.
+
+    Parameters
+    ----------
+    blocks : tuple of Block
+        In the order of their first rows.
+    name, word : str
+        Headers of the columns of names and of kinds of test; empty where there is none.
+    """
+
+    blocks: tuple[Block, ...] = ()
+    name: str = ""
+    word: str = ""
+
+    def of(self, *what: What) -> tuple[Block, ...]:
+        """The blocks of some kinds."""
+        return tuple(block for block in self.blocks if block.what in what)
+
+    @property
+    def runs(self) -> tuple[Block, ...]:
+        """Those whose rows are runs or samples of runs."""
+        return self.of("steady", "cycle", "sweep")
+
+    @property
+    def mixed(self) -> bool:
+        """Whether there is more than rows that are runs."""
+        return any(block.what != "steady" for block in self.blocks)
+
+    @property
+    def last_row(self) -> int | None:
+        """The last row above other names."""
+        below = self.of("other names")
+        return below[0].lines[0] - 1 if below else None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,6 +201,8 @@ class FileLook:
         All columns.
     clock : Clock or None
         Of a history.
+    blocks : Blocks
+        What the rows of a sheet are.
     problems : tuple of Problem
         What keeps it from being read as it is.
     notes : tuple of str
@@ -136,6 +220,7 @@ class FileLook:
     layout: Layout | None = None
     columns: tuple[ColumnLook, ...] = ()
     clock: Clock | None = None
+    blocks: Blocks = field(default_factory=Blocks)
     problems: tuple[Problem, ...] = ()
     notes: tuple[str, ...] = ()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from pmmkit.errors import CampaignError, Problem
 from pmmkit.inspection.seen import FileLook
 from pmmkit.numerics import ABSURD, Array
 from pmmkit.readers import Request, reader_of
-from pmmkit.readers.base import to_number
+from pmmkit.readers.base import numbers_of, to_number
 from pmmkit.readers.text.layout import Layout
 
 
@@ -37,11 +37,31 @@ def values_of(look: FileLook, positions: Sequence[int] | None = None) -> Values:
     wanted = tuple(positions if positions is not None else _numeric(look))
     request = look.request
     reader = reader_of(look.format)
+    if look.blocks.mixed:
+        return _of_runs(look, wanted)
     try:
         read = reader.columns(request, lambda _, width: [p for p in wanted if p < width])
     except CampaignError as error:
         return Values(numbers=_lenient(look, wanted), problems=_few(error.problems, request))
     return Values(numbers=dict(zip(read.positions, read.values, strict=True)), notes=read.notes)
+
+
+def _of_runs(look: FileLook, positions: Sequence[int]) -> Values:
+    """The numbers of the rows that are runs or samples of them; the others are no damage."""
+    cells = reader_of(look.format).cells(look.request)
+    taken = {line for block in look.blocks.runs for line in block.lines}
+    kept = [place for place, line in enumerate(cells.lines) if line in taken]
+    own = replace(
+        cells,
+        rows=tuple(cells.rows[place] for place in kept),
+        lines=tuple(cells.lines[place] for place in kept),
+    )
+    _, _, problems = numbers_of(own, positions, look.request)
+    numbers = {
+        place: np.array([to_number(row[place], cells.decimal) for row in own.rows], dtype=float)
+        for place in positions
+    }
+    return Values(numbers=numbers, problems=_few(problems, look.request), notes=cells.notes)
 
 
 def _numeric(look: FileLook) -> list[int]:

@@ -9,7 +9,8 @@ import numpy as np
 
 from pmmkit.errors import Problem
 from pmmkit.inspection.folder import MOST_COUNTED, Group, Look
-from pmmkit.inspection.seen import Clock, ColumnLook, FileLook
+from pmmkit.inspection.seen import Block, Clock, ColumnLook, FileLook
+from pmmkit.presentation import counted
 from pmmkit.readers import reader_of
 
 _DELIMITERS: Final = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks", "|": "bars"}
@@ -45,9 +46,39 @@ def group_lines(group: Group) -> list[str]:
         )
     if first.clock is not None:
         lines.append(f"  {clock_words(first.clock, first.known['t'])}")
+    lines += [f"  {line}" for item in group.files for line in block_lines(item, len(group.files))]
     lines += [f"  {line}" for line in column_table(first.columns)]
     lines += [f"  Note: {note}." for note in first.notes]
     return lines
+
+
+def block_lines(look: FileLook, files: int = 1) -> list[str]:
+    """What the rows of a sheet are, a line a block; nothing where all of them are runs."""
+    if not look.blocks.mixed:
+        return []
+    where = f"{look.options.sheet}: " if files > 1 else ""
+    return [f"{where}{block.places}: {block_words(block)}." for block in look.blocks.blocks]
+
+
+def block_words(block: Block) -> str:
+    """What rows are, in words."""
+    said = f" ({', '.join(block.words)})" if block.words else ""
+    count = len(block.names)
+    if block.what == "steady":
+        return f"{len(block.lines)} steady tests{said}"
+    if block.what == "cycle":
+        test = block.test or "dynamic"
+        each = f"{len(block.lines) / count:.3g} rows each"
+        return f"{counted(count, 'test')} of one cycle, {each}: {test}{said}"
+    if block.what == "sweep":
+        each = f"{len(block.lines) / count:.3g} rows each"
+        swept = f"{counted(count, 'sweep')} of the rudder, {each}"
+        return f"{swept}: every row as a steady test{said}"
+    if block.what == "statistics":
+        return f"statistics of repeats, no runs: {', '.join(block.names)}{said}"
+    if block.what == "other names":
+        return f"another table, with names of its own: {', '.join(block.names[:_SHOWN])}; not read"
+    return "less than half of the numbers are there; not read"
 
 
 def file_words(look: FileLook) -> str:

@@ -45,6 +45,8 @@ class Options:
         Name of a reader; None goes by the file's suffix (Excel, HDF5) and else is ``csv``.
     skip_rows : int
         Lines above the header.
+    last_row : int or None
+        Last row of a sheet that is read, counted from 1.
     encoding, delimiter, decimal : str or None
         Text files; None means UTF-8, and found from the first lines.
     header : bool or None
@@ -73,6 +75,7 @@ class Options:
 
     format: str | None = None
     skip_rows: int = 0
+    last_row: int | None = None
     encoding: str | None = None
     delimiter: str | None = None
     decimal: str | None = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from pmmkit.channels import did_you_mean, split_unit
@@ -11,7 +11,11 @@ from pmmkit.errors import Problem
 from pmmkit.readers.base import Cell, Cells, Request, to_number
 
 Plain = str | float | int | bool
+Wanted = Plain | Sequence[Plain]
+"""The value of a cell, or several of which it may have any."""
 _BRACES: Final = re.compile(r"\{([^{}]*)\}")
+ROW: Final = "row"
+"""In braces: the row of the file."""
 _FILLED: Final = re.compile(r"(.+):0([1-9]\d?)")
 """A column whose whole numbers stand with at least so many digits: ``Run:04`` is 0101."""
 
@@ -26,7 +30,7 @@ def column_named(cells: Cells, name: str) -> int | None:
 
 
 def matching_rows(
-    cells: Cells, where: Mapping[str, Plain], request: Request
+    cells: Cells, where: Mapping[str, Wanted], request: Request
 ) -> tuple[list[int], list[Problem]]:
     """Indices of the rows whose cells are as stated, and what is wrong with the statement.
 
@@ -39,8 +43,11 @@ def matching_rows(
         if place is None:
             problems.append(no_column(cells, name, request))
             continue
+        either = [wanted] if isinstance(wanted, (str, float, int)) else list(wanted)
         chosen = [
-            index for index in chosen if _same(cells.rows[index][place], wanted, cells.decimal)
+            index
+            for index in chosen
+            if any(_same(cells.rows[index][place], value, cells.decimal) for value in either)
         ]
     return chosen, problems
 
@@ -57,7 +64,7 @@ def filled_in(template: str, cells: Cells, index: int) -> tuple[str, list[str]]:
     """An id with the cells of a row in place of ``{their column}``, and columns not found.
 
     ``{their column:04}`` writes a whole number with four digits, ``{their column:01}`` without
-    the zeros before it.
+    the zeros before it. ``{row}`` is the row of the file where no column is named so.
 
     Examples
     --------
@@ -67,12 +74,16 @@ def filled_in(template: str, cells: Cells, index: int) -> tuple[str, list[str]]:
     >>> filled_in("Run{Run No.:04}", table, 0)
     ('Run0376', [])
     """
-    missing = [name for name in _BRACES.findall(template) if _column_of(cells, name) is None]
+    missing = [
+        name
+        for name in _BRACES.findall(template)
+        if name != ROW and _column_of(cells, name) is None
+    ]
 
     def cell(found: re.Match[str]) -> str:
         place = _column_of(cells, found[1])
         if place is None:
-            return found[0]
+            return str(cells.lines[index]) if found[1] == ROW else found[0]
         text, digits = as_text(cells.rows[index][place[0]]), place[1]
         return f"{int(text):0{digits}d}" if digits and text.isdecimal() else text
 

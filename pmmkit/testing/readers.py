@@ -30,6 +30,7 @@ _SOON: Final = 1 << 23
 _ODD: Final[Mapping[str, object]] = {
     "format": "nowhere",
     "skip_rows": 1,
+    "last_row": 2,
     "encoding": "utf-16",
     "delimiter": "|",
     "decimal": ",",

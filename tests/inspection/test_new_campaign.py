@@ -487,3 +487,32 @@ def test_tables_of_hmri_open_once_their_conventions_are_said(
     found = campaign["pure_sway_377"]
     assert found.settings.period == pytest.approx(by_hand["PS_377"].settings.period)
     assert campaign["static_drift_356"].settings.drift == pytest.approx(math.radians(30))
+
+
+def from_rest_to_rest(path: Path, speed: float, *, drag: float) -> Path:
+    """A record of a bare towing carriage at 20 Hz; its names and units end in a tab."""
+    t = np.arange(0.05, 120.0, 0.05)
+    u = speed * np.clip(np.minimum((t - 5.0) / 20.0, (115.0 - t) / 5.0), 0.0, 1.0)
+    rng = np.random.default_rng(3)
+    accelerated = 60.0 * np.gradient(u, t)
+    table = [t, u, -drag * (u / speed) ** 2 - accelerated + 0.3 * rng.normal(size=t.size)]
+    table += [0.2 * rng.normal(size=t.size) for _ in "YNr"]
+    lines = ["time \tu \tX \tY \tN \troll \t", "s \tm/s \tN \tN \tNm \tNm \t"]
+    lines += ["\t".join(f"{value:.4f}" for value in row) for row in zip(*table, strict=True)]
+    path.write_text("\r\n".join(lines) + "\r\n", encoding="latin-1")
+    return path
+
+
+def test_the_speed_of_a_record_from_rest_to_rest_is_that_of_its_steady_part(tmp_path, capsys):
+    """A mean over ramp and stop would be .67 m/s; no unit is taken for a name."""
+    from_rest_to_rest(tmp_path / "C1.dat", 0.8, drag=2.0)
+    status, content, _ = drafted(capsys, tmp_path)
+    assert status == 0
+    (run,) = content["runs"]
+    assert run["settings"]["speed"] == pytest.approx(0.8, abs=0.002)
+    text = (tmp_path / "campaign.toml").read_text(encoding="utf-8")
+    columns = tomllib.loads(text)["columns"]
+    assert columns["X"] == {"name": "X", "unit": "N"}
+    assert columns["N"] == {"name": "N", "unit": "Nm"}
+    assert "phi" not in columns
+    assert "not used: roll ('roll' is a usual name of phi, which is not measured in Nm" in text

@@ -55,6 +55,23 @@ def test_units_stand_in_a_second_line(read, delimiter, decimal, ends):
     assert same(found)
 
 
+@pytest.mark.parametrize("delimiter", ["\t", ";"])
+@pytest.mark.parametrize("ends", ["\t", " \t ", "\t\t"])
+def test_names_and_units_that_end_in_a_delimiter(read, delimiter, ends):
+    """As spreadsheets and loggers write them: the rows below have none."""
+    tail = ends.replace("\t", delimiter)
+    names, units = delimiter.join(("t", "u", "X")), delimiter.join(("s", "m/s", "N"))
+    found = read(f"{names}{tail}\r\n{units}{tail}\r\n" + rows(delimiter, ends="\r\n"))
+    assert found.headers == ("t [s]", "u [m/s]", "X [N]")
+    assert same(found)
+    assert read(f"{names}{tail}\n" + rows(delimiter)).headers == ("t", "u", "X")
+
+
+def test_a_row_that_ends_in_a_delimiter_is_damaged(read):
+    with pytest.raises(CampaignError, match="fields"):
+        read("t\tu\tX\t\n" + rows("\t") + "1.0\t2.0\t3.0\t4.0\n")
+
+
 def test_units_in_brackets_and_with_blanks(read):
     found = read("Time Speed  Moment\n[s]  [m/s]  [N m]\n" + rows())
     assert found.headers == ("Time [s]", "Speed [m/s]", "Moment [N m]")

@@ -381,8 +381,8 @@ def _assemble(
 def _add_all(raw: Mapping[str, Any], setup: Setup, out: Assembled) -> None:
     """Every entry of ``[[runs]]``, ``[[matrix]]`` and ``[[tables]]``."""
     from pmmkit.campaigns.file import schema
-    from pmmkit.campaigns.file.assembly import add_run, add_table
     from pmmkit.campaigns.file.defaults import read_defaults, with_defaults
+    from pmmkit.campaigns.file.entries import add_run, add_table
     from pmmkit.campaigns.file.matrix import entries_of
 
     defaults = read_defaults(raw.get("defaults", {}), setup.toml, out.problems)

@@ -64,6 +64,7 @@ ACTIONS: Final = (
     "accept",
 )
 
+Where = dict[str, Plain | list[Plain]]
 M = TypeVar("M", bound="Entry")
 
 
@@ -206,8 +207,13 @@ class RunEntry(FileEntry):
 class TableEntry(FileEntry):
     """``[[tables]]``."""
 
-    where: dict[str, Plain] = said('takes some rows: `{ Type = "Schräg" }`', {})
+    where: Where = said('takes some rows: `{ Type = "Schräg" }`, or a list of values', {})
     skip: list[Annotated[int, Field(ge=1)]] = said("leaves rows out, counted from 1", [])
+    samples: Literal["cycle", "time"] | None = said(
+        "rows of one id are the samples of one run: of one cycle at even steps, or at the times "
+        "of a column t",
+        None,
+    )
 
     @model_validator(mode="after")
     def _no_rest(self) -> TableEntry:
@@ -233,7 +239,7 @@ class MatrixEntry(SettingsEntry):
         "its sheet, with columns in braces", None
     )
     columns: dict[str, ColumnEntry] = said("our settings = their columns", {})
-    where: dict[str, Plain] = said("takes some rows", {})
+    where: Where = said("takes some rows", {})
     skip: list[Annotated[int, Field(ge=1)]] = said("leaves rows out, counted from 1", [])
 
     @field_validator("columns")

@@ -145,6 +145,9 @@ class SourceEntry(Entry):
         "one of those below; otherwise by the suffix, else by content", None
     )
     skip_rows: Count = said("rows before the names of the columns", 0)
+    last_row: Annotated[int, Field(ge=1)] | None = said(
+        "last row of a sheet that is read, counted from 1: below it stands something else", None
+    )
     encoding: str | None = said("of text, such as `cp1252`; found if absent", None)
     delimiter: Literal[",", ";", "\t", " ", "|"] | None = said(
         "between columns; found if absent", None

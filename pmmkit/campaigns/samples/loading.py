@@ -193,16 +193,16 @@ def _motion_of(request: Request, context: Context) -> dict[str, Array]:
 
 @dataclass(frozen=True, kw_only=True)
 class RowLoader:
-    """Gives a row of a table, which was read when the campaign was opened.
+    """Gives a row of a table, or its rows that are samples, read when the campaign was opened.
 
     Parameters
     ----------
     request : Request
         The file the row stands in.
-    kind : {"means", "harmonics"}
-        What the row holds.
-    values : mapping of str to float
-        Channels, means and parts of harmonics after conversion of units.
+    kind : {"means", "harmonics", "history"}
+        What the row holds, or the rows.
+    values : mapping of str to float or tuple of float
+        Channels, means and parts of harmonics after conversion of units; of a history its samples.
     dimensional : frozenset of str
         Those whose unit was stated.
     turned : bool
@@ -215,7 +215,7 @@ class RowLoader:
 
     request: Request
     kind: Kind
-    values: Mapping[str, float]
+    values: Mapping[str, float | tuple[float, ...]]
     context: Context
     dimensional: frozenset[str] = frozenset()
     turned: bool = False
@@ -229,7 +229,7 @@ class RowLoader:
     def __call__(self) -> xr.Dataset:
         return dataset(
             self.kind,
-            {name: np.array([value]) for name, value in self.values.items()},
+            {name: np.atleast_1d(value) for name, value in self.values.items()},
             self.context,
             self.notes,
             request=self.request,

@@ -18,12 +18,15 @@ EXAMPLE: Final = "pmmkit new-campaign my-files --ship s175"
 
 
 def new_campaign(
-    folder: Annotated[Path, typer.Argument(help="Folder with the files of the tests.")],
+    folder: Annotated[Path, typer.Argument(help="Folder with the files of the tests, or a file.")],
     out: Annotated[
         Path | None, typer.Option(help="Campaign file; campaign.toml in the folder if absent.")
     ] = None,
     ship: Annotated[
         str | None, typer.Option(help="Ship of the library (pmmkit ships), at its scale.")
+    ] = None,
+    sheet: Annotated[
+        str | None, typer.Option(help="The only sheet of the workbook that is meant.")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
 ) -> Outcome:
@@ -35,12 +38,13 @@ def new_campaign(
     from pmmkit.inspection.drafts.propose import proposed
     from pmmkit.inspection.drafts.write import written
 
-    target = folder / FILE_NAME if out is None else out
+    beside = folder if folder.is_dir() or not folder.exists() else folder.parent
+    target = beside / FILE_NAME if out is None else out
     if target.is_dir():
         target = target / FILE_NAME
     if target.exists() and not force:
         raise FileExists(f"{target} is there: it was not replaced. Name another --out, or --force.")
-    draft = proposed(draft_of(folder, target, ship=ship), target)
+    draft = proposed(draft_of(folder, target, ship=ship, sheet=sheet), target)
     text = written(draft)
     try:
         write_text(target, text.text)

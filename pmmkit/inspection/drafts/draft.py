@@ -24,11 +24,21 @@ from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.inspection import ColumnLook, FileLook, Group, Look, look
 from pmmkit.inspection.drafts.choosing import Choice, with_choices
 from pmmkit.inspection.drafts.conventions import Proposal
+from pmmkit.inspection.drafts.drift import drift_column, with_drift
 from pmmkit.inspection.drafts.matrix import MatrixDraft, matrix_of
 from pmmkit.inspection.drafts.motion import Moved, motion_facts
 from pmmkit.inspection.drafts.names import facts_of
+from pmmkit.inspection.drafts.particulars import Found, particulars_of
 from pmmkit.inspection.drafts.settle import Setting, settled
-from pmmkit.inspection.guessing import suggest
+from pmmkit.inspection.drafts.sheets import (
+    left_lines,
+    only_sheet,
+    shared_names,
+    skipped,
+    strangers,
+    template_of,
+    where_of,
+)
 from pmmkit.inspection.sampling import LARGE
 from pmmkit.inspection.values import values_of
 from pmmkit.numerics import Array
@@ -62,6 +72,14 @@ class RunDraft:
         Whether a matrix says what it was set to.
     notes : tuple of str
         What of the motion that it was told to make was not followed.
+    where : mapping
+        Which rows of a table are meant, by their columns.
+    skip : tuple of int
+        Rows of a table that are not.
+    samples : str or None
+        Whether rows of one id are samples: ``cycle``.
+    template : str
+        Id of the rows of a table, with columns in braces; empty where it is to be found.
     """
 
     id: str
@@ -75,6 +93,10 @@ class RunDraft:
     computation: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     listed: bool = False
     notes: tuple[str, ...] = ()
+    where: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    skip: tuple[int, ...] = ()
+    samples: str | None = None
+    template: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,6 +115,8 @@ class Draft:
         Histories; tables whose rows are runs.
     matrices : tuple of MatrixDraft
         Tables that list runs: one for the files, one for each workbook with a sheet per run.
+    particulars : mapping of str to (float, str)
+        Of the model, as a list beside the tests has them, and where.
     proposal : Proposal or None
         Axes and signs by the physics of all runs; None where they were not asked.
     saved : tuple of (str, Campaign)
@@ -112,6 +136,7 @@ class Draft:
     unused: tuple[str, ...]
     look: Look
     matrices: tuple[MatrixDraft, ...] = ()
+    particulars: Found = field(default_factory=lambda: MappingProxyType({}))
     proposal: Proposal | None = None
 
 
@@ -123,7 +148,12 @@ _NOT_RUNS: Final = {
 
 
 def draft_of(
-    folder: Path, target: Path, *, ship: str | None = None, choices: Sequence[Choice] = ()
+    folder: Path,
+    target: Path,
+    *,
+    ship: str | None = None,
+    choices: Sequence[Choice] = (),
+    sheet: str | None = None,
 ) -> Draft:
     """What a campaign file for the files of a folder can say.
 
@@ -137,6 +167,8 @@ def draft_of(
         A ship of the library.
     choices : sequence of Choice
         What a person chose of the columns.
+    sheet : str, optional
+        The only sheet of workbooks that is meant.
 
     Raises
     ------
@@ -154,7 +186,8 @@ def draft_of(
                 remedy="Name the folder in which the files of the tests lie.",
             )
         )
-    seen = _with_drift(with_choices(look(folder), choices))
+    found = look(folder) if sheet is None else only_sheet(look(folder), sheet)
+    seen = with_drift(with_choices(found, choices))
     place = folder if folder.is_dir() else folder.parent
     base = _relative(place, target)
     saved = [
@@ -165,12 +198,11 @@ def draft_of(
     length = known.L if known else None
     histories = [group for group in seen.groups if group.first.kind == "history"]
     runs = [run for group in histories for run in _runs(group, base, length)]
-    tables = [
-        _table(item, base, length)
-        for group in seen.groups
-        if group.first.kind == "table"
-        for item in _read_all(group)
+    listed = [
+        item for group in seen.groups if group.first.kind == "table" for item in _read_all(group)
     ]
+    named = shared_names(listed)
+    tables = [entry for item in listed for entry in _tables(item, base, length, named=named)]
     if not (runs or tables or saved):
         raise CampaignError(
             Problem(
@@ -201,6 +233,8 @@ def draft_of(
         for item in group.files
         if (item.path, item.options) not in listing
     ]
+    sheets = [str(item.options.sheet) for item in listed if item.options.sheet is not None]
+    unused += [line for item in listed for line in (*left_lines(item), *strangers(item, sheets))]
     taken = [run.id for _, campaign in saved for run in campaign]
     return Draft(
         title=folder.resolve().stem if folder.is_file() else folder.resolve().name,
@@ -212,7 +246,15 @@ def draft_of(
         unused=tuple(unused),
         look=seen,
         matrices=matrices,
+        particulars={} if ship else particulars_of(_beside(seen, listed), sheets),
     )
+
+
+def _beside(seen: Look, tables: Sequence[FileLook]) -> list[FileLook]:
+    """Sheets of the workbooks of some tables that hold no runs."""
+    books = {item.path for item in tables}
+    looks = [item for group in seen.groups for item in group.files]
+    return [item for item in looks if item.path in books and item.kind == "unknown"]
 
 
 def _matrices(seen: Look, base: str, runs: Sequence[RunDraft]) -> tuple[MatrixDraft, ...]:
@@ -279,7 +321,7 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
         if column.suggestion and column.suggestion.certainty != "perhaps"
     }
     clock = group.first.known["t"]
-    drift = _drift_column(group.first)
+    drift = drift_column(group.first)
     drafts = []
     for item in group.files:
         named = facts_of(_name(item))
@@ -312,35 +354,6 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
             )
         )
     return drafts
-
-
-def _with_drift(seen: Look) -> Look:
-    """With a remark at columns that are no channel, and say the drift angle of their runs."""
-    return replace(seen, groups=tuple(_drift_told(group) for group in seen.groups))
-
-
-def _drift_told(group: Group) -> Group:
-    found = _drift_column(group.first) if group.first.kind == "history" else None
-    if found is None:
-        return group
-    columns = tuple(
-        replace(column, remark="it says the drift angle of each run")
-        if column.position == found.position
-        else column
-        for column in group.first.columns
-    )
-    return replace(group, files=(replace(group.first, columns=columns), *group.files[1:]))
-
-
-def _drift_column(look: FileLook) -> ColumnLook | None:
-    """A column of a history that is the drift angle: no channel of ours, but a setting."""
-    for column in look.columns:
-        if column.suggestion is None and column.numbers:
-            (found,) = suggest([column.header], [column.unit], {}, table=True)
-            if found is not None and found.name == "drift_deg":
-                unit = found.unit or column.unit or "deg"
-                return replace(column, suggestion=replace(found, unit=unit))
-    return None
 
 
 def _told(item: FileLook, test: str | None) -> Moved:
@@ -431,6 +444,8 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
     file, sheet = item.shown.partition(", sheet ")[::2]
     named = facts_of("/".join(part for part in (_stem(file), sheet) if part))
     known = set(item.known)
+    if "u" in known:
+        known |= {"speed"}
     if "frequency_hz" in known:
         known |= {"period"}
     if known & {"v_amplitude", "vdot_amplitude"}:
@@ -450,6 +465,39 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
     )
 
 
+def _tables(item: FileLook, base: str, length: float | None, *, named: bool) -> list[RunDraft]:
+    """The tables of a sheet, one a block of its runs; `named` where other sheets use its names."""
+    whole = _table(item, base, length)
+    blocks = item.blocks
+    if not blocks.mixed:
+        return [whole]
+    sheet = str(item.options.sheet) if named and item.options.sheet is not None else ""
+    found = []
+    for block in blocks.runs:
+        test = block.test or whole.test
+        cycle = block.what == "cycle"
+        held = [x for x in whole.settings if not cycle or x.key not in _IN_A_CYCLE]
+        swept = "the rudder swings slowly: its rows are not as independent as steady tests"
+        found.append(
+            replace(
+                whole,
+                id=f"{whole.id}_{block.words[0] if block.words else block.what}_{test or ''}",
+                test=test,
+                settings=tuple(held),
+                where=where_of(block, blocks),
+                skip=skipped(block, blocks),
+                samples="cycle" if cycle else None,
+                template=template_of(block, blocks, sheet),
+                notes=(swept,) if block.what == "sweep" else (),
+            )
+        )
+    return found
+
+
+_IN_A_CYCLE: Final = ("speed", "period", "amplitude_m", "yaw_amplitude_deg")
+"""Settings that the motion within a cycle tells."""
+
+
 def _test_of_table(known: set[str]) -> str | None:
     held = [name for name in ("drift", "rudder") if setting_key(name) in known]
     kind = kind_with(held=held) if len(held) == 2 or (held and "period" not in known) else None
@@ -460,7 +508,14 @@ def _read_all(group: Group) -> list[FileLook]:
     """Each file of a group of tables as it was looked at, its columns those of the first."""
     first = group.first
     return [first] + [
-        replace(first, path=item.path, shown=item.shown, options=item.options, problems=())
+        replace(
+            first,
+            path=item.path,
+            shown=item.shown,
+            options=item.options,
+            blocks=item.blocks,
+            problems=(),
+        )
         for item in group.files[1:]
     ]
 

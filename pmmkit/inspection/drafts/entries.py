@@ -18,6 +18,7 @@ from pmmkit.inspection.drafts.computed import Computed
 from pmmkit.inspection.drafts.draft import RunDraft
 from pmmkit.inspection.drafts.matrix import MatrixDraft
 from pmmkit.inspection.drafts.settle import WORDS, Setting, asked_of
+from pmmkit.inspection.drafts.sheets import where_line
 from pmmkit.inspection.drafts.text import Todo, aligned, toml
 from pmmkit.readers import reader_of
 from pmmkit.readers.rows import filled_in
@@ -102,7 +103,9 @@ def entry_lines(
     """
     lines = [f"[[{table}]]"]
     identity = entry.id
-    if table == "tables":
+    if entry.template:
+        identity = entry.template
+    elif table == "tables":
         plain = entry.id.replace("{", "(").replace("}", ")")
         identity = _told_apart(f"{plain}_{{{_id_column(entry.look)}}}", entry.look)
     lines += [f"id = {toml(identity)}"]
@@ -121,12 +124,21 @@ def entry_lines(
         lines.append(f"cfd = {toml(own)}")
     if entry.look is base and entry.sheet is not None and apart:
         lines.append(f"source = {{ sheet = {toml(entry.sheet)} }}")
+    shared = base is not None and entry.look is not base and entry.look.columns == base.columns
+    if shared:
+        lines.append(f"source = {{ {', '.join(_apart(entry))} }}")
+    if entry.where:
+        lines.append(where_line(entry.where))
+    if entry.skip:
+        lines.append(aligned(f"skip = {toml(entry.skip)}", "rows that are no runs"))
+    if entry.samples:
+        lines.append(aligned(f"samples = {toml(entry.samples)}", "rows of one name: one cycle"))
     lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
     lines += [f"# {toml_comment(note)}" for note in entry.notes]
     lines += [f"# TODO {toml_comment(problem)}" for problem in entry.problems[:3]]
     if entry.problems:
         todo.of_run('the file is damaged or lacks values (missing = "drop" in [source])', entry.id)
-    if entry.look is not base:
+    if entry.look is not base and not shared:
         options = replace(entry.look.options, sheet=entry.sheet)
         source = source_lines(entry.look, options, every=base is not None)
         lines += [f"[{table}.source]", *source]
@@ -143,6 +155,13 @@ def entry_lines(
     return lines
 
 
+def _apart(entry: RunDraft) -> list[str]:
+    """What a table whose columns are those of all tables says of its sheet."""
+    options = entry.look.options
+    said = {"sheet": entry.sheet, "last_row": options.last_row}
+    return [f"{key} = {toml(value)}" for key, value in said.items() if value is not None]
+
+
 def guessed_source(entries: Sequence[RunDraft]) -> dict[str, str]:
     """What tables of non-dimensional forces or of harmonics must say of themselves, as is usual.
 
@@ -152,7 +171,8 @@ def guessed_source(entries: Sequence[RunDraft]) -> dict[str, str]:
         Tables whose rows are runs.
     """
     guessed = {}
-    if any("'" in title for entry in entries for title in entry.look.titles):
+    columns = [column for entry in entries for column in entry.look.columns]
+    if any("'" in column.title and column.unit is None for column in columns):
         guessed["nondimensional"] = "prime"
     if any("_in" in name or "_out" in name for entry in entries for name in entry.look.known):
         guessed["in_phase_with"] = "displacement"

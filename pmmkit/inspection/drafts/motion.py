@@ -17,7 +17,8 @@ from pmmkit.campaigns.test_kinds.registry import held_too, kind_of, kind_with
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE
-from pmmkit.signals import design_matrix, estimate_frequency
+from pmmkit.signals import at_speed, design_matrix, estimate_frequency
+from pmmkit.signals.record import FEWEST
 
 _SETTLING: Final = 0.15
 """Part of a record at its beginning that is left out."""
@@ -74,13 +75,24 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> M
         and "Y" not in channels
     ):
         return _free(t, channels, kind)
-    late = t >= t[0] + _SETTLING * (t[-1] - t[0])
-    time, seen = t[late], {name: numbers[late] for name, numbers in channels.items()}
+    kept, why = _at_speed(t, channels)
+    time, seen = t[kept], {name: numbers[kept] for name, numbers in channels.items()}
     swings = _oscillations(time, seen)
     found = _frequency(time, seen, swings, kind)
     if found is None:
-        return _steady(seen, kind)
+        return _steady(seen, kind, why)
     return _oscillating(time, seen, swings, found, kind)
+
+
+def _at_speed(t: Array, channels: Mapping[str, Array]) -> tuple[slice, str]:
+    """The samples at which the carriage is at its speed, and what was cut, in words."""
+    speed = next((channels[x] for x in ("U_carriage", "speed", "u") if x in channels), None)
+    if speed is not None and len(t) >= FEWEST:
+        travel = at_speed(t, speed)
+        if travel.reason:
+            span = f"{t[travel.start]:.0f} to {t[travel.stop - 1]:.0f} s"
+            return slice(travel.start, travel.stop), f", at speed from {span}"
+    return slice(int(np.searchsorted(t, t[0] + _SETTLING * (t[-1] - t[0]))), len(t)), ""
 
 
 def _oscillations(time: Array, seen: Mapping[str, Array]) -> dict[str, float]:
@@ -231,12 +243,14 @@ def _speed_and_drift(
     return found
 
 
-def _steady(seen: Mapping[str, Array], kind: TestKind | None) -> Moved:
-    """Settings of a test without oscillation."""
+def _steady(seen: Mapping[str, Array], kind: TestKind | None, when: str) -> Moved:
+    """Settings of a test without oscillation; `when` says what was cut from its record."""
     settings = _carriage(seen) | _held(seen)
+    if "u" in seen and not {"v", "speed", "U_carriage"} & set(seen):
+        settings["speed"] = (_rounded(float(np.mean(seen["u"])), 4), f"recorded u{when}")
     if {"u", "v"} <= set(seen):
         u, v = float(np.mean(seen["u"])), float(np.mean(seen["v"]))
-        settings["speed"] = (_rounded(math.hypot(u, v), 4), "recorded u and v")
+        settings["speed"] = (_rounded(math.hypot(u, v), 4), f"recorded u and v{when}")
         settings["drift_deg"] = (_tidy(math.degrees(math.atan2(-v, u))), "recorded u and v")
     elif "psi" in seen and np.ptp(seen["psi"]) < 0.02:
         heading = math.degrees(float(np.mean(seen["psi"])))

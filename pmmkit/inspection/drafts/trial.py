@@ -65,8 +65,10 @@ def knows_speed(text: str) -> bool:
     """Whether a draft states the speed of all of its runs."""
     raw = tomllib.loads(text)
     entries = [entry for name in ("runs", "tables", "matrix") for entry in raw.get(name, [])]
+    shared = raw.get("columns", {}) if "tables" in raw and "runs" not in raw else {}
     return "speed" in raw.get("defaults", {}) or all(
-        "speed" in entry or "speed" in entry.get("columns", {}) for entry in entries
+        "speed" in entry or {"speed", "u"} & {*shared, *entry.get("columns", {})}
+        for entry in entries
     )
 
 

@@ -19,6 +19,7 @@ from pmmkit.inspection.drafts.entries import (
     matrix_lines,
     saved_run_lines,
 )
+from pmmkit.inspection.drafts.sheets import scatter_lines
 from pmmkit.inspection.drafts.text import Todo, aligned, commented, toml
 from pmmkit.readers import reader_of
 from pmmkit.readers.saved import SavedCampaign
@@ -70,10 +71,11 @@ def written(draft: Draft) -> Written:
     else:
         lines += axes_lines(draft.proposal, todo, computed=False)
     if base is not None:
-        shared = replace(base.options, sheet=None) if apart else base.options
+        several = apart or not draft.runs
+        shared = replace(base.options, sheet=None, last_row=None) if several else base.options
         lines += ["", "[source]", *source_lines(base, shared)]
         lines += ["", "[columns]                        # our name = theirs"]
-        lines += column_lines(base, draft.kind, todo, table=False)
+        lines += column_lines(base, draft.kind, todo, table=not draft.runs)
     elif draft.saved:
         lines += ["", "[source]", f"format = {toml(SavedCampaign.name)}"]
     for file, campaign in draft.saved:
@@ -92,6 +94,10 @@ def written(draft: Draft) -> Written:
         ]
     for entry in common.tables:
         lines += ["", *entry_lines(entry, "tables", base, draft.kind, todo)]
+    sheets = {entry.look.shown: entry.look for entry in draft.tables}
+    lines += ["", *scatter_lines(list(sheets.values()))]
+    if len({entry.sheet for entry in draft.tables if entry.look.blocks.mixed}) > 1:
+        todo.add(_SHEETS)
     lines += [*_unused(draft), "", "[end]"]
     entries = (
         sum(len(campaign) for _, campaign in draft.saved) + len(draft.runs) + len(draft.tables)
@@ -99,6 +105,12 @@ def written(draft: Draft) -> Written:
     return Written(
         text="\n".join(lines) + "\n", todo=tuple(todo.all()), complete=entries - len(todo.open_runs)
     )
+
+
+_SHEETS: Final = (
+    "The runs stand on several sheets. If the water was not as deep for all of them, draft a "
+    "campaign of each: pmmkit new-campaign ... --sheet NAME --out NAME.toml."
+)
 
 
 def _campaign(draft: Draft, todo: Todo) -> list[str]:
@@ -185,6 +197,8 @@ def _ship(draft: Draft, todo: Todo) -> list[str]:
             f"name = {toml(draft.ship_name)}  # of the library, at the scale it has there; or in "
             "full: L, B, d, mass, volume, Izz",
         ]
+    elif draft.particulars:
+        return _listed(draft, todo)
     else:
         todo.add(
             "[ship] the particulars L, B, d, mass or volume, Izz, or the name of a library ship."
@@ -202,10 +216,29 @@ def _ship(draft: Draft, todo: Todo) -> list[str]:
             *(_ROLL if any("K" in entry.look.known for entry in draft.runs) else ()),
         ]
     todo.add("[water] rho: the density of the water [kg/m³].")
-    rho = "# rho = ...                      # TODO density [kg/m³]; fresh water of 15 °C: 999.1"
-    return [*lines, "", "[water]", rho]
+    return [*lines, "", "[water]", _RHO]
 
 
+def _listed(draft: Draft, todo: Todo) -> list[str]:
+    """Ship and water as a list beside the tests has them."""
+    found = draft.particulars
+    todo.add("[ship] taken from a list beside the tests: is it the model as it was tested?")
+    lines = ["[ship]"]
+    for key in _OF_SHIP:
+        if key in found:
+            lines.append(aligned(f"{key} = {toml(found[key][0])}", found[key][1]))
+        elif key not in ("mass", "xG"):
+            lines.append(f"# {key} = ...   # TODO")
+            todo.add(f"[ship] {key}: it is not in the list.")
+    todo.add("[water] rho: the density of the water [kg/m³].")
+    lines += ["", "[water]", _RHO]
+    if "depth" in found:
+        return [*lines, aligned(f"depth = {toml(found['depth'][0])}", found["depth"][1])]
+    return lines
+
+
+_OF_SHIP: Final = ("L", "B", "d", "volume", "Izz", "xG")
+_RHO: Final = "# rho = ...                      # TODO density [kg/m³]; fresh water of 15 °C: 999.1"
 _ROLL: Final = (
     "# zG = 0.0                       # TODO centre of gravity below the origin [m]",
     "# GM = ...                       # TODO metacentric height [m], for a model that rolls",
@@ -235,6 +268,11 @@ def _largest(draft: Draft) -> FileLook | None:
     for entry in draft.runs:
         looks[id(entry.look)] = entry.look
         counted[id(entry.look)] = counted.get(id(entry.look), 0) + 1
+    mixed = [entry.look for entry in draft.tables if entry.look.blocks.mixed]
+    if not draft.runs and mixed and len(mixed) == len(draft.tables):
+        alike = all(look.columns == mixed[0].columns for look in mixed)
+        # not itself: each table says its own sheet
+        return replace(mixed[0]) if alike else None
     return looks[max(counted, key=lambda key: counted[key])] if counted else None
 
 

@@ -19,7 +19,7 @@ class Workbook(Reader):
     reads = "Workbooks: the values that were last computed."
     suffixes = (".xls", ".xlsx", ".xlsm", ".xlsb", ".ods")
     binary = True
-    keys = ("skip_rows", "header", "sheet", "missing")
+    keys = ("skip_rows", "last_row", "header", "sheet", "missing")
 
     def recognises(self, path: Path, head: bytes) -> bool:  # noqa: ARG002
         """Whether a file is a workbook, by its first bytes."""

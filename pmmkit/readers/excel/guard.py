@@ -20,6 +20,7 @@ import numpy as np
 from pmmkit.errors import CampaignError
 from pmmkit.readers.base import Options, Request
 from pmmkit.readers.bounds import limit_of, too_large
+from pmmkit.readers.excel.parts import parts_with_cells
 from pmmkit.readers.zipped import ZIP, check_length, content_of, damage_told, members_of
 
 CFB: Final = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
@@ -30,6 +31,10 @@ _CELLS_OR_TEXTS: Final = re.compile(rb"sheetData|<(?:\w+:)?si\b|table:table-row"
 _CELL_TAG: Final = re.compile(rb"<(?:\w+:)?c[ >]")
 _REFERENCE: Final = re.compile(rb"""\br\s*=\s*["']([A-Za-z]{1,9})[0-9]""")
 _ROW_NUMBER: Final = re.compile(rb"""\br\s*=\s*["'][A-Za-z]{0,9}([0-9]{1,10})["']""")
+_ATTRIBUTES: Final = rb'(?:\s+[\w:.]+="[^"<>/]*")*\s*'
+_EMPTY_CELL: Final = re.compile(rb"<(\w+:)?c" + _ATTRIBUTES + rb"/>")
+_EMPTY_ROW: Final = re.compile(rb"<(\w+:)?row" + _ATTRIBUTES + rb"(?:/>|>\s*</(\w+:)?row>)")
+"""Cells and rows that have a format and nothing in them; the library passes them over."""
 _SHARED: Final = re.compile(rb"""\bt\s*=\s*["']s["'][^>]*>\s*<(?:\w+:)?v[^>]*>\s*([0-9]{1,9})""")
 _ITEM: Final = re.compile(rb"<(?:\w+:)?si\b")
 _ODS_ROW: Final = re.compile(
@@ -85,19 +90,19 @@ def _parts(data: bytes, request: Request) -> Iterator[tuple[str, bytes]]:
         raise too_large(request, declared, len(data), "the workbook unpacked")
     for item in members:
         check_length(data, item)
-        if item.filename.endswith((".xml", ".bin")):
-            part = content_of(data, item)
-            if _XML.match(part) is None and item.filename.endswith(".xml"):
-                raise _damaged(request, f"{item.filename} is not UTF-8")
-            if _CELLS_OR_TEXTS.search(part) or item.filename.endswith(".bin"):
-                yield item.filename, part
+    held = parts_with_cells({item.filename: item for item in members}, data)
+    for item in members:
+        if item.filename not in held:
+            continue
+        part = content_of(data, item)
+        if not item.filename.endswith(".bin") and _XML.match(part) is None:
+            raise _damaged(request, f"{item.filename} is not UTF-8")
+        if _CELLS_OR_TEXTS.search(part) or item.filename.endswith(".bin"):
+            yield item.filename, part
 
 
 def _extents(parts: dict[str, bytes]) -> Iterator[tuple[str, int]]:
-    """Cells that each sheet spans; long texts count as so many cells.
-
-    What a part is shows in its content: where it stands is up to the workbook.
-    """
+    """Cells that each sheet spans; long texts count as so many cells."""
     texts = [part for part in parts.values() if _ITEM.search(part)]
     for name, part in parts.items():
         if name.endswith(".bin"):
@@ -110,6 +115,7 @@ def _extents(parts: dict[str, bytes]) -> Iterator[tuple[str, int]]:
 
 
 def _xlsx_cells(sheet: bytes) -> int:
+    sheet = _EMPTY_ROW.sub(b"", _EMPTY_CELL.sub(b"", sheet))
     placed = Counter(found[1] for found in _REFERENCE.finditer(sheet))
     rows = Counter(found[1] for found in _ROW_NUMBER.finditer(sheet))
     unplaced = sum(1 for _ in _CELL_TAG.finditer(sheet)) - placed.total()

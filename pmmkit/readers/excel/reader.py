@@ -113,13 +113,15 @@ def _grid(request: Request) -> Grid:
         merged = sheet.merged_cell_ranges or []
     except BaseException as error:
         raise _unreadable(request, error) from error
+    if not any(value != "" for row in rows for value in row):
+        raise request.error(request.problem("the sheet is empty."))
     if len(rows) <= request.options.skip_rows:
         raise request.error(
             request.problem(
                 f"the sheet has {len(rows)} rows, skip_rows is {request.options.skip_rows}."
             )
         )
-    return _unmerged(rows, merged, request)
+    return _unmerged(rows[: request.options.last_row], merged, request)
 
 
 def _wanted(sheets: Sequence[str], request: Request) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from pmmkit.channels import split_unit
 from pmmkit.conventions import is_unit
 from pmmkit.readers.base import Cell, Request, to_number
 from pmmkit.readers.vectors import with_unit
@@ -96,10 +97,32 @@ def _titles(grid: Sequence[Row], filled: Sequence[int], row: int) -> tuple[str, 
     grouped = len({title for title in upper if title}) > 1
     if not grouped:
         return tuple(own)
+    bare = [split_unit(title)[0] for title in own]
+    plain = _plain(own, bare, upper)
     return tuple(
-        group if not title else f"{group} {title}" if own.count(title) > 1 and group else title
-        for title, group in zip(own, upper, strict=True)
+        group
+        if not title
+        else f"{group} {title}"
+        if bare.count(name) > 1 and group and place not in plain
+        else title
+        for place, (title, name, group) in enumerate(zip(own, bare, upper, strict=True))
     )
+
+
+def _plain(own: Sequence[str], bare: Sequence[str], upper: Sequence[str]) -> set[int]:
+    """Columns that keep a name which others have: the only one of it that is alone in its group.
+
+    ``X`` of a hull stands below a word of its own, ``X`` of a rudder beside other columns of it.
+    """
+    alone = [place for place, group in enumerate(upper) if group and upper.count(group) == 1]
+    found: set[int] = set()
+    for name in {bare[place] for place in alone if own[place]}:
+        places = [place for place, other in enumerate(bare) if other == name]
+        single = [place for place in places if place in alone]
+        rest = [place for place in places if place not in alone]
+        if len(single) == 1 and rest and all(upper[place] for place in rest):
+            found.add(single[0])
+    return found
 
 
 def _names_all(grid: Sequence[Row], filled: Sequence[int], row: int) -> bool:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from pmmkit.channels import split_unit
@@ -100,6 +101,8 @@ def find_heading(data: bytes, start: int, stop: int, line: int, request: Request
         lines = _top(data, start, stop, line, request, count)
         plain = [item for item in lines if not item.comment]
         delimiter, decimal = _dialect([item.text for item in plain], request)
+        lines = _as_wide(lines, delimiter, decimal)
+        plain = [item for item in lines if not item.comment]
         as_usual = _reads(plain, delimiter, decimal, request)
         if as_usual and decimal == ".":
             break
@@ -166,6 +169,20 @@ def headers_of(line: bytes, delimiter: str) -> tuple[str, ...]:
     return tuple(fields_of(text.encode(), delimiter))
 
 
+def within(fields: Sequence[str], width: int) -> list[str]:
+    """The fields without empty ones beyond a width: what a delimiter at the end of a line leaves.
+
+    Examples
+    --------
+    >>> within(["time", "X", ""], 2), within(["time", "", "X"], 2)
+    (['time', 'X'], ['time', '', 'X'])
+    """
+    found = list(fields)
+    while len(found) > width and not found[-1]:
+        found.pop()
+    return found
+
+
 def comment_marks(request: Request) -> tuple[str, ...]:
     """What comments begin with."""
     return COMMENTS if request.options.comment is None else (request.options.comment,)
@@ -192,6 +209,28 @@ def _top(
             mark = next((mark for mark in marks if text.startswith(mark)), b"")
             found.append(_Line(number, place, start - 1, text[len(mark) :], bool(mark)))
     return found
+
+
+def _as_wide(lines: Sequence[_Line], delimiter: str, decimal: str) -> list[_Line]:
+    """The lines, those of texts without delimiters at their end beyond the width of the rows."""
+    if delimiter in (BLANKS, CUT):
+        return list(lines)
+    rows = [fields_of(line.text, delimiter) for line in lines]
+    widths = Counter(len(row) for row in rows if len(row) > 1 and _all_numbers(row, decimal))
+    if not widths:
+        return list(lines)
+    (width, _), *_ = widths.most_common(1)
+    return [
+        line
+        if _all_numbers(row, decimal) or len(row) <= width
+        else replace(line, text=_cut_to(line.text, delimiter, len(row) - len(within(row, width))))
+        for line, row in zip(lines, rows, strict=True)
+    ]
+
+
+def _cut_to(text: bytes, delimiter: str, surplus: int) -> bytes:
+    """A line without its last fields, which are empty."""
+    return text.rsplit(delimiter.encode(), surplus)[0] if surplus else text
 
 
 def _candidates(request: Request) -> list[tuple[str, str]]:

@@ -15,7 +15,14 @@ from typing import Final
 from pmmkit.conventions import is_unit
 from pmmkit.readers.base import Cell, Options, to_number
 from pmmkit.readers.text.decoding import likely_encoding
-from pmmkit.readers.text.heading import BLANKS, CANDIDATES, count_numbers, fields_of, headers_of
+from pmmkit.readers.text.heading import (
+    BLANKS,
+    CANDIDATES,
+    count_numbers,
+    fields_of,
+    headers_of,
+    within,
+)
 
 _SAMPLE: Final = 24
 """Lines on which delimiters and decimal signs are tried."""
@@ -195,11 +202,11 @@ def _names(
         line = above[number - 1]
         if not line.strip(" \t#;,"):
             continue
-        cells = fields_of(line.encode(), delimiter)
+        cells = within(fields_of(line.encode(), delimiter), width)
         if not units and number > 1 and len(cells) == width and all(map(_is_unit, cells)):
             units = tuple(cell.strip("[]() ") for cell in cells)
             continue
-        names = headers_of(line.encode(), delimiter)
+        names = tuple(within(headers_of(line.encode(), delimiter), width))
         if len(names) != width and delimiter != BLANKS:
             names = tuple(name for name in names if name)
         if len(names) != width:
