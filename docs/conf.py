@@ -16,7 +16,7 @@ language = "en_GB"
 highlight_language = "text"
 default_role = "py:obj"
 
-myst_enable_extensions = ["colon_fence", "html_image"]
+myst_enable_extensions = ["colon_fence", "dollarmath", "html_image"]
 myst_heading_anchors = 4
 nb_execution_mode = "off"  # executed before, by scripts/documentation/site/notebooks.py
 

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
+
+from pmmkit.effects.shallow_water import SHALLOWEST, factors
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
     from pmmkit.ship import Ship, Water
 
+SHALLOW: Final = 3.0
+"""Draughts of depth above which the bottom is not felt (ITTC 7.5-02-06-02)."""
 ROUND_FACTORS: Final[tuple[tuple[float, str], ...]] = (
     (9.80665, "g: kilogram-force against newton"),
     (1000.0, "1000: kilo, or milli"),
@@ -58,7 +64,9 @@ def expected(campaign: Campaign) -> Expected:
 
     Linear derivatives and accelerations after Clarke, Gedling and Hine (1983), surge added mass
     5 % of the mass, wetted surface 1.7 L d + volume/d (Denny, Mumford). Right within some 30 %
-    for merchant hulls in deep water, which is enough to tell a factor of two.
+    for merchant hulls in deep water, which is enough to tell a factor of two. In less water than
+    three draughts they grow as `pmmkit.effects.shallow_water.factors` says, which holds within a
+    factor of two or so down to 1.2 draughts, and is taken there for less.
 
     Examples
     --------
@@ -73,18 +81,33 @@ def expected(campaign: Campaign) -> Expected:
     L, B, d, block = ship.L, ship.B, ship.d, ship.block
     slender = math.pi * (d / L) ** 2
     force, inertia = 0.5 * rho * L**3, 0.5 * rho * L**5
+    grown = _grown(campaign)
     return Expected(
         m=ship.mass if ship.balance_mass is None else ship.balance_mass,
         Izz=ship.Izz if ship.balance_Izz is None else ship.balance_Izz,
-        mx=0.05 * ship.mass,
-        my=slender * (1 + 0.16 * block * B / d - 5.1 * (B / L) ** 2) * force,
-        Jz=slender * (1 / 12 + 0.017 * block * B / d - 0.33 * B / L) * inertia,
-        Yv=-slender * (1 + 0.4 * block * B / d),
-        Yr=-slender * (-0.5 + 2.2 * B / L - 0.08 * B / d),
-        Nv=-slender * (0.5 + 2.4 * d / L),
-        Nr=-slender * (0.25 + 0.039 * B / d - 0.56 * B / L),
+        mx=0.05 * ship.mass * grown["Xuu"],
+        my=slender * (1 + 0.16 * block * B / d - 5.1 * (B / L) ** 2) * force * grown["Yvdot"],
+        Jz=slender * (1 / 12 + 0.017 * block * B / d - 0.33 * B / L) * inertia * grown["Nrdot"],
+        Yv=-slender * (1 + 0.4 * block * B / d) * grown["Yv"],
+        Yr=-slender * (-0.5 + 2.2 * B / L - 0.08 * B / d) * grown["Yr"],
+        Nv=-slender * (0.5 + 2.4 * d / L) * grown["Nv"],
+        Nr=-slender * (0.25 + 0.039 * B / d - 0.56 * B / L) * grown["Nr"],
         wetted=1.7 * L * d + ship.volume / d,
     )
+
+
+def is_shallow(campaign: Campaign) -> bool:
+    """Whether the bottom is near enough to change what is expected."""
+    depth = campaign.water.depth
+    return depth is not None and depth < SHALLOW * campaign.ship.d
+
+
+def _grown(campaign: Campaign) -> Mapping[str, float]:
+    """By what derivatives grow with the bottom near; 1 in deep water."""
+    ship, depth = campaign.ship, campaign.water.depth
+    if depth is None or not is_shallow(campaign):
+        return defaultdict(lambda: 1.0)
+    return factors(max(depth, SHALLOWEST * ship.d), ship.d, ship.L, ship.B, ship.block)
 
 
 def prime_unit(campaign: Campaign, name: str, speed: float) -> float:

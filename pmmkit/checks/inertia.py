@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.checks.expected import expected, round_factor
+from pmmkit.checks.expected import expected, is_shallow, round_factor
 from pmmkit.checks.finding import Check, CheckFinding, figure, share_of
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE
@@ -23,7 +23,9 @@ REMOVED: Final = 0.4
 PLAUSIBLE: Final = (-1.0, 2.2)
 ADDED: Final = 0.15
 """Doubt of the estimated added mass, over itself: a hull with little of it is no contradiction."""
-SHALLOW: Final = 3.0
+IN_SHALLOW_WATER: Final = 0.6
+"""The same near the bottom: of KCS at 2, 1.5 and 1.2 draughts (Flanders Hydraulics) added masses are
+0.7 to 1.1 of the estimates, Yr 0.4 to 0.6."""
 
 
 @dataclass(frozen=True)
@@ -87,9 +89,6 @@ def examine_inertia(campaign: Campaign, summaries: Sequence[Summary]) -> Iterato
     0.6 it counts as inside, below 0.4 as removed; between them, or where the scatter reaches
     across, nothing is said.
     """
-    depth = campaign.water.depth
-    if depth is not None and depth < SHALLOW * campaign.ship.d:
-        return
     for forces in ("hydrodynamic", "balance"):
         claimed = [item for item in summaries if item.run.forces == forces]
         verdicts = [
@@ -203,7 +202,8 @@ def _judge(
 ) -> CheckFinding | None:
     question, share = verdict.question, verdict.share
     noise = 2 * verdict.share_error
-    spread = noise + ADDED * abs(verdict.added / verdict.own)
+    doubt = IN_SHALLOW_WATER if is_shallow(campaign) else ADDED
+    spread = noise + doubt * abs(verdict.added / verdict.own)
     unit = question.unit
     both = verdict.own + verdict.added
     ratio = (

@@ -108,10 +108,16 @@ def test_in_phase_and_out_of_phase_exchanged_is_neither_claim():
     assert any("neither" in finding.message for finding in said(found, "inertia"))
 
 
-def test_shallow_water_is_not_judged_by_the_added_mass_of_deep_water():
-    runs = programme(speeds=(1.5,), inside=True)
-    shallow = campaign_of(runs, water=WATER.__class__(rho=999.1, depth=1.3 * SHIP.d))
-    assert said(examine(shallow), "inertia") == []
+@pytest.mark.parametrize("draughts", [1.3, 2.0])
+def test_a_false_claim_is_told_in_shallow_water_too(draughts):
+    """Y over r u holds the mass whatever the bottom adds; a right claim is left alone."""
+    water = WATER.__class__(rho=999.1, depth=draughts * SHIP.d)
+    inside = programme(speeds=(1.5,), inside=True)
+    found = said(examine(campaign_of(inside, water=water)), "inertia")
+    assert found[0].severity == "error"
+    assert any("over r u" in finding.message for finding in found)
+    right = [run.with_(forces="balance") for run in inside]
+    assert said(examine(campaign_of(right, water=water)), "inertia") == []
 
 
 def flipped_drift(run: Run) -> Run:

@@ -13,6 +13,7 @@ from pmmkit.checks.agreement.posterior import Agreement, agreement
 from pmmkit.checks.agreement.rows import CHANNELS, groups_of
 from pmmkit.checks.agreement.suspects import SUSPECTS, Suspect
 from pmmkit.checks.agreement.usual import MAIN
+from pmmkit.checks.expected import is_shallow
 from pmmkit.checks.finding import Check, CheckFinding, figure, name_runs
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.numerics import Array
@@ -42,7 +43,6 @@ UNUSUAL: Final = 1.3
 """Standard deviations by which a derivative is unlike those of hulls: a cause is sought; told."""
 LOPSIDED: Final = 0.5
 """Asymmetry of the mass matrix, over the usual, from which a cause is sought."""
-SHALLOW: Final = 3.0
 FEW: Final = 2
 """Runs at odds up to which it is the runs that are looked at; more may have a common cause."""
 MOST: Final = 4
@@ -66,8 +66,7 @@ def examine_agreement(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
     )
     odd = [(item, place) for _, item, place in far]
     single = [(item, place, of_one(item, place, SUSPECTS)) for item, place in odd[:MOST]]
-    depth = campaign.water.depth
-    deep = depth is None or depth >= SHALLOW * campaign.ship.d
+    deep = not is_shallow(campaign)
     few = len(odd) <= FEW
     common: list[Answer] = []
     solved = few and all(_explain(answers) for _, _, answers in single)
