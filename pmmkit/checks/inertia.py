@@ -24,8 +24,8 @@ PLAUSIBLE: Final = (-1.0, 2.2)
 ADDED: Final = 0.15
 """Doubt of the estimated added mass, over itself: a hull with little of it is no contradiction."""
 IN_SHALLOW_WATER: Final = 0.6
-"""The same near the bottom: of KCS at 2, 1.5 and 1.2 draughts (Flanders Hydraulics) added masses are
-0.7 to 1.1 of the estimates, Yr 0.4 to 0.6."""
+"""The same near the bottom: of KCS at 2, 1.5 and 1.2 draughts (Flanders Hydraulics) added masses
+are 0.7 to 1.1 of the estimates, Yr 0.4 to 0.6."""
 
 
 @dataclass(frozen=True)

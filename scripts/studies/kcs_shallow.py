@@ -1,0 +1,141 @@
+"""KCS in shallow water as Flanders Hydraulics handed it in, from its workbook to derivatives.
+
+    python -m scripts.studies.kcs_shallow [--workbook FILE] [--structure abkowitz3]
+
+Each sheet (2.0, 1.5, 1.2 draughts) becomes a campaign by `pmmkit new-campaign`, with two
+lines edited (density, sign of the rudder), and is reduced at each Froude number and pooled. Beside it
+stands a least squares of its own: numpy, equal weights in newtons, straight from the cells, which
+shares no line with the package. The laboratory's numbers stay where they are.
+
+value, half : by pmmkit, with half of its 95 % interval, times 1000
+own, std : by the least squares, with its standard deviation, times 1000
+apart : their difference over the larger of the two standard deviations
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import re
+import tempfile
+from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+DATA = Path(os.environ.get("PMMKIT_DATA", ROOT.parent / "shared" / "data"))
+BOOK = "kcs_fhr_shallow/App01_KCS_PMM_results_May2014.xlsx"
+L, MASS, XG, IZZ, RHO = 4.367, 356.6, -0.0608, 445.8, 1000.0
+SPEEDS = (0.248, 0.496, 0.62)
+TERMS = ("v", "r", "vvv", "rrr", "vvr", "vrr", "vdot", "rdot")
+SHOWN = ("Yv", "Nv", "Yr", "Nr", "Yvdot", "Nrdot")
+
+
+def cells(book: Path, sheet: str) -> Iterator[tuple[str, str, list[float]]]:
+    """Kind, name and numbers of each row of steady tests, sway and yaw at zero rudder."""
+    import openpyxl
+
+    rows = openpyxl.load_workbook(book, read_only=True, data_only=True)[sheet]
+    seen = set()
+    for row in rows.iter_rows(min_row=3, values_only=True):
+        kind, name = str(row[1]).upper(), str(row[0]).upper()
+        if kind not in ("STATX0", "PMMY2", "PMMPSI2") or not isinstance(row[5], (int, float)):
+            continue
+        if kind == "STATX0" and name in seen:
+            continue
+        seen.add(name)
+        given = [x if isinstance(x, (int, float)) else math.nan for x in row]
+        if given[22] == 0.0 and given[5] > 0.1:
+            yield kind, name, given
+
+
+def least_squares(book: Path, sheet: str, speed: float | None) -> dict[str, tuple[float, float]]:
+    """Derivatives and standard deviations, equal weights in newtons, offsets of both channels."""
+    rows = np.array([x[4:29] for _, _, x in cells(book, sheet)], float)
+    u, v, r = rows[:, 1], rows[:, 2], np.radians(rows[:, 3])
+    du, dv, dr = rows[:, 4], rows[:, 5], np.radians(rows[:, 6])
+    U = np.hypot(u, v)
+    near = np.argmin(np.abs(U[:, None] - SPEEDS), axis=1)
+    at = np.full(len(U), True) if speed is None else near == SPEEDS.index(speed)
+    del du
+    force = {
+        "Y": rows[:, 8] + MASS * (dv + u * r + XG * dr),
+        "N": rows[:, 13] + IZZ * dr + MASS * XG * (dv + u * r),
+    }
+    found = {}
+    for channel in force:
+        names = [channel + term for term in TERMS]
+        unit = 0.5 * RHO * L**2 * U**2 * (L if channel == "N" else 1.0)
+        b, y, a, z = v / U, r * L / U, dv * L / U**2, dr * L**2 / U**2
+        columns = np.stack([b, y, b**3, y**3, b * b * y, b * y * y, a, z], axis=1) * unit[:, None]
+        X = np.column_stack([columns, np.ones(len(U))])[at]
+        size = np.linalg.norm(X, axis=0)
+        value, *_ = np.linalg.lstsq(X / size, force[channel][at], rcond=1e-10)
+        left = force[channel][at] - X / size @ value
+        cover = np.linalg.pinv((X / size).T @ (X / size)) * (left @ left) / (len(left) - X.shape[1])
+        std = np.sqrt(np.diagonal(cover)) / size
+        found |= dict(zip(names, zip(value / size, std, strict=False), strict=False))
+    return found
+
+
+def campaign(book: Path, sheet: str, folder: Path) -> Path:
+    """A campaign of a sheet by the command, two lines edited."""
+    from pmmkit.cli import main
+
+    (folder / book.name).write_bytes(book.read_bytes())
+    file = folder / f"{sheet}.toml"
+    with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+        assert main(["new-campaign", str(folder), "--sheet", sheet, "--out", str(file)]) == 0
+    text = re.sub(r"(?m)^# rho = .*", f"rho = {RHO}", file.read_text(encoding="utf-8"))
+    text = re.sub(r"(?m)^rudder_positive = .*", 'rudder_positive = "port"', text)
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def main() -> None:
+    import pmmkit as pk
+    from pmmkit.reduction import reduce_campaign
+    from pmmkit.reduction.between_runs import in_words
+
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--workbook", type=Path, default=DATA / BOOK)
+    parser.add_argument("--structure", default="abkowitz3")
+    o = parser.parse_args()
+    with tempfile.TemporaryDirectory() as place:
+        for depth, sheet in ((2.0, "C0101A01"), (1.5, "C0101A02"), (1.2, "C0101A03")):
+            made = pk.open_campaign(campaign(o.workbook, sheet, Path(place)))
+            made = made.with_(runs=tuple(run for run in made.runs if run.settings.rudder == 0.0))
+            for fn in ("each", "pooled"):
+                found = reduce_campaign(made, structure=o.structure, fn=fn, check=False)
+                table = found.table
+                low, high = table.interval()
+                print(f"depth {depth} draughts, {fn}: {found.verdict}")
+                for row, Fn in enumerate(table.Fn.tolist()):
+                    speed = (
+                        None
+                        if fn == "pooled"
+                        else min(SPEEDS, key=lambda s: abs(s / math.sqrt(9.81 * L) - Fn))
+                    )
+                    own = least_squares(o.workbook, sheet, speed)
+                    for name in SHOWN:
+                        at = table.index(name)
+                        value, std = 1e3 * table.value[row, at], 1e3 * table.std[row, at]
+                        other, its = (1e3 * x for x in own[name])
+                        half = 1e3 * (high[row, at] - low[row, at]) / 2
+                        print(
+                            f"  Fn {Fn:.3f} {name:6} {value:9.2f} ± {half:7.2f}   own {other:9.2f} "
+                            f"± {its:6.2f}   apart {abs(value - other) / max(std, its):.2f}"
+                        )
+                for channel in ("X", "Y", "N"):
+                    fits = [x for _, x in found.solution.fits if x.channel == channel]
+                    print("  between runs", in_words(found.solution.between.scatter, channel, fits))
+
+
+if __name__ == "__main__":
+    main()
