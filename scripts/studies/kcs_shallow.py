@@ -2,13 +2,13 @@
 
     python -m scripts.studies.kcs_shallow [--workbook FILE] [--structure abkowitz3]
 
-Each sheet (2.0, 1.5, 1.2 draughts) becomes a campaign by `pmmkit new-campaign`, with two
-lines edited (density, sign of the rudder), and is reduced at each Froude number and pooled. Beside it
+Each sheet (2.0, 1.5, 1.2 draughts) becomes a campaign by `pmmkit new-campaign`, with two lines
+edited (density, sign of the rudder), and is reduced at each Froude number and pooled. Beside it
 stands a least squares of its own: numpy, equal weights in newtons, straight from the cells, which
 shares no line with the package. The laboratory's numbers stay where they are.
 
 value, half : by pmmkit, with half of its 95 % interval, times 1000
-own, std : by the least squares, with its standard deviation, times 1000
+own, wide : by the least squares, with 1.96 of its standard deviations, times 1000
 apart : their difference over the larger of the two standard deviations
 """
 
@@ -30,6 +30,7 @@ ROOT = Path(__file__).parents[2]
 DATA = Path(os.environ.get("PMMKIT_DATA", ROOT.parent / "shared" / "data"))
 BOOK = "kcs_fhr_shallow/App01_KCS_PMM_results_May2014.xlsx"
 L, MASS, XG, IZZ, RHO = 4.367, 356.6, -0.0608, 445.8, 1000.0
+WIDE = 1.96
 SPEEDS = (0.248, 0.496, 0.62)
 TERMS = ("v", "r", "vvv", "rrr", "vvr", "vrr", "vdot", "rdot")
 SHOWN = ("Yv", "Nv", "Yr", "Nr", "Yvdot", "Nrdot")
@@ -130,7 +131,7 @@ def main() -> None:
                         half = 1e3 * (high[row, at] - low[row, at]) / 2
                         print(
                             f"  Fn {Fn:.3f} {name:6} {value:9.2f} ± {half:7.2f}   own {other:9.2f} "
-                            f"± {its:6.2f}   apart {abs(value - other) / max(std, its):.2f}"
+                            f"± {WIDE * its:6.2f}   apart {abs(value - other) / max(std, its):.2f}"
                         )
                 for channel in ("X", "Y", "N"):
                     fits = [x for _, x in found.solution.fits if x.channel == channel]

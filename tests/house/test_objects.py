@@ -296,7 +296,7 @@ SAID = {
     "Document": ("structured after", "1 Ship model", "2 What was not", "[report] customer"),
     "Estimate": ("by global regression", "±", "Derivatives"),
     "Reduction": ("63 runs", "wet <gauge>", "±", "Checks", "static drift"),
-    "Budget": ("11 sources", "Fn 0.217", "gauge of X: zero", "noise", "Not stated", "scale effect"),
+    "Budget": ("12 sources", "Fn 0.217", "gauge of X: zero", "noise", "Not stated", "scale effect"),
     "GridUncertainty": ("0.9705 ± 0.001", "1.79", "1.25", "0.9713"),
     "GridStudy": ("1 derivative, 1 refused", "Yv", "95 %", "oscillate"),
     "Campaign": ("static drift", "27", "0.145, 0.217, 0.290", "wet <gauge>", "999.1", "Y_gauge"),

@@ -22,7 +22,13 @@ KNOWN: dict[Known, str] = {
     "quoted": "As programs and pages quote them",
     "unseen": "For where an idea comes from; not at hand",
 }
-SUBJECTS = {"channel": "Channels", "setting": "Settings of a test", "test": "Kinds of test"}
+SUBJECTS = {
+    "channel": "Channels",
+    "setting": "Settings of a test",
+    "test": "Kinds of test",
+    "statistic": "Statistics of repeats",
+    "doubt": "Doubts in a header",
+}
 
 
 def python_pages() -> dict[str, str]:
