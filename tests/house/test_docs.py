@@ -14,7 +14,11 @@ from pmmkit.effects.catalogue import forget_effect
 from scripts.documentation import campaign_file, make_docs
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [
+    ROOT / "README.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs" / "theory").glob("*.md")),
+]
 LINKED = [*PAGES, ROOT / "CONTRIBUTING.md"]  # whose code makes a package: test_recipes.py
 
 

@@ -11,7 +11,7 @@ from pmmkit.files import write_text
 from scripts.documentation.site import reference
 from scripts.documentation.site.sections import ROOT, index, sections, toctree
 
-FILES: Final = ("*.md", "docs/*.md", "datasets/*/README.md")
+FILES: Final = ("*.md", "docs/*.md", "docs/theory/*.md", "datasets/*/README.md")
 """Pages of the repository."""
 MADE: Final = {
     "reference": (
