@@ -20,7 +20,7 @@ BASIS_TOLERANCE: Final = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Group:
+class EqualRows:
     """Runs of as many rows each, whitened by their noise.
 
     Parameters
@@ -36,7 +36,7 @@ class Group:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Slope:
+class LikelihoodSlope:
     """The restricted log likelihood at logarithms of sizes.
 
     Parameters
@@ -60,7 +60,7 @@ class Restricted:
 
     Parameters
     ----------
-    groups : tuple of Group
+    groups : tuple of EqualRows
         Runs by their number of rows.
     model, shared : int
         How many columns the model has, and how many have a unit prior.
@@ -68,7 +68,7 @@ class Restricted:
         From the orthonormal basis of the model to its p coefficients.
     """
 
-    groups: tuple[Group, ...]
+    groups: tuple[EqualRows, ...]
     model: int
     shared: int
     back: Array
@@ -85,7 +85,7 @@ class Restricted:
             How many columns.
         """
         if not model:
-            made = tuple(Group(columns=x, kinds=G) for x, G in groups)
+            made = tuple(EqualRows(columns=x, kinds=G) for x, G in groups)
             return cls(groups=made, model=0, shared=shared, back=np.zeros((0, 0)))
         rows = np.concatenate([x[..., :model].reshape(-1, model) for x, _ in groups])
         length = np.linalg.norm(rows, axis=0)
@@ -96,7 +96,9 @@ class Restricted:
         turned = (
             np.concatenate([x[..., :model] @ turn, x[..., model:]], axis=2) for x, _ in groups
         )
-        made = tuple(Group(columns=x, kinds=G) for x, (_, G) in zip(turned, groups, strict=True))
+        made = tuple(
+            EqualRows(columns=x, kinds=G) for x, (_, G) in zip(turned, groups, strict=True)
+        )
         return cls(groups=made, model=int(keep.sum()), shared=shared, back=turn)
 
     def given(self, kind: int, size: float) -> Restricted:
@@ -108,7 +110,7 @@ class Restricted:
             white = np.linalg.inv(root)
             kinds = white @ group.kinds @ np.swapaxes(white, 1, 2)
             kinds[kind] = 0.0
-            groups.append(Group(columns=white @ group.columns, kinds=kinds))
+            groups.append(EqualRows(columns=white @ group.columns, kinds=kinds))
         return replace(self, groups=tuple(groups))
 
     def informed(self) -> Array:
@@ -120,7 +122,7 @@ class Restricted:
         """At logarithms of sizes (k,), without its slope."""
         return self._solved(logs).value
 
-    def slope(self, logs: Array) -> Slope:
+    def slope(self, logs: Array) -> LikelihoodSlope:
         """Value, gradient and average information at logarithms of sizes (k,).
 
         Notes
@@ -134,7 +136,9 @@ class Restricted:
         at = self._solved(logs)
         k = len(logs)
         if not np.isfinite(at.value):
-            return Slope(value=at.value, gradient=np.zeros(k), information=np.zeros((k, k)))
+            return LikelihoodSlope(
+                value=at.value, gradient=np.zeros(k), information=np.zeros((k, k))
+            )
         gradient, plain = np.zeros(k), np.zeros((k, k))
         across = np.zeros((k, at.inverse.shape[0]))
         for group, (inverse, white) in zip(self.groups, at.parts, strict=True):
@@ -152,7 +156,7 @@ class Restricted:
         gradient = square * gradient
         information = 2.0 * square[:, None] * square * (plain - across @ across.T)
         information += np.diag(np.maximum(-2.0 * gradient, 0.0))
-        return Slope(value=at.value, gradient=gradient, information=information)
+        return LikelihoodSlope(value=at.value, gradient=gradient, information=information)
 
     def estimates(self, sizes: Array) -> tuple[Array, Array]:
         """Coefficients and their variances by generalised least squares, arrays (g, p) each.

@@ -223,14 +223,3 @@ def _rows(channel: Channel, numbers: Sequence[int]) -> Places:
 def alike(channel: Channel) -> list[Places]:
     """Rows of runs of equal numbers of rows together, arrays (k, m)."""
     return [_rows(channel, numbers) for numbers in _alike(channel)]
-
-
-def orthonormal(columns: Array, tolerance: float = 1e-8) -> Array:
-    """An orthonormal basis of what columns span, those that depend on others left out."""
-    size = np.linalg.norm(columns, axis=0)
-    scaled: Array = columns[:, size > 0] / size[size > 0]
-    if not scaled.shape[1]:
-        return scaled
-    U, s, _ = np.linalg.svd(scaled, full_matrices=False)
-    basis: Array = U[:, s > tolerance * s[0]]
-    return basis
