@@ -3,7 +3,7 @@
 from pmmkit.inference.mixture import half_width
 from pmmkit.inference.random_effects import (
     KINDS,
-    Condition,
+    RepeatedRuns,
     RunEffects,
     by_kind,
     per_column,
@@ -14,7 +14,7 @@ from pmmkit.inference.restricted import Restricted
 
 __all__ = [
     "KINDS",
-    "Condition",
+    "RepeatedRuns",
     "Restricted",
     "RunEffects",
     "by_kind",

@@ -183,7 +183,7 @@ def by_kind(columns: Array) -> Array:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Condition:
+class RepeatedRuns:
     """Runs of one condition, which repeat each other.
 
     Parameters
@@ -201,7 +201,7 @@ class Condition:
     noise: Array
 
 
-def repeatability(conditions: Sequence[Condition]) -> Restricted | None:
+def repeatability(conditions: Sequence[RepeatedRuns]) -> Restricted | None:
     """The likelihood of the sizes by runs that repeat each other, whatever the model.
 
     Runs of one condition have one force. Their orthonormal contrasts have none, and draw as each
@@ -209,7 +209,7 @@ def repeatability(conditions: Sequence[Condition]) -> Restricted | None:
 
     Parameters
     ----------
-    conditions : sequence of Condition
+    conditions : sequence of RepeatedRuns
         Those with a single run say nothing.
     """
     from scipy.linalg import helmert

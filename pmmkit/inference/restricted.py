@@ -93,13 +93,13 @@ class Restricted:
         _, s, Vt = np.linalg.svd(np.linalg.qr(rows / unit, mode="r"), full_matrices=False)
         keep = s > BASIS_TOLERANCE * (s[0] if len(s) else 1.0)
         turn = (Vt[keep].T / s[keep]) / unit[:, None]
-        turned = (
-            np.concatenate([x[..., :model] @ turn, x[..., model:]], axis=2) for x, _ in groups
-        )
-        made = tuple(
-            EqualRows(columns=x, kinds=G) for x, (_, G) in zip(turned, groups, strict=True)
-        )
-        return cls(groups=made, model=int(keep.sum()), shared=shared, back=turn)
+        made = [
+            EqualRows(
+                columns=np.concatenate([x[..., :model] @ turn, x[..., model:]], axis=2), kinds=G
+            )
+            for x, G in groups
+        ]
+        return cls(groups=tuple(made), model=int(keep.sum()), shared=shared, back=turn)
 
     def given(self, kind: int, size: float) -> Restricted:
         """With one kind of known size, which is noise then."""

@@ -15,7 +15,7 @@ from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.conventions import Convention
 from pmmkit.inference import (
     KINDS,
-    Condition,
+    RepeatedRuns,
     Restricted,
     RunEffects,
     by_kind,
@@ -207,7 +207,7 @@ def repeats_of(item: ChannelFit, drawn: Drawn) -> Restricted | None:
     covariances = _record_noise(item, drawn)
     return repeatability(
         [
-            Condition(
+            RepeatedRuns(
                 rows=np.stack([item.residual[i] for i in places]),
                 drawn=np.mean([drawn.own[i] for i in places], axis=0),
                 noise=np.mean([covariances[i] for i in places], axis=0),

@@ -8,7 +8,7 @@ from scipy.stats import multivariate_normal, norm
 
 from pmmkit.inference import (
     KINDS,
-    Condition,
+    RepeatedRuns,
     Restricted,
     RunEffects,
     by_kind,
@@ -165,7 +165,7 @@ def test_a_force_of_repeated_runs_alone_tells_what_they_draw():
     rng = np.random.default_rng(9)
     drawn = np.column_stack([np.eye(3)[0], np.zeros((3, 2)), np.diag([0.0, 1.0, 1.0])]) * 40.0
     conditions = [
-        Condition(
+        RepeatedRuns(
             rows=100.0 * rng.normal(size=3) + np.array([2.0, 0.5, 0.5]) * rng.normal(size=(6, 3)),
             drawn=drawn,
             noise=1e-6 * np.eye(3),
@@ -178,7 +178,9 @@ def test_a_force_of_repeated_runs_alone_tells_what_they_draw():
     assert told["offset"] == pytest.approx(2.0, rel=0.15)
     assert told["harmonics"] == pytest.approx(0.5, rel=0.15)
     assert (
-        repeatability([Condition(rows=x.rows[:1], drawn=drawn, noise=x.noise) for x in conditions])
+        repeatability(
+            [RepeatedRuns(rows=x.rows[:1], drawn=drawn, noise=x.noise) for x in conditions]
+        )
         is None
     )
 

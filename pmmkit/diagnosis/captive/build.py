@@ -28,7 +28,7 @@ from pmmkit.diagnosis.captive.system import (
     run_columns,
     term_columns,
 )
-from pmmkit.inference import KINDS, Condition, Restricted, by_kind, repeatability, run_effects
+from pmmkit.inference import KINDS, RepeatedRuns, Restricted, by_kind, repeatability, run_effects
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places
 from pmmkit.observations.views import View
@@ -218,7 +218,7 @@ def _repeatability(
             conditions.setdefault((group[0].id, len(c.runs[number])), []).append(number)
     found = repeatability(
         [
-            Condition(
+            RepeatedRuns(
                 rows=np.stack([c.y[c.runs[i]] for i in numbers]),
                 drawn=np.mean([own[c.runs[i]] for i in numbers], axis=0),
                 noise=np.mean([c.noise[i] for i in numbers], axis=0),
