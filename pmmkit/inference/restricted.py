@@ -85,8 +85,8 @@ class Restricted:
             How many columns.
         """
         if not model:
-            made = tuple(EqualRows(columns=x, kinds=G) for x, G in groups)
-            return cls(groups=made, model=0, shared=shared, back=np.zeros((0, 0)))
+            plain = tuple(EqualRows(columns=x, kinds=G) for x, G in groups)
+            return cls(groups=plain, model=0, shared=shared, back=np.zeros((0, 0)))
         rows = np.concatenate([x[..., :model].reshape(-1, model) for x, _ in groups])
         length = np.linalg.norm(rows, axis=0)
         unit = np.where(length > 0, length, 1.0)

@@ -31,7 +31,7 @@ class Fit:
     determined : array of bool (p,)
         Which coefficients the rows determine.
     condition : float
-        RepeatedRuns number of the design with columns scaled to length one.
+        Condition number of the design with columns scaled to length one.
     inflation : array (p,)
         Variance inflation: 1 if no other column resembles it.
     tied : tuple of tuple of str

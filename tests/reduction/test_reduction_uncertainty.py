@@ -162,7 +162,8 @@ def test_repeats_that_scatter_widen_the_intervals():
     quiet = reduce_campaign(made, structure=structure, check=False).table
     loud = reduce_campaign(made.with_(runs=tuple(repeated)), structure=structure, check=False).table
     assert loud.std[0, 0] > 3 * quiet.std[0, 0]
-    assert loud.std[0, 2] == pytest.approx(quiet.std[0, 2], rel=0.1)
+    # The gauge of the moment is of the same laboratory, whose sizes are alike to a factor of two.
+    assert loud.std[0, 2] == pytest.approx(quiet.std[0, 2], rel=0.15)
     assert abs(loud.value[0, 0] - SON_NOMOTO["Yv"]) < 3 * loud.std[0, 0]
 
 

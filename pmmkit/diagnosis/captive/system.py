@@ -202,7 +202,7 @@ def run_columns(
 ) -> dict[str, Array]:
     """What each run draws for itself, at size one: offset, gain, degree of drift, and each of the
     k harmonics, which its pieces have in common (n, 3 + k)."""
-    harmonics = max(len(view.labels) for view in views)
+    harmonics = max(view.rows for view in views)
     turned = {
         i: base.change(view, _turned, math.degrees(STEP))
         for i, view in enumerate(views)

@@ -98,7 +98,7 @@ def _result(prepared: Prepared, rig: Rig) -> Result:
     return Result(
         run=result.run,
         labels=result.labels,
-        force=prepared.water_force(rig),
+        force=_handed_in(prepared, rig),
         std={
             name: np.sqrt(np.diag(matrix))
             for name, matrix in result.covariance.items()
@@ -111,6 +111,15 @@ def _result(prepared: Prepared, rig: Rig) -> Result:
         begin=float(prepared.t[0]) if recorded else np.nan,
         end=float(prepared.t[-1]) if recorded else np.nan,
     )
+
+
+def _handed_in(prepared: Prepared, rig: Rig) -> dict[str, Array]:
+    """Harmonics of the force of the water; those to which a record was not fitted are zero in it."""
+    order = prepared.result.smoothed
+    force = prepared.water_force(rig)
+    if order is None:
+        return force
+    return {name: np.where(np.arange(len(x)) > 2 * order, 0.0, x) for name, x in force.items()}
 
 
 def _moved(motion: State, projection: Array) -> dict[str, Array]:
