@@ -296,24 +296,22 @@ def judged(item: ChannelFit, drawn: Drawn, scatter: RunEffects, expected: RunEff
     Notes
     -----
     What a structure lacks looks like scatter between runs, so that sizes by all that a fit leaves
-    explain any misfit; they make the intervals. Whether it is one, repeats say. The chance is that
-    of an F variable, averaged over the expected sizes where they are smaller than those found.
+    explain any misfit; they make the intervals. Whether it is one, repeats say: the chance is that
+    of an F variable by the sizes that they show, or a usual laboratory has.
     """
     from scipy.special import fdtrc
 
     if any(block.covariance is None for block in item.blocks):
         return _lack_of_fit(item)
     likelihood, freedom = likelihood_of(item, drawn), item.freedom
-    found = likelihood.misfits(scatter.sizes(item.channel)[None])[0]
-    nodes, weight = expected.nodes[item.channel], expected.weights[item.channel]
-    beside = likelihood.misfits(nodes) / max(freedom, 1)
+    sizes = np.stack([scatter.sizes(item.channel), expected.sizes(item.channel)])
+    found, usual = likelihood.misfits(sizes).tolist()
     strength = float(np.clip(np.median(item.noise.dof), 3.0, 1e6))
-    chance = float(weight @ fdtrc(max(freedom, 1), strength, beside))
     return replace(
         item,
-        chi_square=float(found),
-        scale=float(weight @ beside) if freedom else 1.0,
-        excessive=freedom > 0 and chance <= BIRGE_P,
+        chi_square=found,
+        scale=usual / freedom if freedom else 1.0,
+        excessive=freedom > 0 and bool(fdtrc(freedom, strength, usual / freedom) <= BIRGE_P),
     )
 
 

@@ -114,7 +114,7 @@ def _result(prepared: Prepared, rig: Rig) -> Result:
 
 
 def _handed_in(prepared: Prepared, rig: Rig) -> dict[str, Array]:
-    """Harmonics of the force of the water; those to which a record was not fitted are zero in it."""
+    """Harmonics of the force of the water; what a record was not fitted to is zero in it."""
     order = prepared.result.smoothed
     force = prepared.water_force(rig)
     if order is None:
