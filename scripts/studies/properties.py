@@ -32,7 +32,7 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, is_hypothesis_test, settings
-from hypothesis.errors import StopTest, UnsatisfiedAssumption
+from hypothesis.errors import FlakyStrategyDefinition, StopTest, UnsatisfiedAssumption
 
 ROOT = Path(__file__).parents[2]
 SLOW = (HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.large_base_example)
@@ -97,6 +97,11 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     handle.inner_test = _counted(inner, ran, end)
     try:
         yield
+    except FlakyStrategyDefinition:
+        # An example that draws as it goes ends before its first draw when the time is over.
+        if time.monotonic() <= end or not all(ran):
+            raise
+        pytest.skip(LIMITED)
     finally:
         handle.inner_test = inner
         item.user_properties.append(("examples", len(ran)))
