@@ -141,6 +141,7 @@ def test_a_sentence_leads_to_its_worst_cell_by_enter(opened):
 def test_an_own_effect_is_checked_while_it_is_typed(opened):
     opened.run("location.hash = 'missing'")
     settled(opened)
+    assert opened.wait("document.querySelector('textarea') !== null")  # the place is drawn late
 
     def typed(text):
         opened.run(
