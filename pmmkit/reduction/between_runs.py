@@ -201,9 +201,6 @@ def likelihood_of(item: ChannelFit, drawn: Drawn) -> Restricted:
 
 def repeats_of(item: ChannelFit, drawn: Drawn) -> Restricted | None:
     """The likelihood of what repeated runs alone say of it; None where no run was repeated."""
-    conditions: dict[tuple[str, int], list[int]] = {}
-    for place, block in enumerate(item.blocks):
-        conditions.setdefault((block.origin, len(block.rows)), []).append(place)
     covariances = _record_noise(item, drawn)
     return repeatability(
         [
@@ -212,9 +209,17 @@ def repeats_of(item: ChannelFit, drawn: Drawn) -> Restricted | None:
                 drawn=np.mean([drawn.own[i] for i in places], axis=0),
                 noise=np.mean([covariances[i] for i in places], axis=0),
             )
-            for places in conditions.values()
+            for places in _conditions(item.blocks)
         ]
     )
+
+
+def _conditions(blocks: Sequence[Block]) -> list[list[int]]:
+    """Places of the blocks of runs that repeat each other, and have as many rows."""
+    found: dict[tuple[str, int], list[int]] = {}
+    for place, block in enumerate(blocks):
+        found.setdefault((block.origin, len(block.rows)), []).append(place)
+    return list(found.values())
 
 
 def _record_noise(item: ChannelFit, drawn: Drawn) -> list[Array]:
@@ -239,7 +244,9 @@ def _equal_rows(blocks: Sequence[Block]) -> list[list[int]]:
     return list(found.values())
 
 
-def widened(item: ChannelFit, drawn: Drawn, scatter: RunEffects) -> ChannelFit:
+def widened(
+    item: ChannelFit, drawn: Drawn, scatter: RunEffects, likelihood: Restricted
+) -> ChannelFit:
     """A fit with the intervals of the mixture over all sizes of the scatter.
 
     Parameters
@@ -250,6 +257,8 @@ def widened(item: ChannelFit, drawn: Drawn, scatter: RunEffects) -> ChannelFit:
         What its runs draw.
     scatter : RunEffects
         Sizes with their weights.
+    likelihood : Restricted
+        Of `likelihood_of` the fit.
 
     Notes
     -----
@@ -260,7 +269,7 @@ def widened(item: ChannelFit, drawn: Drawn, scatter: RunEffects) -> ChannelFit:
     sizes = scatter.sizes(item.channel)
     columns = tuple(own * per_column(sizes, len(own)) for own in drawn.own)
     nodes, weight = scatter.nodes[item.channel], scatter.weights[item.channel]
-    change, variance = likelihood_of(item, drawn).estimates(nodes)
+    change, variance = likelihood.estimates(nodes)
     there = item.fit.determined & np.all(variance > 0, axis=0)
     mean = weight @ variance
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -281,17 +290,19 @@ def widened(item: ChannelFit, drawn: Drawn, scatter: RunEffects) -> ChannelFit:
     return replace(item, width=Width(columns=columns, factor=factor, dof=dof))
 
 
-def judged(item: ChannelFit, drawn: Drawn, scatter: RunEffects, expected: RunEffects) -> ChannelFit:
+def judged(
+    item: ChannelFit, scatter: RunEffects, expected: RunEffects, likelihood: Restricted
+) -> ChannelFit:
     """A fit with how far its misfit is beyond what repeats, or a usual laboratory, allow.
 
     Parameters
     ----------
     item : ChannelFit
         Fitted.
-    drawn : Drawn
-        What its runs draw.
     scatter, expected : RunEffects
         Sizes by all that the fit leaves, and by repeated runs alone.
+    likelihood : Restricted
+        Of `likelihood_of` the fit.
 
     Notes
     -----
@@ -303,7 +314,7 @@ def judged(item: ChannelFit, drawn: Drawn, scatter: RunEffects, expected: RunEff
 
     if any(block.covariance is None for block in item.blocks):
         return _lack_of_fit(item)
-    likelihood, freedom = likelihood_of(item, drawn), item.freedom
+    freedom = item.freedom
     sizes = np.stack([scatter.sizes(item.channel), expected.sizes(item.channel)])
     found, usual = likelihood.misfits(sizes).tolist()
     strength = float(np.clip(np.median(item.noise.dof), 3.0, 1e6))
@@ -321,10 +332,9 @@ def _lack_of_fit(item: ChannelFit) -> ChannelFit:
 
     white = whiteners(item.noise.covariances)
     left = [w @ rest for w, rest in zip(white, item.residual, strict=True)]
-    conditions: dict[tuple[str, int], list[int]] = {}
-    for place, block in enumerate(item.blocks):
-        conditions.setdefault((block.origin, len(block.rows)), []).append(place)
-    repeated = [np.stack([left[i] for i in own]) for own in conditions.values() if len(own) > 1]
+    repeated = [
+        np.stack([left[i] for i in own]) for own in _conditions(item.blocks) if len(own) > 1
+    ]
     pure = sum(float(np.sum((x - x.mean(axis=0)) ** 2)) for x in repeated)
     freedom = sum((len(x) - 1) * x.shape[1] for x in repeated)
     others = item.freedom - freedom

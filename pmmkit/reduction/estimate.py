@@ -71,8 +71,9 @@ class Width:
 
     Parameters
     ----------
-    columns : tuple of array (m_i, 3)
-        What each block draws for itself, per standard deviation: offset, gain, drift setting.
+    columns : tuple of array (m_i, 3 + m_i)
+        What each block draws for itself, per standard deviation: offset, gain, drift setting, each
+        harmonic.
     factor : array (p,)
         By which the standard uncertainties grow, since the sizes are not known exactly.
     dof : array (p,)

@@ -222,7 +222,9 @@ class _Case:
     ) -> ChannelFit:
         """A fit with the intervals of the mixture over all sizes of the scatter, and its misfit."""
         with solvable(self.channel, self.Fn):
-            return judged(widened(found, draw, scatter), draw, scatter, repeatability)
+            likelihood = likelihood_of(found, draw)
+            wide = widened(found, draw, scatter, likelihood)
+            return judged(wide, scatter, repeatability, likelihood)
 
 
 def _by_repeats(
