@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 from hypothesis import settings
 from kept import Kept
+from pictures import without_pictures
 
 # The same examples for everyone; scripts/studies/properties.py looks for others.
 settings.register_profile("everyone", deadline=None, derandomize=True)
@@ -60,9 +61,10 @@ def symbols_set_once() -> Iterator[None]:
 
 
 @pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Reports without pictures, which take most of their time, where another file is asked."""
-    monkeypatch.setattr("pmmkit.report.drawn.svg", lambda figure: "<svg></svg>")
+def undrawn() -> Iterator[None]:
+    """Reports and files without pictures, which take most of their time, where others are asked."""
+    with without_pictures():
+        yield
 
 
 @pytest.fixture(scope="session")
@@ -96,7 +98,6 @@ def hmri(
 
     folder = tmp_path_factory.mktemp("hmri") / "kvlcc2_hmri-reduced"
     words = ["reduce", datasets / "kvlcc2_hmri", "--data", shared_data, "--structure", "mmg"]
-    with pytest.MonkeyPatch.context() as patch, redirect_stdout(io.StringIO()) as told:
-        patch.setattr("pmmkit.report.drawn.svg", lambda figure: "<svg></svg>")
+    with without_pictures(), redirect_stdout(io.StringIO()) as told:
         assert main([*map(str, words), "--out", str(folder), "--json"]) == 0
     return folder, json.loads(told.getvalue())

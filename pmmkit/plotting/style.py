@@ -210,8 +210,13 @@ def save(figure: Figure, path: str | Path) -> Path:
         Where.
     """
     target = Path(path)
-    with styled(), atomic_path(target) as part:
-        figure.savefig(part, metadata=_undated(target.suffix))
+    with atomic_path(target) as part:
+        if target.suffix == ".svg":
+            part.write_text(document(svg(figure)), encoding="utf-8", newline="\n")
+        else:
+            with styled():
+                undated = {"CreationDate": None} if target.suffix == ".pdf" else {}
+                figure.savefig(part, metadata=undated)
     return target
 
 
@@ -231,10 +236,31 @@ def svg(figure: Figure) -> str:
         What to draw.
     """
     buffer = io.StringIO()
-    with styled():
-        figure.savefig(buffer, format="svg", metadata=_undated(".svg"))
+    with styled(), _laid_out(figure) as canvas:
+        canvas.print_svg(buffer, metadata={"Date": None})
     text = buffer.getvalue()
     return text[text.index("<svg") :]
+
+
+@contextmanager
+def _laid_out(figure: Figure) -> Iterator[Any]:
+    """The figure on a canvas of SVG, its axes in their places: `savefig` would find them by drawing
+    everything, and then draw everything again."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    dots, engine, shown_on = figure.dpi, figure.get_layout_engine(), figure.canvas
+    canvas = FigureCanvasSVG(figure)
+    try:
+        figure.dpi = canvas.fixed_dpi
+        if engine is not None:
+            engine.execute(figure)
+            figure.set_layout_engine("none")
+        figure.dpi = _STYLE["savefig.dpi"]
+        yield canvas
+    finally:
+        figure.dpi = dots
+        figure.set_canvas(shown_on)
+        figure.set_layout_engine(engine)
 
 
 def document(element: str) -> str:
@@ -242,8 +268,3 @@ def document(element: str) -> str:
     from matplotlib.backends.backend_svg import svgProlog
 
     return f"{svgProlog}{element}"
-
-
-def _undated(ending: str) -> dict[str, Any]:
-    dates = {".svg": "Date", ".pdf": "CreationDate"}
-    return {dates[ending]: None} if ending in dates else {}

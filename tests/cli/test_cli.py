@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from commands import rows_of, said
 from pages import answers_in, texts_in
+from pictures import without_pictures
 from small_campaign import TRUTH, write_campaign
 
 import pmmkit
@@ -111,7 +112,11 @@ def bare(tmp_path_factory):
     toml, out = folder / "campaign.toml", folder.with_name("reduced")
     text = toml.read_text(encoding="utf-8")
     toml.write_text(text.replace("Small S175 programme", ODD), encoding="utf-8")
-    with redirect_stdout(StringIO()) as result, redirect_stderr(StringIO()) as words:
+    with (
+        without_pictures(),
+        redirect_stdout(StringIO()) as result,
+        redirect_stderr(StringIO()) as words,
+    ):
         status = main(["reduce", str(folder), "--json", "--out", str(out)])
     return status, json.loads(result.getvalue()), words.getvalue(), out
 

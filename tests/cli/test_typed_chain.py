@@ -91,7 +91,7 @@ def write_zigzags(folder: Path, ship: pk.Model, speed: float, dt: float = 0.3) -
 
 
 @pytest.mark.slow
-def test_the_chain_on_a_ship_that_is_known(tmp_path, capsys, monkeypatch):
+def test_the_chain_on_a_ship_that_is_known(tmp_path, capsys, monkeypatch, undrawn):
     """Captive tests of a model of 4.9 m; zigzags of one of 3 m that pulls to a side, with a smaller
     propeller. What is typed finds the pull, and the turn comes nearer to that of the truth."""
     monkeypatch.chdir(tmp_path)

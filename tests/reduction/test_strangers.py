@@ -6,6 +6,7 @@ The files and the truth share no code with the package (`scripts.datasets.strang
 from __future__ import annotations
 
 import pytest
+from pictures import without_pictures
 
 import pmmkit as pk
 from pmmkit.cli import main
@@ -30,8 +31,7 @@ def stranger(request, tmp_path_factory):
     whole = filled(filled(draft, list(particulars(HULLS[request.param]))), EDITS[request.param])
     (folder / "campaign.toml").write_text(whole, encoding="utf-8")
     order = ["reduce", str(folder), "--structure", "auto", "--out", str(place / "reduced"), "-q"]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pmmkit.report.drawn.svg", lambda figure: "<svg></svg>")
+    with without_pictures():
         assert main(order) == 0
     return request.param, place
 

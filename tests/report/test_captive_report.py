@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from matplotlib.figure import Figure
+from pictures import without_pictures
 
 import pmmkit as pk
 from pmmkit import save_campaign
@@ -50,8 +51,7 @@ def reduced(drift):
 
 @pytest.fixture(scope="module")
 def told(reduced):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pmmkit.report.drawn.svg", lambda figure: "<svg></svg>")
+    with without_pictures():
         yield captive_document(reduced)
 
 

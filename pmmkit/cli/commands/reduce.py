@@ -227,7 +227,6 @@ def reduced(
         Files, table, findings, notes, the model or why there is none.
     """
     from pmmkit.campaigns.file.campaign_file import open_campaign
-    from pmmkit.loop.session import begin
     from pmmkit.models import load_model
     from pmmkit.progress import shown
     from pmmkit.reduction import reduce_campaign
@@ -263,6 +262,8 @@ def reduced(
     why += why_not
     loop = None
     if asked:
+        from pmmkit.loop.session import begin  # half a second, for a demo alone
+
         say(f"Diagnosing what the structure {asked} lacks ...")
         base = f"one set of derivatives ({asked}) over all speeds"
         loop = loop_of(begin(asked, opened), base, rounds=ROUNDS)
