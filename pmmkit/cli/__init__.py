@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from pmmkit.errors import PmmkitError
+from pmmkit.threads import ONE_THREAD
 
 DONE, WRONG, USAGE, STOPPED = 0, 1, 2, 130
 
@@ -29,6 +30,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0 done, 1 the data or the request is wrong, 2 usage, 3 done but not usable, 130 stopped by
         the user.
     """
+    if arguments is None:  # the process is ours
+        os.environ.update({name: own for name, own in ONE_THREAD.items() if name not in os.environ})
     given = list(sys.argv[1:] if arguments is None else arguments)
     _open_streams()
     for stream in (sys.stdout, sys.stderr):

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from typing import Final
 
 from pmmkit.errors import DataError, Problem
+from pmmkit.threads import ONE_THREAD
 
 Workers = Executor | int | str | None
 """Where work runs: an executor, processes of this machine, a dask scheduler, or as is usual."""
@@ -22,12 +23,7 @@ ANSWERS: Final = 5.0
 """Seconds in which a scheduler has to answer."""
 _SOCKETS: Final = ("tcp", "tls")
 """Schemes of addresses behind which a port listens."""
-_ENVIRONMENT: Final = {
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-    "MALLOC_MMAP_THRESHOLD_": "4000000",
-}
+_ENVIRONMENT: Final = {**ONE_THREAD, "MALLOC_MMAP_THRESHOLD_": "4000000"}
 """One thread each; large arrays go back to the system (glibc keeps them otherwise)."""
 
 

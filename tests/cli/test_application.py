@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import inspect
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -15,6 +18,7 @@ from pmmkit.exports import ENDINGS
 from pmmkit.identification.methods import METHODS
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
 from pmmkit.tables import write_table
+from pmmkit.threads import ONE_THREAD
 
 NAMES = sorted(
     file.stem for file in Path(commands.__path__[0]).glob("*.py") if file.stem != "__init__"
@@ -54,6 +58,32 @@ def test_the_status_of_an_outcome_is_that_of_the_command(monkeypatch, capsys):
     assert main(["ships", "--json"]) == 1
     captured = capsys.readouterr()
     assert (captured.out, captured.err) == ('{\n  "errors": 2\n}\n', "two errors\n")
+
+
+TYPED = """
+import sys
+sys.argv = ["pmmkit", "ships", "--quiet"]
+from pmmkit.cli import main
+main()
+import numpy, os
+from threadpoolctl import threadpool_info
+print(os.environ["OPENBLAS_NUM_THREADS"], *(x["num_threads"] for x in threadpool_info()))
+"""
+
+
+@pytest.mark.parametrize("asked", [None, "3"])
+def test_a_typed_command_factors_its_small_matrices_with_one_thread(asked):
+    """Two that wait for each other take a hundred times as long where another program works; who
+    asks for more gets them."""
+    own = {name: x for name, x in os.environ.items() if name not in ONE_THREAD}
+    if asked:
+        own |= dict.fromkeys(ONE_THREAD, asked)
+    done = subprocess.run(
+        [sys.executable, "-c", TYPED], env=own, capture_output=True, text=True, check=True
+    )
+    told, *threads = done.stdout.splitlines()[-1].split()
+    assert told == (asked or "1")
+    assert asked or set(threads) == {"1"}
 
 
 def test_what_an_option_offers_is_what_there_is(tmp_path):

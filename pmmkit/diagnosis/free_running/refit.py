@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.findings import model_of
@@ -36,6 +37,11 @@ def refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) ->
     DataError
         If no step towards an effect helps: it would be added with nothing in it.
     """
+    with threadpool_limits(1):
+        return _refitted(system, begun, steps)
+
+
+def _refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -> Model:
     every = {item.name: item for item in system.every}
     names = tuple(begun)
     fit = system.fit(names)
