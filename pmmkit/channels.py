@@ -88,6 +88,7 @@ SETTING_UNITS: Final[dict[str, str]] = {
     "phase_deg": "deg",
     "yaw_rate": "rad/s",
     "radius": "m",
+    "depth": "m",
     "switch_deg": "deg",
     "wave_height": "m",
     "wave_period": "s",

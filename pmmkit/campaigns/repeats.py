@@ -35,6 +35,7 @@ RESOLUTION: Final = {
     "yaw_amplitude": ANGLE,
     "waves_from": ANGLE,
     "amplitude": LENGTH,
+    "depth": LENGTH,
     "strut_spacing": LENGTH,
     "strut_centre": LENGTH,
     "propeller_rps": RATE,

@@ -346,6 +346,10 @@ class Campaign(Described):
         """Froude number of a run."""
         return self.ship.froude(run.settings.speed, self.water.g)
 
+    def depth_of(self, run: Run) -> float | None:
+        """Depth of the water in which a run was made [m]; None where it is not stated."""
+        return self.water.depth if run.settings.depth is None else run.settings.depth
+
     def to_xarray(self) -> xr.DataTree:
         """All runs as one DataTree, a node a run (reads everything)."""
         import xarray as xr

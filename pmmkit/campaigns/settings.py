@@ -58,6 +58,8 @@ class Settings:
         midway, `yaw_amplitude` the largest heading of the line of struts.
     strut_centre : float
         That point at rest, forward of the point whose motion is meant [m].
+    depth : float, optional
+        Depth of the water [m]; that of the campaign's water where it is not stated.
     switch : float, optional
         Heading at which a zigzag switches [rad].
     wave_height, wave_period : float, optional
@@ -81,6 +83,7 @@ class Settings:
     radius: float | None = None
     strut_spacing: float | None = None
     strut_centre: float = 0.0
+    depth: float | None = None
     switch: float | None = None
     wave_height: float | None = None
     wave_period: float | None = None

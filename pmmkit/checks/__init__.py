@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
@@ -10,6 +10,7 @@ from typing import Final
 
 from threadpoolctl import threadpool_limits
 
+from pmmkit.campaigns.depths import by_depth, in_words
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.samples.bringing import bring
 from pmmkit.campaigns.samples.loading import requests_of
@@ -121,6 +122,29 @@ def examine(
     _known_checks(campaign)
     if summaries is None:
         summaries = _read_all(campaign, executor)
+    return loudest_first(list(_by_depth(campaign, summaries)))
+
+
+def _by_depth(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """What the checks find at each depth; what all depths say alike is said once."""
+    parts = by_depth(campaign)
+    said: set[str] = set()
+    for part in parts:
+        ids = {run.id for run in part.runs}
+        own = _examined(part, [item for item in summaries if item.run.id in ids])
+        for found in own:
+            if len(parts) == 1:
+                yield found
+            elif found.runs:
+                depth = in_words((part.water.depth,))
+                yield replace(found, message=f"In water of {depth}: {found.message}")
+            elif found.message not in said:
+                said.add(found.message)
+                yield found
+
+
+def _examined(campaign: Campaign, summaries: Sequence[Summary]) -> list[CheckFinding]:
+    """Every check on runs at one depth."""
     ship = [
         accepted(campaign, x)
         for check in particulars.CHECKS
@@ -133,7 +157,7 @@ def examine(
     made = [check for check in others if consistent or not check.by_particulars]
     rest = [x for check in made for x in check.examine(campaign, sound)]
     found = [accepted(campaign, x) for x in settled([*gauges_first, *rest])]
-    return loudest_first([*ship, *found, *_not_made([c for c in others if c not in made])])
+    return [*ship, *found, *_not_made([c for c in others if c not in made])]
 
 
 def _not_made(checks: Sequence[Check]) -> list[CheckFinding]:

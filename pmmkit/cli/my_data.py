@@ -208,6 +208,12 @@ def _reduced(way: Way, campaign: Campaign, reduce: Callable[..., Outcome], resul
     result = reduce(way.file, results, structure=AUTO, title=title)
     content = result.content
     way = replace(way, result=result)
+    if "depths" in content:
+        way = way.after("reduce", f"{len(content['depths'])} depths, a folder for each")
+        ratios = ",".join(f"{item['h_T']:.4g}" for item in content["depths"])
+        speed = max(run.settings.speed for run in campaign.runs)
+        sweep = f"pmmkit sweep {quoted(results)} --depths {ratios} --speeds {speed:.4g}"
+        return replace(way, then=sweep)
     way = way.after("reduce", f"structure {content['structure']}, {content['verdict']['use']}")
     if content["model"] is None:
         return replace(way, stopped=" ".join(content["model_lacks"]))

@@ -33,7 +33,8 @@ SHALLOW_WATER: Final = Effect(
     ),
     needs=("depth",),
     excites=("depth",),
-    not_captive="the tests of a campaign have one depth, and their table holds it",
+    not_captive="tests at each depth have a table of their own; how it grows from depth to depth "
+    "stands beside these formulas",
     check="the same manoeuvre in deep water",
     sources=("hirano_1985", "kijima_1990", "ankudinov_1990"),
     remark="added mass and products from the last; all as public programs quote them, not "

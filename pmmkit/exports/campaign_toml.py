@@ -31,6 +31,7 @@ _OPTIONAL: Final = {
     "propeller_rps": ("propeller_rps", False),
     "yaw_rate": ("yaw_rate", False),
     "radius": ("radius", False),
+    "depth": ("depth", False),
     "wave_height": ("wave_height", False),
     "wave_period": ("wave_period", False),
     "waves_from": ("waves_from_deg", True),

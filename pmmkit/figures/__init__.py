@@ -6,6 +6,7 @@ from pmmkit.figures.cycles_by_froude import CycleForces, cycles_by_froude
 from pmmkit.figures.derivatives import beside_reference, derivatives_over_froude
 from pmmkit.figures.forces import Cycle, DriftPoints, forces_over_drift, over_a_cycle
 from pmmkit.figures.forests import forest
+from pmmkit.figures.growth import growth_over_depth
 from pmmkit.plotting.bands import band_histories
 from pmmkit.plotting.histories import histories, path, spiral, zigzag
 from pmmkit.plotting.metrics import measures_over_froude, metrics_over
@@ -23,6 +24,7 @@ __all__ = [
     "derivatives_over_froude",
     "forces_over_drift",
     "forest",
+    "growth_over_depth",
     "histories",
     "measures_over_froude",
     "metrics_over",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
@@ -166,7 +166,7 @@ def chosen_records(
             rudder=rudder,
             wind=wind,
             shortest=shortest,
-            depth=campaign.water.depth,
+            depth_of=campaign.depth_of,
         )
 
     return records(train), records(held) if held else None
@@ -204,7 +204,7 @@ def _records(
     rudder: Literal["auto", "measured", "ordered"],
     wind: bool,
     shortest: float | None,
-    depth: float | None,
+    depth_of: Callable[[Run], float | None],
 ) -> Chosen:
     """Usable segments of runs; every run that cannot be used at all is named at once."""
     records: list[FreeRecord] = []
@@ -223,7 +223,7 @@ def _records(
                 channels=channels,
                 wind=wind,
                 shortest=least,
-                depth=depth,
+                depth=depth_of(run),
             )
         except DataError as error:
             problems += error.problems

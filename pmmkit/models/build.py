@@ -14,6 +14,7 @@ from pmmkit.conventions import parse_derivative
 from pmmkit.effects.added_mass import INERTIA, dimensional
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL_PART
+from pmmkit.effects.shallow_water import SHALLOW_WATER
 from pmmkit.errors import (
     MissingPartError,
     ModelError,
@@ -143,11 +144,21 @@ def to_model(
         ),
     }
     rolls = donor.rolls and any(needs_roll(item) for item in taken)
+    depth = _depth(table, donor)
+    here = {} if depth is None else {SHALLOW_WATER.name: "the tests were made over their bottom"}
     others = {
         key: donor.parts[key]
         for key in donor.parts
-        if key not in own and key != RUDDER_POLYNOMIAL and (rolls or key != ROLL_PART)
+        if key not in own
+        and key not in here
+        and key != RUDDER_POLYNOMIAL
+        and (rolls or key != ROLL_PART)
     }
+    notes += [
+        f"Left out of the model: {key}, because {why}."
+        for key, why in here.items()
+        if key in donor.parts
+    ]
     names = tuple(item for item in taken)
     if zeroed:
         notes.append(f"Taken as zero because the table has no value: {', '.join(zeroed)}.")
@@ -158,7 +169,7 @@ def to_model(
     return Model(
         name=name or table.ship.name,
         ship=replace(donor.ship, name=name or donor.ship.name),
-        water=donor.water,
+        water=donor.water if depth is None else replace(donor.water, depth=depth),
         parts=MappingProxyType({**own, **others}),
         convention=table.convention,
         Fn=rows,
@@ -188,6 +199,11 @@ _BY_FORCE: Final = Problem(
         "Mend the tests, or make one by force, which stays marked ({}).", (setting("force", True),)
     ),
 )
+
+
+def _depth(table: DerivativeTable, donor: Model) -> float | None:
+    """Depth of the water [m] at the scale of the model; None where the table states none."""
+    return None if table.water.depth is None else table.water.depth * donor.ship.d / table.ship.d
 
 
 def _accelerates(name: str) -> bool:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.day import places_in_day
+from pmmkit.campaigns.depths import one_depth
 from pmmkit.campaigns.motion.counted import travel_of
 from pmmkit.campaigns.motion.inertia import Rig, rig_of
 from pmmkit.campaigns.repeats import repeats
@@ -172,9 +173,12 @@ def views_of(
     ------
     DataError
         If the campaign is not captive.
+    CampaignError
+        If its runs were made at several depths of the water.
     """
     if campaign.kind != "captive":
         raise DataError("Forces are diagnosed in captive tests; this campaign is free-running.")
+    campaign = one_depth(campaign)
     lean = campaign.with_(runs=(), excluded=())
     work = partial(_views, campaign=lean, rig=rig_of(lean), keep=unknown_noise, pieces=pieces)
     names = [f"run {run.id}" for run in campaign.runs]

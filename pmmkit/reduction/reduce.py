@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from pmmkit.campaigns.depths import one_depth
 from pmmkit.campaigns.motion.inertia import rig_of
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.samples.loading import file_hashes
@@ -253,9 +254,10 @@ def reduce_campaign(
     ContradictionError
         If the checks find contradictions, or a run at odds with the others is to be refused.
     CampaignError
-        If runs cannot be read; all problems of all runs at once.
+        If runs cannot be read; all problems of all runs at once. If they were made at several
+        depths of the water: `reduce_depths` reduces each.
     """
-    campaign = _within_reach(campaign)
+    campaign = _within_reach(one_depth(campaign))
     free = structure == AUTO
     wanted = all_terms() if free else structure_of(structure)
     convention = Convention(

@@ -119,7 +119,7 @@ def froude_sweep(
 
 
 def sweep(
-    model: Model | str | Path | Mapping[str, Model | str | Path],
+    model: Model | str | Path | Mapping[Any, Model | str | Path],
     over: str,
     values: Sequence[float] | None = None,
     manoeuvre: str | Manoeuvre = "turning",
@@ -135,7 +135,7 @@ def sweep(
     Parameters
     ----------
     model : Model, str, path, or a mapping of them
-        A mapping, e.g. of loading conditions, with ``over="model"``.
+        A mapping, e.g. of loading conditions or of depths, with ``over="model"``.
     over : str
         A setting of `simulate` or of the manoeuvre: ``rudder_deg``, ``depth``, ``wind_speed``,
         ``switch_deg``, ``speed`` …, or ``model``.

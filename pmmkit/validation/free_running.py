@@ -236,7 +236,7 @@ def compare_free(
         data = run.data
         held = run.with_(loader=lambda data=data: data)
         try:
-            found = free_records(held, made, depth=campaign.water.depth)
+            found = free_records(held, made, depth=campaign.depth_of(run))
             records = reference(made, found, extrapolate=extrapolate)
             runs += [_compared(made, held, item, window, extrapolate) for item in records]
             used += found
@@ -343,7 +343,7 @@ def _sailed(model: Model, run: Run, campaign: Campaign, extrapolate: bool) -> Ma
             model,
             manoeuvre,
             speed=settings.speed,
-            depth=campaign.water.depth if feels_depth(model) else None,
+            depth=campaign.depth_of(run) if feels_depth(model) else None,
             extrapolate=extrapolate,
             rudder_rate_deg=rate if math.isfinite(rate) else None,
             **asked,

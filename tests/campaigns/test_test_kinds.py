@@ -69,7 +69,7 @@ def growing(settings, theta):
         (replace(PURE_SWAY, phrase="("), "no regular expression"),
         (replace(PURE_SWAY, name="pure_yaw"), "another kind of test has its name"),
         (replace(PURE_SWAY, needs=("period",)), "needs amplitude, and does not say so"),
-        (replace(PURE_SWAY, needs=("period", "amplitude", "depth")), "depth is no setting"),
+        (replace(PURE_SWAY, needs=("period", "amplitude", "breadth")), "breadth is no setting"),
         (replace(PURE_SWAY, takes=("amplitude",)), "a setting comes twice"),
         (replace(PURE_SWAY, takes=("phase",)), "phase goes without saying"),
         (replace(PURE_SWAY, varies=("v", "vdot", "w")), "w is no variable"),

@@ -140,6 +140,7 @@ def write_campaign(
     zero: Mapping[str, float] = MappingProxyType({}),
     hundredfold: str = "",
     thrust: float = 0.0,
+    grown: float = 1.0,
 ) -> Path:
     """Write the campaign file and its histories.
 
@@ -159,6 +160,8 @@ def write_campaign(
         A run whose side force is written in another unit, a hundred times too large.
     thrust : float
         Of a propeller that turns in all runs and stands inside X, over ½ρL²U².
+    grown : float
+        Factor on side force and moment.
     """
     generator = np.random.default_rng(seed)
     (folder / "runs").mkdir(parents=True)
@@ -169,6 +172,7 @@ def write_campaign(
         started = np.clip((before - t[0]) / RAMP + 1.0, 0.0, 1.0) ** 2
         columns = {"t": np.concatenate([before, t])}
         for channel, run in forces(**motion).items():
+            run = run if channel == "X" else grown * run
             clean = np.concatenate([started * run[0], run]) + zero.get(channel, 0.0)
             clean = clean + (0.5 * RHO * (L * speed) ** 2 * thrust if channel == "X" else 0.0)
             shown = clean + noise * NOISE[channel] * generator.normal(size=len(clean))
@@ -219,5 +223,27 @@ def write_campaign(
             )
             motion = yaw(speed, math.radians(12), math.radians(drift), t, omega)
             add(f"YD_U{speed:g}_b{drift}", keys, speed, t, motion)
+    (folder / "campaign.toml").write_text("".join(text), encoding="utf-8")
+    return folder
+
+
+def write_depths(folder: Path, grown: Mapping[float, float]) -> Path:
+    """One campaign in water of several depths.
+
+    Parameters
+    ----------
+    folder : Path
+        Where; made if missing.
+    grown : mapping of float to float
+        Factor on side force and moment by the depth [m].
+    """
+    text = [HEAD]
+    for seed, (depth, factor) in enumerate(grown.items(), start=1):
+        place = write_campaign(folder / f"h{depth:g}", seed=seed, grown=factor)
+        own = (place / "campaign.toml").read_text(encoding="utf-8").removeprefix(HEAD)
+        own = own.replace('file = "', f'file = "h{depth:g}/').replace(
+            'id = "', f'id = "h{depth:g}_'
+        )
+        text.append(own.replace("[[runs]]\n", f"[[runs]]\ndepth = {depth}\n"))
     (folder / "campaign.toml").write_text("".join(text), encoding="utf-8")
     return folder

@@ -88,6 +88,7 @@ class SettingsEntry(Entry):
     phase_deg: float | None = said("of the displacement at t = 0", None)
     yaw_rate: float | None = said("of a circle [rad/s]", None)
     radius: float | None = said("of a circle instead [m]", None)
+    depth: Positive | None = said("of the water, where it is not that of [water] [m]", None)
     switch_deg: Degrees | None = said("heading at which a zigzag puts the rudder over", None)
     wave_height: Annotated[float, Field(ge=0)] | None = said(
         "significant height of the sea, of a free-running test [m]", None

@@ -178,6 +178,7 @@ def settings_of(
             yaw_amplitude=yaw,
             phase=phase,
             **turning,
+            depth=given.get("depth"),
             switch=_radians(given, "switch_deg"),
             wave_height=given.get("wave_height"),
             wave_period=given.get("wave_period"),

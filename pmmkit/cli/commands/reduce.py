@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
@@ -27,6 +28,7 @@ from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import aligned, counted, table_lines
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign as Opened
     from pmmkit.executors import Workers
     from pmmkit.models import Model
     from pmmkit.models.build import Missing as Gaps
@@ -147,6 +149,8 @@ def reduce(
 ) -> Outcome:
     """Reduce captive tests to a table of derivatives, a model and a report.
 
+    Runs in water of several depths give all of that at each depth, and how derivatives grow.
+
     Typed again after an interruption it goes on with the runs that were not yet read.
     """
     return reduced(
@@ -226,37 +230,62 @@ def reduced(
     Outcome
         Files, table, findings, notes, the model or why there is none.
     """
+    from pmmkit.campaigns.depths import by_depth
     from pmmkit.campaigns.file.campaign_file import open_campaign
+    from pmmkit.cli.depths import over_depths
     from pmmkit.models import load_model
+    from pmmkit.report import reference_of
+
+    opened = open_campaign(campaign, data=data)
+    opened = opened.with_(title=title) if title else opened
+    one = partial(
+        _at_one_depth,
+        settings={
+            "structure": structure,
+            "fn": fn,
+            "cycles": cycles,
+            "odd_runs": odd_runs,
+            "method": method,
+            "library": library,
+            "fourier": fourier,
+            "executor": executor,
+            "memory": memory,
+        },
+        donor=load_model(parts) if parts else None,
+        missing=missing,
+        beside=reference_of(reference, reference_name) if reference else None,
+        asked=asked,
+        force=force,
+    )
+    depths = by_depth(opened)
+    return one(opened, out)[0] if len(depths) == 1 else over_depths(depths, out, one)
+
+
+def _at_one_depth(
+    opened: Opened,
+    out: Path,
+    *,
+    settings: Mapping[str, Any],
+    donor: Model | None,
+    missing: Gaps,
+    beside: Reference | None,
+    asked: str | None,
+    force: bool,
+) -> tuple[Outcome, Reduction]:
+    """Reduce runs in water of one depth and write everything."""
     from pmmkit.progress import shown
     from pmmkit.reduction import reduce_campaign
     from pmmkit.reduction.agreement import differences
     from pmmkit.reduction.choice import AUTO
     from pmmkit.reduction.reading.resume import forget, resume_folder
-    from pmmkit.report import changes, loop_of, reference_of
+    from pmmkit.report import changes, loop_of
     from pmmkit.report.results import write_reduction
     from pmmkit.toml_files import MODEL
 
-    donor = load_model(parts) if parts else None
-    beside = reference_of(reference, reference_name) if reference else None
-    opened = open_campaign(campaign, data=data)
-    opened = opened.with_(title=title) if title else opened
     kept = resume_folder(out)
     with shown() as progress:
-        found = reduce_campaign(
-            opened,
-            structure=structure,
-            fn=fn,
-            cycles=cycles,
-            odd_runs=odd_runs,
-            method=method,
-            library=library,
-            fourier=fourier,
-            progress=progress,
-            executor=executor,
-            memory=memory,
-            resume=kept,
-        )
+        found = reduce_campaign(opened, progress=progress, resume=kept, **settings)
+    structure = settings["structure"]
     model, why = _model(found, donor, missing, force=force)
     turns, why_not = _turns(found, model, beside)
     why += why_not
@@ -276,7 +305,7 @@ def reduced(
         "out": str(out),
         "files": files,
         "structure": found.table.provenance["structure"] if structure == AUTO else structure,
-        "fn": fn,
+        "fn": settings["fn"],
         "runs": len(found.runs),
         "excluded": {run.id: reason for run, reason in opened.excluded},
         "findings": [item.to_dict() for item in found.findings],
@@ -293,11 +322,12 @@ def reduced(
         "diagnosis": loop.diagnosis.to_dict() if loop else None,
     }
     lines = [*_words(found, beside, turns, why), *_missing(loop), "", f"Results: {out.resolve()}"]
-    return Outcome(
+    outcome = Outcome(
         content=content,
         lines=[*lines, f"Report:  {out.resolve() / 'report.html'}", "", str(judged)],
         status=NOT_USABLE if judged.faults else 0,
     )
+    return outcome, found
 
 
 def _missing(loop: Loop | None) -> list[str]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from pmmkit.cli.depths import swept_over_depth
 from pmmkit.cli.options import (
     Depth,
     Extrapolate,
@@ -35,8 +37,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 EXAMPLE: Final = "pmmkit sweep kvlcc2 --speeds 6,8"
-MOST: Final = 5
-"""Metrics in a table for the screen."""
 
 
 def sweep(
@@ -53,6 +53,13 @@ def sweep(
         typer.Option(help="What to vary in place of the speed: rudder_deg, depth, wind_speed …"),
     ] = None,
     values: Annotated[str | None, typer.Option(help="Its values, such as 10,20,35.")] = None,
+    depths: Annotated[
+        str | None,
+        typer.Option(
+            help="Depths of the water over the draught, such as 1.3,1.5,2: MODEL is the folder "
+            "that reduce wrote from tests over several depths. Needs one approach speed."
+        ),
+    ] = None,
     manoeuvre: Manoeuvre = "turning",
     fn: Follow = "approach",
     rudder_deg: RudderDeg = None,
@@ -66,13 +73,13 @@ def sweep(
     scheduler: Scheduler = None,
     out: Out = None,
 ) -> Outcome:
-    """Metrics of a manoeuvre over the approach speed, or over --over."""
+    """Metrics of a manoeuvre over the approach speed, over --over, or over --depths."""
     from pmmkit.figures import metrics_over
     from pmmkit.files import write_results
     from pmmkit.models import load_model
     from pmmkit.plotting.style import save
     from pmmkit.simulation import sweeps
-    from pmmkit.simulation.results import sweep_frame
+    from pmmkit.simulation.results import sweep_frame, told_metric, told_metrics
 
     typed = None if speeds is None else typed_list(speeds)
     settings = {
@@ -87,13 +94,20 @@ def sweep(
     if over is not None and (values is None or typed is None or len(typed) != 1):
         raise typer.BadParameter("--over needs --values and one approach speed, --speeds 8.")
     folder = results_folder(out, f"{stem(model)}-sweep")
+    if depths is not None:
+        if over is not None or typed is None or len(typed) != 1:
+            raise typer.BadParameter(
+                "--depths needs one approach speed, --speeds 8, and no --over."
+            )
+        ratios = numbers(depths) or ()
+        return swept_over_depth(Path(model), ratios, typed[0], manoeuvre, settings, folder)
     loaded = load_model(model)
     asked = [speed.of(loaded.ship, loaded.water) for speed in typed] if typed else None
     if over is None or asked is None:
         found = sweeps.froude_sweep(loaded, asked, manoeuvre, **settings)
     else:
         found = sweeps.sweep(loaded, over, numbers(values), manoeuvre, speed=asked[0], **settings)
-    metrics = _told(found)
+    metrics = told_metrics(found)
     table = sweep_frame(found)
     rows: list[dict[str, Any]] = [
         {str(name): value for name, value in row.items()} for row in table.to_dict("records")
@@ -103,7 +117,7 @@ def sweep(
     coordinates = [str(name) for name in found.coords]
     columns = [*metrics, *(name for name in sweeps.SHARES if name in found)]
     cells = [
-        [f"{row[name]:.4g}" for name in coordinates] + [_cell(row, name) for name in columns]
+        [f"{row[name]:.4g}" for name in coordinates] + [told_metric(row, name) for name in columns]
         for row in rows
     ]
     lines = [
@@ -127,20 +141,3 @@ def _heads(
     units = {name: found[name].attrs.get("units", "") for name in coordinates}
     units |= {name: unit_of(name, known) for name in metrics}
     return [f"{name} [{unit}]" if unit else name for name, unit in units.items()]
-
-
-def _told(found: xr.Dataset) -> list[str]:
-    """The metrics worth a column: in ship lengths where they are, without those that stay empty."""
-    from pmmkit.metrics import in_lengths
-    from pmmkit.simulation import sweeps
-
-    names = [str(name) for name in found.data_vars if not str(name).endswith(("_low", "_high"))]
-    metrics = [name for name in in_lengths(names) if name not in sweeps.SHARES]
-    return [name for name in metrics if found[name].notnull().any()][:MOST]
-
-
-def _cell(row: Mapping[str, Any], name: str) -> str:
-    text = f"{row[name]:.4g}"
-    if f"{name}_low" not in row:
-        return text
-    return f"{text} ({row[f'{name}_low']:.4g} to {row[f'{name}_high']:.4g})"

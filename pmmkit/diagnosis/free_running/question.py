@@ -54,7 +54,7 @@ def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequen
         If there are none.
     """
     found = (
-        [x for run in records.runs for x in free_records(run, model, depth=records.water.depth)]
+        [x for run in records.runs for x in free_records(run, model, depth=records.depth_of(run))]
         if isinstance(records, Campaign)
         else records
     )

@@ -1,0 +1,295 @@
+"""Commands over the depth of the water: what each depth gives, side by side."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from pmmkit.cli import WRONG
+from pmmkit.cli.output import Outcome, marked, words_of
+from pmmkit.presentation import aligned, number, plus_minus
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.cli.speeds import TypedSpeed
+    from pmmkit.models import Model
+    from pmmkit.reduction import Reduction
+    from pmmkit.reduction.depths import Growth
+    from pmmkit.tables.by_depth import TablesByDepth
+
+TABLES: Final = "derivatives_by_depth.csv"
+"""All rows of all depths, beside the folders of the depths."""
+GROWTH: Final = "growth"
+FEW: Final = 3
+"""Metrics on the screen: each takes two columns."""
+FOLDER: Final = "depth-"
+"""What the name of a depth's folder begins with; its depth over the draught follows."""
+
+
+def over_depths(
+    campaigns: Sequence[Campaign],
+    out: Path,
+    reduce: Callable[[Campaign, Path], tuple[Outcome, Reduction]],
+) -> Outcome:
+    """Reduce runs at each depth of the water into a folder of its own.
+
+    Parameters
+    ----------
+    campaigns : sequence of Campaign
+        One for each depth, the deepest first.
+    out : Path
+        The folder of all results.
+    reduce : callable
+        Reduces a campaign and writes everything to a folder.
+
+    Returns
+    -------
+    Outcome
+        What each depth gave, and how derivatives grow.
+
+    Raises
+    ------
+    CampaignError
+        If runs state no depth beside others that do.
+    """
+    from pmmkit.campaigns.depths import depths, in_words
+    from pmmkit.errors import CampaignError, PmmkitError, Problem
+    from pmmkit.figures import growth_over_depth
+    from pmmkit.files import write_results
+    from pmmkit.plotting.style import save
+    from pmmkit.reduction.depths import growth
+    from pmmkit.tables.by_depth import RATIO, TablesByDepth
+
+    unstated = [run.id for part in campaigns if part.water.depth is None for run in part.runs]
+    if unstated:
+        raise CampaignError(
+            Problem(
+                message=f"{', '.join(unstated[:6])}{' …' if len(unstated) > 6 else ''} state no "
+                "depth of the water, others do.",
+                remedy="State depth = … of each run or table, or of [water] for those that state "
+                "none.",
+            )
+        )
+    lines: list[str] = []
+    content: list[dict[str, Any]] = []
+    found: list[Reduction] = []
+    status = 0
+    for part in campaigns:
+        (depth,) = depths(part)
+        title = f"In water of {in_words((depth,))}, h/T = {_ratio(part):.4g}"
+        lines += ["", title, "=" * len(title)]
+        try:
+            outcome, reduction = reduce(part, out / _name(part))
+        except PmmkitError as error:  # the other depths are reduced
+            lines.append(words_of(error))
+            content.append({"depth": depth, RATIO: _ratio(part), "error": words_of(error)})
+            status = max(status, WRONG)
+            continue
+        lines += outcome.lines
+        content.append({"depth": depth, RATIO: _ratio(part), **outcome.content})
+        found.append(reduction)
+        status = max(status, outcome.status)
+    results: list[tuple[str, Any]] = []
+    grown: tuple[Growth, ...] = ()
+    if found:
+        tables = TablesByDepth(tables=tuple(item.table for item in found))
+        grown = growth(tables)
+        results.append((TABLES, tables.to_pandas()))
+    if grown:
+        figure = growth_over_depth(grown, convention=tables.tables[0].convention)
+        results += [(f"{GROWTH}.csv", _frame(grown)), (f"{GROWTH}.svg", partial(save, figure))]
+        lines += ["", *_growth_lines(grown)]
+    files = write_results(out, results) if results else []
+    return Outcome(
+        content={
+            "out": str(out),
+            "files": [name for name in files if (out / name).is_file()],
+            "depths": content,
+            "growth": [_row(item) for item in grown],
+        },
+        lines=[*lines, f"Results: {out.resolve()}"],
+        status=status,
+    )
+
+
+def _ratio(part: Campaign) -> float:
+    return (part.water.depth or math.nan) / part.ship.d
+
+
+def _name(part: Campaign) -> str:
+    return f"{FOLDER}{_ratio(part):.2f}"
+
+
+def _row(item: Growth) -> dict[str, Any]:
+    from pmmkit.tables.by_depth import RATIO
+
+    return {
+        "derivative": item.name,
+        RATIO: item.ratio,
+        "factor": item.factor,
+        "std": item.std,
+        "ci_low": item.factor - item.half,
+        "ci_high": item.factor + item.half,
+        "formula": None if math.isnan(item.formula) else item.formula,
+    }
+
+
+def _frame(grown: Sequence[Growth]) -> Any:
+    import pandas as pd
+
+    return pd.DataFrame([_row(item) for item in grown])
+
+
+def _growth_lines(grown: Sequence[Growth]) -> list[str]:
+    """A row per derivative, measured and by the formulas at each depth."""
+    ratios = list(dict.fromkeys(item.ratio for item in grown))
+    found = {(item.name, item.ratio): item for item in grown}
+    rows = []
+    for name in dict.fromkeys(item.name for item in grown):
+        row = [name]
+        for ratio in ratios:
+            item = found.get((name, ratio))
+            row += (
+                ["–", "–"]
+                if item is None
+                else [
+                    plus_minus(item.factor, item.half) or "–",
+                    "–" if math.isnan(item.formula) else number(round(item.formula, 2)),
+                ]
+            )
+        rows.append(row)
+    head = [""]
+    for ratio in ratios:
+        head += [f"h/T {ratio:.4g}", "formula"]
+    return [
+        f"How derivatives grow from h/T {grown[0].deepest:.4g} (factors with their 95 % intervals; "
+        "formulas of the effect shallow_water):",
+        aligned(head, rows),
+    ]
+
+
+def swept_over_depth(
+    folder: Path,
+    ratios: Sequence[float],
+    speed: TypedSpeed,
+    manoeuvre: str,
+    settings: Mapping[str, Any],
+    out: Path,
+) -> Outcome:
+    """Metrics of a manoeuvre over the depth of the water, beside those by the formulas.
+
+    Parameters
+    ----------
+    folder : Path
+        What `over_depths` wrote.
+    ratios : sequence of float
+        Depths over the draught.
+    speed : Speed
+        Approach speed of the ship in the models.
+    manoeuvre : str
+        Its name.
+    settings : mapping
+        For `pmmkit.simulation.sweeps.sweep`.
+    out : Path
+        Folder of the results.
+
+    Raises
+    ------
+    DataError
+        If the folder does not hold results over several depths.
+    ExtrapolationError
+        If a depth lies outside of those of the tests.
+    """
+    from pmmkit.errors import PmmkitError
+    from pmmkit.figures import metrics_over
+    from pmmkit.files import write_results
+    from pmmkit.models import to_model
+    from pmmkit.models.by_depth import model_at_depth
+    from pmmkit.plotting.style import save
+    from pmmkit.reduction.depths import by_formulas
+    from pmmkit.simulation.results import sweep_frame, told_metric, told_metrics
+    from pmmkit.simulation.sweeps import sweep
+    from pmmkit.tables.by_depth import RATIO
+
+    tables, models = _results(folder)
+    asked = sorted(ratios, reverse=True)
+    sailed = {ratio: model_at_depth(tables, models, ratio) for ratio in asked}
+    first = next(iter(sailed.values()))
+    given = {"speed": speed.of(first.ship, first.water), **settings}
+    found = sweep(sailed, "model", manoeuvre=manoeuvre, **given).rename({"model": RATIO})
+    deepest = models[max(models)]
+    beside: dict[float, dict[str, float] | str] = {}
+    for ratio in asked:
+        try:
+            by_law = to_model(by_formulas(tables, ratio), deepest, missing="estimate")
+            own = sweep({ratio: by_law}, "model", manoeuvre=manoeuvre, **given)
+            beside[ratio] = {str(name): float(own[name][0]) for name in own.data_vars}
+        except PmmkitError as error:
+            beside[ratio] = words_of(error)
+    metrics = told_metrics(found)
+    table = sweep_frame(found)
+    for name in metrics:
+        table[f"{name}_formula"] = [
+            row[name] if isinstance(row, dict) else math.nan for row in beside.values()
+        ]
+    figure = metrics_over(found, metrics[:4])
+    files = write_results(out, [("sweep.csv", table), ("sweep.svg", partial(save, figure))])
+    rows: list[dict[str, Any]] = [
+        {str(name): value for name, value in row.items()} for row in table.to_dict("records")
+    ]
+    metrics = metrics[:FEW]
+    heads = [name for metric in metrics for name in (metric, "formula")]
+    cells = [
+        [
+            f"{row[RATIO]:.4g}",
+            *(
+                text
+                for name in metrics
+                for text in (told_metric(row, name), number(row[f"{name}_formula"]))
+            ),
+        ]
+        for row in rows
+    ]
+    ends = f"{tables.ratios[-1]:.4g} to {tables.ratios[0]:.4g}"
+    lines = [
+        f"Scale: {first.scale}",
+        aligned(["h/T", *heads], cells),
+        f"Measured at h/T {ends}, between them straight lines over T/h; formula: the derivatives "
+        f"at h/T {tables.ratios[0]:.4g} carried by the effect shallow_water.",
+        *dict.fromkeys(f"No formula: {why}" for why in beside.values() if isinstance(why, str)),
+        f"Results: {out}",
+    ]
+    return marked(
+        Outcome(content={"out": str(out), "files": files, "sweep": rows}, lines=lines), first
+    )
+
+
+def _results(folder: Path) -> tuple[TablesByDepth, dict[float, Model]]:
+    """Tables and models of a reduction over several depths."""
+    from pmmkit.errors import DataError, Problem
+    from pmmkit.models import load_model
+    from pmmkit.tables import read_table
+    from pmmkit.tables.by_depth import TablesByDepth
+    from pmmkit.toml_files import MODEL
+
+    places = sorted(folder.glob(f"{FOLDER}*/derivatives.nc"))
+    if len(places) < 2:
+        raise DataError(
+            Problem(
+                message=f"{folder} does not hold derivatives over several depths of the water.",
+                remedy="Name the folder that pmmkit reduce wrote from runs with depth = … of "
+                "several depths.",
+            )
+        )
+    read = {place: read_table(place) for place in places}
+    by = sorted(read, key=lambda place: -(read[place].water.depth or 0.0))
+    tables = TablesByDepth(tables=tuple(read[place] for place in by))
+    models = {
+        ratio: load_model(place.parent / MODEL.file)
+        for ratio, place in zip(tables.ratios.tolist(), by, strict=True)
+        if (place.parent / MODEL.file).is_file()
+    }
+    return tables, models

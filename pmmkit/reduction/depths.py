@@ -1,0 +1,169 @@
+"""A campaign in water of several depths: a reduction of each, and how derivatives grow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.campaigns.depths import by_depth
+from pmmkit.campaigns.run import Campaign
+from pmmkit.effects.shallow_water import SHALLOWEST, apply
+from pmmkit.numerics import Array, coverage_factor
+from pmmkit.reduction.reduce import Reduction, reduce_campaign
+from pmmkit.tables.by_depth import TablesByDepth
+from pmmkit.tables.table import CONFIDENCE, DerivativeTable
+
+TOLD: Final = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
+"""Derivatives of whose growth people speak; the others are in the tables."""
+NEARLY: Final = 0.99
+"""Share of 1.2 draughts from which the formulas are taken as at 1.2: a basin is filled to a
+millimetre or two."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Growth:
+    """By how much a derivative is larger than in the deepest water of a campaign.
+
+    Parameters
+    ----------
+    name : str
+        The derivative.
+    ratio, deepest : float
+        Depth of the water over the draught, here and where the factor is 1.
+    factor, std : float
+        Its value over that in the deepest water, the mean over the Froude numbers of both, each by
+        its certainty; and its standard uncertainty, the errors of two depths as independent.
+    half : float
+        Half of the 95 % interval.
+    formula : float
+        The same by `pmmkit.effects.shallow_water`; NaN where the formulas do not hold.
+    """
+
+    name: str
+    ratio: float
+    deepest: float
+    factor: float
+    std: float
+    half: float
+    formula: float
+
+
+def reduce_depths(campaign: Campaign, **settings: Any) -> tuple[Reduction, ...]:
+    """A reduction at each depth of the water, the deepest first.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Captive tests, whose runs may state their `depth`.
+    **settings
+        As for `reduce_campaign`.
+
+    Raises
+    ------
+    CampaignError, ContradictionError
+        As `reduce_campaign`.
+    """
+    return tuple(reduce_campaign(part, **settings) for part in by_depth(campaign))
+
+
+def growth(tables: TablesByDepth) -> tuple[Growth, ...]:
+    """How derivatives grow from the deepest water to the others, beside the formulas.
+
+    Parameters
+    ----------
+    tables : TablesByDepth
+        Of one ship.
+    """
+    return tuple(item for shallow in tables.tables[1:] for item in _grown(tables, shallow))
+
+
+def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
+    deep = tables.tables[0]
+    one, other = tables.in_step(deep, shallow)
+    ship, depths = shallow.ship, (deep.water.depth or math.inf, shallow.water.depth or math.inf)
+    for name in TOLD:
+        if name not in one or name not in other:
+            continue
+        a, b = one[name], other[name]
+        places = one.index(name), other.index(name)
+        std = [x.std[:, place] for x, place in zip((one, other), places, strict=True)]
+        dof = np.minimum(one.dof[:, places[0]], other.dof[:, places[1]])
+        found = _mean_ratio(a, b, *std)
+        if found is None:
+            continue
+        factor, error, used = found
+        formula = math.nan
+        if depths[1] >= NEARLY * SHALLOWEST * ship.d:
+            formula = _law(shallow, name, depths[1]) / _law(shallow, name, depths[0])
+        yield Growth(
+            name=name,
+            ratio=depths[1] / ship.d,
+            deepest=depths[0] / ship.d,
+            factor=factor,
+            std=error,
+            half=float(coverage_factor(dof[used].min(), CONFIDENCE)) * error,
+            formula=formula,
+        )
+
+
+def by_formulas(tables: TablesByDepth, ratio: float) -> DerivativeTable:
+    """The derivatives of the deepest water carried to another depth by the formulas.
+
+    Parameters
+    ----------
+    tables : TablesByDepth
+        Of one ship.
+    ratio : float
+        Depth of the water over the draught, 1.2 or more.
+
+    Raises
+    ------
+    DataError
+        If the formulas do not hold there.
+    """
+    deep = tables.tables[0]
+    depth = ratio * deep.ship.d
+    factor = np.array(
+        [
+            _law(deep, name, depth) / _law(deep, name, deep.water.depth or math.inf)
+            for name in deep.names
+        ]
+    )
+    return deep.with_(
+        value=deep.value * factor,
+        covariance=deep.covariance * np.multiply.outer(factor, factor)[None, :, None, :],
+        method=np.char.add(deep.method, ", shallow_water"),
+        water=replace(deep.water, depth=depth),
+        notes=(
+            f"From {tables.ratios[0]:.4g} draughts of water by the formulas of shallow water.",
+            *deep.notes,
+        ),
+    )
+
+
+def _law(table: DerivativeTable, name: str, depth: float) -> float:
+    """What the formulas multiply a derivative by; at the edge they are taken as at 1.2 draughts."""
+    ship = table.ship
+    least = SHALLOWEST * ship.d
+    near = max(depth, least) if depth >= NEARLY * least else depth
+    return float(apply({name: 1.0}, ship=ship, depth=near)[name])
+
+
+def _mean_ratio(
+    a: Array, b: Array, std_a: Array, std_b: Array
+) -> tuple[float, float, Array] | None:
+    """The mean of b/a by its certainty, its standard uncertainty, and which were used."""
+    used = np.isfinite(a) & np.isfinite(b) & (a != 0)
+    used &= np.isfinite(std_a) & np.isfinite(std_b) & (np.abs(a) > 2 * std_a)
+    if not used.any():
+        return None
+    ratio = b[used] / a[used]
+    variance = (std_b[used] / a[used]) ** 2 + (ratio * std_a[used] / a[used]) ** 2
+    if not np.all(variance > 0):
+        return float(ratio.mean()), 0.0, used
+    weight = 1 / variance
+    return float(weight @ ratio / weight.sum()), float(weight.sum() ** -0.5), used

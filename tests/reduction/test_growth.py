@@ -1,0 +1,101 @@
+"""Tests over several depths: how derivatives grow, typed and in Python."""
+
+from __future__ import annotations
+
+import csv
+import math
+
+import numpy as np
+import pytest
+from commands import rows_of, said
+from pictures import without_pictures
+from small_campaign import TRUTH, write_depths
+
+import pmmkit as pk
+from pmmkit.reduction.depths import TOLD, by_formulas, growth, reduce_depths
+from pmmkit.ship import Ship, Water
+from pmmkit.tables.by_depth import TablesByDepth
+
+SHALLOW = 1.6
+"""What side force and moment of the shallow tests are multiplied by."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return write_depths(tmp_path_factory.mktemp("depths") / "tests", {0.48: 1.0, 0.36: SHALLOW})
+
+
+@pytest.fixture(scope="module")
+def reductions(folder):
+    return reduce_depths(pk.open_campaign(folder), fn="pooled", executor=1)
+
+
+@pytest.mark.slow
+def test_derivatives_of_each_depth_are_those_that_made_its_forces(reductions):
+    for reduction, factor in zip(reductions, (1.0, SHALLOW), strict=True):
+        table = reduction.table
+        truth = np.array(
+            [TRUTH[name] * (1.0 if name[0] == "X" else factor) for name in table.names]
+        )
+        away = (table.value[0] - truth) / table.std[0]
+        assert np.max(np.abs(away)) < 4.5
+
+
+@pytest.mark.slow
+def test_growth_is_found_within_its_interval(reductions):
+    grown = growth(TablesByDepth(tables=tuple(item.table for item in reductions)))
+    assert [item.name for item in grown] == list(TOLD)
+    for item in grown:
+        true = 1.0 if item.name[0] == "X" else SHALLOW
+        assert abs(item.factor - true) < 1.5 * item.half, item
+        assert item.half < (1.0 if item.name == "Nrdot" else 0.5)
+
+
+@pytest.mark.slow
+def test_the_command_gives_every_depth_a_folder_and_says_how_they_grow(folder, tmp_path, capsys):
+    out = tmp_path / "r"
+    order = ["reduce", folder, "--fn", "pooled", "--parts", "s175-3dof", "--out", out]
+    with without_pictures():
+        status, told, words = said(capsys, *order)
+    assert status == 0
+    assert [round(item["h_T"], 2) for item in told["depths"]] == [2.03, 1.52]
+    for item in ("depth-2.03", "depth-1.52"):
+        assert (out / item / "report.html").is_file()
+    rows = rows_of(out / "derivatives_by_depth.csv")
+    assert len(rows) == 2 * len(TRUTH)
+    (Yv,) = (row for row in told["growth"] if row["derivative"] == "Yv")
+    assert Yv["ci_low"] < SHALLOW < Yv["ci_high"]
+    assert "How derivatives grow from h/T 2.033" in words
+    model = pk.load_model(out / "depth-1.52" / "model.toml")
+    assert model.water.depth == pytest.approx(0.36 * model.ship.d / 0.236111)
+    order = ["sweep", out, "--depths", "1.6,1.9", "--speeds", "8", "--out", tmp_path / "s"]
+    with without_pictures():
+        status, told, words = said(capsys, *order)
+    assert status == 0
+    with (tmp_path / "s" / "sweep.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["h_T"]) for row in rows] == [1.9, 1.6]
+    circles = [float(row["tactical_diameter_L"]) for row in rows]
+    law = [float(row["tactical_diameter_L_formula"]) for row in rows]
+    assert circles[1] > circles[0] > 0.0
+    assert all(math.isfinite(x) for x in law)
+    assert "straight lines over T/h" in words
+    status = said(capsys, "sweep", out, "--depths", "1.2", "--speeds", "8")[0]
+    assert status == 1
+
+
+def test_formulas_carry_the_deepest_table_and_stop_at_their_edge():
+    """KVLCC2 at two draughts of water to 1.5: Yv by Hirano's formula, 1.90/1.32 (public programs
+    give these factors from deep water)."""
+    ship = Ship(name="KVLCC2", L=320.0, B=58.0, d=20.8, volume=312600.0, mass=3.2e8, Izz=2e12)
+    deep, shallow = (
+        pk.from_values({"Yv": x}, std={"Yv": 0.01}, Fn=[0.1], ship=ship, water=Water(depth=h))
+        for x, h in ((-0.4, 41.6), (-0.6, 26.0))
+    )
+    tables = TablesByDepth(tables=(deep, shallow))
+    assert by_formulas(tables, 1.5)["Yv"][0] / -0.4 == pytest.approx(1.90 / 1.32, rel=0.01)
+    (item,) = growth(tables)
+    assert item.factor == pytest.approx(1.5)
+    assert item.std == pytest.approx(math.hypot(0.01 / 0.4, 1.5 * 0.01 / 0.4))
+    with pytest.raises(pk.PmmkitError, match=r"1\.2"):
+        by_formulas(tables, 1.1)
