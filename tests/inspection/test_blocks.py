@@ -13,6 +13,7 @@ import openpyxl
 import pytest
 
 from pmmkit import open_campaign
+from pmmkit.campaigns.depths import by_depth, depths
 from pmmkit.campaigns.repeats import repeats
 from pmmkit.cli import main
 from pmmkit.inspection import look
@@ -259,8 +260,13 @@ def test_the_repeats_are_grouped(folder: Path, capsys) -> None:
 
 
 def test_several_sheets_are_told_apart(folder: Path, capsys) -> None:
-    content, _ = drafted(capsys, folder)
+    content, target = drafted(capsys, folder)
     assert len(content["tables"]) == 12
-    assert any("--sheet NAME" in item for item in content["todo"])
+    assert any("depth: taken by sheet" in item for item in content["todo"])
+    text = target.read_text(encoding="utf-8").replace("# rho = ...", "rho = 1000.0")
+    target.write_text(text, encoding="utf-8")
+    campaign = open_campaign(target)
+    assert depths(campaign) == (0.41, 0.246)
+    assert {run.id[:3].casefold() for run in by_depth(campaign)[1]} == {"a02"}
     assert main(["new-campaign", str(folder), "--out", str(folder / "b.toml"), "--sheet", "A9"])
     assert "There are 'Environment', 'A01', 'A02'" in capsys.readouterr().err

@@ -236,18 +236,28 @@ def draft_of(
     sheets = [str(item.options.sheet) for item in listed if item.options.sheet is not None]
     unused += [line for item in listed for line in (*left_lines(item), *strangers(item, sheets))]
     taken = [run.id for _, campaign in saved for run in campaign]
+    particulars, depths = ({}, {}) if ship else particulars_of(_beside(seen, listed), sheets)
     return Draft(
         title=folder.resolve().stem if folder.is_file() else folder.resolve().name,
         kind=kind,
         ship_name=ship,
         runs=_named_apart(_steady_runs(kept), taken),
-        tables=_named_apart(tables),
+        tables=_named_apart([_over_its_bottom(entry, depths) for entry in tables]),
         saved=tuple(saved),
         unused=tuple(unused),
         look=seen,
         matrices=matrices,
-        particulars={} if ship else particulars_of(_beside(seen, listed), sheets),
+        particulars=particulars,
     )
+
+
+def _over_its_bottom(entry: RunDraft, depths: Mapping[str, tuple[float, str]]) -> RunDraft:
+    """A table with the depth of its sheet, where sheets differ."""
+    known = depths.get(str(entry.sheet))
+    if known is None:
+        return entry
+    depth = Setting(key="depth", value=known[0], reason=known[1])
+    return replace(entry, settings=(*entry.settings, depth))
 
 
 def _beside(seen: Look, tables: Sequence[FileLook]) -> list[FileLook]:

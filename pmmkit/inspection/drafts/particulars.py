@@ -33,7 +33,9 @@ _RHO: Final = 1000.0
 """Density by which the mass that goes with Izz is told [kg/m³]."""
 
 
-def particulars_of(looks: Sequence[FileLook], sheets: Sequence[str]) -> Found:
+def particulars_of(
+    looks: Sequence[FileLook], sheets: Sequence[str]
+) -> tuple[Found, Mapping[str, tuple[float, str]]]:
     """Particulars of the model by key of the campaign file, each with where it stands.
 
     Parameters
@@ -46,7 +48,10 @@ def particulars_of(looks: Sequence[FileLook], sheets: Sequence[str]) -> Found:
     Returns
     -------
     mapping of str to (float, str)
-        Empty unless length, breadth and draught are there.
+        Empty unless length, breadth and draught are there. With the depth of the water where it is
+        that of all sheets.
+    mapping of str to (float, str)
+        The depth by sheet, where it differs.
     """
     for look in looks:
         try:
@@ -55,8 +60,11 @@ def particulars_of(looks: Sequence[FileLook], sheets: Sequence[str]) -> Found:
             continue
         found = dict(_model(_listed(cells), look.shown))
         if {"L", "B", "d"} <= set(found):
-            return {**found, **_depth(cells, look.shown, sheets)}
-    return {}
+            depths = _depths(cells, look.shown, sheets)
+            if {*depths} == {*sheets} and len({depth for depth, _ in depths.values()}) == 1:
+                return {**found, "depth": next(iter(depths.values()))}, {}
+            return found, depths
+    return {}, {}
 
 
 def _listed(cells: Cells) -> dict[str, tuple[float, str]]:
@@ -100,10 +108,8 @@ def _model(
                 return
 
 
-def _depth(cells: Cells, shown: str, sheets: Sequence[str]) -> dict[str, tuple[float, str]]:
-    """The depth of the water where a row is named after the only sheet of runs."""
-    if len(set(sheets)) != 1:
-        return {}
+def _depths(cells: Cells, shown: str, sheets: Sequence[str]) -> dict[str, tuple[float, str]]:
+    """The depth of the water by sheet of runs, where rows are named after them."""
     place = next(
         (
             index
@@ -113,13 +119,18 @@ def _depth(cells: Cells, shown: str, sheets: Sequence[str]) -> dict[str, tuple[f
         ),
         None,
     )
+    found: dict[str, tuple[float, str]] = {}
+    if place is None:
+        return found
     for line, row in zip(cells.lines, cells.rows, strict=True):
-        if place is not None and _is(row[0], sheets[0]):
-            number = to_number(row[place], cells.decimal)
-            if number is not None and number > 0:
-                why = f"{shown}: {cells.headers[place]}, row {line}"
-                return {"depth": (number, why)}
-    return {}
+        for sheet in dict.fromkeys(sheets):
+            if _is(row[0], sheet):
+                number = to_number(row[place], cells.decimal)
+                if number is not None and number > 0:
+                    found.setdefault(
+                        sheet, (number, f"{shown}: {cells.headers[place]}, row {line}")
+                    )
+    return found
 
 
 def _is(cell: Cell, name: str) -> bool:

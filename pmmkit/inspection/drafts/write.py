@@ -97,7 +97,8 @@ def written(draft: Draft) -> Written:
     sheets = {entry.look.shown: entry.look for entry in draft.tables}
     lines += ["", *scatter_lines(list(sheets.values()))]
     if len({entry.sheet for entry in draft.tables if entry.look.blocks.mixed}) > 1:
-        todo.add(_SHEETS)
+        told = all(any(x.key == "depth" for x in entry.settings) for entry in draft.tables)
+        todo.add(_DEPTHS if told or "depth" in draft.particulars else _SHEETS)
     lines += [*_unused(draft), "", "[end]"]
     entries = (
         sum(len(campaign) for _, campaign in draft.saved) + len(draft.runs) + len(draft.tables)
@@ -108,9 +109,10 @@ def written(draft: Draft) -> Written:
 
 
 _SHEETS: Final = (
-    "The runs stand on several sheets. If the water was not as deep for all of them, draft a "
-    "campaign of each: pmmkit new-campaign ... --sheet NAME --out NAME.toml."
+    "The runs stand on several sheets. If the water was not as deep for all of them, state depth = "
+    "... [m] of each table."
 )
+_DEPTHS: Final = "[[tables]] depth: taken by sheet from a list beside the tests. Is it so?"
 
 
 def _campaign(draft: Draft, todo: Todo) -> list[str]:
