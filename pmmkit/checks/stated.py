@@ -64,8 +64,10 @@ _PAIRS: Final = (
         factor=180 / math.pi,
         allowed=math.radians(0.5),
         share=0.0,
-        remedy="One of them is wrong: look at the name of the test, and correct drift_deg and the "
-        "columns u and v, or leave these runs out.",
+        remedy="One of them is wrong: look at the name of the test. If the heading is right, take "
+        "the drift from it in the table of these runs, columns = { drift_deg = their heading, "
+        "psi = false, speed = their u, u = false, v = false }; else set drift_deg, or leave these "
+        "runs out.",
     ),
     _Pair(
         setting="propeller_rps",

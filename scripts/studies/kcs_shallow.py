@@ -1,6 +1,6 @@
 """KCS in shallow water as Flanders Hydraulics handed it in, from its workbook to derivatives.
 
-    python -m scripts.studies.kcs_shallow [--workbook FILE] [--structure abkowitz3]
+    python -m scripts.studies.kcs_shallow [--workbook FILE] [--structure abkowitz3] [--rudder]
 
 Each sheet (2.0, 1.5, 1.2 draughts) becomes a campaign by `pmmkit new-campaign`, with two lines
 edited (density, sign of the rudder), and is reduced at each Froude number and pooled. Beside it
@@ -10,6 +10,9 @@ shares no line with the package. The laboratory's numbers stay where they are.
 value, half : by pmmkit, with half of its 95 % interval, times 1000
 own, wide : by the least squares, with 1.96 of its standard deviations, times 1000
 apart : their difference over the larger of the two standard deviations
+
+With --rudder the tests with a rudder that swings at constant drift are left out of the reduction
+and predicted: rms of what is left, over the force and over the scatter of repeated runs.
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +37,11 @@ L, MASS, XG, IZZ, RHO = 4.367, 356.6, -0.0608, 445.8, 1000.0
 WIDE = 1.96
 SPEEDS = (0.248, 0.496, 0.62)
 TERMS = ("v", "r", "vvv", "rrr", "vvr", "vrr", "vdot", "rdot")
+SWINGS = 'where = { "TYPE ()" = "MULTI0" }\n'
+HEADED = (
+    'columns = { drift_deg = "psi (°)", psi = false, speed = "u (m/s)", u = false, v = false }\n'
+)
+"""Of tests with a swinging rudder the heading alone is right: their drift and v say 0."""
 SHOWN = ("Yv", "Nv", "Yr", "Nr", "Yvdot", "Nrdot")
 
 
@@ -93,8 +102,58 @@ def campaign(book: Path, sheet: str, folder: Path) -> Path:
         assert main(["new-campaign", str(folder), "--sheet", sheet, "--out", str(file)]) == 0
     text = re.sub(r"(?m)^# rho = .*", f"rho = {RHO}", file.read_text(encoding="utf-8"))
     text = re.sub(r"(?m)^rudder_positive = .*", 'rudder_positive = "port"', text)
+    text = text.replace(SWINGS, SWINGS + HEADED, 1)
     file.write_text(text, encoding="utf-8")
     return file
+
+
+def swinging(made: Any, structure: str, book: Path, sheet: str) -> None:
+    """How well steady tests, sway and yaw predict the forces while the rudder swings."""
+    from pmmkit.reduction import reduce_campaign
+
+    swung = [run.id for run in made.runs if re.search(r"_M\w+_\d+$", run.id, re.I)]
+    rest = made.with_(runs=tuple(run for run in made.runs if run.id not in swung))
+    known = reduce_campaign(rest, structure=structure, fn="each", check=False)
+    every = reduce_campaign(made, structure=structure, fn="each", check=False)
+    left: dict[str, list[tuple[float, float]]] = {}
+    for item in every.rows:
+        if item.result.run.id not in swung:
+            continue
+        group = int(np.argmin(np.abs(known.table.Fn - item.result.froude)))
+        own = dict(zip(known.solution.joint.labels, known.solution.joint.value, strict=True))
+        for channel, names in item.names.items():
+            told = np.array([np.nan_to_num(own.get((group, name), 0.0)) for name in names])
+            predicted = item.design[channel] @ told
+            left.setdefault(channel, []).append(
+                (float(item.force[channel][0]), float(predicted[0]))
+            )
+    scatter = repeats(book, sheet)
+    for channel in ("X", "Y", "N"):
+        measured, predicted = np.array(left[channel]).T
+        rms = float(np.sqrt(np.mean((predicted - measured) ** 2)))
+        size = float(np.sqrt(np.mean(measured**2)))
+        print(
+            f"  swinging rudder, {len(measured)} points, {channel}: rms left {rms:.3f} of "
+            f"{size:.3f} ({100 * rms / size:.0f} %), {rms / scatter[channel]:.1f} times the "
+            f"{scatter[channel]:.3f} by which repeated steady tests scatter"
+        )
+
+
+def repeats(book: Path, sheet: str) -> dict[str, float]:
+    """Pooled standard deviations of steady tests that were set alike, straight from the cells."""
+    import openpyxl
+
+    rows = openpyxl.load_workbook(book, read_only=True, data_only=True)[sheet]
+    groups: dict[tuple[float, ...], list[list[float]]] = {}
+    for row in rows.iter_rows(min_row=3, values_only=True):
+        if str(row[1]).upper() == "STATX0" and isinstance(row[5], (int, float)):
+            set_to = tuple(round(float(row[place]), 1) for place in (18, 22, 27))
+            forces = [float(row[place]) for place in (11, 12, 17)]
+            groups.setdefault((round(float(row[5]), 2), *set_to), []).append(forces)
+    some = [np.array(group) for group in groups.values() if len(group) > 1]
+    squares = sum(((group - group.mean(axis=0)) ** 2).sum(axis=0) for group in some)
+    pooled = np.sqrt(squares / sum(len(group) - 1 for group in some))
+    return dict(zip(("X", "Y", "N"), pooled.tolist(), strict=True))
 
 
 def main() -> None:
@@ -107,10 +166,15 @@ def main() -> None:
     )
     parser.add_argument("--workbook", type=Path, default=DATA / BOOK)
     parser.add_argument("--structure", default="abkowitz3")
+    parser.add_argument("--rudder", action="store_true")
     o = parser.parse_args()
     with tempfile.TemporaryDirectory() as place:
         for depth, sheet in ((2.0, "C0101A01"), (1.5, "C0101A02"), (1.2, "C0101A03")):
             made = pk.open_campaign(campaign(o.workbook, sheet, Path(place)))
+            if o.rudder:
+                print(f"depth {depth} draughts")
+                swinging(made, o.structure, o.workbook, sheet)
+                continue
             made = made.with_(runs=tuple(run for run in made.runs if run.settings.rudder == 0.0))
             for fn in ("each", "pooled"):
                 found = reduce_campaign(made, structure=o.structure, fn=fn, check=False)
