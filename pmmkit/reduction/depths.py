@@ -19,6 +19,8 @@ from pmmkit.tables.table import CONFIDENCE, DerivativeTable
 
 TOLD: Final = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
 """Derivatives of whose growth people speak; the others are in the tables."""
+ROUNDS: Final = 30
+"""Steps to the line of best fit: each leaves a small part of what the step before left."""
 NEARLY: Final = 0.99
 """Share of 1.2 draughts from which the formulas are taken as at 1.2: a basin is filled to a
 millimetre or two."""
@@ -35,8 +37,8 @@ class Growth:
     ratio, deepest : float
         Depth of the water over the draught, here and where the factor is 1.
     factor, std : float
-        Its value over that in the deepest water, the mean over the Froude numbers of both, each by
-        its certainty; and its standard uncertainty, the errors of two depths as independent.
+        Its value over that in the deepest water, one for the Froude numbers of both; and its
+        standard uncertainty, the errors of two depths as independent.
     half : float
         Half of the 95 % interval.
     formula : float
@@ -156,14 +158,22 @@ def _law(table: DerivativeTable, name: str, depth: float) -> float:
 def _mean_ratio(
     a: Array, b: Array, std_a: Array, std_b: Array
 ) -> tuple[float, float, Array] | None:
-    """The mean of b/a by its certainty, its standard uncertainty, and which were used."""
-    used = np.isfinite(a) & np.isfinite(b) & (a != 0)
-    used &= np.isfinite(std_a) & np.isfinite(std_b) & (np.abs(a) > 2 * std_a)
-    if not used.any():
+    """The ratio b/a that both columns fit best, its standard uncertainty, and what was used.
+
+    A line through the origin with errors in both (York 1966); where the Froude numbers scatter
+    about it by more than their errors, these are larger by that (Birge 1932).
+    """
+    used = np.isfinite(a) & np.isfinite(b) & np.isfinite(std_a) & np.isfinite(std_b) & (a != 0)
+    if not used.any() or not np.any(np.abs(a[used]) > 2 * std_a[used]):
         return None
-    ratio = b[used] / a[used]
-    variance = (std_b[used] / a[used]) ** 2 + (ratio * std_a[used] / a[used]) ** 2
-    if not np.all(variance > 0):
-        return float(ratio.mean()), 0.0, used
-    weight = 1 / variance
-    return float(weight @ ratio / weight.sum()), float(weight.sum() ** -0.5), used
+    a, b, std_a, std_b = (x[used] for x in (a, b, std_a, std_b))
+    factor = float(a @ b / (a @ a))
+    if not np.all(std_a > 0) or not np.all(std_b > 0):
+        return factor, 0.0, used
+    for _ in range(ROUNDS):
+        spread = std_b**2 + (factor * std_a) ** 2
+        settled = (a * std_b**2 + factor * b * std_a**2) / spread
+        factor = float(settled @ (b / spread) / (settled @ (a / spread)))
+    left = float(np.sum((b - factor * a) ** 2 / spread))
+    wider = math.sqrt(max(left / max(len(a) - 1, 1), 1.0))
+    return factor, wider * float(np.sum(settled**2 / spread) ** -0.5), used
