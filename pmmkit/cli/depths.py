@@ -13,6 +13,8 @@ from pmmkit.cli.output import Outcome, marked, words_of
 from pmmkit.presentation import aligned, number, plus_minus
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from pmmkit.campaigns.run import Campaign
     from pmmkit.cli.speeds import TypedSpeed
     from pmmkit.models import Model
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
 TABLES: Final = "derivatives_by_depth.csv"
 """All rows of all depths, beside the folders of the depths."""
+SQUAT: Final = "squat_by_depth.csv"
 GROWTH: Final = "growth"
 FEW: Final = 3
 """Metrics on the screen: each takes two columns."""
@@ -61,6 +64,7 @@ def over_depths(
     from pmmkit.files import write_results
     from pmmkit.plotting.style import save
     from pmmkit.reduction.depths import growth
+    from pmmkit.reduction.squat import squat, squat_frame
     from pmmkit.tables.by_depth import RATIO, TablesByDepth
 
     unstated = [run.id for part in campaigns if part.water.depth is None for run in part.runs]
@@ -98,6 +102,11 @@ def over_depths(
         tables = TablesByDepth(tables=tuple(item.table for item in found))
         grown = growth(tables)
         results.append((TABLES, tables.to_pandas()))
+    sunk = [
+        squat_frame(squat(item.runs)).assign(**{RATIO: ratio}) for ratio, item in _by_ratio(found)
+    ]
+    if any(len(frame) for frame in sunk):
+        results.append((SQUAT, _stacked(sunk)))
     if grown:
         figure = growth_over_depth(grown, convention=tables.tables[0].convention)
         results += [(f"{GROWTH}.csv", _frame(grown)), (f"{GROWTH}.svg", partial(save, figure))]
@@ -123,6 +132,21 @@ def _name(part: Campaign) -> str:
     return f"{FOLDER}{_ratio(part):.2f}"
 
 
+def _by_ratio(found: Sequence[Reduction]) -> list[tuple[float, Reduction]]:
+    return [(_ratio(item.campaign), item) for item in found]
+
+
+def _stacked(frames: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """Frames below each other, the depth over the draught in front."""
+    import pandas as pd
+
+    from pmmkit.tables.by_depth import RATIO
+
+    whole = pd.concat(frames, ignore_index=True)
+    whole.insert(0, RATIO, whole.pop(RATIO))
+    return whole
+
+
 def _row(item: Growth) -> dict[str, Any]:
     from pmmkit.tables.by_depth import RATIO
 
@@ -137,7 +161,7 @@ def _row(item: Growth) -> dict[str, Any]:
     }
 
 
-def _frame(grown: Sequence[Growth]) -> Any:
+def _frame(grown: Sequence[Growth]) -> pd.DataFrame:
     import pandas as pd
 
     return pd.DataFrame([_row(item) for item in grown])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -73,7 +74,13 @@ def blocks_of(cells: Cells, columns: Sequence[ColumnLook]) -> Blocks:
         other = [as_text(cell) for cell in row if isinstance(cell, str) and cell.strip()]
         left = dict.fromkeys(range(end, len(cells.rows)), other)
         found["other names", None] = left
-    blocks = [_block(cells, kind, rows, word) for kind, rows in found.items()]
+    blocks = [
+        replace(
+            _block(cells, kind, rows, word),
+            headed=kind[0] in ("steady", "sweep") and _headed(cells, sorted(rows), known),
+        )
+        for kind, rows in found.items()
+    ]
     return Blocks(
         blocks=tuple(sorted(blocks, key=lambda block: block.lines)),
         name="" if name is None else cells.headers[name],
@@ -179,6 +186,17 @@ def _kind(
     moving = [swing.velocity for swing in swings]
     kind = kind_with(swings=moving, held=held) or kind_with(swings=moving, held=held[:1])
     return "cycle", None if kind is None else kind.name
+
+
+def _headed(cells: Cells, rows: Sequence[int], known: Mapping[str, ColumnLook]) -> bool:
+    """Whether rows have a heading while their columns of drift and sway hold nothing but zero."""
+    heading = _values(cells, rows, known.get("psi"))
+    still = [_values(cells, rows, known[name]) for name in ("drift_deg", "v") if name in known]
+    return (
+        bool(still)
+        and not any(np.any(values) for values in still)
+        and bool(np.any(np.abs(heading) > _HELD))
+    )
 
 
 def _values(cells: Cells, rows: Sequence[int], column: ColumnLook | None) -> Array:

@@ -114,6 +114,8 @@ class Block:
         Tests, each once; of other names those names; of statistics what they are.
     words : tuple of str
         What their column of kinds says.
+    headed : bool
+        Whether steady rows have a heading where their columns of drift and sway say none.
     """
 
     what: What
@@ -121,6 +123,7 @@ class Block:
     lines: tuple[int, ...]
     names: tuple[str, ...]
     words: tuple[str, ...] = ()
+    headed: bool = False
 
     @property
     def places(self) -> str:

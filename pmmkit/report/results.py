@@ -16,6 +16,7 @@ from pmmkit.plotting.style import document
 from pmmkit.reduction import Reduction
 from pmmkit.reduction.methods.method import Estimate
 from pmmkit.reduction.methods.sparse import SHARE
+from pmmkit.reduction.squat import squat, squat_frame
 from pmmkit.report.build import report_answers, report_places
 from pmmkit.report.loop import Loop
 from pmmkit.report.turning import Turns
@@ -85,6 +86,9 @@ def _tables(reduction: Reduction, beside: Reference | None) -> Iterator[tuple[st
     yield "derivatives_by_method.csv", by_method(reduction, beside)
     yield "influence.csv", reduction.influences.to_pandas()
     yield "runs.csv", reduction.runs_to_pandas()
+    sunk = squat(reduction.runs)
+    if sunk:
+        yield "squat.csv", squat_frame(sunk)
     yield "findings.json", [item.to_dict() for item in reduction.findings]
 
 

@@ -37,11 +37,6 @@ L, MASS, XG, IZZ, RHO = 4.367, 356.6, -0.0608, 445.8, 1000.0
 WIDE = 1.96
 SPEEDS = (0.248, 0.496, 0.62)
 TERMS = ("v", "r", "vvv", "rrr", "vvr", "vrr", "vdot", "rdot")
-SWINGS = 'where = { "TYPE ()" = "MULTI0" }\n'
-HEADED = (
-    'columns = { drift_deg = "psi (°)", psi = false, speed = "u (m/s)", u = false, v = false }\n'
-)
-"""Of tests with a swinging rudder the heading alone is right: their drift and v say 0."""
 SHOWN = ("Yv", "Nv", "Yr", "Nr", "Yvdot", "Nrdot")
 
 
@@ -102,7 +97,6 @@ def campaign(book: Path, sheet: str, folder: Path) -> Path:
         assert main(["new-campaign", str(folder), "--sheet", sheet, "--out", str(file)]) == 0
     text = re.sub(r"(?m)^# rho = .*", f"rho = {RHO}", file.read_text(encoding="utf-8"))
     text = re.sub(r"(?m)^rudder_positive = .*", 'rudder_positive = "port"', text)
-    text = text.replace(SWINGS, SWINGS + HEADED, 1)
     file.write_text(text, encoding="utf-8")
     return file
 

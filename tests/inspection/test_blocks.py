@@ -35,6 +35,7 @@ NAMES += [
     "Y (N)",
     "Drift (°)",
 ]
+MERGED = ("C1:D1", "E1:G1", "H1:J1", "N1:O1", "P1:S1")
 U, PERIOD, COUNT = 0.6, 40.0, 24
 MASS, IZZ = 300.0, 300.0
 Row = list[Any]
@@ -137,7 +138,7 @@ def folder(tmp_path: Path) -> Path:
         for line in rows:
             page.append(line)
         if title != "Environment":
-            for cells in ("C1:D1", "E1:G1", "H1:J1", "N1:O1", "P1:S1"):
+            for cells in MERGED:
                 page.merge_cells(cells)
     book.save(tmp_path / "results.xlsx")
     return tmp_path
@@ -270,3 +271,41 @@ def test_several_sheets_are_told_apart(folder: Path, capsys) -> None:
     assert {run.id[:3].casefold() for run in by_depth(campaign)[1]} == {"a02"}
     assert main(["new-campaign", str(folder), "--out", str(folder / "b.toml"), "--sheet", "A9"])
     assert "There are 'Environment', 'A01', 'A02'" in capsys.readouterr().err
+
+
+def test_a_swinging_rudder_is_as_measured_and_its_drift_that_of_the_heading(tmp_path, capsys):
+    """A laboratory's tests with a rudder that swings at a heading had 0 for drift and v."""
+    rows = sheet("A01")
+    swung = cycle("A01_M1", "MULTI", "rudder", beta=8.0)
+    for line in swung:
+        line[NAMES.index("v (m/s)")] = line[NAMES.index("Drift (°)")] = 0.0
+    at = next(place for place, line in enumerate(rows) if line and line[0] == "A01_M0")
+    book = openpyxl.Workbook()
+    page = book.active
+    page.title = "A01"
+    for line in [*rows[:at], *swung, *rows[at + COUNT :]]:
+        page.append(line)
+    for cells in MERGED:
+        page.merge_cells(cells)
+    book.save(tmp_path / "results.xlsx")
+    _, target = drafted(capsys, tmp_path)
+    text = target.read_text(encoding="utf-8")
+    assert "the drift is taken from it" in text
+    typed = {
+        "# rho = ...": "rho = 1000.0",
+        "# L = ...": "L = 4.0",
+        "# B = ...": "B = 0.6",
+        "# d = ...": "d = 0.2",
+        "# volume = ...": "volume = 0.3",
+        "# Izz = ...": "Izz = 300.0",
+    }
+    for draft, own in typed.items():
+        text = text.replace(draft, own, 1)
+    target.write_text(text, encoding="utf-8")
+    runs = [run for run in open_campaign(target).runs if run.id.startswith("A01_M1")]
+    assert len(runs) == COUNT
+    for run, line in zip(runs, swung, strict=True):
+        assert run.settings.drift == pytest.approx(8 * DEG)
+        assert run.settings.speed == pytest.approx(line[NAMES.index("u (m/s)")])
+        measured = NAMES.index("measured (°)")
+        assert abs(run.settings.rudder) == pytest.approx(abs(line[measured]) * DEG, abs=1e-9)

@@ -40,6 +40,7 @@ from pmmkit.inspection.drafts.sheets import (
     where_of,
 )
 from pmmkit.inspection.sampling import LARGE
+from pmmkit.inspection.seen import Block
 from pmmkit.inspection.values import values_of
 from pmmkit.numerics import Array
 from pmmkit.readers import reader_of
@@ -80,6 +81,8 @@ class RunDraft:
         Whether rows of one id are samples: ``cycle``.
     template : str
         Id of the rows of a table, with columns in braces; empty where it is to be found.
+    columns : mapping
+        Columns that are others than those of all tables.
     """
 
     id: str
@@ -97,6 +100,7 @@ class RunDraft:
     skip: tuple[int, ...] = ()
     samples: str | None = None
     template: str = ""
+    columns: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -488,6 +492,8 @@ def _tables(item: FileLook, base: str, length: float | None, *, named: bool) -> 
         cycle = block.what == "cycle"
         held = [x for x in whole.settings if not cycle or x.key not in _IN_A_CYCLE]
         swept = "the rudder swings slowly: its rows are not as independent as steady tests"
+        notes = [swept] if block.what == "sweep" else []
+        notes += [_HEADED] if block.headed else []
         found.append(
             replace(
                 whole,
@@ -498,9 +504,25 @@ def _tables(item: FileLook, base: str, length: float | None, *, named: bool) -> 
                 skip=skipped(block, blocks),
                 samples="cycle" if cycle else None,
                 template=template_of(block, blocks, sheet),
-                notes=(swept,) if block.what == "sweep" else (),
+                notes=tuple(notes),
+                columns=_as_measured(item, block),
             )
         )
+    return found
+
+
+_HEADED: Final = "their drift and sway are 0, their heading is not: the drift is taken from it"
+
+
+def _as_measured(item: FileLook, block: Block) -> dict[str, Any]:
+    """Columns of steady rows whose heading alone tells the drift, or whose rudder swings."""
+    known, found = item.known, dict[str, Any]()
+    if block.headed:
+        found = {"drift_deg": known["psi"].title, "psi": False}
+        found |= {"v": False} if "v" in known else {}
+        found |= {"speed": known["u"].title, "u": False} if "u" in known else {}
+    if block.what == "sweep" and "delta" in known:
+        found |= {"rudder_deg": known["delta"].title, "delta": False}
     return found
 
 

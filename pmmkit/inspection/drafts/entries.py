@@ -129,6 +129,9 @@ def entry_lines(
         lines.append(f"source = {{ {', '.join(_apart(entry))} }}")
     if entry.where:
         lines.append(where_line(entry.where))
+    if entry.columns:
+        pairs = ", ".join(f"{name} = {toml(value)}" for name, value in entry.columns.items())
+        lines.append(f"columns = {{ {pairs} }}")
     if entry.skip:
         lines.append(aligned(f"skip = {toml(entry.skip)}", "rows that are no runs"))
     if entry.samples:

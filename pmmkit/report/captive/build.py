@@ -14,6 +14,7 @@ from pmmkit.errors import UnknownNameError
 from pmmkit.reduction import Reduction
 from pmmkit.report.captive import appendices, campaign_chapters, result_chapters
 from pmmkit.report.captive.document import Document, Item
+from pmmkit.report.captive.repeatability import repeatability
 from pmmkit.report.captive.stated import of_report
 
 
@@ -105,6 +106,7 @@ def captive_document(reduction: Reduction, *, standard: str = "ittc") -> Documen
             campaign_chapters.measured(reduction),
             campaign_chapters.programme(reduction),
             campaign_chapters.procedure(reduction),
+            repeatability(reduction),
             result_chapters.analysis(reduction),
             result_chapters.derivatives(reduction),
             result_chapters.uncertainty(reduction),

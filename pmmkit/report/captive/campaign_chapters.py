@@ -8,7 +8,6 @@ from itertools import pairwise
 from statistics import median
 
 from pmmkit.campaigns.day import seconds_of
-from pmmkit.campaigns.repeats import repeats
 from pmmkit.campaigns.run import FORCES, Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.registry import kinds
@@ -273,7 +272,6 @@ def procedure(reduction: Reduction) -> Chapter:
             *of_report(campaign, "friction_correction"),
             Item(what="Runs used", value=str(len(reduction.runs))),
             Item(what="Runs left out", value=str(len(campaign.excluded))),
-            Item(what="Runs that repeat another", value=_repeats(campaign.runs)),
             *_counts(reduction.runs),
             *of_report(campaign, "inspection"),
         ],
@@ -298,12 +296,6 @@ def _starts(runs: Sequence[Run]) -> Item:
         table="[runs]",
         key="started",
     )
-
-
-def _repeats(runs: Sequence[Run]) -> str:
-    """The runs that repeat another, with that one."""
-    found = [f"{run.id} ({group[0].id})" for group in repeats(runs) for run in group[1:]]
-    return ", ".join(found) or "none"
 
 
 def _counts(runs: Sequence[RunResult]) -> list[Item]:
