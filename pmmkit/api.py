@@ -31,6 +31,7 @@ from pmmkit.models.revise import lent
 from pmmkit.models.stated_parts import SECTIONS
 from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.reduction.parts import Parts, hull_alone, parts_of
+from pmmkit.reduction.thrust import thrust_inside
 from pmmkit.structures import Structure, structures
 from pmmkit.tables import DerivativeTable
 from pmmkit.validation.free_running import as_tested
@@ -233,6 +234,7 @@ def model_of(
         If the table lacks Yv, Yr, Nv or Nr, or what `missing` does not fill.
     """
     table, left = _tested_in_full(reduction.table)
+    table = _without_thrust(reduction, table)
     how: dict[str, Any] = {"missing": missing, "also": _not_shown(reduction), "force": force}
     if parts is not None:
         model = to_model(table, parts, **how)
@@ -253,6 +255,18 @@ def model_of(
     return model.with_(
         title=f"{donor.name}, from its tests", notes=(*donor.notes, *left, *model.notes)
     )
+
+
+def _without_thrust(reduction: Reduction, table: DerivativeTable) -> DerivativeTable:
+    """The table without Xuu where it holds the thrust of a propeller: the model has its own."""
+    inside = [
+        reduction.solution.Fn[group] for group in thrust_inside(reduction.solution, reduction.rows)
+    ]
+    if not inside or "Xuu" not in table:
+        return table
+    value = table.value.copy()
+    value[np.isin(table.Fn, inside) | table.pooled, table.index("Xuu")] = np.nan
+    return table.with_(value=value)
 
 
 def _not_shown(reduction: Reduction) -> list[str]:

@@ -13,6 +13,7 @@ from pmmkit.observations.equations import Rows
 from pmmkit.presentation import at_froude, counted, listed
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.solve import Solution
+from pmmkit.reduction.thrust import thrust_inside
 
 TOGETHER = 0.95
 """Correlation from which two derivatives are said to move together."""
@@ -135,20 +136,12 @@ def _smoothed(rows: Sequence[Rows]) -> Iterator[str]:
 
 def _thrust_inside(solution: Solution, rows: Sequence[Rows]) -> Iterator[str]:
     """Speeds at which the propeller's thrust is part of Xuu."""
-    groups = [
-        group
-        for group, item in solution.fits
-        if "Xuu" in item.fit.names
-        and "XT" not in item.fit.names
-        and any(
-            rows[solution.groups[group][block.run]].result.run.settings.propeller_rps
-            for block in item.blocks
-        )
-    ]
+    groups = thrust_inside(solution, rows)
     if groups:
         yield (
             f"Xuu{_speeds(solution, groups)} is thrust less resistance: the propeller turned, and "
-            f"its thrust was not measured or did not vary. Tows without propeller part the two."
+            f"its thrust was not measured, or went with the speed. Tows without propeller, or at "
+            f"several revolutions, part the two. A model takes an estimate of the resistance."
         )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Final
 
@@ -19,6 +19,7 @@ from pmmkit.reduction.between_runs import in_words
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.influence import Influence, Influences
 from pmmkit.reduction.solve import Solution
+from pmmkit.reduction.thrust import TOGETHER, thrust_inside
 from pmmkit.tables import DerivativeTable
 from pmmkit.tables.verdict import Verdict
 
@@ -83,6 +84,8 @@ def verdict(
     weighed : bool
         Whether runs at odds were weighed down, so that they decide nothing.
     """
+    inside = thrust_inside(solution, rows)
+    apart = TOGETHER if inside else frozenset()
     far = [] if weighed else [one for one in influences.odd if _far(one, solution, rows)]
     pushed = any(item.result.run.settings.propeller_rps for item in rows)
     wrong = [name for name in _positive(table) if name != "Xuu" or not pushed]
@@ -93,13 +96,14 @@ def verdict(
             *_signs(wrong),
             *_beyond(far),
             *_lost(solution),
-            *_contradicting(families),
+            *_contradicting(families, apart),
             *_scattered(solution),
             *_massless(table),
         ),
         doubts=(
             *_misfit(solution),
-            *_disagreeing(table, families),
+            *_pushed(solution, inside),
+            *_disagreeing(table, families, apart),
             *_odd([one for one in influences.odd if one not in far]),
             *_signs([name for name in _positive(table) if name not in wrong]),
             *_alone(influences),
@@ -143,7 +147,20 @@ def _misfit(solution: Solution) -> Iterator[str]:
             )
 
 
-def _disagreeing(table: DerivativeTable, families: Mapping[str, DerivativeTable]) -> Iterator[str]:
+def _pushed(solution: Solution, inside: Sequence[int]) -> Iterator[str]:
+    """Speeds at which Xuu holds the thrust of the propeller."""
+    if inside:
+        places = ", ".join(f"{solution.Fn[group]:.3f}" for group in inside)
+        at = "" if np.isnan(solution.Fn[inside[0]]) else f" at Fn {places}"
+        yield (
+            f"Xuu{at} is thrust less resistance: revolutions went with the speed, or the thrust "
+            f"was not measured. A model takes an estimate of the resistance in its place."
+        )
+
+
+def _disagreeing(
+    table: DerivativeTable, families: Mapping[str, DerivativeTable], apart: Collection[str]
+) -> Iterator[str]:
     """Families of tests whose intervals do not touch those of all tests together."""
     low, high = table.interval()
     for title, own in families.items():
@@ -151,7 +168,7 @@ def _disagreeing(table: DerivativeTable, families: Mapping[str, DerivativeTable]
         told = []
         for row, Fn in enumerate(own.Fn):
             at = 0 if table.pooled else int(np.argmin(np.abs(table.Fn - Fn)))
-            for name in (name for name in own.names if name in table):
+            for name in (name for name in own.names if name in table and name not in apart):
                 here, there = own.index(name), table.index(name)
                 if below[row, here] > high[at, there] or above[row, here] < low[at, there]:
                     told.append(name)
@@ -220,15 +237,17 @@ def _beyond(far: Sequence[Influence]) -> Iterator[str]:
         )
 
 
-def _contradicting(families: Mapping[str, DerivativeTable]) -> Iterator[str]:
+def _contradicting(
+    families: Mapping[str, DerivativeTable], apart: Collection[str]
+) -> Iterator[str]:
     """Two families of which most derivatives that both determine have nothing in common."""
     for (title, one), (other, two) in combinations(families.items(), 2):
-        names = [x for x in one.names if x in two and not x.endswith("0")]
-        apart = [_apart(one, two, name) for name in names]
-        known = sum(len(found) for found in apart)
-        parted = sum(int(found.sum()) for found in apart)
+        names = [x for x in one.names if x in two and not x.endswith("0") and x not in apart]
+        each = [_apart(one, two, name) for name in names]
+        known = sum(len(found) for found in each)
+        parted = sum(int(found.sum()) for found in each)
         if known >= SHARED and 2 * parted > known:
-            told = [name for name, found in zip(names, apart, strict=True) if found.any()]
+            told = [name for name, found in zip(names, each, strict=True) if found.any()]
             yield (
                 f"{title.capitalize()} and {other} contradict each other: of {known} values that "
                 f"both determine {parted} have nothing in common ({_list(told)}). Check signs, "
