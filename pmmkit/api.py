@@ -18,7 +18,7 @@ from pmmkit.effects.propeller import PROPELLER
 from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.errors import MissingPartError
 from pmmkit.models import Model, Part, load_model, to_model
-from pmmkit.models.build import NEEDED, Missing
+from pmmkit.models.build import HULL_TERMS, NEEDED, Missing
 from pmmkit.models.like import TURNS, with_stated_parts
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.particulars import (
@@ -233,7 +233,8 @@ def model_of(
     MissingPartError
         If the table lacks Yv, Yr, Nv or Nr, or what `missing` does not fill.
     """
-    table, left = _tested_in_full(reduction.table)
+    needed = HULL_TERMS if missing == "estimate" else NEEDED  # added mass hardly hangs on the speed
+    table, left = _tested_in_full(reduction.table, needed)
     table = _without_thrust(reduction, table)
     how: dict[str, Any] = {"missing": missing, "also": _not_shown(reduction), "force": force}
     if parts is not None:
@@ -351,10 +352,12 @@ def _one(part: Part, name: str) -> float:
     return value[0] if isinstance(value, tuple) else value
 
 
-def _tested_in_full(table: DerivativeTable) -> tuple[DerivativeTable, list[str]]:
+def _tested_in_full(
+    table: DerivativeTable, needed: Sequence[str]
+) -> tuple[DerivativeTable, list[str]]:
     """The rows in which what a model needs has values, and in words the rows left out."""
-    needed = [table.index(name) for name in NEEDED if name in table]
-    full = np.isfinite(table.value[:, needed]).all(axis=1)
+    columns = [table.index(name) for name in needed if name in table]
+    full = np.isfinite(table.value[:, columns]).all(axis=1)
     if table.pooled or full.all() or not full.any():
         return table, []
     left = ", ".join(f"{froude:.3f}" for froude in table.Fn[~full])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,19 @@ from pmmkit.numerics import Array
 from pmmkit.observations.prepare import Prepared, RunResult
 from pmmkit.observations.stated import altered, nominal_path
 
-ASKED = 0.1
+ASKED: Final = 0.1
 """Share of a recorded regressor that the motion asked for must make; the rest is noise of it."""
+LARGEST: Final = {1: 1.0, 2: 0.1, 3: 10.0, 4: 30.0}
+"""Largest size of a derivative of one, two, three, four factors in the prime system: beyond that of
+the KCS over a bottom at 1.2 draughts (Yv -0.14, Xvr 0.04, Yvvv -7), the largest known."""
+COUPLED: Final = 1.0
+"""The same of three factors that are not one variable: there Nvvr is -0.4."""
+ACCELERATED: Final = 0.1
+"""The same of added mass: there Yvdot is -0.02."""
+UNBOUNDED: Final = 1e9
+"""The same of an offset and of the thrust, which are always felt."""
+FELT: Final = 0.02
+"""Share of the force below which no laboratory feels anything: its runs repeat to 1 or 2 %."""
 IMPOSED = frozenset({"u", "v", "r", "udot", "vdot", "rdot"})
 """What a carriage imposes on a model."""
 ROUNDING = 1e-12
@@ -264,7 +276,8 @@ def excited_alone(
     -------
     tuple of Rows
         Columns of which the motion that was asked for makes less than `ASKED` of what was recorded
-        are zero in all runs: nothing excites them.
+        are zero in all runs: nothing excites them. So are those with which the largest derivative
+        that any hull may have would make less than `FELT` of the force.
     """
     told = [
         _nominal(item.result.run, rig, item.result.labels, campaign, item.names, convention)[1]
@@ -278,7 +291,13 @@ def excited_alone(
         having = [place for place, item in enumerate(rows) if channel in item.design]
         recorded = sum(np.nansum(rows[place].design[channel] ** 2, axis=0) for place in having)
         asked = sum(np.nansum(told[place][channel] ** 2, axis=0) for place in having)
+        force = sum(float(np.nansum(rows[place].force[channel] ** 2)) for place in having)
+        if channel == "X":  # of a ship that propels herself it is all but zero
+            thrust = [rows[place].result.extras.get("T", 0.0) for place in having]
+            force += float(np.nansum(np.square(thrust)))
+        largest = _largest(names[channel], campaign, convention)
         idle[channel] = _imposed(names[channel]) & (asked < ASKED**2 * recorded)
+        idle[channel] |= largest**2 * recorded < FELT**2 * force
     return tuple(
         replace(
             item,
@@ -291,6 +310,22 @@ def excited_alone(
         else item
         for item in rows
     )
+
+
+def _largest(names: Sequence[str], campaign: Campaign, convention: Convention) -> Array:
+    """The largest size that a derivative of any hull may have, in the system of a convention."""
+    wider = campaign.ship.L / campaign.ship.d if convention.system == "prime-d" else 1.0
+    return np.array([wider * _limit(parse_derivative(name).factors) for name in names])
+
+
+def _limit(factors: Sequence[str]) -> float:
+    """The largest size of a derivative with some factors in the prime system."""
+    if {"0", "T"} & {*factors}:
+        return UNBOUNDED
+    if any(factor.endswith("dot") for factor in factors):
+        return ACCELERATED
+    order = min(len(factors), max(LARGEST))
+    return COUPLED if order == 3 and len({bare(x) for x in factors}) > 1 else LARGEST[order]
 
 
 def _imposed(names: Sequence[str]) -> NDArray[np.bool_]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Final
 
@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from pmmkit.checks import CheckFinding
 from pmmkit.effects.added_mass import resolve
 from pmmkit.inference import KINDS
+from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows
 from pmmkit.presentation import at_froude, listed
 from pmmkit.reduction.between_runs import in_words
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.influence import Influence, Influences
-from pmmkit.reduction.solve import Solution
+from pmmkit.reduction.solve import SPEED_GAP, Solution
 from pmmkit.reduction.thrust import TOGETHER, thrust_inside
 from pmmkit.tables import DerivativeTable
 from pmmkit.tables.verdict import Verdict
@@ -85,7 +86,7 @@ def verdict(
         Whether runs at odds were weighed down, so that they decide nothing.
     """
     inside = thrust_inside(solution, rows)
-    apart = TOGETHER if inside else frozenset()
+    pushes = solution.Fn[list(inside)]
     far = [] if weighed else [one for one in influences.odd if _far(one, solution, rows)]
     pushed = any(item.result.run.settings.propeller_rps for item in rows)
     wrong = [name for name in _positive(table) if name != "Xuu" or not pushed]
@@ -96,14 +97,14 @@ def verdict(
             *_signs(wrong),
             *_beyond(far),
             *_lost(solution),
-            *_contradicting(families, apart),
+            *_contradicting(families, pushes),
             *_scattered(solution),
             *_massless(table),
         ),
         doubts=(
             *_misfit(solution),
             *_pushed(solution, inside),
-            *_disagreeing(table, families, apart),
+            *_disagreeing(table, families, pushes),
             *_odd([one for one in influences.odd if one not in far]),
             *_signs([name for name in _positive(table) if name not in wrong]),
             *_alone(influences),
@@ -159,7 +160,7 @@ def _pushed(solution: Solution, inside: Sequence[int]) -> Iterator[str]:
 
 
 def _disagreeing(
-    table: DerivativeTable, families: Mapping[str, DerivativeTable], apart: Collection[str]
+    table: DerivativeTable, families: Mapping[str, DerivativeTable], pushes: Array
 ) -> Iterator[str]:
     """Families of tests whose intervals do not touch those of all tests together."""
     low, high = table.interval()
@@ -168,7 +169,7 @@ def _disagreeing(
         told = []
         for row, Fn in enumerate(own.Fn):
             at = 0 if table.pooled else int(np.argmin(np.abs(table.Fn - Fn)))
-            for name in (name for name in own.names if name in table and name not in apart):
+            for name in (x for x in own.names if x in table and not _inside(x, Fn, pushes)):
                 here, there = own.index(name), table.index(name)
                 if below[row, here] > high[at, there] or above[row, here] < low[at, there]:
                     told.append(name)
@@ -237,13 +238,17 @@ def _beyond(far: Sequence[Influence]) -> Iterator[str]:
         )
 
 
-def _contradicting(
-    families: Mapping[str, DerivativeTable], apart: Collection[str]
-) -> Iterator[str]:
+def _inside(name: str, Fn: float, pushes: Array) -> bool:
+    """Whether a derivative cannot be told at a Froude number where Xuu holds the thrust."""
+    same = np.isclose(pushes, Fn, rtol=SPEED_GAP, atol=0, equal_nan=True)
+    return name in TOGETHER and bool(same.any())
+
+
+def _contradicting(families: Mapping[str, DerivativeTable], pushes: Array) -> Iterator[str]:
     """Two families of which most derivatives that both determine have nothing in common."""
     for (title, one), (other, two) in combinations(families.items(), 2):
-        names = [x for x in one.names if x in two and not x.endswith("0") and x not in apart]
-        each = [_apart(one, two, name) for name in names]
+        names = [x for x in one.names if x in two and not x.endswith("0")]
+        each = [_apart(one, two, name, pushes) for name in names]
         known = sum(len(found) for found in each)
         parted = sum(int(found.sum()) for found in each)
         if known >= SHARED and 2 * parted > known:
@@ -255,14 +260,16 @@ def _contradicting(
             )
 
 
-def _apart(one: DerivativeTable, two: DerivativeTable, name: str) -> NDArray[np.bool_]:
+def _apart(
+    one: DerivativeTable, two: DerivativeTable, name: str, pushes: Array
+) -> NDArray[np.bool_]:
     """At each speed at which both determine a derivative, whether they have nothing in common."""
     here, there = one.index(name), two.index(name)
     pairs = [
         (row, place)
         for row, Fn in enumerate(one.Fn)
         for place, own in enumerate(two.Fn)
-        if np.isclose(own, Fn, rtol=1e-3, equal_nan=True)
+        if np.isclose(own, Fn, rtol=1e-3, equal_nan=True) and not _inside(name, Fn, pushes)
     ]
     (low, high), (below, above) = one.interval(), two.interval()
     found = []

@@ -73,7 +73,7 @@ def sweep(
     scheduler: Scheduler = None,
     out: Out = None,
 ) -> Outcome:
-    """Metrics of a manoeuvre over the approach speed, over --over, or over --depths."""
+    """Metrics of a manoeuvre over the approach speed, or over --over, or over --depths."""
     from pmmkit.figures import metrics_over
     from pmmkit.files import write_results
     from pmmkit.models import load_model

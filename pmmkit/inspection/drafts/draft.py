@@ -31,6 +31,8 @@ from pmmkit.inspection.drafts.names import facts_of
 from pmmkit.inspection.drafts.particulars import Found, particulars_of
 from pmmkit.inspection.drafts.settle import Setting, settled
 from pmmkit.inspection.drafts.sheets import (
+    HEADED,
+    as_measured,
     left_lines,
     only_sheet,
     shared_names,
@@ -40,7 +42,6 @@ from pmmkit.inspection.drafts.sheets import (
     where_of,
 )
 from pmmkit.inspection.sampling import LARGE
-from pmmkit.inspection.seen import Block
 from pmmkit.inspection.values import values_of
 from pmmkit.numerics import Array
 from pmmkit.readers import reader_of
@@ -257,8 +258,7 @@ def draft_of(
 
 def _over_its_bottom(entry: RunDraft, depths: Mapping[str, tuple[float, str]]) -> RunDraft:
     """A table with the depth of its sheet, where sheets differ."""
-    known = depths.get(str(entry.sheet))
-    if known is None:
+    if (known := depths.get(str(entry.sheet))) is None:
         return entry
     depth = Setting(key="depth", value=known[0], reason=known[1])
     return replace(entry, settings=(*entry.settings, depth))
@@ -493,7 +493,7 @@ def _tables(item: FileLook, base: str, length: float | None, *, named: bool) -> 
         held = [x for x in whole.settings if not cycle or x.key not in _IN_A_CYCLE]
         swept = "the rudder swings slowly: its rows are not as independent as steady tests"
         notes = [swept] if block.what == "sweep" else []
-        notes += [_HEADED] if block.headed else []
+        notes += [HEADED] if block.headed else []
         found.append(
             replace(
                 whole,
@@ -505,24 +505,9 @@ def _tables(item: FileLook, base: str, length: float | None, *, named: bool) -> 
                 samples="cycle" if cycle else None,
                 template=template_of(block, blocks, sheet),
                 notes=tuple(notes),
-                columns=_as_measured(item, block),
+                columns=as_measured(item, block),
             )
         )
-    return found
-
-
-_HEADED: Final = "their drift and sway are 0, their heading is not: the drift is taken from it"
-
-
-def _as_measured(item: FileLook, block: Block) -> dict[str, Any]:
-    """Columns of steady rows whose heading alone tells the drift, or whose rudder swings."""
-    known, found = item.known, dict[str, Any]()
-    if block.headed:
-        found = {"drift_deg": known["psi"].title, "psi": False}
-        found |= {"v": False} if "v" in known else {}
-        found |= {"speed": known["u"].title, "u": False} if "u" in known else {}
-    if block.what == "sweep" and "delta" in known:
-        found |= {"rudder_deg": known["delta"].title, "delta": False}
     return found
 
 

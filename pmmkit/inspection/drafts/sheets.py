@@ -23,6 +23,8 @@ from pmmkit.readers.base import to_number
 _FORCES: Final = ("X", "Y", "N", "K")
 _LISTED: Final = 8
 
+HEADED: Final = "their drift and sway are 0, their heading is not: the drift is taken from it"
+
 
 def only_sheet(seen: Look, sheet: str) -> Look:
     """What lies there, of workbooks only one sheet.
@@ -111,6 +113,31 @@ def template_of(block: Block, blocks: Blocks, sheet: str) -> str:
         "" if block.what == "cycle" or (len(block.names) == len(block.lines) and name) else "{row}"
     )
     return "_".join(part for part in (sheet, name, row) if part)
+
+
+def as_measured(item: FileLook, block: Block) -> dict[str, Any]:
+    """Columns of steady rows whose heading alone tells the drift, or whose rudder swings.
+
+    Parameters
+    ----------
+    item : FileLook
+        The sheet.
+    block : Block
+        Its rows.
+
+    Returns
+    -------
+    dict
+        For `columns` of their table; empty where they have those of all tables.
+    """
+    known, found = item.known, dict[str, Any]()
+    if block.headed:
+        found = {"drift_deg": known["psi"].title, "psi": False}
+        found |= {"v": False} if "v" in known else {}
+        found |= {"speed": known["u"].title, "u": False} if "u" in known else {}
+    if block.what == "sweep" and "delta" in known:
+        found |= {"rudder_deg": known["delta"].title, "delta": False}
+    return found
 
 
 def shared_names(looks: Sequence[FileLook]) -> bool:
