@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -63,7 +64,7 @@ def over_depths(
     from pmmkit.figures import growth_over_depth
     from pmmkit.files import write_results
     from pmmkit.plotting.style import save
-    from pmmkit.reduction.depths import growth
+    from pmmkit.reduction.depths import felt, growth
     from pmmkit.reduction.squat import squat, squat_frame
     from pmmkit.tables.by_depth import RATIO, TablesByDepth
 
@@ -118,6 +119,7 @@ def over_depths(
             "files": [name for name in files if (out / name).is_file()],
             "depths": content,
             "growth": [_row(item) for item in grown],
+            "felt": [asdict(item) for item in felt(grown)],
         },
         lines=[*lines, f"Results: {out.resolve()}"],
         status=status,
@@ -169,6 +171,8 @@ def _frame(grown: Sequence[Growth]) -> pd.DataFrame:
 
 def _growth_lines(grown: Sequence[Growth]) -> list[str]:
     """A row per derivative, measured and by the formulas at each depth."""
+    from pmmkit.reduction.depths import felt
+
     ratios = list(dict.fromkeys(item.ratio for item in grown))
     found = {(item.name, item.ratio): item for item in grown}
     rows = []
@@ -192,6 +196,7 @@ def _growth_lines(grown: Sequence[Growth]) -> list[str]:
         f"How derivatives grow from h/T {grown[0].deepest:.4g} (factors with their 95 % intervals; "
         "formulas of the effect shallow_water):",
         aligned(head, rows),
+        *map(str, felt(grown)),
     ]
 
 

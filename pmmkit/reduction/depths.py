@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from pmmkit.campaigns.depths import by_depth
 from pmmkit.campaigns.run import Campaign
 from pmmkit.effects.shallow_water import SHALLOWEST, apply
 from pmmkit.numerics import Array, coverage_factor
+from pmmkit.presentation import WIDE, plus_minus
 from pmmkit.reduction.reduce import Reduction, reduce_campaign
 from pmmkit.tables.by_depth import TablesByDepth
 from pmmkit.tables.table import CONFIDENCE, DerivativeTable
@@ -41,8 +43,9 @@ class Growth:
         standard uncertainty, the errors of two depths as independent.
     half : float
         Half of the 95 % interval.
-    formula : float
-        The same by `pmmkit.effects.shallow_water`; NaN where the formulas do not hold.
+    laws : (float, float)
+        What `pmmkit.effects.shallow_water` multiplies the value of deep water by, in the deepest
+        water of the tests and here; NaN where its formulas do not hold.
     """
 
     name: str
@@ -51,7 +54,48 @@ class Growth:
     factor: float
     std: float
     half: float
-    formula: float
+    laws: tuple[float, float]
+
+    @property
+    def formula(self) -> float:
+        """The factor by the formulas; NaN where they do not hold."""
+        return self.laws[1] / self.laws[0]
+
+    def of_share(self, share: float) -> float:
+        """The factor where a share of what the formulas add is felt."""
+        return (1.0 + share * (self.laws[1] - 1.0)) / (1.0 + share * (self.laws[0] - 1.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Felt:
+    """How much of the effect `shallow_water` the growth between two depths shows.
+
+    Parameters
+    ----------
+    ratio, deepest : float
+        Depths of the water over the draught.
+    share, half : float
+        Share of what the formulas add (0 none, 1 as they say), and half of its 95 % interval, wider
+        where the derivatives do not agree on it.
+    left, without : float
+        Root mean square of what the growth departs from the formulas with that share, and from
+        none at all, in standard uncertainties.
+    """
+
+    ratio: float
+    deepest: float
+    share: float
+    half: float
+    left: float
+    without: float
+
+    def __str__(self) -> str:
+        return (
+            f"h/T {self.ratio:.4g}: of what the formulas of shallow_water add since h/T "
+            f"{self.deepest:.4g} a share of {plus_minus(self.share, self.half)} is felt (0 none, 1 "
+            f"as they say); growth departs from that by {self.left:.1f} standard uncertainties, "
+            f"from no growth by {self.without:.1f}."
+        )
 
 
 def reduce_depths(campaign: Campaign, **settings: Any) -> tuple[Reduction, ...]:
@@ -98,9 +142,9 @@ def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
         if found is None:
             continue
         factor, error, used = found
-        formula = math.nan
+        laws = (math.nan, math.nan)
         if depths[1] >= NEARLY * SHALLOWEST * ship.d:
-            formula = _law(shallow, name, depths[1]) / _law(shallow, name, depths[0])
+            laws = (_law(shallow, name, depths[0]), _law(shallow, name, depths[1]))
         yield Growth(
             name=name,
             ratio=depths[1] / ship.d,
@@ -108,8 +152,49 @@ def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
             factor=factor,
             std=error,
             half=float(coverage_factor(dof[used].min(), CONFIDENCE)) * error,
-            formula=formula,
+            laws=laws,
         )
+
+
+def felt(grown: Sequence[Growth]) -> tuple[Felt, ...]:
+    """The share of the formulas of shallow water that the growth to each depth shows.
+
+    Parameters
+    ----------
+    grown : sequence of Growth
+        Factors with their standard uncertainties; resistance takes no part: a ship that propels
+        herself shows none.
+
+    Returns
+    -------
+    tuple of Felt
+        One for each depth at which the formulas hold.
+    """
+    found = []
+    for ratio in dict.fromkeys(item.ratio for item in grown):
+        own = [x for x in grown if x.ratio == ratio and x.name != "Xuu" and x.std > 0]
+        own = [x for x in own if math.isfinite(x.formula)]
+        if len(own) > 1:
+            found.append(_felt(own))
+    return tuple(found)
+
+
+def _felt(own: Sequence[Growth]) -> Felt:
+    def away(share: float) -> Array:
+        return np.array([(item.factor - item.of_share(share)) / item.std for item in own])
+
+    fit = least_squares(lambda x: away(float(x[0])), [1.0])
+    share, left = float(fit.x[0]), away(float(fit.x[0]))
+    variance = 1.0 / float(np.sum(fit.jac**2))
+    scatter = float(np.sum(left**2)) / (len(own) - 1)
+    return Felt(
+        ratio=own[0].ratio,
+        deepest=own[0].deepest,
+        share=share,
+        half=WIDE * math.sqrt(variance * max(scatter, 1.0)),
+        left=float(np.sqrt(np.mean(left**2))),
+        without=float(np.sqrt(np.mean(away(0.0) ** 2))),
+    )
 
 
 def by_formulas(tables: TablesByDepth, ratio: float) -> DerivativeTable:

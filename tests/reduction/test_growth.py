@@ -12,7 +12,8 @@ from pictures import without_pictures
 from small_campaign import TRUTH, write_depths
 
 import pmmkit as pk
-from pmmkit.reduction.depths import TOLD, by_formulas, growth, reduce_depths
+from pmmkit.effects.shallow_water import factors
+from pmmkit.reduction.depths import TOLD, by_formulas, felt, growth, reduce_depths
 from pmmkit.ship import Ship, Water
 from pmmkit.tables.by_depth import TablesByDepth
 
@@ -99,3 +100,26 @@ def test_formulas_carry_the_deepest_table_and_stop_at_their_edge():
     assert item.std == pytest.approx(math.hypot(0.01 / 0.4, 1.5 * 0.01 / 0.4))
     with pytest.raises(pk.PmmkitError, match=r"1\.2"):
         by_formulas(tables, 1.1)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.6, 1.0])
+def test_the_share_of_the_formulas_that_a_hull_feels_is_found(share):
+    """Derivatives at 2 and 1.5 draughts made by the effect itself, one of them 5 % off."""
+    ship = Ship(name="KVLCC2", L=320.0, B=58.0, d=20.8, volume=312600.0, mass=3.2e8, Izz=2e12)
+    deep_water = {"Yv": -0.3, "Nv": -0.13, "Nr": -0.05, "Yvdot": -0.22, "Nrdot": -0.011}
+
+    def at(depth, off=1.0):
+        grown = factors(depth, ship.d, ship.L, ship.B, ship.block, share=share)
+        values = {name: x * grown[name] for name, x in deep_water.items()}
+        values["Nr"] *= off
+        std = {name: 0.01 * abs(x) for name, x in values.items()}
+        return pk.from_values(values, std=std, Fn=[0.1], ship=ship, water=Water(depth=depth))
+
+    (found,) = felt(growth(TablesByDepth(tables=(at(41.6), at(31.2)))))
+    assert found.share == pytest.approx(share, abs=1e-6)
+    assert found.left < 1e-6
+    assert (found.without < 1e-6) == (share == 0.0)
+    (off,) = felt(growth(TablesByDepth(tables=(at(41.6), at(31.2, off=1.05)))))
+    assert abs(off.share - share) < off.half
+    assert off.half > found.half
+    assert f"{ship.d * 1.5 / ship.d:.4g}" in str(off)

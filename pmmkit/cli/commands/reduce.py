@@ -249,8 +249,8 @@ def reduced(
             "library": library,
             "fourier": fourier,
             "executor": executor,
-            "memory": memory,
         },
+        memory=memory,
         donor=load_model(parts) if parts else None,
         missing=missing,
         beside=reference_of(reference, reference_name) if reference else None,
@@ -266,6 +266,7 @@ def _at_one_depth(
     out: Path,
     *,
     settings: Mapping[str, Any],
+    memory: float,
     donor: Model | None,
     missing: Gaps,
     beside: Reference | None,
@@ -284,7 +285,7 @@ def _at_one_depth(
 
     kept = resume_folder(out)
     with shown() as progress:
-        found = reduce_campaign(opened, progress=progress, resume=kept, **settings)
+        found = reduce_campaign(opened, progress=progress, memory=memory, resume=kept, **settings)
     structure = settings["structure"]
     model, why = _model(found, donor, missing, force=force)
     turns, why_not = _turns(found, model, beside)
