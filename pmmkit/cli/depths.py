@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from pmmkit.models import Model
     from pmmkit.reduction import Reduction
     from pmmkit.reduction.depths import Growth
-    from pmmkit.tables.by_depth import TablesByDepth
 
 TABLES: Final = "derivatives_by_depth.csv"
 """All rows of all depths, beside the folders of the depths."""
@@ -235,26 +234,25 @@ def swept_over_depth(
     from pmmkit.errors import PmmkitError
     from pmmkit.figures import metrics_over
     from pmmkit.files import write_results
-    from pmmkit.models import to_model
-    from pmmkit.models.by_depth import model_at_depth
+    from pmmkit.models.by_depth import carried_by_formulas, model_at_depth
     from pmmkit.plotting.style import save
-    from pmmkit.reduction.depths import by_formulas
     from pmmkit.simulation.results import sweep_frame, told_metric, told_metrics
     from pmmkit.simulation.sweeps import sweep
     from pmmkit.tables.by_depth import RATIO
 
-    tables, models = _results(folder)
+    models = _models(folder)
     asked = sorted(ratios, reverse=True)
-    sailed = {ratio: model_at_depth(tables, models, ratio) for ratio in asked}
+    sailed = {ratio: model_at_depth(models, ratio) for ratio in asked}
     first = next(iter(sailed.values()))
     given = {"speed": speed.of(first.ship, first.water), **settings}
     found = sweep(sailed, "model", manoeuvre=manoeuvre, **given).rename({"model": RATIO})
-    deepest = models[max(models)]
+    deepest = max(models)
+    plain = {name: value for name, value in given.items() if name not in ("n", "spread")}
     beside: dict[float, dict[str, float] | str] = {}
     for ratio in asked:
         try:
-            by_law = to_model(by_formulas(tables, ratio), deepest, missing="estimate")
-            own = sweep({ratio: by_law}, "model", manoeuvre=manoeuvre, **given)
+            by_law = carried_by_formulas(models[deepest], deepest, ratio)
+            own = sweep({ratio: by_law}, "model", manoeuvre=manoeuvre, **plain)
             beside[ratio] = {str(name): float(own[name][0]) for name in own.data_vars}
         except PmmkitError as error:
             beside[ratio] = words_of(error)
@@ -282,12 +280,12 @@ def swept_over_depth(
         ]
         for row in rows
     ]
-    ends = f"{tables.ratios[-1]:.4g} to {tables.ratios[0]:.4g}"
+    ends = f"{min(models):.4g} to {deepest:.4g}"
     lines = [
         f"Scale: {first.scale}",
         aligned(["h/T", *heads], cells),
         f"Measured at h/T {ends}, between them straight lines over T/h; formula: the derivatives "
-        f"at h/T {tables.ratios[0]:.4g} carried by the effect shallow_water.",
+        f"at h/T {deepest:.4g} carried by the effect shallow_water.",
         *dict.fromkeys(f"No formula: {why}" for why in beside.values() if isinstance(why, str)),
         f"Results: {out}",
     ]
@@ -296,29 +294,20 @@ def swept_over_depth(
     )
 
 
-def _results(folder: Path) -> tuple[TablesByDepth, dict[float, Model]]:
-    """Tables and models of a reduction over several depths."""
+def _models(folder: Path) -> dict[float, Model]:
+    """Models of a reduction over several depths, by the depth over the draught."""
     from pmmkit.errors import DataError, Problem
     from pmmkit.models import load_model
-    from pmmkit.tables import read_table
-    from pmmkit.tables.by_depth import TablesByDepth
     from pmmkit.toml_files import MODEL
 
-    places = sorted(folder.glob(f"{FOLDER}*/derivatives.nc"))
-    if len(places) < 2:
+    read = [load_model(file) for file in sorted(folder.glob(f"{FOLDER}*/{MODEL.file}"))]
+    models = {item.water.depth / item.ship.d: item for item in read if item.water.depth}
+    if len(models) < 2:
         raise DataError(
             Problem(
-                message=f"{folder} does not hold derivatives over several depths of the water.",
+                message=f"{folder} does not hold models at several depths of the water.",
                 remedy="Name the folder that pmmkit reduce wrote from runs with depth = … of "
                 "several depths.",
             )
         )
-    read = {place: read_table(place) for place in places}
-    by = sorted(read, key=lambda place: -(read[place].water.depth or 0.0))
-    tables = TablesByDepth(tables=tuple(read[place] for place in by))
-    models = {
-        ratio: load_model(place.parent / MODEL.file)
-        for ratio, place in zip(tables.ratios.tolist(), by, strict=True)
-        if (place.parent / MODEL.file).is_file()
-    }
-    return tables, models
+    return models

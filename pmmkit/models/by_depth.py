@@ -3,36 +3,177 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
 
-from pmmkit.errors import MissingPartError
-from pmmkit.models.build import to_model
-from pmmkit.models.model import Model
-from pmmkit.tables.by_depth import TablesByDepth
+import numpy as np
+
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.hull import HULL
+from pmmkit.effects.shallow_water import SHALLOWEST, apply
+from pmmkit.errors import ExtrapolationError, ModelError, Problem
+from pmmkit.models.model import Model, Part
+from pmmkit.models.step import Value
+from pmmkit.numerics import Array
+from pmmkit.ship import Ship
+from pmmkit.tables.by_depth import SPEEDS_APART
+from pmmkit.tables.interpolate import SAME
+
+NEARLY: Final = 0.99
+"""Share of 1.2 draughts from which the formulas are taken as at 1.2: a basin is filled to a
+millimetre or two."""
 
 
-def model_at_depth(tables: TablesByDepth, models: Mapping[float, Model], ratio: float) -> Model:
-    """The model of the derivatives at a depth, other parts from the model of the nearest one.
+def model_at_depth(models: Mapping[float, Model], ratio: float) -> Model:
+    """The model at a depth between those of the tests: hull and added mass on straight lines over
+    the draught over the depth, of which the laws of shallow water are functions.
 
     Parameters
     ----------
-    tables : TablesByDepth
-        Derivatives at the depths of the tests.
     models : mapping of float to Model
-        Models of the tests by their depth over the draught; propeller, rudder and what the tests
-        do not give come from the nearest.
+        Models of one ship by the depth of their water over the draught.
+    ratio : float
+        Depth of the water over the draught.
+
+    Returns
+    -------
+    Model
+        That of the tests where there is one; else other parts, and values that one of its two
+        neighbours lacks, from the nearer one. Errors at two depths are taken as independent.
+
+    Raises
+    ------
+    ExtrapolationError
+        If the depth lies outside.
+    ModelError
+        If the two neighbours have values at other Froude numbers.
+    """
+    known = np.array(sorted(models, reverse=True))
+    same = known[np.isclose(known, ratio, rtol=SAME, atol=0)]
+    if len(same):
+        return models[float(same[0])]
+    if len(known) == 0 or not known[-1] < ratio < known[0]:
+        ends = f"{known[-1]:.4g} to {known[0]:.4g}" if len(known) > 1 else "no two"
+        raise ExtrapolationError(
+            Problem(
+                message=f"A depth of {ratio:.4g} draughts is outside of the models, which hold "
+                f"{ends}.",
+                remedy="Measure there, or choose a depth between theirs.",
+            )
+        )
+    above = int(np.flatnonzero(known > ratio)[-1])
+    ends_of = float(known[above]), float(known[above + 1])
+    deep, shallow = (models[end] for end in ends_of)
+    share = (1 / ratio - 1 / ends_of[0]) / (1 / ends_of[1] - 1 / ends_of[0])
+    if not _alike(deep, shallow):
+        raise ModelError("The models at two depths have values at other Froude numbers.")
+    nearer = deep if share < 0.5 else shallow
+    parts = {
+        name: _between(nearer.parts[name], deep.parts[name], shallow.parts[name], share)
+        if name in (HULL, INERTIA) and name in deep.parts and name in shallow.parts
+        else part
+        for name, part in nearer.parts.items()
+    }
+    forced = [x for x in (*deep.steps, *shallow.steps) if x.action == "forced"]
+    told = f"Between the models at {ends_of[0]:.4g} and {ends_of[1]:.4g} draughts of water."
+    return nearer.with_(
+        parts=MappingProxyType(parts),
+        water=replace(nearer.water, depth=ratio * nearer.ship.d),
+        covariance=_covariance(deep, shallow, nearer, share),
+        notes=(told, *nearer.notes),
+        steps=(*nearer.steps, *(x for x in forced if x not in nearer.steps)),
+    )
+
+
+def carried_by_formulas(model: Model, deepest: float, ratio: float) -> Model:
+    """A model carried to another depth by the formulas of `pmmkit.effects.shallow_water`.
+
+    Parameters
+    ----------
+    model : Model
+        Of tests at a depth.
+    deepest, ratio : float
+        That depth, and the other, over the draught.
+
+    Raises
+    ------
+    DataError
+        If the formulas do not hold there.
+    """
+
+    def carried(part: Part) -> Part:
+        laws = {name: grown(model.ship, name, ratio) / grown(model.ship, name, deepest)
+                for name in part.values}  # fmt: skip
+        return replace(
+            part,
+            values=MappingProxyType(
+                {name: _scaled(value, laws[name]) for name, value in part.values.items()}
+            ),
+        )
+
+    parts = {
+        name: carried(part) if name in (HULL, INERTIA) else part
+        for name, part in model.parts.items()
+    }
+    return model.with_(
+        parts=MappingProxyType(parts),
+        water=replace(model.water, depth=ratio * model.ship.d),
+        covariance=None,
+        covariance_names=(),
+    )
+
+
+def grown(ship: Ship, name: str, ratio: float) -> float:
+    """What the formulas multiply a value of deep water by; at 1.2 draughts where it is nearly so.
+
+    Parameters
+    ----------
+    ship : Ship
+        Length, breadth, draught and block.
+    name : str
+        A derivative.
     ratio : float
         Depth of the water over the draught.
 
     Raises
     ------
-    ExtrapolationError
-        If the depth lies outside of the tables.
-    NotUsableError
-        If the derivatives at a depth beside it are not usable.
-    MissingPartError
-        If there is no model to take other parts from.
+    DataError
+        If the formulas do not hold there.
     """
-    if not models:
-        raise MissingPartError("No depth has a model from which propeller and rudder could come.")
-    nearest = min(models, key=lambda known: abs(1 / known - 1 / ratio))
-    return to_model(tables.at(ratio), models[nearest], missing="estimate")
+    near = max(ratio, SHALLOWEST) if ratio >= NEARLY * SHALLOWEST else ratio
+    found: float = apply({name: 1.0}, ship=ship, depth=near * ship.d)[name]
+    return found
+
+
+def _alike(deep: Model, shallow: Model) -> bool:
+    """Whether two models have values at the same Froude numbers."""
+    return len(deep.Fn) == len(shallow.Fn) and bool(
+        np.allclose(deep.Fn, shallow.Fn, rtol=SPEEDS_APART, atol=0)
+    )
+
+
+def _between(nearer: Part, deep: Part, shallow: Part, share: float) -> Part:
+    values: dict[str, Value] = dict(nearer.values)
+    for name in nearer.values:
+        if name in deep.values and name in shallow.values:
+            one, other = np.asarray(deep.values[name]), np.asarray(shallow.values[name])
+            values[name] = _as_value((1.0 - share) * one + share * other)
+    return replace(nearer, values=MappingProxyType(values))
+
+
+def _scaled(value: Value, factor: float) -> Value:
+    return _as_value(factor * np.asarray(value, float))
+
+
+def _as_value(found: Array) -> Value:
+    return tuple(float(x) for x in found) if found.ndim else float(found)
+
+
+def _covariance(deep: Model, shallow: Model, nearer: Model, share: float) -> Array | None:
+    """That of both, where both know it of the same values; else that of the nearer one."""
+    one, other = deep.covariance, shallow.covariance
+    if one is None or other is None or deep.covariance_names != shallow.covariance_names:
+        return nearer.covariance
+    found: Array = (1.0 - share) ** 2 * one + share**2 * other
+    return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -12,7 +12,8 @@ from scipy.optimize import least_squares
 
 from pmmkit.campaigns.depths import by_depth
 from pmmkit.campaigns.run import Campaign
-from pmmkit.effects.shallow_water import SHALLOWEST, apply
+from pmmkit.effects.shallow_water import SHALLOWEST
+from pmmkit.models.by_depth import NEARLY, grown
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import WIDE, plus_minus
 from pmmkit.reduction.reduce import Reduction, reduce_campaign
@@ -23,9 +24,6 @@ TOLD: Final = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
 """Derivatives of whose growth people speak; the others are in the tables."""
 ROUNDS: Final = 30
 """Steps to the line of best fit: each leaves a small part of what the step before left."""
-NEARLY: Final = 0.99
-"""Share of 1.2 draughts from which the formulas are taken as at 1.2: a basin is filled to a
-millimetre or two."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,7 +142,7 @@ def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
         factor, error, used = found
         laws = (math.nan, math.nan)
         if depths[1] >= NEARLY * SHALLOWEST * ship.d:
-            laws = (_law(shallow, name, depths[0]), _law(shallow, name, depths[1]))
+            laws = (grown(ship, name, depths[0] / ship.d), grown(ship, name, depths[1] / ship.d))
         yield Growth(
             name=name,
             ratio=depths[1] / ship.d,
@@ -195,49 +193,6 @@ def _felt(own: Sequence[Growth]) -> Felt:
         left=float(np.sqrt(np.mean(left**2))),
         without=float(np.sqrt(np.mean(away(0.0) ** 2))),
     )
-
-
-def by_formulas(tables: TablesByDepth, ratio: float) -> DerivativeTable:
-    """The derivatives of the deepest water carried to another depth by the formulas.
-
-    Parameters
-    ----------
-    tables : TablesByDepth
-        Of one ship.
-    ratio : float
-        Depth of the water over the draught, 1.2 or more.
-
-    Raises
-    ------
-    DataError
-        If the formulas do not hold there.
-    """
-    deep = tables.tables[0]
-    depth = ratio * deep.ship.d
-    factor = np.array(
-        [
-            _law(deep, name, depth) / _law(deep, name, deep.water.depth or math.inf)
-            for name in deep.names
-        ]
-    )
-    return deep.with_(
-        value=deep.value * factor,
-        covariance=deep.covariance * np.multiply.outer(factor, factor)[None, :, None, :],
-        method=np.char.add(deep.method, ", shallow_water"),
-        water=replace(deep.water, depth=depth),
-        notes=(
-            f"From {tables.ratios[0]:.4g} draughts of water by the formulas of shallow water.",
-            *deep.notes,
-        ),
-    )
-
-
-def _law(table: DerivativeTable, name: str, depth: float) -> float:
-    """What the formulas multiply a derivative by; at the edge they are taken as at 1.2 draughts."""
-    ship = table.ship
-    least = SHALLOWEST * ship.d
-    near = max(depth, least) if depth >= NEARLY * least else depth
-    return float(apply({name: 1.0}, ship=ship, depth=near)[name])
 
 
 def _mean_ratio(

@@ -13,7 +13,7 @@ from small_campaign import TRUTH, write_depths
 
 import pmmkit as pk
 from pmmkit.effects.shallow_water import factors
-from pmmkit.reduction.depths import TOLD, by_formulas, felt, growth, reduce_depths
+from pmmkit.reduction.depths import TOLD, felt, growth, reduce_depths
 from pmmkit.ship import Ship, Water
 from pmmkit.tables.by_depth import TablesByDepth
 
@@ -85,21 +85,16 @@ def test_the_command_gives_every_depth_a_folder_and_says_how_they_grow(folder, t
     assert status == 1
 
 
-def test_formulas_carry_the_deepest_table_and_stop_at_their_edge():
-    """KVLCC2 at two draughts of water to 1.5: Yv by Hirano's formula, 1.90/1.32 (public programs
-    give these factors from deep water)."""
+def test_growth_is_the_ratio_with_the_errors_of_both():
     ship = Ship(name="KVLCC2", L=320.0, B=58.0, d=20.8, volume=312600.0, mass=3.2e8, Izz=2e12)
     deep, shallow = (
         pk.from_values({"Yv": x}, std={"Yv": 0.01}, Fn=[0.1], ship=ship, water=Water(depth=h))
-        for x, h in ((-0.4, 41.6), (-0.6, 26.0))
+        for x, h in ((-0.4, 41.6), (-0.6, 31.2))
     )
-    tables = TablesByDepth(tables=(deep, shallow))
-    assert by_formulas(tables, 1.5)["Yv"][0] / -0.4 == pytest.approx(1.90 / 1.32, rel=0.01)
-    (item,) = growth(tables)
+    (item,) = growth(TablesByDepth(tables=(deep, shallow)))
     assert item.factor == pytest.approx(1.5)
     assert item.std == pytest.approx(math.hypot(0.01 / 0.4, 1.5 * 0.01 / 0.4))
-    with pytest.raises(pk.PmmkitError, match=r"1\.2"):
-        by_formulas(tables, 1.1)
+    assert item.formula == pytest.approx(1.90 / 1.32, rel=0.01)  # Hirano's, from deep water
 
 
 @pytest.mark.parametrize("share", [0.0, 0.6, 1.0])

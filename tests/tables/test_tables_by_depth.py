@@ -9,9 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit.errors import ExtrapolationError, NotUsableError, TableError
-from pmmkit.models import load_model
-from pmmkit.models.by_depth import model_at_depth
+from pmmkit.errors import ExtrapolationError, TableError
 from pmmkit.ship import Ship, Water
 from pmmkit.tables import from_values, identical
 from pmmkit.tables.by_depth import RATIO, TablesByDepth
@@ -91,9 +89,6 @@ def test_a_table_that_is_not_usable_spoils_what_lies_beside_it():
     deep, shallow = table(2.0, -0.01), table(1.2, 0.03).with_(provenance={KEY: fault})
     both = TablesByDepth(tables=(deep, shallow))
     assert both.at(1.5).verdict.faults
-    donor = load_model("kcs")
-    with pytest.raises(NotUsableError):
-        model_at_depth(both, {2.0: donor}, 1.5)
 
 
 def test_the_frame_has_the_depth_before_each_row():
