@@ -62,10 +62,6 @@ class TablesByDepth:
         """Depth of the water over the draught at each table, array (k,), the largest first."""
         return np.array([(table.water.depth or np.nan) / table.ship.d for table in self.tables])
 
-    def near(self, ratio: float) -> DerivativeTable:
-        """The table whose depth is nearest, by the draught over the depth."""
-        return self.tables[int(np.argmin(np.abs(1 / self.ratios - 1 / ratio)))]
-
     def at(self, ratio: float) -> DerivativeTable:
         """The derivatives at a depth between those of the tables.
 

@@ -49,7 +49,6 @@ def test_the_middle_of_three_depths_is_between_its_neighbours():
     three = TablesByDepth(tables=(table(3.0, -0.01), table(2.0, -0.02), table(1.5, -0.06)))
     assert three.at(1 / (0.5 * (1 / 3 + 1 / 2)))["Yv"] == pytest.approx(-0.015)
     assert three.at(1 / (0.5 * (1 / 2 + 1 / 1.5)))["Yv"] == pytest.approx(-0.04)
-    assert three.near(2.1) is three.tables[1]
 
 
 def test_a_speed_of_one_depth_alone_is_interpolated_in_the_other():
