@@ -12,13 +12,12 @@ import numpy as np
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.hull import HULL
 from pmmkit.effects.shallow_water import SHALLOWEST, apply
-from pmmkit.errors import ExtrapolationError, ModelError, Problem
+from pmmkit.errors import ModelError
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Value
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship
-from pmmkit.tables.by_depth import SPEEDS_APART
-from pmmkit.tables.interpolate import SAME
+from pmmkit.tables.by_depth import SPEEDS_APART, place_of
 
 NEARLY: Final = 0.99
 """Share of 1.2 draughts from which the formulas are taken as at 1.2: a basin is filled to a
@@ -50,22 +49,11 @@ def model_at_depth(models: Mapping[float, Model], ratio: float) -> Model:
         If the two neighbours have values at other Froude numbers.
     """
     known = np.array(sorted(models, reverse=True))
-    same = known[np.isclose(known, ratio, rtol=SAME, atol=0)]
-    if len(same):
-        return models[float(same[0])]
-    if len(known) == 0 or not known[-1] < ratio < known[0]:
-        ends = f"{known[-1]:.4g} to {known[0]:.4g}" if len(known) > 1 else "no two"
-        raise ExtrapolationError(
-            Problem(
-                message=f"A depth of {ratio:.4g} draughts is outside of the models, which hold "
-                f"{ends}.",
-                remedy="Measure there, or choose a depth between theirs.",
-            )
-        )
-    above = int(np.flatnonzero(known > ratio)[-1])
+    above, share = place_of(ratio, known)
+    if share == 0.0:
+        return models[float(known[above])]
     ends_of = float(known[above]), float(known[above + 1])
     deep, shallow = (models[end] for end in ends_of)
-    share = (1 / ratio - 1 / ends_of[0]) / (1 / ends_of[1] - 1 / ends_of[0])
     if not _alike(deep, shallow):
         raise ModelError("The models at two depths have values at other Froude numbers.")
     nearer = deep if share < 0.5 else shallow

@@ -17,7 +17,7 @@ from pmmkit.models.by_depth import NEARLY, grown
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import WIDE, plus_minus
 from pmmkit.reduction.reduce import Reduction, reduce_campaign
-from pmmkit.tables.by_depth import TablesByDepth
+from pmmkit.tables.by_depth import TablesByDepth, in_step
 from pmmkit.tables.table import CONFIDENCE, DerivativeTable
 
 TOLD: Final = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
@@ -127,7 +127,7 @@ def growth(tables: TablesByDepth) -> tuple[Growth, ...]:
 
 def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
     deep = tables.tables[0]
-    one, other = tables.in_step(deep, shallow)
+    one, other = in_step(deep, shallow)
     ship, depths = shallow.ship, (deep.water.depth or math.inf, shallow.water.depth or math.inf)
     for name in TOLD:
         if name not in one or name not in other:

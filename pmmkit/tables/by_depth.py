@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
@@ -96,35 +95,10 @@ class TablesByDepth:
         >>> found["Yv"].round(12), round(found.water.depth, 4)
         (array([-0.015]), 0.3846)
         """
-        known = self.ratios
-        same = np.flatnonzero(np.isclose(known, ratio, rtol=SAME, atol=0))
-        if len(same):
-            return self.tables[int(same[0])]
-        if not known[-1] < ratio < known[0]:
-            ends = f"{known[-1]:.4g} to {known[0]:.4g}" if len(known) > 1 else f"{known[0]:.4g}"
-            raise ExtrapolationError(
-                Problem(
-                    message=f"A depth of {ratio:.4g} draughts is outside of the tables, which hold "
-                    f"{ends}.",
-                    remedy="Measure there, or choose a depth between theirs.",
-                )
-            )
-        above = int(np.flatnonzero(known > ratio)[-1])
-        share = (1 / ratio - 1 / known[above]) / (1 / known[above + 1] - 1 / known[above])
-        return _between(self.tables[above], self.tables[above + 1], float(share), ratio)
-
-    @staticmethod
-    def in_step(
-        one: DerivativeTable, other: DerivativeTable
-    ) -> tuple[DerivativeTable, DerivativeTable]:
-        """Two tables at the Froude numbers that both reach.
-
-        Raises
-        ------
-        TableError, ExtrapolationError
-            If one is pooled over all speeds and the other is not, or they share no speed.
-        """
-        return _alike((one, other))
+        above, share = place_of(ratio, self.ratios)
+        if share == 0.0:
+            return self.tables[above]
+        return _between(self.tables[above], self.tables[above + 1], share, ratio)
 
     def to_pandas(self) -> pd.DataFrame:
         """The rows of all tables, the depth over the draught before each."""
@@ -136,6 +110,49 @@ class TablesByDepth:
         return pd.concat(parts, ignore_index=True)
 
 
+def place_of(ratio: float, known: Array) -> tuple[int, float]:
+    """Where a depth lies among others: the deeper neighbour, and how far it is to the next one.
+
+    Parameters
+    ----------
+    ratio : float
+        Depth of the water over the draught.
+    known : array (k,)
+        Those of the tests, the largest first.
+
+    Returns
+    -------
+    int, float
+        Place of the deeper neighbour, and the share of the way to the next over T/h: zero at a
+        depth of the tests.
+
+    Raises
+    ------
+    ExtrapolationError
+        If it lies outside.
+
+    Examples
+    --------
+    >>> place_of(1.6, np.array([4.0, 2.0, 1.25])), place_of(2.0, np.array([4.0, 2.0, 1.25]))
+    ((1, 0.41666666666666663), (1, 0.0))
+    """
+    same = np.flatnonzero(np.isclose(known, ratio, rtol=SAME, atol=0))
+    if len(same):
+        return int(same[0]), 0.0
+    if len(known) == 0 or not known[-1] < ratio < known[0]:
+        ends = f"{known[-1]:.4g} to {known[0]:.4g}" if len(known) > 1 else "no two depths"
+        raise ExtrapolationError(
+            Problem(
+                message=f"A depth of {ratio:.4g} draughts is outside of the tests, which hold "
+                f"{ends}.",
+                remedy="Measure there, or choose a depth between theirs.",
+            )
+        )
+    above = int(np.flatnonzero(known > ratio)[-1])
+    share = (1 / ratio - 1 / known[above]) / (1 / known[above + 1] - 1 / known[above])
+    return above, float(share)
+
+
 def _between(
     deep: DerivativeTable, shallow: DerivativeTable, share: float, ratio: float
 ) -> DerivativeTable:
@@ -145,7 +162,7 @@ def _between(
     if not names:
         raise TableError("The tables at two depths have no derivative in common.")
     ends = [table.select(names) for table in (deep, shallow)]
-    one, other = _alike(ends)
+    one, other = in_step(*ends)
     weights = (1.0 - share, share)
     depths = [f"{(table.water.depth or 0.0) / table.ship.d:.4g}" for table in (deep, shallow)]
     notes = [f"Between the tables at {depths[0]} and {depths[1]} draughts of water."]
@@ -167,9 +184,21 @@ def _between(
     )
 
 
-def _alike(tables: Sequence[DerivativeTable]) -> tuple[DerivativeTable, DerivativeTable]:
-    """Two tables at the same Froude numbers: those of both, within the range of both."""
-    one, other = tables
+def in_step(
+    one: DerivativeTable, other: DerivativeTable
+) -> tuple[DerivativeTable, DerivativeTable]:
+    """Two tables at the same Froude numbers: those of both, within the range of both.
+
+    Parameters
+    ----------
+    one, other : DerivativeTable
+        At two depths of the water.
+
+    Raises
+    ------
+    TableError, ExtrapolationError
+        If one is pooled over all speeds and the other is not, or they share no speed.
+    """
     if one.pooled != other.pooled:
         raise TableError("One table is pooled over all speeds, the other is not.")
     if one.pooled:

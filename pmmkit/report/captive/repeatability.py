@@ -15,7 +15,7 @@ from pmmkit.reduction import Reduction, RunResult
 from pmmkit.report.captive.document import Chapter, Item
 
 LISTED = 40
-"""Conditions that are listed one by one; of more, those that scatter most."""
+"""Conditions that are listed one by one; of more, the first."""
 
 
 def repeatability(reduction: Reduction) -> Chapter:
