@@ -26,6 +26,7 @@ from pmmkit.checks import (
     motion,
     particulars,
     positions,
+    reach,
     record,
     reference,
     rest,
@@ -77,6 +78,7 @@ CHECKS: Final[tuple[Check, ...]] = (
     *free_running.CHECKS,
     *density.CHECKS,
     *whole_files.CHECKS,
+    *reach.CHECKS,
 )
 """All checks, each with its name and a line on what it looks for."""
 RECORDS: Final[tuple[Check, ...]] = (*gauges.CHECKS, *record.SATURATION)

@@ -197,13 +197,54 @@ def _noise(key: str, item: Summary) -> float:
     return item.harmonic_noise.get(channel, 0.0)
 
 
+def unasked_inertia(campaign: Campaign, summaries: Sequence[Summary]) -> tuple[str, ...]:
+    """Channels of oscillating tests in which no run tells whether the model's inertia is inside.
+
+    Nothing moves alone that would show it, or the added mass is not known well enough.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Captive tests.
+    summaries : sequence of Summary
+        Their summaries.
+
+    Returns
+    -------
+    tuple of str
+        Among Y and N, those that the tests accelerate.
+    """
+    moved = {"Y": ("v", "r"), "N": ("r",)}
+    open_: list[str] = []
+    for channel, motions in moved.items():
+        swung = [
+            x for x in summaries if x.run.dynamic and set(x.run.kind_of_test.varies) & set(motions)
+        ]
+        questions = [item for item in _QUESTIONS if item.key.startswith(channel)]
+        verdicts = [found for item in questions if (found := _ask(item, campaign, swung))]
+        if swung and not any(_is_told(found, campaign) for found in verdicts):
+            open_.append(channel)
+    return tuple(open_)
+
+
+def _is_told(verdict: _Verdict, campaign: Campaign) -> bool:
+    """Whether the share of the inertia lies on one side, by noise and doubt of the added mass."""
+    spread = _spread(verdict, campaign)
+    return verdict.share - spread > REMOVED or verdict.share + spread < INSIDE
+
+
+def _spread(verdict: _Verdict, campaign: Campaign) -> float:
+    """How far the share of the inertia may be off: noise, and doubt of the added mass."""
+    doubt = IN_SHALLOW_WATER if is_shallow(campaign) else ADDED
+    return 2 * verdict.share_error + doubt * abs(verdict.added / verdict.own)
+
+
 def _judge(
     verdict: _Verdict, forces: str, campaign: Campaign, inside: list[str], removed: list[str]
 ) -> CheckFinding | None:
     question, share = verdict.question, verdict.share
     noise = 2 * verdict.share_error
-    doubt = IN_SHALLOW_WATER if is_shallow(campaign) else ADDED
-    spread = noise + doubt * abs(verdict.added / verdict.own)
+    spread = _spread(verdict, campaign)
     unit = question.unit
     both = verdict.own + verdict.added
     ratio = (

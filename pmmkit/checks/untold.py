@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT
+from pmmkit.checks.inertia import unasked_inertia
+from pmmkit.presentation import listed
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -29,10 +31,10 @@ def untold(campaign: Campaign, summaries: Sequence[Summary]) -> tuple[str, ...]:
     """
     if campaign.kind != "captive" or not summaries:
         return ()
-    return tuple(_sentences(summaries))
+    return tuple(_sentences(campaign, summaries))
 
 
-def _sentences(summaries: Sequence[Summary]) -> Iterator[str]:
+def _sentences(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[str]:
     channels = [name for name in ("X", "Y", "N") if any(name in item.means for item in summaries)]
     if channels:
         yield (
@@ -48,6 +50,13 @@ def _sentences(summaries: Sequence[Summary]) -> Iterator[str]:
         yield (
             f"Not checked by these runs: {what}, which goes into Nrdot one to one, and the centre "
             f"of gravity. Swinging the dry model on the balance checks them."
+        )
+    unasked = unasked_inertia(campaign, summaries)
+    if unasked:
+        yield (
+            f"Not told by these runs: whether the model's inertia is inside {listed(unasked)}, as "
+            f"the campaign file says or not: nothing moves alone there, or the added mass is not "
+            f"known well enough. A run of the dry model on the balance tells it."
         )
     swung = [item for item in summaries if item.run.dynamic]
     recorded = any("v_mean" in item.facts or "r_mean" in item.facts for item in swung)

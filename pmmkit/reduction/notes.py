@@ -13,7 +13,6 @@ from pmmkit.observations.equations import Rows
 from pmmkit.presentation import at_froude, counted, listed
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.solve import Solution
-from pmmkit.reduction.thrust import thrust_inside
 
 TOGETHER = 0.95
 """Correlation from which two derivatives are said to move together."""
@@ -106,7 +105,6 @@ def notes(solution: Solution, rows: Sequence[Rows]) -> tuple[str, ...]:
     """Sentences on what the runs do and do not determine."""
     return (
         *_not_excited(solution),
-        *_thrust_inside(solution, rows),
         *dict.fromkeys(_sentences(solution)),
         *_ramps(rows),
         *_smoothed(rows),
@@ -131,17 +129,6 @@ def _smoothed(rows: Sequence[Rows]) -> Iterator[str]:
             f"{counted(len(orders), 'oscillating record')} hold nothing but harmonics up to number "
             f"{max(orders)}: they were smoothed before they were handed in. They do not tell their "
             f"own noise; it is that of the records like them, and the scatter between the runs."
-        )
-
-
-def _thrust_inside(solution: Solution, rows: Sequence[Rows]) -> Iterator[str]:
-    """Speeds at which the propeller's thrust is part of Xuu."""
-    groups = thrust_inside(solution, rows)
-    if groups:
-        yield (
-            f"Xuu{_speeds(solution, groups)} is thrust less resistance: the propeller turned, and "
-            f"its thrust was not measured, or went with the speed. Tows without propeller, or at "
-            f"several revolutions, part the two. A model takes an estimate of the resistance."
         )
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pmmkit.campaigns.depths import one_depth
 from pmmkit.campaigns.motion.inertia import rig_of
+from pmmkit.campaigns.reach import within_reach
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.channels import CHANNEL_UNITS
@@ -52,9 +53,6 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int, str], None]
 OddRuns = Literal["tell", "weigh", "refuse"]
-FARTHEST = math.radians(45.0)
-"""Drift from which a steady run is left out of a table of polynomials: the programmes that they
-were made for end at 20 to 30°, harbour tests begin beyond."""
 THIRD = 3
 """Cycle over which papers integrate, the first two being transient."""
 
@@ -257,7 +255,7 @@ def reduce_campaign(
         If runs cannot be read; all problems of all runs at once. If they were made at several
         depths of the water: `reduce_depths` reduces each.
     """
-    campaign = _within_reach(one_depth(campaign))
+    campaign = within_reach(one_depth(campaign))
     free = structure == AUTO
     wanted = all_terms() if free else structure_of(structure)
     convention = Convention(
@@ -391,26 +389,6 @@ def reduce_campaign(
 def _judged(table: DerivativeTable, found: Verdict) -> DerivativeTable:
     """A table that keeps what was found against it."""
     return table.with_(provenance={**table.provenance, KEY: found.to_dict()})
-
-
-def _within_reach(campaign: Campaign) -> Campaign:
-    """The campaign without steady runs at drift angles that no polynomial of it reaches."""
-    far = [
-        run
-        for run in campaign.runs
-        if not run.dynamic and abs(math.remainder(run.settings.drift, 2 * math.pi)) > FARTHEST
-    ]
-    if not far or len(far) == len(campaign.runs):
-        return campaign
-    reason = (
-        f"its drift is above {math.degrees(FARTHEST):.0f}°, where the flow goes across the hull: a "
-        "polynomial about straight ahead does not reach so far (use cross-flow drag)"
-    )
-    names = {run.id for run in far}
-    return campaign.with_(
-        runs=tuple(run for run in campaign.runs if run.id not in names),
-        excluded=(*campaign.excluded, *((run, reason) for run in far)),
-    )
 
 
 def _excited(

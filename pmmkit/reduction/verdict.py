@@ -154,8 +154,9 @@ def _pushed(solution: Solution, inside: Sequence[int]) -> Iterator[str]:
         places = ", ".join(f"{solution.Fn[group]:.3f}" for group in inside)
         at = "" if np.isnan(solution.Fn[inside[0]]) else f" at Fn {places}"
         yield (
-            f"Xuu{at} is thrust less resistance: revolutions went with the speed, or the thrust "
-            f"was not measured. A model takes an estimate of the resistance in its place."
+            f"Xuu{at} is thrust less resistance: the propeller turned, and its thrust was not "
+            f"measured, or went with the speed. Tows without propeller, or at several "
+            f"revolutions, part the two. A model takes an estimate of the resistance."
         )
 
 

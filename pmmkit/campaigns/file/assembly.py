@@ -86,7 +86,7 @@ class Assembled:
     problems: list[Problem] = field(default_factory=list)
     runs: list[Run] = field(default_factory=list)
     ids: dict[str, str] = field(default_factory=dict)
-    left_out: list[str] = field(default_factory=list)
+    left_out: dict[str, str] = field(default_factory=dict)
     tables: dict[Any, Found] = field(default_factory=dict)
     incomplete: bool = False
 

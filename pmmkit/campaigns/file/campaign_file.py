@@ -352,7 +352,7 @@ def _assemble(
         **({} if origin is None else {"url": origin.shown}),
     }
     if out.left_out:
-        provenance["left_out"] = tuple(out.left_out)
+        provenance["left_out"] = dict(out.left_out)
     return Campaign(
         title=top.campaign.title or folder_name(place, origin),
         ship=setup.ship,

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 Table = tuple[Cells, tuple[Picked, ...]]
 FEWEST: Final = 8
 """Samples of a cycle at least: with fewer the third harmonic cannot be told from the first."""
+AT_REST: Final = "at no speed (a zero of the gauges, or a turn on the spot)"
 
 
 def table_of(
@@ -125,6 +126,9 @@ def add_row(
     from_cells = {name: value for name, value in numbers.items() if name in SETTING_UNITS}
     stated = {**entry.settings(), **from_cells}
     given = {**stated, **set_by(corrections)}
+    if given.get("speed") == 0:
+        out.left_out[f"{request.shown} row {line}"] = AT_REST
+        return
     kind, values, dimensional = _contents(numbers, picked, request.options.in_phase_with)
     given = {**(speed_measured(values) if kind == "means" else {}), **given}
     dynamic = kind_of(entry.test).oscillates
@@ -196,7 +200,7 @@ def row_numbers(
         if why is None and number is not None:
             numbers[column.name] = number * column.scale + column.offset
         elif number is not None and number != number and request.options.missing == "drop":
-            out.left_out.append(f"{request.shown} row {line}: no value of {column.name}")
+            out.left_out[f"{request.shown} row {line}"] = f"no value of {column.name}"
             return None
         elif why is not None:
             problems.append(request.problem(why, row=line, column=column.title))

@@ -308,7 +308,7 @@ def _at_one_depth(
         "structure": found.table.provenance["structure"] if structure == AUTO else structure,
         "fn": settings["fn"],
         "runs": len(found.runs),
-        "excluded": {run.id: reason for run, reason in opened.excluded},
+        "excluded": {run.id: reason for run, reason in found.campaign.excluded},
         "findings": [item.to_dict() for item in found.findings],
         "notes": list(found.notes),
         "verdict": {"use": judged.use, "reasons": list(judged.reasons)},

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from pmmkit.campaigns.reach import within_reach
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.asked import eligible, excited
@@ -95,7 +96,7 @@ def diagnose_captive(
     Parameters
     ----------
     campaign : Campaign
-        Captive tests with histories.
+        Captive tests with histories. Steady runs at a drift above 45° are left out.
     structure : str, sequence of str or Structure
         The base: derivatives of one set over all speeds. Rudder and heel runs add their linear
         terms.
@@ -177,6 +178,7 @@ def captive_system(
     DataError
         If the campaign is free-running, or holds no run with a known noise.
     """
+    campaign = within_reach(campaign)
     usable = _usable(views_of(campaign, unknown_noise=True, executor=executor), noise)
     channels = tuple(dict.fromkeys(name for view in usable for name in view.force))
     names = columns_of(structure_of(structure), campaign.runs, channels).required
