@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+from itertools import product
 
+import numpy as np
 import pytest
+import small_campaign
 from commands import rows_of
 from hidden_effects import hidden_campaign
 from pages import answers_in, texts_in
@@ -28,6 +31,25 @@ def folder(tmp_path_factory):
     return place
 
 
+def steady_tests(folder):
+    """Nine towed runs at three drift and three rudder angles, a row each, and nothing that yaws."""
+    rows, scatter = ["drift_deg,rudder_deg,X,Y,N"], np.random.default_rng(9)
+    for drift, rudder in product((-6.0, 0.0, 6.0), (-20.0, 0.0, 20.0)):
+        beta, delta = np.radians([drift, rudder])
+        still = np.zeros(1)
+        f = small_campaign.forces(np.cos([beta]), -np.sin([beta]), *([still] * 4))
+        pressure = 0.5 * small_campaign.RHO * small_campaign.L**2
+        side, turn = -3e-3 * pressure * delta, 1.4e-3 * pressure * small_campaign.L * delta
+        measured = [f["X"][0], f["Y"][0] + side, f["N"][0] + turn] + scatter.normal(size=3) * 0.05
+        rows.append(",".join(map(str, (drift, rudder, *measured))))
+    (folder / "steady.csv").write_text("\n".join([*rows, ""]), encoding="utf-8")
+    table = (
+        '\n[[tables]]\nid = "DR_{row}"\ntest = "drift_rudder"\nfile = "steady.csv"\nspeed = 1.0\n'
+    )
+    (folder / "campaign.toml").write_text(small_campaign.HEAD + table, encoding="utf-8")
+    return folder
+
+
 def run(capsys, *arguments):
     status = main([str(item) for item in arguments])
     output = capsys.readouterr()
@@ -47,6 +69,14 @@ def diagnosed(folder):
     )
     assert status == 0
     return json.loads((folder / "found" / "diagnosis.json").read_text())
+
+
+def test_without_yaw_tests_what_they_would_show_is_named(tmp_path, capsys):
+    asked = ("diagnose", "cubic", steady_tests(tmp_path), "--noise", "0.01", "--out", tmp_path)
+    status, words, _ = run(capsys, *asked)
+    assert status == 0
+    assert "yaw_sway_coupling" in words.partition("These runs could not show")[2]
+    assert (tmp_path / "report.html").exists()
 
 
 @pytest.mark.slow
