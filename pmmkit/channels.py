@@ -82,6 +82,7 @@ SETTING_UNITS: Final[dict[str, str]] = {
     "frequency_hz": "1/s",
     "amplitude_m": "m",
     "yaw_amplitude_deg": "deg",
+    "rudder_amplitude_deg": "deg",
     "path_amplitude_m": "m",
     "strut_amplitude_m": "m",
     "strut_phase_deg": "deg",

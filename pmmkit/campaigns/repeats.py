@@ -33,6 +33,7 @@ RESOLUTION: Final = {
     "rudder": ANGLE,
     "switch": ANGLE,
     "yaw_amplitude": ANGLE,
+    "rudder_amplitude": ANGLE,
     "waves_from": ANGLE,
     "amplitude": LENGTH,
     "depth": LENGTH,

@@ -12,6 +12,7 @@ SETTING_KEYS: Final = {
     "rudder": "rudder_deg",
     "switch": "switch_deg",
     "yaw_amplitude": "yaw_amplitude_deg",
+    "rudder_amplitude": "rudder_amplitude_deg",
     "amplitude": "amplitude_m",
     "phase": "phase_deg",
     "waves_from": "waves_from_deg",
@@ -48,6 +49,8 @@ class Settings:
         Amplitude of the sway (surge) displacement [m].
     yaw_amplitude : float, optional
         Amplitude of the heading [rad].
+    rudder_amplitude : float, optional
+        Amplitude of a rudder that swings about `rudder` [rad].
     phase : float
         Phase of the displacement at t = 0: y = a sin(ωt + phase) [rad].
     yaw_rate, radius : float, optional
@@ -78,6 +81,7 @@ class Settings:
     period: float | None = None
     amplitude: float | None = None
     yaw_amplitude: float | None = None
+    rudder_amplitude: float | None = None
     phase: float = 0.0
     yaw_rate: float | None = None
     radius: float | None = None
@@ -98,6 +102,11 @@ class Settings:
         return self.speed / (self.radius or math.inf)
 
     @property
+    def largest_rudder(self) -> float:
+        """The largest rudder angle that the test makes, to either side [rad]."""
+        return abs(self.rudder) + abs(self.rudder_amplitude or 0.0)
+
+    @property
     def words(self) -> tuple[str, ...]:
         """What is set besides the speed, with units."""
         angles = {"β": self.drift, "δ": self.rudder, "heel": self.heel}
@@ -106,6 +115,8 @@ class Settings:
             found.append(f"a {self.amplitude:.4g} m")
         if self.yaw_amplitude:
             found.append(f"ψ {math.degrees(self.yaw_amplitude):.3g}°")
+        if self.rudder_amplitude:
+            found.append(f"δ0 {math.degrees(self.rudder_amplitude):.3g}°")
         if self.period:
             found.append(f"T {self.period:.4g} s")
         return tuple(found)

@@ -87,6 +87,7 @@ _KNOWN: Final[Mapping[Of, Mapping[str, tuple[str, ...]]]] = {
         "period": ("s", "period"),
         "amplitude": ("m", "amplitude of surge or sway"),
         "yaw_amplitude": ("deg", "amplitude of yaw"),
+        "rudder_amplitude": ("deg", "amplitude of the rudder"),
         "phase": ("deg", "phase of the motion", "zero"),
         "yaw_rate": ("rad/s", "yaw rate"),
         "radius": ("m", "radius"),

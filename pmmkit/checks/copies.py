@@ -27,6 +27,7 @@ _SETTINGS: Final = (
     ("period", "period", "s", 1.0),
     ("amplitude", "amplitude", "m", 1.0),
     ("yaw_amplitude", "yaw amplitude", "°", 180 / math.pi),
+    ("rudder_amplitude", "rudder amplitude", "°", 180 / math.pi),
     ("phase", "phase", "°", 180 / math.pi),
     ("yaw_rate", "yaw rate", "rad/s", 1.0),
     ("radius", "radius", "m", 1.0),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.campaigns.test_kinds.oscillating import HARMONIC_RUDDER
 from pmmkit.checks.finding import Check, CheckFinding, figure, share_of
 from pmmkit.numerics import Array
 
@@ -24,6 +25,11 @@ COHERENT: Final = 0.1
 """What is left beside a factor, over the column, where it is one factor in all runs."""
 FEWEST: Final = 3
 """Settings that differ, without which no factor is told."""
+SWUNG: Final = math.radians(3.0)
+"""Swing of a rudder that no steering gear makes while it holds an angle [rad]."""
+_TURNS: Final = 3
+"""Times that a rudder goes from one side to the other, above which it swings: one that is put over
+and back goes twice."""
 _SLIPS: Final = {
     -1.0: "counted the other way",
     57.2958: "in degrees, and taken for radians",
@@ -56,6 +62,16 @@ _PAIRS: Final = (
         share=0.05,
         remedy="A rudder that moves lags behind its order: set rudder_deg from the measured "
         "column. Else look at its zero and its unit.",
+    ),
+    _Pair(
+        setting="rudder_amplitude",
+        column="delta swing",
+        unit="°",
+        factor=180 / math.pi,
+        allowed=math.radians(1.5),
+        share=0.05,
+        remedy="The reduction takes the measured rudder. Set rudder_amplitude_deg from it, or look "
+        "at its unit.",
     ),
     _Pair(
         setting="drift",
@@ -103,7 +119,8 @@ def set_facts(run: Run, data: xr.Dataset) -> dict[str, float]:
     Returns
     -------
     dict
-        ``set_`` and the column: a heading only where it is held, a speed only of a row.
+        ``set_`` and the column: a heading only where it is held, a speed only of a row, and the
+        amplitude of a rudder that goes to and fro, or should.
     """
     row = run.kind == "means"
     kind = run.kind_of_test
@@ -115,14 +132,29 @@ def set_facts(run: Run, data: xr.Dataset) -> dict[str, float]:
             values = np.atleast_1d(data[name].values)
             if row or float(np.std(values)) <= 0.02 * abs(float(np.mean(values))):
                 found[f"set_{name}"] = float(np.mean(values))
+    if not row and "delta" in data and np.all(np.isfinite(data["delta"].values)):
+        size, turns = _swing(np.atleast_1d(data["delta"].values))
+        found |= {"set_delta swing": size} if turns >= _TURNS or kind.swings_rudder else {}
     if row and {"u", "v"} <= set(data):
         speed = math.hypot(float(data["u"]), float(data["v"]))
         found |= {"set_hull speed": speed} if math.isfinite(speed) else {}
     return found
 
 
+def _swing(values: Array) -> tuple[float, int]:
+    """Amplitude of a rudder as of a sine, and how often it goes from one side to the other."""
+    low, high = np.quantile(values, (0.05, 0.95))
+    side = np.sign(values - (low + high) / 2) * (np.abs(2 * values - low - high) > (high - low) / 2)
+    turns = int(np.count_nonzero(np.diff(side[side != 0])))
+    return float(high - low) / 2 / math.sin(0.45 * math.pi), turns
+
+
 def examine_set(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
-    """Settings that their own columns contradict: by one factor in all runs, or in some runs."""
+    """Settings that their own columns contradict: by one factor in all runs, or in some runs.
+
+    A rudder that swings in a steady test is an error: its forces would count as those of one angle.
+    """
+    yield from _swung(summaries)
     for pair in _PAIRS:
         items = [
             item
@@ -138,6 +170,27 @@ def examine_set(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[C
                 yield from _apart(pair, items, stated, seen)
             else:
                 yield _slip(pair, items, factor)
+
+
+def _swung(summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """Steady tests in which the rudder swings."""
+    sizes = {
+        item.run.id: item.facts.get("set_delta swing", 0.0)
+        for item in summaries
+        if item.run.kind_of_test.steady
+    }
+    off = {name: size for name, size in sizes.items() if size > SWUNG}
+    if off:
+        worst = max(off, key=lambda name: off[name])
+        yield CheckFinding(
+            check="set and measured",
+            severity="error",
+            message=f"The rudder swings in {len(off)} steady runs: in {worst} by "
+            f"{figure(math.degrees(off[worst]))}° to either side.",
+            runs=tuple(off),
+            remedy=f'State test = "{HARMONIC_RUDDER.name}" with period and rudder_amplitude_deg.',
+            numbers={"swing": off[worst]},
+        )
 
 
 def _factor(stated: Array, seen: Array) -> float | None:

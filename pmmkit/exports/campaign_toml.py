@@ -25,6 +25,7 @@ _DEGREES: Final = {
 """Settings that are zero where nothing is stated."""
 _OPTIONAL: Final = {
     "yaw_amplitude": ("yaw_amplitude_deg", True),
+    "rudder_amplitude": ("rudder_amplitude_deg", True),
     "switch": ("switch_deg", True),
     "amplitude": ("amplitude_m", False),
     "period": ("period", False),

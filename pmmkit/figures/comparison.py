@@ -167,6 +167,8 @@ def _velocity(run: CaptiveRun) -> tuple[Array, str]:
         return motion.v, "sway velocity v [m/s]"
     if kind.surges:
         return motion.u, "surge velocity u [m/s]"
+    if not kind.swings_hull:
+        return np.degrees(motion.delta), "rudder angle δ [deg]"
     return np.degrees(motion.r), "yaw rate r [deg/s]"
 
 

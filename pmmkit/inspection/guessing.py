@@ -457,6 +457,7 @@ _TABLE_NAMES: Final = tuple(
         "frequency_hz": "freq|frequency|f",
         "period": "period",
         "yaw_amplitude_deg": "(?:yaw|heading|psi)(?: angle)? ampl?(?:itude)?|psi ?[a0]|ψ ?[a0]",
+        "rudder_amplitude_deg": "(?:rudder|delta|δ)(?: angle)? ampl?(?:itude)?",
         "amplitude_m": "(?:sway |motion |y )?ampl?(?:itude)?|y ?[a0]",
         "vdot_amplitude": "vdot|v dot",
         "rdot_amplitude": "rdot|r dot",

@@ -72,7 +72,7 @@ def columns_of(structure: Structure, runs: Iterable[Run], channels: Iterable[str
     optional: dict[str, list[str]] = {
         channel: ["XT"] if channel == "X" else [f"{channel}0"] for channel in required
     }
-    ruddered = [run for run in tests if run.settings.rudder]
+    ruddered = [run for run in tests if run.settings.largest_rudder]
     heeled = [run for run in tests if run.settings.heel]
     if ruddered:
         _add(required, {"X": "dd", "Y": "d", "N": "d"})

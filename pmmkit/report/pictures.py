@@ -287,12 +287,13 @@ def cycles_at_speeds(reduction: Reduction) -> dict[str, list[CycleForces]]:
 
 
 def _motion_of(result: RunResult, table: DerivativeTable) -> tuple[float, ...]:
-    """Amplitudes over the length and speed, drift and reduced frequency, as near as counts."""
+    """Amplitudes over length and speed, drift and reduced frequency, as near as counts."""
     settings, pace = result.run.settings, _pace(result, table)
     omega = (result.frequency or 0.0) / pace
     sway = (settings.amplitude or 0.0) / table.ship.L * omega
     yaw = (settings.yaw_amplitude or 0.0) * omega
-    return round(sway, 2), round(yaw, 2), round(settings.drift, 2), round(omega, 1)
+    rudder = settings.rudder_amplitude or 0.0
+    return *(round(x, 2) for x in (sway, yaw, rudder, settings.drift)), round(omega, 1)
 
 
 def _pace(result: RunResult, table: DerivativeTable) -> float:
@@ -320,7 +321,9 @@ def _typical(results: list[RunResult]) -> RunResult:
     return max(
         (item for item in results if item.froude == middle),
         key=lambda item: (
-            item.run.settings.yaw_amplitude or item.run.settings.amplitude or 0.0,
+            item.run.settings.yaw_amplitude
+            or item.run.settings.amplitude
+            or item.run.settings.largest_rudder,
             abs(item.run.settings.drift),
         ),
     )

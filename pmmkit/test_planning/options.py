@@ -76,6 +76,8 @@ class Option:
             parts.append(f"a{s.amplitude:.3g}")
         if s.yaw_amplitude is not None:
             parts.append(f"y{math.degrees(s.yaw_amplitude):.3g}")
+        if s.rudder_amplitude is not None:
+            parts.append(f"da{math.degrees(s.rudder_amplitude):.3g}")
         if s.repeat_of is not None:
             parts.append("again")
         return "_".join(parts)
@@ -91,6 +93,8 @@ class Option:
             parts.append(f"amplitude {s.amplitude:.3g} m")
         if s.yaw_amplitude is not None:
             parts.append(f"heading amplitude {math.degrees(s.yaw_amplitude):.3g}°")
+        if s.rudder_amplitude is not None:
+            parts.append(f"rudder amplitude {math.degrees(s.rudder_amplitude):.3g}°")
         for name, angle in (("drift", s.drift), ("rudder", s.rudder), ("heel", s.heel)):
             if angle:
                 parts.append(f"{name} {math.degrees(angle):+.3g}°")
@@ -109,6 +113,7 @@ class Option:
             ("heel_deg", s.heel),
             ("rudder_deg", s.rudder),
             ("yaw_amplitude_deg", s.yaw_amplitude),
+            ("rudder_amplitude_deg", s.rudder_amplitude),
             ("switch_deg", s.switch),
         ):
             if angle:
@@ -264,7 +269,7 @@ def limits_of(campaign: Campaign) -> Limits:
     revolutions = {s.propeller_rps for s in every}
     return found.with_(
         **{name: value for name, value in largest.items() if value > 0},
-        rudder=max((abs(s.rudder) for s in every), default=0.0),
+        rudder=max((s.largest_rudder for s in every), default=0.0),
         heel=max((abs(s.heel) for s in every), default=0.0),
         tests=(*USUAL, *(name for name in offered()[len(USUAL) :] if name in tests)),
         propeller_rps=revolutions.pop() if len(revolutions) == 1 else None,

@@ -36,7 +36,13 @@ LIMITS: Final = {
 }
 """Keys of ``[limits]``: the limit and its unit."""
 _LISTS: Final = ("speeds", "frequencies", "tests")
-_ANGLES: Final = ("drift_deg", "heel_deg", "rudder_deg", "yaw_amplitude_deg")
+_ANGLES: Final = (
+    "drift_deg",
+    "heel_deg",
+    "rudder_deg",
+    "yaw_amplitude_deg",
+    "rudder_amplitude_deg",
+)
 _PLAIN: Final = {
     "speed": "speed",
     "period": "period",

@@ -22,6 +22,7 @@ SIZES: Final = {
     "period": 8.0,
     "amplitude": 0.3,
     "yaw_amplitude": 0.2,
+    "rudder_amplitude": 0.2,
     "yaw_rate": 0.1,
 }
 """Settings that the contract tries, SI and radians."""
@@ -125,7 +126,9 @@ def _settings(kind: TestKind) -> Iterator[str]:
         yield "it is not of the oscillating family and has swings"
     if kind.oscillates and not swung <= set(kind.needs):
         yield f"it needs {', '.join(sorted(swung - set(kind.needs)))}, and does not say so"
-    if not kind.oscillates and {"period", "amplitude", "yaw_amplitude"} & set(kind.needs):
+    if not kind.oscillates and {"period", "amplitude", "yaw_amplitude", "rudder_amplitude"} & set(
+        kind.needs
+    ):
         yield "it needs the settings of an oscillation and is none"
     planned = {*_ANGLES, "amplitude", "yaw_amplitude"} & set(kind.needs)
     for name, shares in (kind.shares or {}).items():

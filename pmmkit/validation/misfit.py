@@ -457,7 +457,7 @@ def conditions(run: CaptiveRun, length: float) -> dict[str, float]:
         "drift": drifting,
         "sway velocity": 0.0 if drifting else float(np.max(np.abs(motion.v / motion.speed))),
         "yaw rate": float(np.max(np.abs(motion.r))) * length / view.speed,
-        "rudder": abs(settings.rudder),
+        "rudder": settings.largest_rudder,
         "heel": float(np.max(np.abs(motion.phi))),
         "speed": run.Fn,
         "frequency": view.omega * length / view.speed,

@@ -139,7 +139,7 @@ def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) 
     """
     made, notes = at_the_scale_of(model, campaign.ship)
     turning = any(run.settings.propeller_rps for run in campaign)
-    ruddered = bool(campaign.rudder) or any(run.settings.rudder for run in campaign)
+    ruddered = bool(campaign.rudder) or any(run.settings.largest_rudder for run in campaign)
     left: list[str] = []
     for name, part in made.parts.items():
         driving, steering = drives(part.known), steers(part.known)

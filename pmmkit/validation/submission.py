@@ -148,7 +148,11 @@ class _Side:
             "yaw rate": turned * ship.L / given.speed,
         }
         angles = {name: getattr(given, name) for name in ("drift", "rudder", "heel")}
-        return sizes, {**angles, "yaw": given.yaw_amplitude or 0.0}
+        return sizes, {
+            **angles,
+            "yaw": given.yaw_amplitude or 0.0,
+            "rudder swing": given.rudder_amplitude or 0.0,
+        }
 
     def doubts(self, view: View) -> Mapping[str, Share]:
         """Standard uncertainties of a run's harmonics, from what is known without a model."""

@@ -24,7 +24,7 @@ from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.effects.state import State
 from pmmkit.errors import CampaignError
 
-UC, PERIOD, SWAY, YAW, DRIFT, PHASE = 1.5, 12.0, 0.35, 0.3, 0.12, 0.7
+UC, PERIOD, SWAY, YAW, RUDDER, DRIFT, PHASE = 1.5, 12.0, 0.35, 0.3, 0.5, 0.12, 0.7
 OMEGA = 2 * math.pi / PERIOD
 OSCILLATING = [kind.name for kind in captive_kinds() if kind.oscillates]
 
@@ -35,6 +35,7 @@ def run_of(test: str, **changes: object) -> Run:
         "period": PERIOD,
         "amplitude": SWAY,
         "yaw_amplitude": YAW,
+        "rudder_amplitude": RUDDER,
         "phase": PHASE,
     } | changes
     return Run(

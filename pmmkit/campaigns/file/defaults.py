@@ -159,6 +159,8 @@ def _uses(kind: TestKind, name: str) -> bool:
         return kind.sways or kind.surges
     if name in ("yaw_amplitude_deg", "r_amplitude", "rdot_amplitude"):
         return kind.yaws
+    if name == "rudder_amplitude_deg":
+        return kind.swings_rudder
     if name in ("strut_amplitude_m", "strut_phase_deg"):
         return kind.yaws or (kind.sways and name == "strut_amplitude_m")
     if name == "path_amplitude_m":

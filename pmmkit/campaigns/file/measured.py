@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.campaigns.settings import setting_key
-from pmmkit.campaigns.test_kinds.kind import Swing
+from pmmkit.campaigns.test_kinds.kind import RUDDER, YAW, Swing
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.numerics import Array
 
@@ -81,6 +81,6 @@ def _rms(values: Mapping[str, Array], name: str) -> float:
 
 
 def _amplitude(swing: Swing, size: float) -> float:
-    """Amplitude of a sine of that root mean square; of a heading in degrees."""
+    """Amplitude of a sine of that root mean square; of a heading or a rudder in degrees."""
     value = math.sqrt(2.0) * size
-    return math.degrees(value) if swing.amplitude == "yaw_amplitude" else value
+    return math.degrees(value) if swing in (YAW, RUDDER) else value

@@ -80,6 +80,9 @@ class SettingsEntry(Entry):
     frequency_hz: Positive | None = said("its inverse [Hz]", None)
     amplitude_m: Positive | None = said("of surge or sway [m]", None)
     yaw_amplitude_deg: Annotated[float, Field(gt=0, lt=90)] | None = said("of the heading", None)
+    rudder_amplitude_deg: Annotated[float, Field(gt=0, lt=90)] | None = said(
+        "of a rudder that swings, about `rudder_deg`", None
+    )
     path_amplitude_m: Positive | None = said(
         "of the path of a pure yaw test instead [m]: the heading is atan(aω/U)", None
     )

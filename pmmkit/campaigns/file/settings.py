@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from pmmkit.campaigns.samples.conversions import Frame
 from pmmkit.campaigns.settings import Settings, setting_key
+from pmmkit.campaigns.test_kinds.kind import RUDDER
 from pmmkit.campaigns.test_kinds.registry import kind_of
 
 _MEASURED_BY: Final = {"drift": "v", "heel": "phi", "rudder": "delta"}
@@ -21,6 +22,7 @@ _AMPLITUDES: Final = {
         "r_amplitude",
         "rdot_amplitude",
     },
+    "rudder_amplitude": {"rudder_amplitude_deg"},
 }
 """Keys, any of which gives the amplitude of an oscillation."""
 
@@ -34,6 +36,7 @@ _WORDS: Final[dict[str, str]] = {
     "amplitude_m": "the amplitude, amplitude_m",
     "yaw_amplitude_deg": "the amplitude of the heading, yaw_amplitude_deg (or of the path, "
     "path_amplitude_m)",
+    "rudder_amplitude_deg": "the amplitude of the rudder, rudder_amplitude_deg",
 }
 
 
@@ -75,7 +78,9 @@ def missing_settings(
     missing += [
         setting_key(swing.amplitude)
         for swing in swings
-        if not kind.places <= set(measured) and not _AMPLITUDES[swing.amplitude] & set(given)
+        # That of a rudder decides which derivatives are asked for, before a record is read.
+        if (swing is RUDDER or not kind.places <= set(measured))
+        and not _AMPLITUDES[swing.amplitude] & set(given)
     ]
     words = [_WORDS[name] for name in missing]
     if kind.sways and kind.yaws and "strut_amplitude_m" in given and "strut_phase_deg" not in given:
@@ -176,6 +181,7 @@ def settings_of(
             period=period,
             amplitude=amplitude,
             yaw_amplitude=yaw,
+            rudder_amplitude=_radians(given, "rudder_amplitude_deg"),
             phase=phase,
             **turning,
             depth=given.get("depth"),

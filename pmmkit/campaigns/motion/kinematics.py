@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from pmmkit.campaigns.motion.nominal import (
     as_times,
+    beside_motion,
     check_settings,
-    fixed_settings,
     motion_at_phase,
     nominal_motion,
     nominal_phase,
@@ -73,7 +73,8 @@ def measured_motion(
     not measured follow from the velocity: in an oscillating test through its least-squares Fourier
     series (harmonics 0 to 5 at the frequency of the run, on the actual times), in a static test
     they are zero. In a static test only the mean heading and the mean speeds are taken from
-    positions, of a circle only the yaw rate.
+    positions, of a circle only the yaw rate; where the rudder alone swings the hull counts as in a
+    static test.
 
     Parameters
     ----------
@@ -117,7 +118,7 @@ def measured_motion(
     instants = as_times(run, times)
     refuse_free_running(run)
     channels = _channels(run, data, instants, within=within)
-    known = fixed_settings(run.settings) | {
+    known = beside_motion(run, nominal_phase(run, instants)) | {
         target: channels[name] for name, target in _HELD.items() if name in channels
     }
     known |= {name: channels[name] for name in ("u", "v", "r", "p", *_RATES) if name in channels}
@@ -141,10 +142,11 @@ def displacement_phase(
     """Phase θ of the displacement of an oscillating test: the motion is ∝ sin θ.
 
     The displacement is the heading in yaw tests, the sway displacement in sway tests, the surge
-    displacement in surge tests. The phase is that of the fundamental of the measured displacement
-    (``psi``; ``y``; ``x``), else of the velocity (``r``; ``v``; ``u``, which go with cos θ), else
-    the nominal ωt + phase. It is measured where the fundamental stands five standard errors clear
-    of zero. Tables of harmonics have the nominal phase.
+    displacement in surge tests, the angle of a rudder that swings. The phase is that of the
+    fundamental of the measured displacement (``psi``; ``y``; ``x``; ``delta``), else of the
+    velocity (``r``; ``v``; ``u``, which go with cos θ), else the nominal ωt + phase. It is measured
+    where the fundamental stands five standard errors clear of zero. Tables of harmonics have the
+    nominal phase.
 
     Parameters
     ----------
@@ -254,11 +256,12 @@ def _channels(
     """The measured motions, each (n,)."""
     found: dict[str, Array] = {}
     problems = []
+    swung = {swing.displacement for swing in run.kind_of_test.swings}
     for name in names:
         if name in data:
             values = np.asarray(data.variables[name].values, float)
             values = values[within] if values.ndim else values
-            if values.ndim == 0 and run.dynamic and name in _OSCILLATING:
+            if values.ndim == 0 and run.dynamic and name in (*_OSCILLATING, *swung):
                 continue
             if values.ndim and values.shape != times.shape:
                 problems.append(
@@ -304,7 +307,7 @@ def _rest(
 ) -> State:
     """The motion where no velocity is measured: from positions, else nominal."""
     measured = {"x", "y", "psi"} & set(channels)
-    if not run.dynamic:
+    if not run.kind_of_test.swings_hull:
         return _rest_static(run, channels, times)
     check_settings(run, ("period",))
     theta = _displacement(run, channels, times, HARMONICS).phase
@@ -390,7 +393,7 @@ def _slope(times: Array, values: Array) -> float:
 
 
 def _rate(run: Run, times: Array, values: Array, name: str, basis: FourierBasis | None) -> Array:
-    """Time derivative of a measured motion; zero in a static test and of a constant."""
-    if not run.dynamic or np.nanmin(values) == np.nanmax(values):
+    """Time derivative of a measured motion; zero of a hull that is held and of a constant."""
+    if not run.kind_of_test.swings_hull or np.nanmin(values) == np.nanmax(values):
         return np.zeros_like(times)
     return fit_series(run, times, values, name, basis).derivative(1)

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmmkit.campaigns.run import Run
-from pmmkit.campaigns.settings import Settings
 from pmmkit.effects.state import State
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array
@@ -30,7 +29,8 @@ def nominal_motion(run: Run, times: ArrayLike) -> State:
     -------
     State
         ``udot``, ``vdot`` are the time derivatives of the ship-axes components u and v. Heel,
-        rudder and revolutions are the settings; unknown revolutions and thrust are zero.
+        rudder (a swung one at the phase of its swing) and revolutions are the settings; unknown
+        revolutions and thrust are zero.
 
     Raises
     ------
@@ -68,12 +68,15 @@ def motion_at_phase(run: Run, theta: ArrayLike) -> State:
     require_settings(run)
     phase = as_times(run, theta)
     motion = run.kind_of_test.nominal(run.settings, phase)
-    return State.of(len(phase), **{**fixed_settings(run.settings), **motion})
+    return State.of(len(phase), **{**beside_motion(run, phase), **motion})
 
 
-def fixed_settings(settings: Settings) -> dict[str, float | Array]:
-    """Heel, rudder and revolutions that the test holds, by their names in `State`."""
-    return {"phi": settings.heel, "delta": settings.rudder, "rps": settings.propeller_rps or 0.0}
+def beside_motion(run: Run, theta: Array) -> dict[str, float | Array]:
+    """Heel, rudder and revolutions of the test at phases θ, by their names in `State`."""
+    settings, delta = run.settings, np.full_like(theta, run.settings.rudder)
+    if run.kind_of_test.swings_rudder:
+        delta += (settings.rudder_amplitude or 0.0) * np.sin(theta)
+    return {"phi": settings.heel, "delta": delta, "rps": settings.propeller_rps or 0.0}
 
 
 def as_times(run: Run, times: ArrayLike) -> Array:

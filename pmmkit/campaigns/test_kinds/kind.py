@@ -46,7 +46,8 @@ class Swing:
     Parameters
     ----------
     displacement, velocity : str
-        Channels of the displacement (``x``, ``y``, ``psi``) and of its rate (``u``, ``v``, ``r``).
+        Channels of the displacement (``x``, ``y``, ``psi``; ``delta`` of the rudder) and of its
+        rate (``u``, ``v``, ``r``; empty for the rudder, whose rate is no channel).
     amplitude : str
         The setting that is the amplitude of the displacement.
     """
@@ -59,6 +60,7 @@ class Swing:
 SURGE: Final = Swing(displacement="x", velocity="u", amplitude="amplitude")
 SWAY: Final = Swing(displacement="y", velocity="v", amplitude="amplitude")
 YAW: Final = Swing(displacement="psi", velocity="r", amplitude="yaw_amplitude")
+RUDDER: Final = Swing(displacement="delta", velocity="", amplitude="rudder_amplitude")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +127,7 @@ class TestKind:
     name, title : str
         Name in files, and name for people.
     family : {"steady", "oscillating", "free-running"}
-        Captive with the motion held, captive with the model swung, or free running.
+        Captive with the motion held, captive with the model or its rudder swung, or free running.
     needs, takes : tuple of str
         Settings (names of `Settings`) without which such a test is not described; those that it
         may well have besides. Speed, revolutions and phase go without saying, and ``yaw_rate``
@@ -202,7 +204,7 @@ class TestKind:
 
     @property
     def oscillates(self) -> bool:
-        """Whether the model is swung."""
+        """Whether the model, or its rudder, is swung."""
         return self.family == "oscillating"
 
     @property
@@ -219,6 +221,16 @@ class TestKind:
     def yaws(self) -> bool:
         """Whether the heading oscillates."""
         return YAW in self.swings
+
+    @property
+    def swings_rudder(self) -> bool:
+        """Whether the rudder oscillates."""
+        return RUDDER in self.swings
+
+    @property
+    def swings_hull(self) -> bool:
+        """Whether the hull oscillates, and not the rudder alone."""
+        return self.oscillates and self.swings != (RUDDER,)
 
     @property
     def drifts(self) -> bool:
@@ -299,6 +311,7 @@ class TestKind:
         return tuple(
             PhaseChannel(channel=name, with_cosine=rate, amplitude=self.leading.amplitude)
             for name, rate in ((self.leading.displacement, False), (self.leading.velocity, True))
+            if name
         )
 
     @property

@@ -1,4 +1,4 @@
-"""Captive tests in which the model is swung. With θ = ωt + phase:
+"""Captive tests in which the model or its rudder is swung. With θ = ωt + phase:
 
 ===========  ===============================================  =================================
 test         path and heading                                 so that
@@ -10,6 +10,8 @@ yaw_drift    the path of pure yaw, heading ψ + β              u, v = Uc/cos ψ
 yaw_rudder   pure yaw with the rudder held                    as pure yaw
 sway_yaw     y = a sin θ, ψ = -ψ0 cos θ (heading ψ + β)       r = ψ0 ω sin θ
 ===========  ===============================================  =================================
+
+In ``harmonic_rudder`` the hull is towed as in static drift and δ = δm + δ0 sin θ.
 
 In ``sway_yaw`` the heading lags the sway displacement by a quarter period, so yaw rate and sway
 velocity are in quadrature: r ∝ sin θ, and v = -Uc sin ψ + aω cos ψ cos θ, which is ∝ cos θ to
@@ -26,6 +28,7 @@ import numpy as np
 
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.kind import (
+    RUDDER,
     SURGE,
     SWAY,
     YAW,
@@ -36,6 +39,7 @@ from pmmkit.campaigns.test_kinds.kind import (
     TankMotion,
     TestKind,
 )
+from pmmkit.campaigns.test_kinds.steady import DRIFT_RUDDER, STATIC_DRIFT, STATIC_RUDDER, STRAIGHT
 from pmmkit.numerics import Array
 
 YAW_LEAD: Final = -math.pi / 2
@@ -245,4 +249,20 @@ SWAY_YAW: Final = TestKind(
     phrase=r"\bsway\b.*\byaw\b",
     shares={"yaw_amplitude": (0.7,)},
 )
-KINDS: Final = (PURE_SURGE, PURE_SWAY, PURE_YAW, YAW_DRIFT, YAW_RUDDER, SWAY_YAW)
+HARMONIC_RUDDER: Final = TestKind(
+    name="harmonic_rudder",
+    title="harmonic rudder",
+    family="oscillating",
+    needs=("period", "rudder_amplitude"),
+    takes=("drift", "rudder"),
+    varies=("v", "delta"),
+    swings=(RUDDER,),
+    motion=STRAIGHT,
+    fit=Fit(
+        factors=("u", "v", "d", "T"),
+        beside=(STATIC_DRIFT.name, STATIC_RUDDER.name, DRIFT_RUDDER.name),
+    ),
+    codes=("HR",),
+    phrase=r"\b(?:harmonic|dynamic|oscillating|swinging) ?rudder\b",
+)
+KINDS: Final = (PURE_SURGE, PURE_SWAY, PURE_YAW, YAW_DRIFT, YAW_RUDDER, SWAY_YAW, HARMONIC_RUDDER)

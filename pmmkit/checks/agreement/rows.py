@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.campaigns.motion.inertia import inertia_force, rig_of
 from pmmkit.campaigns.motion.kinematics import motion_at_phase, move_motion
-from pmmkit.campaigns.motion.nominal import fixed_settings
+from pmmkit.campaigns.motion.nominal import beside_motion
 from pmmkit.checks.agreement.usual import SPREAD, Usual, usual_derivatives
 from pmmkit.checks.expected import prime_unit
 from pmmkit.conventions import Convention
@@ -226,7 +226,7 @@ def _group(campaign: Campaign, items: Sequence[Summary]) -> Group | None:
     settings = [item.run.settings for item in summaries]
     propelled = any(item.propeller_rps for item in settings)
     terms = [name for name in SPREAD if name not in ("X0",)]
-    if not any(item.rudder for item in settings):
+    if not any(item.largest_rudder for item in settings):
         terms = [name for name in terms if "d" not in name.replace("dot", "")]
     prior = usual_derivatives(campaign, tuple(terms), propelled=propelled)
     inside = 1.0 if summaries[0].run.forces == "balance" else 0.0
@@ -296,7 +296,7 @@ def _motion(campaign: Campaign, item: Summary) -> State | None:
     except (DataError, NotImplementedError):
         if not found:
             return None
-        state = State.of(PHASES, **fixed_settings(run.settings), **found)
+        state = State.of(PHASES, **beside_motion(run, theta), **found)
     if found and f"nominal_{next(iter(found))}" in item.cos:
         nominal = {name: basis @ _interleaved(item, f"nominal_{name}") for name in found}
         state = state.with_(

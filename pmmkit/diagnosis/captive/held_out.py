@@ -315,6 +315,7 @@ def settings_in_words(run: Run) -> str:
         ("heel", np.degrees(s.heel), "°"),
         ("rudder", np.degrees(s.rudder), "°"),
         ("yaw", np.degrees(s.yaw_amplitude or 0.0), "°"),
+        ("rudder swing", np.degrees(s.rudder_amplitude or 0.0), "°"),
         ("sway", s.amplitude or 0.0, " m"),
         ("period", s.period or 0.0, " s"),
         ("yaw rate", np.degrees(s.yaw_rate or 0.0), "°/s"),

@@ -16,6 +16,8 @@ import numpy as np
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.settings import setting_key
+from pmmkit.campaigns.test_kinds.kind import RUDDER
+from pmmkit.campaigns.test_kinds.oscillating import HARMONIC_RUDDER
 from pmmkit.campaigns.test_kinds.registry import kind_of, kind_with
 from pmmkit.campaigns.test_kinds.steady import RESISTANCE, STATIC_DRIFT
 from pmmkit.channels import CHANNEL_UNITS, channel_of, factor_to, unit_in_name
@@ -26,7 +28,7 @@ from pmmkit.inspection.drafts.choosing import Choice, with_choices
 from pmmkit.inspection.drafts.conventions import Proposal
 from pmmkit.inspection.drafts.drift import drift_column, with_drift
 from pmmkit.inspection.drafts.matrix import MatrixDraft, matrix_of
-from pmmkit.inspection.drafts.motion import Moved, motion_facts
+from pmmkit.inspection.drafts.motion import Moved, motion_facts, sharper
 from pmmkit.inspection.drafts.names import facts_of
 from pmmkit.inspection.drafts.particulars import Found, particulars_of
 from pmmkit.inspection.drafts.settle import Setting, settled
@@ -350,7 +352,7 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
             moved, test=moved.test or told.test, settings={**moved.settings, **told.settings}
         )
         test = named.test if named.test is not None else moved.test
-        test = _sharper(test, moved)
+        test = sharper(test, moved)
         motion = _motion_beside(item, base)
         settings = settled(test, named, moved, length=length)
         drafts.append(
@@ -405,15 +407,6 @@ def _motion_beside(item: FileLook, base: str) -> str | None:
     """The rigid body motion that a case of OpenFOAM recorded beside its forces."""
     found = item.path / _BODY_MOTION
     return f"{base}{item.shown}/{_BODY_MOTION}" if found.is_dir() else None
-
-
-def _sharper(test: str | None, moved: Moved) -> str | None:
-    """Yaw whose record shows drift or rudder, though its name does not say so."""
-    if test is None or moved.test is None:
-        return test
-    named, seen = kind_of(test), kind_of(moved.test)
-    sharper = named.pure and seen.swings == named.swings and seen.held
-    return moved.test if sharper else test
 
 
 def _channels(
@@ -516,6 +509,8 @@ _IN_A_CYCLE: Final = ("speed", "period", "amplitude_m", "yaw_amplitude_deg")
 
 
 def _test_of_table(known: set[str]) -> str | None:
+    if setting_key(RUDDER.amplitude) in known:
+        return HARMONIC_RUDDER.name
     held = [name for name in ("drift", "rudder") if setting_key(name) in known]
     kind = kind_with(held=held) if len(held) == 2 or (held and "period" not in known) else None
     return kind.name if kind else None

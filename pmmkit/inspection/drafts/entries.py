@@ -248,6 +248,7 @@ def saved_run_lines(file: str, run: Run) -> list[str]:
         "heel_deg": found.heel,
         "rudder_deg": found.rudder,
         "yaw_amplitude_deg": found.yaw_amplitude,
+        "rudder_amplitude_deg": found.rudder_amplitude,
         "phase_deg": found.phase,
         "switch_deg": found.switch,
     }

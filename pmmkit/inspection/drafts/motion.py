@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -12,7 +12,8 @@ import numpy as np
 
 from pmmkit.campaigns.settings import setting_key
 from pmmkit.campaigns.test_kinds.free_running import PULL_OUT, TURNING, ZIGZAG
-from pmmkit.campaigns.test_kinds.kind import YAW, TestKind
+from pmmkit.campaigns.test_kinds.kind import RUDDER, YAW, TestKind
+from pmmkit.campaigns.test_kinds.oscillating import HARMONIC_RUDDER
 from pmmkit.campaigns.test_kinds.registry import held_too, kind_of, kind_with
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
@@ -24,7 +25,7 @@ _SETTLING: Final = 0.15
 """Part of a record at its beginning that is left out."""
 _COHERENT: Final = 0.5
 """Share of a channel's variance that one frequency must explain for it to oscillate."""
-_SMALL: Final = {"v": 0.01, "r": 0.004, "psi": 0.004, "y": 0.005, "u": 0.01}
+_SMALL: Final = {"v": 0.01, "r": 0.004, "psi": 0.004, "y": 0.005, "u": 0.01, "delta": 0.05}
 """Amplitudes below which a motion is held to be none [m/s, rad/s, rad, m]."""
 
 
@@ -77,11 +78,36 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> M
         return _free(t, channels, kind)
     kept, why = _at_speed(t, channels)
     time, seen = t[kept], {name: numbers[kept] for name, numbers in channels.items()}
-    swings = _oscillations(time, seen)
+    swings = _oscillations(time, seen, ("v", "r", "psi", "y", "u"))
+    if not swings and (kind is None or kind.steady or kind is HARMONIC_RUDDER):
+        swings = _oscillations(time, seen, ("delta",))
     found = _frequency(time, seen, swings, kind)
     if found is None:
         return _steady(seen, kind, why)
     return _oscillating(time, seen, swings, found, kind)
+
+
+def sharper(test: str | None, moved: Moved) -> str | None:
+    """The kind of a test by its name, or by its record where that says more.
+
+    Yaw may show drift or rudder, and the rudder of a steady test may swing.
+
+    Parameters
+    ----------
+    test : str or None
+        Kind by the name.
+    moved : Moved
+        What the record says.
+    """
+    if test is None or moved.test is None:
+        return test
+    named, seen = kind_of(test), kind_of(moved.test)
+    more = (
+        named.steady
+        if seen is HARMONIC_RUDDER
+        else named.pure and seen.swings == named.swings and seen.held
+    )
+    return moved.test if more else test
 
 
 def _at_speed(t: Array, channels: Mapping[str, Array]) -> tuple[slice, str]:
@@ -95,10 +121,10 @@ def _at_speed(t: Array, channels: Mapping[str, Array]) -> tuple[slice, str]:
     return slice(int(np.searchsorted(t, t[0] + _SETTLING * (t[-1] - t[0]))), len(t)), ""
 
 
-def _oscillations(time: Array, seen: Mapping[str, Array]) -> dict[str, float]:
-    """Channels of the motion that oscillate, with their rough frequency [rad/s]."""
+def _oscillations(time: Array, seen: Mapping[str, Array], names: Sequence[str]) -> dict[str, float]:
+    """Channels among these that oscillate, with their rough frequency [rad/s]."""
     found = {}
-    for name in ("v", "r", "psi", "y", "u"):
+    for name in names:
         if name in seen and np.ptp(seen[name]) > 2 * _SMALL[name]:
             rough = rough_frequency(time, seen[name])
             if rough is not None:
@@ -143,7 +169,9 @@ def _frequency(
 ) -> tuple[float, float] | None:
     """Frequency of the motion, of the forces where no motion is recorded, and its std [rad/s]."""
     if swings:
-        omega = next(swings[name] for name in ("r", "v", "psi", "y", "u") if name in swings)
+        omega = next(
+            swings[name] for name in ("r", "v", "psi", "y", "u", "delta") if name in swings
+        )
         rows = [seen[name] for name, rough in swings.items() if abs(rough / omega - 1) < 0.1]
     elif kind is not None and kind.oscillates:
         forces = ("X",) if kind.surges else ("Y", "N")
@@ -183,19 +211,24 @@ def _oscillating(
     if kind is None or not kind.oscillates:
         moved = {name for name, seen in (("v", swaying), ("r", turning)) if seen} or {"v"}
         kind = kind_with(swings={"u"} if set(swings) == {"u"} else moved)
+        kind = HARMONIC_RUDDER if "delta" in swings else kind
     swung = kind.swings if kind else ()
     for swing in swung if YAW in swung or not turning else (*swung, YAW):
         for name in (swing.velocity, swing.displacement):
             if name in first:
                 size = abs(first[name]) / (omega if name == swing.velocity else 1.0)
-                size = math.degrees(size) if swing is YAW else size
+                size = math.degrees(size) if swing in (YAW, RUDDER) else size
                 settings.setdefault(
                     setting_key(swing.amplitude), (_rounded(size, 4), f"recorded {name}")
                 )
                 if swung == (swing,):
                     _add_phase(settings, first[name], name)
-    settings |= _speed_and_drift(time, seen, first, omega, turning)
-    settings |= _held(seen)
+    if kind is HARMONIC_RUDDER:
+        settings |= _steady(seen, kind, "").settings
+        settings |= _middle_of_rudder(time, seen, period)
+    else:
+        settings |= _speed_and_drift(time, seen, first, omega, turning)
+        settings |= _held(seen)
     if kind is not None and kind.pure:
         for name in ("drift", "rudder"):
             if abs(settings.get(setting_key(name), (0.0, ""))[0]) > 0.5:
@@ -205,10 +238,20 @@ def _oscillating(
 
 def _add_phase(settings: dict[str, tuple[float, str]], first: complex, name: str) -> None:
     """The phase of the displacement, of which u, v and r are the rate, where it is not zero."""
-    lead = 0.0 if name in ("y", "psi", "x") else 90.0
+    lead = 0.0 if name in ("y", "psi", "x", "delta") else 90.0
     phase = (math.degrees(math.atan2(first.real, first.imag)) - lead + 180.0) % 360.0 - 180.0
     if abs(phase) > 2.0:
         settings.setdefault("phase_deg", (round(phase, 1), f"recorded {name}"))
+
+
+def _middle_of_rudder(
+    time: Array, seen: Mapping[str, Array], period: float
+) -> dict[str, tuple[float, str]]:
+    """The angle about which a recorded rudder swings, over whole cycles."""
+    if "delta" not in seen:
+        return {}
+    whole = time - time[0] < (time[-1] - time[0]) // period * period
+    return {"rudder_deg": (_tidy(math.degrees(seen["delta"][whole].mean()), 1), "mean of delta")}
 
 
 def _harmonic(time: Array, values: Array, omega: float) -> complex:

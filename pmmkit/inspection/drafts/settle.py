@@ -22,6 +22,7 @@ WORDS: Final[dict[str, str]] = {
     "period": "period [s]",
     "amplitude_m": "amplitude of the displacement [m]",
     "yaw_amplitude_deg": "amplitude of the heading [deg]",
+    "rudder_amplitude_deg": "amplitude of the rudder [deg]",
     "switch_deg": "heading at which the rudder is put over [deg]",
 }
 _CLOSE: Final = {"speed": 0.03, "period": 0.02, "propeller_rps": 0.03}
@@ -86,6 +87,8 @@ def settled(
         Gravity [m/s²].
     """
     said = _with_speed(named.settings, length, g)
+    if test is not None and kind_of(test).swings_rudder and "rudder_deg" in said:
+        said["rudder_amplitude_deg"] = said.pop("rudder_deg")
     wanted = ("speed", *asked_of(test))
     free = test is not None and kind_of(test).free_running
     out = [

@@ -219,6 +219,7 @@ SETTINGS: Sequence[tuple[str, str, Callable[[Settings], float | None]]] = (
     ("Heel", "°", lambda x: math.degrees(x.heel)),
     ("Amplitude", "m", lambda x: x.amplitude),
     ("ψ", "°", lambda x: None if x.yaw_amplitude is None else math.degrees(x.yaw_amplitude)),
+    ("δ swing", "°", lambda x: math.degrees(x.rudder_amplitude or 0.0) or None),
     ("Period", "s", lambda x: x.period),
     ("r", "rad/s", lambda x: x.turn_rate or None),
     ("n", "1/s", lambda x: x.propeller_rps),

@@ -284,7 +284,7 @@ def _ranges(reduction: Reduction) -> list[Item]:
     L = reduction.campaign.ship.L
     settings = [item.run.settings for item in reduction.runs]
     drift = max(abs(math.degrees(x.drift)) for x in settings)
-    rudder = max(abs(math.degrees(x.rudder)) for x in settings)
+    rudder = max(math.degrees(x.largest_rudder) for x in settings)
     turning = [
         L / x.speed * abs(x.turn_rate or (x.yaw_amplitude or 0.0) * (x.omega or 0.0))
         for x in settings

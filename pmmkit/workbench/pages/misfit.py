@@ -81,8 +81,8 @@ def _row(name: str, run: Run) -> dict[str, Any]:
 def _order(run: Run) -> list[float]:
     """By speed, then by what the run was set to."""
     s = run.settings
-    sizes = (s.drift, s.heel, s.rudder, s.yaw_amplitude or 0.0, s.amplitude or 0.0)
-    return [s.speed, *sizes, s.period or 0.0]
+    swings = (s.yaw_amplitude or 0.0, s.amplitude or 0.0, s.rudder_amplitude or 0.0)
+    return [s.speed, s.drift, s.heel, s.rudder, *swings, s.period or 0.0]
 
 
 def _sorted(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
