@@ -12,7 +12,8 @@ own, wide : by the least squares, with 1.96 of its standard deviations, times 10
 apart : their difference over the larger of the two standard deviations
 
 With --rudder the tests with a rudder that swings at constant drift are left out of the reduction
-and predicted: rms of what is left, over the force and over the scatter of repeated runs.
+and predicted: rms of what is left, over the force and over the scatter of repeated runs. Below
+stand the derivatives of the rudder by the steady tests, and by those tests as `harmonic_rudder`.
 """
 
 from __future__ import annotations
@@ -133,6 +134,45 @@ def swinging(made: Any, structure: str, book: Path, sheet: str) -> None:
         )
 
 
+def harmonic(file: Path) -> Path:
+    """The campaign with the tests of a swinging rudder as cycles.
+
+    Their period is not listed. No derivative of the rudder hangs on it; the place x, whose slope
+    would be a speed by it, is left out.
+    """
+    head, swung = file.read_text(encoding="utf-8").split('[[tables]]\nid = "{Test ()}_{row}"\n')
+    swung = swung.replace(
+        'test = "drift_rudder"', 'test = "harmonic_rudder"\nsamples = "cycle"\nperiod = 100.0', 1
+    )
+    held = 'drift_deg = "psi (°)", x = false, psi = false, v = false, speed = "u (m/s)", u = false'
+    swung = re.sub(r"(?m)^columns = .*", f"columns = {{ {held} }}", swung, count=1)
+    made = file.with_stem(f"{file.stem}_harmonic")
+    made.write_text(f'{head}[[tables]]\nid = "{{Test ()}}"\n{swung}', encoding="utf-8")
+    return made
+
+
+def of_the_rudder(made: Any, structure: str) -> dict[str, dict[str, tuple[float, float]]]:
+    """Derivatives of the rudder and their standard deviations, times 1000: by steady tests, and by
+    tests in which it swings beside steady ones without rudder."""
+    from pmmkit.reduction import reduce_campaign
+
+    steady = [run for run in made.runs if not run.dynamic]
+    swung = [run for run in made.runs if run.kind_of_test.swings_rudder]
+    found = {}
+    for words, runs in (
+        ("steady", steady),
+        ("swinging", [*swung, *(run for run in steady if not run.settings.rudder)]),
+    ):
+        own = made.with_(runs=tuple(runs))
+        table = reduce_campaign(own, structure=structure, fn="pooled", check=False).table
+        at = {name: table.index(name) for name in ("Yd", "Yddd", "Nd", "Nddd")}
+        found[words] = {
+            name: (1e3 * float(table.value[0, i]), 1e3 * float(table.std[0, i]))
+            for name, i in at.items()
+        }
+    return found
+
+
 def repeats(book: Path, sheet: str) -> dict[str, float]:
     """Pooled standard deviations of steady tests that were set alike, straight from the cells."""
     import openpyxl
@@ -168,6 +208,10 @@ def main() -> None:
             if o.rudder:
                 print(f"depth {depth} draughts")
                 swinging(made, o.structure, o.workbook, sheet)
+                cycles = pk.open_campaign(harmonic(Path(place) / f"{sheet}.toml"))
+                for words, values in of_the_rudder(cycles, o.structure).items():
+                    told = (f"{n} {v:.2f} ± {WIDE * s:.2f}" for n, (v, s) in values.items())
+                    print(f"  {words}: {', '.join(told)}")
                 continue
             made = made.with_(runs=tuple(run for run in made.runs if run.settings.rudder == 0.0))
             for fn in ("each", "pooled"):

@@ -19,6 +19,7 @@ import pmmkit as pk
 from pmmkit.checks import examine
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError, DataError
+from scripts.studies import kcs_shallow
 
 SPEED, PERIOD = 1.0, 10.0
 TRUTH = {"Xdd": -1e-3, "Yd": -3e-3, "Yddd": 2e-3, "Yvdd": 4e-3, "Nd": 1.4e-3, "Nddd": -0.9e-3}
@@ -168,6 +169,45 @@ def test_forces_of_the_rudder_are_odd_and_even_harmonics(swung: Path) -> None:
     assert abs(side["C1"]) < 0.05 * abs(side["S1"])
 
 
+@pytest.mark.parametrize("port", [False, True])
+def test_a_table_of_harmonics(port: bool, tmp_path: Path) -> None:
+    rows = []
+    for drift in (-8.0, -4.0, 0.0, 4.0, 8.0):
+        one = record(drift=drift, t=np.arange(0.0, PERIOD, 0.01), noise=0.0)
+        # Harmonics go with the rudder as it is counted.
+        theta = 2 * math.pi * one["t"] / PERIOD + (math.pi if port else 0.0)
+        row = {"drift_deg": drift}
+        for channel in "XYN":
+            row[f"{channel}_mean"] = one[channel].mean()
+            for order in (1, 2, 3):
+                row[f"{channel}_cos{order}"] = 2 * np.mean(one[channel] * np.cos(order * theta))
+                row[f"{channel}_sin{order}"] = 2 * np.mean(one[channel] * np.sin(order * theta))
+        rows.append(row)
+    write(tmp_path / "harmonics.csv", {x: np.array([row[x] for row in rows]) for x in rows[0]})
+    side = 'kind = "captive"\nrudder_positive = "port"' if port else 'kind = "captive"'
+    text = small_campaign.HEAD.replace('kind = "captive"', side) + (
+        f'[[tables]]\nid = "HR_{{row}}"\ntest = "harmonic_rudder"\nfile = "harmonics.csv"\n'
+        f"speed = {SPEED}\n{SWUNG}\n"
+    )
+    (tmp_path / "campaign.toml").write_text(text, encoding="utf-8")
+    table = reduced(tmp_path)
+    for name in ("Xdd", "Yd", "Yddd", "Yvdd", "Nd", "Nddd"):
+        assert table.value[0, table.index(name)] == pytest.approx(TRUTH[name], rel=0.01), name
+
+
+def test_rows_of_one_cycle_tell_the_amplitude(tmp_path: Path) -> None:
+    one = record(drift=4.0, t=np.arange(24) * PERIOD / 24, noise=0.0)
+    write(tmp_path / "cycle.csv", {x: one[x] for x in ("X", "Y", "N", "delta_deg")})
+    text = small_campaign.HEAD + (
+        '[[tables]]\nid = "HR"\ntest = "harmonic_rudder"\nfile = "cycle.csv"\n'
+        f'samples = "cycle"\nspeed = {SPEED}\nperiod = {PERIOD}\ndrift_deg = 4.0\n'
+        'columns = { delta_deg = "delta_deg" }\n'
+    )
+    (tmp_path / "campaign.toml").write_text(text, encoding="utf-8")
+    run = pk.open_campaign(tmp_path)["HR"]
+    assert math.degrees(run.settings.rudder_amplitude) == pytest.approx(35.0, abs=0.01)
+
+
 def test_check_report_and_diagnose_run_through(swung: Path, tmp_path: Path) -> None:
     assert told(swung) == []
     assert main(["check", str(swung)]) == 0
@@ -249,3 +289,18 @@ def test_a_draft_knows_a_rudder_that_swings(name: str, tmp_path: Path) -> None:
     assert run["rudder_amplitude_deg"] == pytest.approx(reach, abs=2.5)
     assert run["drift_deg"] == pytest.approx(4.0, abs=0.05)
     assert run["speed"] == pytest.approx(SPEED, abs=1e-3)
+
+
+@pytest.mark.slow
+def test_swinging_and_steady_rudders_of_the_kcs_agree(shared_data: Path, tmp_path: Path) -> None:
+    """Flanders Hydraulics, 2.0 draughts of water: 7 tests against 138, other noise and no common
+    rudder angle. Between them lie 2.5 standard deviations at most."""
+    book = shared_data / kcs_shallow.BOOK
+    if not book.exists():
+        pytest.skip("without the workbook of Flanders Hydraulics")
+    file = kcs_shallow.harmonic(kcs_shallow.campaign(book, "C0101A01", tmp_path))
+    found = kcs_shallow.of_the_rudder(pk.open_campaign(file), "abkowitz3")
+    for name, (value, std) in found["swinging"].items():
+        other, its = found["steady"][name]
+        assert value == pytest.approx(other, abs=3 * math.hypot(std, its)), name
+        assert std < 0.1 * abs(value), name

@@ -361,6 +361,21 @@ def test_planned_runs_are_entries_of_a_campaign_file():
     assert len({entry["id"] for entry in entries}) == len(entries)
 
 
+def test_a_rudder_that_swings_can_be_planned(tmp_path):
+    file = tmp_path / "plan.toml"
+    text = (
+        '[[runs]]\ntest = "harmonic_rudder"\nspeed = 1.0\nperiod = 10.0\ndrift_deg = 4.0\n'
+        "rudder_amplitude_deg = 30.0\n"
+    )
+    file.write_text(text, encoding="utf-8")
+    _, (option,) = read_plan_file(file, SHIP, LIMITS)
+    assert "rudder amplitude 30°" in option.words
+    assert option.entry["rudder_amplitude_deg"] == pytest.approx(30.0)
+    file.write_text(text.replace("rudder_", "yaw_"), encoding="utf-8")
+    with pytest.raises(CampaignError, match="needs the setting rudder_amplitude"):
+        read_plan_file(file, SHIP, LIMITS)
+
+
 def test_a_damaged_plan_file_names_everything_at_once(tmp_path):
     file = tmp_path / "plan.toml"
     file.write_text(
