@@ -13,8 +13,9 @@ for end at 20 to 30°, harbour tests begin beyond."""
 
 
 def out_of_reach(run: Run) -> bool:
-    """Whether a steady run was made at a drift angle that no polynomial reaches."""
-    return not run.dynamic and abs(math.remainder(run.settings.drift, 2 * math.pi)) > FARTHEST
+    """Whether a hull was held at a drift angle that no polynomial reaches."""
+    drift = abs(math.remainder(run.settings.drift, 2 * math.pi))
+    return not run.kind_of_test.swings_hull and drift > FARTHEST
 
 
 def within_reach(campaign: Campaign) -> Campaign:

@@ -193,6 +193,10 @@ def _doubt_of_slope(
     """
     items = _named(summaries, slope.runs)
     unit = [prime_unit(campaign, channel, item.run.settings.speed) for item in items]
+    if items[0].run.kind_of_test.swings_rudder:
+        doubts = [_doubt_of_harmonic(item, channel) for item in items]
+        sizes = [item.run.settings.rudder_amplitude or math.inf for item in items]
+        return float(np.median(np.array(doubts) / unit / sizes))
     noise = np.array([item.harmonic_noise.get(channel, 0.0) for item in items]) / unit
     largest = float(np.max(np.abs([item.mean(channel) for item in items] / np.array(unit))))
     angles = np.array([float(getattr(item.run.settings, angle)) for item in items])

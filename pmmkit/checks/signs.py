@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.campaigns.samples.conversions import TURNED
+from pmmkit.campaigns.test_kinds.oscillating import HARMONIC_RUDDER
 from pmmkit.checks.expected import expected, prime_unit
 from pmmkit.checks.finding import Check, CheckFinding, figure, straight_line
 from pmmkit.numerics import Array
@@ -61,9 +62,31 @@ def drift_slope(campaign: Campaign, summaries: Sequence[Summary], channel: str) 
 def rudder_slope(campaign: Campaign, summaries: Sequence[Summary], channel: str) -> Slope | None:
     """Slope of a static force over the rudder angle, prime system, up to 25°, without drift.
 
-    Revolutions and speeds are kept apart: the speed with most runs counts.
+    Revolutions and speeds are kept apart: the speed with most runs counts. Without steady tests
+    that of rudders that swing: the force in phase with the rudder over its amplitude.
     """
-    return static_slope(campaign, summaries, channel, "rudder", RUDDER_LIMIT)
+    steady = static_slope(campaign, summaries, channel, "rudder", RUDDER_LIMIT)
+    return steady or _swung_slope(campaign, summaries, channel)
+
+
+def _swung_slope(campaign: Campaign, summaries: Sequence[Summary], channel: str) -> Slope | None:
+    found = {
+        item.run.id: item.s(channel, 1)
+        / prime_unit(campaign, channel, item.run.settings.speed)
+        / item.run.settings.rudder_amplitude
+        for item in summaries
+        if item.run.kind_of_test is HARMONIC_RUDDER
+        and item.run.settings.rudder_amplitude
+        and math.isfinite(item.s(channel, 1))
+    }
+    if not found:
+        return None
+    slopes = np.array(list(found.values()))
+    value = float(np.median(slopes))
+    std = (
+        float(slopes.std(ddof=1) / math.sqrt(len(slopes))) if len(slopes) > 1 else 0.25 * abs(value)
+    )
+    return Slope(value, std, 0.0, tuple(found))
 
 
 def static_slope(

@@ -144,6 +144,16 @@ def test_a_rudder_counted_to_port_and_about_another_angle(tmp_path: Path) -> Non
     agrees(reduced(folder))
 
 
+def test_a_rudder_that_turns_the_hull_to_the_other_side_is_told(tmp_path: Path) -> None:
+    campaign = pk.open_campaign(programme(tmp_path, port=True))
+    found = [item for item in examine(campaign) if item.check == "signs"]
+    assert [item.severity for item in found] == ["error", "error"]
+    assert all('rudder_positive = "port"' in item.remedy for item in found)
+    assert all(item.runs == ("HR_0", "HR_1", "HR_2") for item in found)
+    reduction = pk.reduce_campaign(campaign, check=False)
+    assert any("rudder" in fault for fault in reduction.verdict.faults)
+
+
 def test_samples_that_are_not_even(tmp_path: Path) -> None:
     steps = np.random.default_rng(3).uniform(0.02, 0.09, 1100)
     agrees(reduced(programme(tmp_path, lag=0.6, t=np.cumsum(steps))))

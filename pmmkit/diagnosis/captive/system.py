@@ -206,7 +206,7 @@ def run_columns(
     turned = {
         i: base.change(view, _turned, math.degrees(STEP))
         for i, view in enumerate(views)
-        if view.run.settings.drift and not view.run.dynamic
+        if view.run.settings.drift and not view.run.kind_of_test.swings_hull
     }
     found = {}
     for c in channels:
