@@ -16,6 +16,7 @@ import small_campaign
 from small_campaign import NOISE, RHO, L
 
 import pmmkit as pk
+from pmmkit.campaigns.motion.kinematics import measured_motion, nominal_motion
 from pmmkit.checks import examine
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError, DataError
@@ -128,6 +129,17 @@ def test_the_measured_rudder_counts_with_the_lag_of_its_gear(swung: Path) -> Non
 
 def test_without_a_column_the_rudder_goes_as_stated(tmp_path: Path) -> None:
     agrees(reduced(programme(tmp_path, measured=False)))
+
+
+@pytest.mark.parametrize(("side", "degrees"), [("starboard", 37.0), ("port", -37.0)])
+def test_the_phase_is_that_of_the_rudder(side: str, degrees: float, tmp_path: Path) -> None:
+    keys = f"{SWUNG}\nphase_deg = 90.0\nrudder_deg = 2.0"
+    file = alone(tmp_path, keys, record(measured=False), "harmonic_rudder") / "campaign.toml"
+    head = f'kind = "captive"\nrudder_positive = "{side}"'
+    file.write_text(file.read_text().replace('kind = "captive"', head), encoding="utf-8")
+    motion = nominal_motion(pk.open_campaign(tmp_path)["one"], [0.0, PERIOD / 2])
+    assert math.degrees(motion.delta[0]) == pytest.approx(degrees)
+    assert math.degrees(motion.delta[1]) == pytest.approx(-33.0 * math.copysign(1.0, degrees))
 
 
 def test_a_lag_that_nobody_measured_is_in_the_derivatives(tmp_path: Path) -> None:
@@ -274,8 +286,6 @@ def test_a_record_shorter_than_a_period_is_refused(tmp_path: Path) -> None:
 
 
 def test_one_value_of_the_rudder_is_not_its_swing(tmp_path: Path) -> None:
-    from pmmkit.campaigns.motion.kinematics import measured_motion
-
     run = pk.open_campaign(alone(tmp_path, SWUNG, record(), "harmonic_rudder"))["one"]
     t = run.data["t"].values
     motion = measured_motion(run, run.data.drop_vars("delta").assign(delta=0.0), t)
