@@ -23,6 +23,10 @@ SAME: Final = 0.05
 """Share by which a column may be larger than the settings: a gear with play reads so."""
 COHERENT: Final = 0.1
 """What is left beside a factor, over the column, where it is one factor in all runs."""
+_PIECES: Final = 20
+"""Pieces of a record by which the speed of a place is told."""
+ALONG: Final = 0.1
+"""Share of the speed from which a place along the tank moves with the carriage, or should."""
 FEWEST: Final = 3
 """Settings that differ, without which no factor is told."""
 SWUNG: Final = math.radians(3.0)
@@ -103,6 +107,16 @@ _PAIRS: Final = (
         share=0.02,
         remedy="Correct speed of these runs, or the units of u and v.",
     ),
+    _Pair(
+        setting="speed",
+        column="x over time",
+        unit="m/s",
+        factor=1.0,
+        allowed=0.005,
+        share=0.02,
+        remedy="Look at the period (of a cycle without times), at the clock and at the unit of x: "
+        "the motion is taken from x.",
+    ),
 )
 
 
@@ -119,8 +133,8 @@ def set_facts(run: Run, data: xr.Dataset) -> dict[str, float]:
     Returns
     -------
     dict
-        ``set_`` and the column: a heading only where it is held, a speed only of a row, and the
-        amplitude of a rudder that goes to and fro, or should.
+        ``set_`` and the column: a heading only where it is held, a speed only of a row or of a
+        place along the tank, and the amplitude of a rudder that goes to and fro, or should.
     """
     row = run.kind == "means"
     kind = run.kind_of_test
@@ -135,6 +149,11 @@ def set_facts(run: Run, data: xr.Dataset) -> dict[str, float]:
     if not row and "delta" in data and np.all(np.isfinite(data["delta"].values)):
         size, turns = _swing(np.atleast_1d(data["delta"].values))
         found |= {"set_delta swing": size} if turns >= _TURNS or kind.swings_rudder else {}
+    placed = {"t", "x"} <= set(data) and "U_carriage" not in data
+    if placed and not row and not kind.circles and not kind.surges:
+        way = _way(np.asarray(data["t"].values, float), np.asarray(data["x"].values, float))
+        # x may count from the carriage: then it hardly moves
+        found |= {"set_x over time": way} if abs(way) > ALONG * run.settings.speed else {}
     if row and {"u", "v"} <= set(data):
         speed = math.hypot(float(data["u"]), float(data["v"]))
         found |= {"set_hull speed": speed} if math.isfinite(speed) else {}
@@ -147,6 +166,15 @@ def _swing(values: Array) -> tuple[float, int]:
     side = np.sign(values - (low + high) / 2) * (np.abs(2 * values - low - high) > (high - low) / 2)
     turns = int(np.count_nonzero(np.diff(side[side != 0])))
     return float(high - low) / 2 / math.sin(0.45 * math.pi), turns
+
+
+def _way(t: Array, x: Array) -> float:
+    """Speed of a place, the median over pieces of a record [m/s]: a start and a stop do not count.
+    Zero where nothing is known."""
+    there = np.isfinite(t) & np.isfinite(x)
+    piece = max(int(there.sum()) // _PIECES, 1)
+    gone, lasted = (y[there][piece:] - y[there][:-piece] for y in (x, t))
+    return float(np.median(gone[lasted > 0] / lasted[lasted > 0])) if np.any(lasted > 0) else 0.0
 
 
 def examine_set(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:

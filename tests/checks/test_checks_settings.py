@@ -11,7 +11,7 @@ import xarray as xr
 
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
-from pmmkit.checks.stated import examine_set
+from pmmkit.checks.stated import examine_set, set_facts
 from pmmkit.checks.summary import Summary
 from pmmkit.checks.track import motion_facts
 from pmmkit.ship import Ship, Water
@@ -138,3 +138,21 @@ def test_the_rate_of_a_velocity_that_is_only_rounding_is_not_asked(
     run = Run(id="G", test="pure_yaw", kind="history", settings=settings, loader=lambda: data)
     facts = motion_facts(run, data, data["t"].values)
     assert ("vdot_slope" in facts) == told
+
+
+@pytest.mark.parametrize(
+    ("factor", "away", "told"),
+    [(1.0, 0.0, False), (2.0, 0.0, True), (0.5, 0.0, True), (1.0, 3.0, False), (0.0, 0.0, False)],
+    ids=["right", "half the period", "twice the period", "from rest", "on the carriage"],
+)
+def test_a_place_along_the_tank_tells_the_speed(factor: float, away: float, told: bool) -> None:
+    """A cycle without times gets them from its period: with half of it, x goes twice as fast."""
+    t = np.linspace(0.0, 50.0, 500)
+    x = factor * 0.6 * (np.clip(t, away, 50.0 - away) + 0.02 * np.sin(0.5 * t))
+    settings = Settings(speed=0.6, period=12.5, yaw_amplitude=0.1)
+    run = Run(id="a", test="pure_yaw", kind="history", settings=settings, loader=dict)  # type: ignore[arg-type]
+    data = xr.Dataset({"x": ("time", x), "t": ("time", t)})
+    findings = found([Summary(run=run, facts=set_facts(run, data))])
+    assert bool(findings) is told
+    if told:
+        assert "Look at the period" in findings[0].remedy
