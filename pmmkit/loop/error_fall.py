@@ -152,7 +152,7 @@ class ErrorFall(Described):
                         "error": error,
                         "level": levels[channel],
                         "force": whole[channel],
-                        "share": error / whole[channel],
+                        "share": error / whole[channel] if whole[channel] else float("nan"),
                         "better": better if test is None else float("nan"),
                     }
                     for channel, error in errors.items()

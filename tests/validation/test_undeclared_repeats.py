@@ -99,6 +99,9 @@ def test_a_diagnosis_gives_one_answer_and_names_nothing(eight):
     found = [pk.diagnose("cubic", each) for each in (alike, declared)]
     assert found[0].to_dict() == found[1].to_dict()
     assert not found[0].findings
+    why = {item.name: item.why for item in found[0].covered}
+    assert why["yaw_sway_coupling"] == "these tests do not excite it"
+    assert "absorbs" in why["fault_gauge_gain"]
 
 
 def test_a_few_drift_runs_are_diagnosed_to_the_end(eight, tmp_path):

@@ -9,6 +9,7 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.evidence import wide
+from pmmkit.diagnosis.captive.least_squares import effect_columns
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
 from pmmkit.diagnosis.captive.system import WIDER, Block, System
 from pmmkit.diagnosis.evidence import HIDES, MIMICS, SHOWS, Visible
@@ -47,7 +48,9 @@ def coverage(system: System) -> tuple[Visible, ...]:
                 without_a_run=left,
                 hides=math.sqrt(HIDES / signal) if signal > 1e-6 else math.inf,
                 shown=shown,
-                why="" if shown else _why(block.candidate, signal, run),
+                why=""
+                if shown
+                else _why(block.candidate, signal, run, still=_still(system, block)),
                 mimics=_mimics(system, block, signal, best) if shown else {},
             )
         )
@@ -63,7 +66,7 @@ def _not_held(candidate: Candidate) -> Visible:
         without_a_run=0.0,
         hides=math.inf,
         shown=False,
-        why=_why(candidate, 0.0, ""),
+        why=_why(candidate, 0.0, "", still=True),
         mimics={},
     )
 
@@ -106,10 +109,17 @@ def _without_a_run(system: System, blocks: Sequence[Block]) -> list[tuple[float,
     ]
 
 
-def _why(candidate: Candidate, signal: float, run: str) -> str:
+def _still(system: System, block: Block) -> bool:
+    """Whether an effect makes no force in any of the runs."""
+    return not any(np.any(x) for x in effect_columns(system, block).values())
+
+
+def _why(candidate: Candidate, signal: float, run: str, *, still: bool) -> str:
     if candidate.excites and signal == 0.0:
         lacking = (EXCITES.get(word, word) for word in candidate.excites)
         return f"these tests lack {' and '.join(lacking)}"
+    if still:
+        return "these tests do not excite it"
     if signal < 0.1:
         return "the base absorbs it: its coefficients take it over"
     if signal >= SHOWS:
