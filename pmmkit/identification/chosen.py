@@ -167,6 +167,7 @@ def chosen_records(
             wind=wind,
             shortest=shortest,
             depth_of=campaign.depth_of,
+            campaign=campaign.title,
         )
 
     return records(train), records(held) if held else None
@@ -205,6 +206,7 @@ def _records(
     wind: bool,
     shortest: float | None,
     depth_of: Callable[[Run], float | None],
+    campaign: str,
 ) -> Chosen:
     """Usable segments of runs; every run that cannot be used at all is named at once."""
     records: list[FreeRecord] = []
@@ -224,6 +226,7 @@ def _records(
                 wind=wind,
                 shortest=least,
                 depth=depth_of(run),
+                campaign=campaign,
             )
         except DataError as error:
             problems += error.problems

@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.equations.code_generation import ESTIMATING
-from pmmkit.equations.compilation import compiled
+from pmmkit.effects.seen import CURRENT
 from pmmkit.errors import DataError, ModelError, PmmkitError, UnknownNameError
-from pmmkit.identification.binding import AROUND, bound, driven
-from pmmkit.identification.filters import STEP
+from pmmkit.identification.as_tested import without
+from pmmkit.identification.binding import AROUND
 from pmmkit.identification.methods import METHODS, SECONDS, Identified, identify
 from pmmkit.identification.parameters import places
-from pmmkit.identification.predict import Prediction, predict
+from pmmkit.identification.predict import Course, Prediction, predict, reference
 from pmmkit.identification.prior import Prior, asked_names, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
@@ -127,8 +126,6 @@ class MethodComparison(Described):
         ]
         table = Grid(head=["parameter", "prior", *self.found], groups=[Group(rows=rows)])
         said = [f"{key}: {text}" for key, item in self.found.items() for text in item.remarks()]
-        if set(self.prior.names) & set(AROUND):
-            said.append("The current is no part of a model: predictions sail without it.")
         said += [f"{name} FAILED: {why}" for name, why in self.failed.items()]
         notes = [f"{key}: {text}" for key, item in self.found.items() for text in item.notes]
         lists = [
@@ -309,12 +306,12 @@ def compare_methods(
         )
     if progress is not None:
         progress(total, total, "predict")
-    models = {BEFORE: model, **{method: item.model for method, item in found.items()}}
-    predictions = {
-        name: predict(item, references, window=window, extrapolate=extrapolate)
-        for name, item in models.items()
-        if references
-    }
+    predictions = {}
+    if references:
+        predictions[BEFORE] = predict(model, references, window=window, extrapolate=extrapolate)
+        for name, item in found.items():
+            seen = _in_current(model, references, item.current, sensors, extrapolate)
+            predictions[name] = predict(item.model, seen, window=window, extrapolate=extrapolate)
     return MethodComparison(
         model=model,
         prior=before,
@@ -323,6 +320,21 @@ def compare_methods(
         predictions=MappingProxyType(predictions),
         window=window,
     )
+
+
+def _in_current(
+    model: Model,
+    references: Sequence[Smoothed],
+    current: tuple[float, float],
+    sensors: Mapping[str, float] | None,
+    extrapolate: bool,
+) -> Sequence[Smoothed]:
+    """References as they are in a current that was found; themselves where there is none."""
+    if not any(current):
+        return references
+    found = dict(zip(CURRENT, current, strict=True))
+    records = [without(item.record, found) for item in references]
+    return reference(model, records, sensors=sensors, extrapolate=extrapolate)
 
 
 def _inside(progress: Progress, place: int, total: int, method: str) -> Progress:
@@ -476,21 +488,6 @@ def _sailed(
     model: Model, item: Smoothed, at: NDArray[np.intp], extrapolate: bool
 ) -> Mapping[str, Array]:
     """Motion of a model from the first state of a window."""
-    ready, record = driven(model), item.record
-    binding = bound(ready, (), record.speed, conditions=record.conditions, extrapolate=extrapolate)
-    functions = compiled(binding.structure, ESTIMATING)
-    k = binding.base.copy()
-    functions.complete(k)
-    states = binding.structure.states
-    first = np.array([[item.motion[name][at[0]] for name in states]])
-    out = np.empty((len(at), len(states)))
-    functions.windows(
-        record.t[at],
-        record.inputs[at],
-        np.array([0, len(at)]),
-        first,
-        k,
-        STEP * ready.ship.L / record.speed,
-        out,
-    )
-    return MappingProxyType({name: out[:, i] for i, name in enumerate(states)})
+    course = Course.of(model, item.record, extrapolate=extrapolate)
+    (out,) = course.sail(at, course.states_of(item)[at[:1]])
+    return MappingProxyType(dict(zip(course.states, out.T, strict=True)))

@@ -34,6 +34,7 @@ def free_records(
     roll: bool = True,
     shortest: float | None = None,
     depth: float | None = None,
+    campaign: str = "",
 ) -> tuple[FreeRecord, ...]:
     """The usable segments of a free-running run.
 
@@ -57,6 +58,8 @@ def free_records(
         the approach, or a third of the record where that is less.
     depth : float, optional
         Depth of the water [m], of the campaign.
+    campaign : str
+        Title of the tests.
 
     Returns
     -------
@@ -80,7 +83,7 @@ def free_records(
     lengths = 10.0 * model.ship.L / max(run.settings.speed, 1e-9)
     found = usable(run, shortest=shortest or min(lengths, float(np.nanmax(t) - np.nanmin(t)) / 3))
     return tuple(
-        _record(segment, model, rudder, channels, wind, roll).with_(depth=depth)
+        _record(segment, model, rudder, channels, wind, roll).with_(depth=depth, campaign=campaign)
         for segment in found.segments
     )
 

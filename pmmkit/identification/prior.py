@@ -109,7 +109,7 @@ def prior_of(
         ]
     )
     covariance = np.diag(std**2)
-    measured = _covariance(model, speed, extrapolate) if default is None else {}
+    measured = stated_covariance(model, speed, extrapolate=extrapolate) if default is None else {}
     known = [i for i, name in enumerate(names) if (name, name) in measured and name not in relative]
     for i in known:
         for j in known:
@@ -137,8 +137,20 @@ def _size(
     return min(others, default=0.1)
 
 
-def _covariance(model: Model, speed: float, extrapolate: bool) -> dict[tuple[str, str], float]:
-    """The covariance of a model at a speed, by pairs of names; a part's values stand alone."""
+def stated_covariance(
+    model: Model, speed: float, *, extrapolate: bool = False
+) -> dict[tuple[str, str], float]:
+    """The covariance of a model's values at a speed, by pairs of names.
+
+    Parameters
+    ----------
+    model : Model
+        The values of parts that state a standard deviation alone are independent of all others.
+    speed : float
+        Of the approach [m/s].
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+    """
     alone = {
         (place_name(effect, name), place_name(effect, name)): std**2
         for effect, part in model.parts.items()

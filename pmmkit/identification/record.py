@@ -56,6 +56,10 @@ class FreeRecord:
         Of the approach [m/s].
     depth : float, optional
         Of the water [m]; by default that of the model's water, deep if it has none.
+    current : (float, float)
+        Velocity of the water over ground, to north and east [m/s].
+    campaign : str
+        Title of the tests.
     """
 
     name: str
@@ -74,6 +78,8 @@ class FreeRecord:
     roll_rate: Array | None = None
     roll_acceleration: Array | None = None
     depth: float | None = None
+    current: tuple[float, float] = (0.0, 0.0)
+    campaign: str = ""
 
     def __post_init__(self) -> None:
         inputs = (self.delta, self.turns, *(x for x in self._optional.values() if x is not None))
@@ -121,7 +127,12 @@ class FreeRecord:
     @property
     def conditions(self) -> Conditions:
         """What surrounds the ship all along; wind is an input of each instant."""
-        return Conditions(depth=self.depth)
+        north, east = self.current
+        return Conditions(
+            depth=self.depth,
+            current_speed=math.hypot(north, east),
+            current_direction_deg=math.degrees(math.atan2(east, north)),
+        )
 
     @property
     def inputs(self) -> Array:

@@ -21,6 +21,7 @@ from pmmkit.diagnosis.free_running.findings import held_out_errors, model_of, mo
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.left_out import each, left_out_windows, predicted
+from pmmkit.diagnosis.free_running.question import records_of
 from pmmkit.diagnosis.free_running.refit import refitted
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.free_running.unknown import FLOOR
@@ -28,6 +29,7 @@ from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.errors import DataError, ModelError
+from pmmkit.identification.as_tested import known_faults
 from pmmkit.identification.record import FreeRecord
 from pmmkit.loop.evidence import BASE, only_campaign
 from pmmkit.loop.record_fall import RecordError, RecordFall
@@ -245,12 +247,11 @@ def free_running(
             raise DataError(f"{item.name} is a candidate of captive tests: these records run free.")
         if asked is not None:
             asked.append(item)
-    faults = tuple(
-        dict.fromkeys(step.effect for step in complete.steps if step.action == "fault_corrected")
-    )
+    given = records_of(records, complete)
+    faults = known_faults(complete, given)
     system = free_system(
         complete,
-        records,
+        given,
         floor=FLOOR if floor is None else floor,
         candidates=asked,
         own=own,

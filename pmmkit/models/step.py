@@ -218,7 +218,7 @@ def last_added(steps: Sequence[Step]) -> int | None:
 
 
 def _added(step: Step) -> str:
-    if step.campaign:
+    if step.campaign and step.error_before is not None:
         return _explained(step)
     inner = {} if step.value is None else {step.parameter: step.value}
     values = {**step.coefficients, **inner, **step.numbers}

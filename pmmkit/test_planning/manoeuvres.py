@@ -18,6 +18,7 @@ from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.seen import CURRENT
 from pmmkit.errors import DataError
+from pmmkit.identification.as_tested import known_faults
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
 from pmmkit.models.scale import scaled
@@ -112,14 +113,8 @@ def next_manoeuvres(
             "What one record leaves open cannot be told: make a second manoeuvre, to the other "
             "side if the first is a turn, and plan with at least two."
         )
-    begun = tuple(
-        dict.fromkeys(
-            step.effect
-            for step in complete.steps
-            if step.action == "fault_corrected"
-            and step.effect in {item.name for item in system.every}
-        )
-    )
+    there = {item.name for item in system.every}
+    begun = tuple(name for name in known_faults(complete, system.records) if name in there)
     known = [item.name for item in system.every if item.name not in begun]
     for name in effects:
         if name not in known:

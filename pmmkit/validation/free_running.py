@@ -16,10 +16,11 @@ from pmmkit.conventions import CHANNELS
 from pmmkit.equations.histories import water_forces
 from pmmkit.equations.prepared import feels_depth, packed, values_at
 from pmmkit.errors import DataError, PmmkitError
+from pmmkit.identification.as_tested import campaign_without, current_of, in_words, offsets
 from pmmkit.identification.binding import driven
 from pmmkit.identification.comparing import predicted_window
 from pmmkit.identification.from_run import free_records
-from pmmkit.identification.predict import predict, reference
+from pmmkit.identification.predict import predict, prediction_std, reference
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.seas import sea_notes
 from pmmkit.identification.smoother import Smoothed, implied_forces, smooth
@@ -67,8 +68,9 @@ class FreeRun:
         Instants [s], measured rudder [rad].
     measured, std : mapping of str to array (n,)
         Smoothed x, y [m], psi [rad], u, v [m/s], r [rad/s], and their standard uncertainties.
-    predicted : mapping of str to array (n,)
-        The same as simulated from the measured start to the end of the record.
+    predicted, predicted_std : mapping of str to array (n,)
+        The same as simulated from the measured start to the end of the record, and how uncertain
+        it is by that start and by what the model states of its values.
     force, force_std : mapping of channel to array (n,)
         What the water must have exerted by the smoothed motion [N, N m], and its standard
         uncertainty.
@@ -88,6 +90,7 @@ class FreeRun:
     measured: Mapping[str, Array]
     std: Mapping[str, Array]
     predicted: Mapping[str, Array]
+    predicted_std: Mapping[str, Array]
     force: Mapping[str, Array]
     force_std: Mapping[str, Array]
     force_predicted: Mapping[str, Array]
@@ -96,7 +99,8 @@ class FreeRun:
 
     def motion_errors(self) -> dict[str, tuple[float, float, float]]:
         """By `MOTIONS`, over the whole record: rms error, rms of the measured, expanded U."""
-        m, p, s = self.measured, self.predicted, self.std
+        m, p = self.measured, self.predicted
+        s = {name: np.hypot(self.std[name], self.predicted_std[name]) for name in self.std}
         degrees = math.degrees(1.0)
         speed, simulated = np.hypot(m["u"], m["v"]), np.hypot(p["u"], p["v"])
         return {
@@ -226,6 +230,8 @@ def compare_free(
     """
     made, notes = as_tested(model, campaign)
     notes += idle(campaign.uncertainty, ())
+    known = offsets(made, campaign.title)
+    campaign = campaign_without(campaign, known)
     runs: list[FreeRun] = []
     manoeuvres: list[Manoeuvre] = []
     reasons: list[str] = []
@@ -236,7 +242,12 @@ def compare_free(
         data = run.data
         held = run.with_(loader=lambda data=data: data)
         try:
-            found = free_records(held, made, depth=campaign.depth_of(run))
+            found = [
+                record.with_(current=current_of(known))
+                for record in free_records(
+                    held, made, depth=campaign.depth_of(run), campaign=campaign.title
+                )
+            ]
             records = reference(made, found, extrapolate=extrapolate)
             runs += [_compared(made, held, item, window, extrapolate) for item in records]
             used += found
@@ -245,12 +256,14 @@ def compare_free(
             continue
         if run.test in JUDGED:
             try:
-                manoeuvres.append(_sailed(made, held, campaign, extrapolate))
+                manoeuvres.append(_sailed(made, held, campaign, known, extrapolate))
             except PmmkitError as error:
                 notes.append(f"{run.id} has no measures: {error}")
     if not runs:
         raise DataError(reasons or ["There is no run."], title="Nothing can be compared")
     notes += sea_notes(made, used)
+    if known:
+        notes.append(f"The records are taken as the model's steps say: {in_words(known)}.")
     if "rate_deg_s" not in campaign.rudder:
         notes += _steering_gear(made, manoeuvres)
     return tuple(runs), tuple(manoeuvres), (*notes, *reasons)
@@ -316,6 +329,9 @@ def _compared(
         delta=whole.delta,
         measured=whole.measured,
         predicted=whole.predicted["model"],
+        predicted_std=MappingProxyType(
+            prediction_std(model, smoothed, np.arange(len(whole.t)), extrapolate=extrapolate)
+        ),
         std=MappingProxyType({name: smoothed.motion_std[name] for name in names}),
         force=implied.forces,
         force_std=MappingProxyType({name: np.asarray(x, float) for name, x in implied.std.items()}),
@@ -325,10 +341,13 @@ def _compared(
     )
 
 
-def _sailed(model: Model, run: Run, campaign: Campaign, extrapolate: bool) -> Manoeuvre:
+def _sailed(
+    model: Model, run: Run, campaign: Campaign, known: Mapping[str, float], extrapolate: bool
+) -> Manoeuvre:
     """A manoeuvre measured, and simulated with the ship's own steering and revolutions held."""
     settings = run.settings
-    trial = evaluate(run, campaign)
+    flow = current_of(known)
+    trial = evaluate(run, campaign, current=flow if any(flow) else None)
     asked: dict[str, Any] = {}
     if run.kind_of_test.turns_rudder:
         asked["rudder_deg"] = math.degrees(settings.rudder)

@@ -19,6 +19,7 @@ from pmmkit.diagnosis.free_running.left_out import left_out_errors, mean_log
 from pmmkit.effects.effect import Parameter
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.equations.prepared import values_at
+from pmmkit.identification.as_tested import without
 from pmmkit.identification.parameters import places
 from pmmkit.identification.predict import predict, reference
 from pmmkit.identification.record import FreeRecord
@@ -136,14 +137,10 @@ def held_out_errors(
         for name, model in rows.items()
     }
     if better is not None:
-        zero = corrections.get("rudder_zero", 0.0)
-        turned = [
-            replace(item, record=item.record.with_(delta=item.record.delta + zero))
-            for item in courses
-        ]
-        current = (corrections.get("current_x", 0.0), corrections.get("current_y", 0.0))
+        sailed = [without(record, corrections) for record in records]
+        courses = reference(given, sailed, sensors=sensors, extrapolate=extrapolate)
         found["held out, with the effects"] = predict(
-            better, turned, window=window, current=current, extrapolate=extrapolate
+            better, courses, window=window, extrapolate=extrapolate
         ).pooled()
     return found
 

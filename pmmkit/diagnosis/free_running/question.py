@@ -54,7 +54,13 @@ def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequen
         If there are none.
     """
     found = (
-        [x for run in records.runs for x in free_records(run, model, depth=records.depth_of(run))]
+        [
+            record
+            for run in records.runs
+            for record in free_records(
+                run, model, depth=records.depth_of(run), campaign=records.title
+            )
+        ]
         if isinstance(records, Campaign)
         else records
     )

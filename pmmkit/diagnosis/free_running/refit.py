@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -65,7 +65,33 @@ def _refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -
             note="; ".join(text for text in (why, said) if text),
         )
         made = after.with_(steps=(*made.steps, taken))
-    return made
+    return made.with_(
+        steps=tuple(_as_fitted(step, every, fit, _title(system)) for step in made.steps)
+    )
+
+
+def _title(system: FreeSystem) -> str:
+    """Title of the tests; empty where the records are of several."""
+    titles = {record.campaign for record in system.records}
+    return titles.pop() if len(titles) == 1 else ""
+
+
+def _as_fitted(step: Step, every: Mapping[str, FreeCandidate], fit: Fit, title: str) -> Step:
+    """A step with what the last fit says of its fault: it belongs to that fit's model."""
+    if step.action != "fault_corrected" or step.effect not in fit.names:
+        return step
+    if step.campaign not in ("", title):
+        return step
+    return replace(step, campaign=title, coefficients=_coefficients(every[step.effect], fit))
+
+
+def _coefficients(item: FreeCandidate, fit: Fit) -> dict[str, float]:
+    """Coefficients of an effect by a fit."""
+    columns = fit.place.question.numbers.columns[item.name].tolist()
+    return {
+        label: WIDER * typical * float(fit.z[column])
+        for (label, typical), column in zip(item.typical.items(), columns, strict=True)
+    }
 
 
 def step_of(old: Model, new: Model, item: FreeCandidate, fit: Fit) -> Step:
@@ -80,11 +106,7 @@ def step_of(old: Model, new: Model, item: FreeCandidate, fit: Fit) -> Step:
     fit : Fit
         To the records.
     """
-    columns = fit.place.question.numbers.columns[item.name].tolist()
-    found = {
-        label: WIDER * typical * float(fit.z[column])
-        for (label, typical), column in zip(item.typical.items(), columns, strict=True)
-    }
+    found = _coefficients(item, fit)
     if item.kind == "fault":
         return Step(action="fault_corrected", effect=item.name, coefficients=found)
     part = () if item.part is None else (item.part.effect,)

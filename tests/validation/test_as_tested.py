@@ -1,0 +1,117 @@
+"""What a model's steps tell of some tests is in the comparison with them, and in no other.
+
+Records come from a tank of free-running ships that shares no code with the package; what is hidden
+enters there at its source. The model is the tank's own ship, exact where nothing is hidden, and its
+step says the hidden size.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from free_tank.campaigns import Setup, hidden_in, write
+
+import pmmkit as pk
+from pmmkit.cli import main
+from pmmkit.models.step import Step
+
+SHIP = "kvlcc2-l7"
+FAULTS = {
+    "current": ("current", lambda h: {"current_x": h.current[0], "current_y": h.current[1]}),
+    "rudder_zero": ("fault_rudder_zero", lambda h: {"angle": math.degrees(h.rudder_zero)}),
+    "clock": ("fault_clock_lag", lambda h: {"clock_lag": h.late_positions}),
+    "antenna": ("fault_antenna", lambda h: {"antenna_x": h.antenna, "antenna_y": 0.0}),
+    "heading": (
+        "fault_heading_offset",
+        lambda h: {"heading_offset": math.degrees(h.heading_offset)},
+    ),
+    "log": ("fault_log", lambda h: {"log_gain": h.log_gain}),
+}
+"""Name of what a case hides, and its coefficients with their units in the catalogue."""
+
+
+@pytest.fixture(scope="module", params=FAULTS)
+def compared(request, tmp_path_factory):
+    """A turning circle: compared by the model as given, and as its step says of these tests."""
+    effect, coefficients = FAULTS[request.param]
+    setup = Setup(case=request.param, runs=3, seed=2, ship=SHIP)
+    campaign = pk.open_campaign(write(setup, tmp_path_factory.mktemp(request.param)))
+    campaign = campaign.with_(runs=campaign.runs[:1])
+    step = Step(
+        action="fault_corrected",
+        effect=effect,
+        coefficients=coefficients(hidden_in(setup)),
+        campaign=campaign.title,
+    )
+    ship = pk.load_model(SHIP)
+    return step, campaign, pk.compare(ship, campaign), pk.compare(ship.stepped(step), campaign)
+
+
+def errors(comparison):
+    """Errors over their uncertainty, all channels of all records."""
+    return np.array([row["ratio"] for row in comparison.rows()])
+
+
+def test_what_was_added_makes_the_comparison_right(compared):
+    """With nothing hidden any more, errors are those of a true model: 95 % within U."""
+    _, _, before, after = compared
+    assert np.sum(errors(after) > 1.0) <= 1
+    assert np.sqrt(np.mean(errors(after) ** 2)) < 0.75 * np.sqrt(np.mean(errors(before) ** 2))
+    assert any("as the model's steps say" in note for note in after.notes)
+
+
+@pytest.mark.parametrize("compared", ["rudder_zero"], indirect=True)
+def test_a_fault_belongs_to_its_laboratory(compared):
+    """Told of other tests, it changes nothing here, to the digit."""
+    step, campaign, before, _ = compared
+    elsewhere = replace(step, campaign="another trial")
+    ship = pk.load_model(SHIP).stepped(elsewhere)
+    assert pk.compare(ship, campaign).rows() == before.rows()
+
+
+def test_measures_of_a_circle_in_a_current_are_those_through_the_water(tmp_path):
+    setup = Setup(case="current", runs=3, seed=4, ship=SHIP)
+    campaign = pk.open_campaign(write(setup, tmp_path))
+    campaign = campaign.with_(runs=campaign.runs[:1])
+    step = Step(
+        action="fault_corrected",
+        effect="current",
+        coefficients=FAULTS["current"][1](hidden_in(setup)),
+        campaign=campaign.title,
+    )
+    found = {}
+    for name, model in (
+        ("given", pk.load_model(SHIP)),
+        ("stepped", pk.load_model(SHIP).stepped(step)),
+    ):
+        rows = [row for item in pk.compare(model, campaign).manoeuvres for row in item.rows()]
+        found[name] = {row["measure"]: row["relative"] for row in rows if row["test"] == "turning"}
+    assert abs(found["given"]["advance"]) > 0.03
+    for measure in ("advance", "transfer", "tactical_diameter"):
+        assert abs(found["stepped"][measure]) < 0.005
+
+
+@pytest.mark.slow
+def test_a_current_is_found_added_and_gone_from_the_next_comparison(tmp_path, capsys, monkeypatch):
+    """The user's sentence, typed: compare, diagnose, what `Next:` prints, compare again."""
+    monkeypatch.chdir(tmp_path)
+    write(Setup(case="current", runs=3, seed=4, ship=SHIP), tmp_path).rename("trial")
+    assert main(["compare", SHIP, "trial", "--no-figures", "--out", "c1"]) == 0
+    assert main(["diagnose", SHIP, "trial", "--no-figures", "--out", "d1"]) == 0
+    said = capsys.readouterr().out
+    (following,) = (line for line in said.splitlines() if line.startswith("Next: pmmkit add"))
+    assert main(following.split()[2:]) == 0
+    assert main(["compare", "model2.toml", "trial", "--no-figures", "--out", "c2"]) == 0
+    assert "Nothing stands out" in capsys.readouterr().out
+    trial = pk.open_campaign("trial")
+    before, after = (
+        {row["channel"]: row["error"] for row in pk.compare(model, trial).rows()}
+        for model in (pk.load_model(SHIP), pk.load_model("model2.toml"))
+    )
+    assert after["position"] < 0.95 * before["position"]
+    assert after["N"] < 0.4 * before["N"]
+    assert main(["diagnose", "model2.toml", "trial", "--no-figures", "--out", "d2"]) == 0
+    assert "nothing is missing" in capsys.readouterr().out
