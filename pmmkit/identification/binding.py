@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.effects.seen import CURRENT
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.layouts import Constant
 from pmmkit.equations.prepared import packed, values_at
@@ -20,9 +21,6 @@ from pmmkit.models import Model
 from pmmkit.models.roles import parts_of
 from pmmkit.numerics import Array
 
-"""Parts that move the revolutions; where these are measured, they are left out."""
-AROUND: Final = ("current_x", "current_y")
-"""Constants that may be looked for too: the current to north and east [m/s]."""
 FORCES: Final = ("more_X", "more_Y", "more_N", "more_K")
 
 
@@ -112,7 +110,7 @@ def bound(
     """
     ready = driven(model)
     numbers = values_at(ready, speed, extrapolate=extrapolate)
-    own = [name for name in names if name not in (*AROUND, *FORCES)]
+    own = [name for name in names if name not in (*CURRENT, *FORCES)]
     at = dict(zip(own, places(ready, own), strict=True))
     structure, k = packed(ready, numbers, speed, conditions, heeled=True)
     base = np.array(k, float)

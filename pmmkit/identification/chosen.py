@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.segments import Cut, usable
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import DataError, Problem, UnknownNameError
+from pmmkit.identification.as_tested import offsets, without
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
@@ -81,6 +82,11 @@ class Chosen:
         if len(self.cuts) > most:
             lines.append(f"  and {len(self.cuts) - most} more cuts, in identified.json")
         return lines
+
+    def corrected(self, model: Model) -> Chosen:
+        """The records as the model's steps say that they were sailed."""
+        records = (without(item, offsets(model, item.campaign)) for item in self.records)
+        return replace(self, records=tuple(records))
 
     def long_enough(self, window: float) -> tuple[FreeRecord, ...]:
         """The records that hold a window [s].

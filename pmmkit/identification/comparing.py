@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from pmmkit.effects.seen import CURRENT
 from pmmkit.errors import DataError, ModelError, PmmkitError, UnknownNameError
 from pmmkit.identification.as_tested import without
-from pmmkit.identification.binding import AROUND
 from pmmkit.identification.methods import METHODS, SECONDS, Identified, identify
 from pmmkit.identification.parameters import places
 from pmmkit.identification.predict import Course, Prediction, predict, reference
@@ -384,7 +383,7 @@ def _one(
 
 def _derivatives(model: Model, prior: Prior) -> Prior:
     """The part of a prior that belongs to derivatives."""
-    own = [name for name in prior.names if name not in AROUND]
+    own = [name for name in prior.names if name not in CURRENT]
     homes = dict(zip(own, places(model, own), strict=True))
     at = [
         i

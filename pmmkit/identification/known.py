@@ -10,8 +10,8 @@ import numpy as np
 from pmmkit.channels import did_you_mean
 from pmmkit.conventions import canonical
 from pmmkit.effects.hull import HULL
+from pmmkit.effects.seen import CURRENT
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.identification.binding import AROUND
 from pmmkit.identification.parameters import places
 from pmmkit.identification.prior import Prior, prior_of
 from pmmkit.models import Model, load_model
@@ -61,7 +61,7 @@ def parameters_of(model: Model, asked: Sequence[str] | None) -> tuple[str, ...]:
 
 
 def _spelt(name: str) -> str:
-    if "." in name or name in AROUND:
+    if "." in name or name in CURRENT:
         return name
     try:
         return canonical(name)
@@ -78,7 +78,7 @@ def _fittable(model: Model) -> tuple[str, ...]:
         if effect in DERIVATIVE_PARTS:
             names += [name for name in part.values if name not in single]
         names += [f"{effect}.{name}" for name in single if name in part.values]
-    return (*names, *AROUND)
+    return (*names, *CURRENT)
 
 
 def known_before(
@@ -121,7 +121,7 @@ def known_before(
     if other.convention != model.convention:
         table = _with_covariance(hull_table(other), other)
         return _from_table(own, table, model, speed, prior, spread, extrapolate)
-    shared = [name for name in names if name in AROUND or _has(other, name)]
+    shared = [name for name in names if name in CURRENT or _has(other, name)]
     if not shared:
         raise UnknownNameError(f"{prior} has none of {', '.join(names)}.")
     given = prior_of(other, shared, speed, spread=spread, extrapolate=extrapolate)

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from pmmkit.effects.seen import CURRENT
 from pmmkit.errors import DataError, ModelError, UnknownNameError
-from pmmkit.identification.binding import AROUND
 from pmmkit.identification.forces import fit_to_forces
 from pmmkit.identification.parameters import places, with_parameters
 from pmmkit.identification.prior import Prior, asked_names, prior_of
-from pmmkit.identification.record import FreeRecord
+from pmmkit.identification.record import FreeRecord, title_of
 from pmmkit.identification.restarts import filtered
 from pmmkit.identification.smoother import implied_forces, smooth
 from pmmkit.identification.trajectory import fit_trajectories
@@ -320,7 +320,7 @@ def identify(
         if method == "sindy":
             from pmmkit.identification.sparse.regression import sparse_regression
 
-            library = [name for name in asked if "." not in name and name not in AROUND]
+            library = [name for name in asked if "." not in name and name not in CURRENT]
             return _sparse(
                 sparse_regression(model, forces, library=library, **rest), before, started
             )
@@ -328,7 +328,8 @@ def identify(
             model, forces, before.names, prior=before, extrapolate=extrapolate, progress=progress
         )
         notes = ("forces implied by the smoother",)
-    return _told(model, method, before, found, notes, time.perf_counter() - started)
+    seconds = time.perf_counter() - started
+    return _told(model, method, before, found, notes, seconds, title_of(records))
 
 
 def _lost(tried: Sequence[str]) -> tuple[str, ...]:
@@ -337,7 +338,13 @@ def _lost(tried: Sequence[str]) -> tuple[str, ...]:
 
 
 def _told(
-    model: Model, method: str, prior: Prior, found: Any, notes: tuple[str, ...], seconds: float
+    model: Model,
+    method: str,
+    prior: Prior,
+    found: Any,
+    notes: tuple[str, ...],
+    seconds: float,
+    campaign: str,
 ) -> Identified:
     covariance = np.array(found.covariance)
     std = np.sqrt(np.diagonal(covariance))
@@ -357,6 +364,7 @@ def _told(
         made = _with_values(
             model, prior.names, kept, covariance, f"{method} on free-running records"
         )
+        made = made.stepped(*_current_step(prior.names, kept, method, campaign))
     except ModelError as error:
         raise DataError(
             f"The records drive a value out of its range: {error} Narrow the prior of that value, "
@@ -388,11 +396,29 @@ def _told(
     )
 
 
+def _current_step(
+    names: Sequence[str], values: Array, method: str, campaign: str
+) -> tuple[Step, ...]:
+    """The step that tells of the current of these tests; none where it was not looked for."""
+    found = {name: x for name, x in zip(names, values.tolist(), strict=True) if name in CURRENT}
+    if not any(found.values()):
+        return ()
+    step = Step(
+        action="fault_corrected",
+        effect="current",
+        coefficients=dict.fromkeys(CURRENT, 0.0) | found,
+        campaign=campaign,
+        method=method,
+        source="identified",
+    )
+    return (step,)
+
+
 def _with_values(
     model: Model, names: Sequence[str], values: Array, covariance: Array, how: str
 ) -> Model:
     """The model with new values, their source and their covariance."""
-    own = [name for name in names if not name.startswith("current_")]
+    own = [name for name in names if name not in CURRENT]
     at = places(model, own)
     number = [list(names).index(name) for name in own]
     made = with_parameters(model, at, values[number])

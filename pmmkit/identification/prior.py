@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from pmmkit.effects.hull import HULL
+from pmmkit.effects.seen import CURRENT
 from pmmkit.equations.prepared import values_at
 from pmmkit.errors import DataError
-from pmmkit.identification.binding import AROUND
 from pmmkit.identification.parameters import places
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS, place_name
@@ -19,7 +19,7 @@ from pmmkit.numerics import Array
 
 SPREAD: Final = 0.3
 """Relative standard deviation of a derivative of which nothing else is known."""
-CURRENT: Final = 0.1
+DRIFTS: Final = 0.1
 """Standard deviation of the current over the speed of the approach."""
 
 
@@ -91,7 +91,7 @@ def prior_of(
     """
     if not names:
         raise DataError("Name at least one parameter.")
-    own = [name for name in names if name not in AROUND]
+    own = [name for name in names if name not in CURRENT]
     numbers = values_at(model, speed, extrapolate=extrapolate)
     values = {
         name: float(numbers[effect][item])
@@ -102,8 +102,8 @@ def prior_of(
     default = None if spread is None or isinstance(spread, Mapping) else float(spread)
     std = np.array(
         [
-            CURRENT * speed
-            if name in AROUND
+            DRIFTS * speed
+            if name in CURRENT
             else (relative.get(name, default) or SPREAD) * _size(name, values, numbers)
             for name in names
         ]

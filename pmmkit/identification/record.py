@@ -195,6 +195,18 @@ class FreeRecord:
         return self.with_(measured={name: self.measured[name] for name in channels})
 
 
+def title_of(records: Sequence[FreeRecord]) -> str:
+    """Title of the tests of records; empty where they are of several.
+
+    Parameters
+    ----------
+    records : sequence of FreeRecord
+        Each with the title of its tests.
+    """
+    titles = {record.campaign for record in records}
+    return titles.pop() if len(titles) == 1 else ""
+
+
 def noise_of(values: Array) -> float:
     """Standard deviation of white noise on a smooth signal, from its third differences.
 

@@ -291,7 +291,7 @@ def test_without_runs_held_out_it_says_so(campaign, start, tmp_path, capsys):
 
 @pytest.mark.slow
 def test_sensors_stated_and_a_current(campaign, start, tmp_path, capsys):
-    status, content, words = identified(
+    status, content, _ = identified(
         capsys,
         campaign,
         start,
@@ -308,7 +308,9 @@ def test_sensors_stated_and_a_current(campaign, start, tmp_path, capsys):
     assert abs(rows["current_x"]["value"]) < 0.05
     whole = {row["channel"]: row["nis"] for row in content["methods"]["ekf"]["consistency"]}
     assert 0.7 < whole["x"] < 1.4
-    assert "sail without it" in words
+    step = pk.load_model(tmp_path / "t" / "model.toml").steps[-1]
+    assert (step.effect, step.coefficients["current_y"]) == ("current", 0.0)
+    assert step.coefficients["current_x"] == pytest.approx(rows["current_x"]["value"])
 
 
 @pytest.mark.slow

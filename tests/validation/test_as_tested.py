@@ -16,6 +16,8 @@ from free_tank.campaigns import Setup, hidden_in, write
 
 import pmmkit as pk
 from pmmkit.cli import main
+from pmmkit.diagnosis.free_running.question import records_of
+from pmmkit.identification import reference
 from pmmkit.models.step import Step
 
 SHIP = "kvlcc2-l7"
@@ -115,3 +117,28 @@ def test_a_current_is_found_added_and_gone_from_the_next_comparison(tmp_path, ca
     assert after["N"] < 0.4 * before["N"]
     assert main(["diagnose", "model2.toml", "trial", "--no-figures", "--out", "d2"]) == 0
     assert "nothing is missing" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_a_current_that_is_identified_is_in_predictions_and_comparisons(tmp_path):
+    setup = Setup(case="current", runs=3, seed=4, ship=SHIP)
+    campaign = pk.open_campaign(write(setup, tmp_path))
+    ship = pk.load_model(SHIP)
+    records = records_of(campaign, ship)
+    found = pk.compare_methods(
+        ship,
+        records[1:],
+        ["current_x", "current_y"],
+        methods=("trajectory",),
+        references=reference(ship, records[:1]),
+        window=60.0,
+    )
+    assert found.found["trajectory"].current == pytest.approx(hidden_in(setup).current, abs=3e-3)
+    before, after = (found.predictions[name].pooled() for name in ("before", "trajectory"))
+    assert after["position"] < 0.3 * before["position"]
+    turn = campaign.with_(runs=campaign.runs[:1])
+    given, identified = (
+        {row["channel"]: row["error"] for row in pk.compare(model, turn).rows()}
+        for model in (ship, found.found["trajectory"].model)
+    )
+    assert identified["position"] < 0.3 * given["position"]

@@ -185,6 +185,7 @@ def identify(
         wind=wind,
         shortest=shortest,
     )
+    used, held_out = used.corrected(base), held_out and held_out.corrected(base)
     names = parameters_of(base, None if derivatives is None else words(derivatives))
     before = known_before(
         base, names, used.records[0].speed, prior=prior, spread=spread, extrapolate=extrapolate

@@ -14,6 +14,7 @@ from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
 from pmmkit.diagnosis.free_running.system import FreeSystem
 from pmmkit.errors import DataError, Problem, Remedy, Way
+from pmmkit.identification.record import title_of
 from pmmkit.models import Model
 from pmmkit.models.changes import before_of
 from pmmkit.models.step import Step, odds
@@ -65,15 +66,8 @@ def _refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -
             note="; ".join(text for text in (why, said) if text),
         )
         made = after.with_(steps=(*made.steps, taken))
-    return made.with_(
-        steps=tuple(_as_fitted(step, every, fit, _title(system)) for step in made.steps)
-    )
-
-
-def _title(system: FreeSystem) -> str:
-    """Title of the tests; empty where the records are of several."""
-    titles = {record.campaign for record in system.records}
-    return titles.pop() if len(titles) == 1 else ""
+    title = title_of(system.records)
+    return made.with_(steps=tuple(_as_fitted(step, every, fit, title) for step in made.steps))
 
 
 def _as_fitted(step: Step, every: Mapping[str, FreeCandidate], fit: Fit, title: str) -> Step:

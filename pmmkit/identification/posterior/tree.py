@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.effects.seen import CURRENT
 from pmmkit.errors import DataError, Problem
 from pmmkit.files import atomic_path, is_intact, seal
-from pmmkit.identification.binding import AROUND
 from pmmkit.identification.posterior.density import DEGREES, PROCESS_NOISE, SENSOR_SCALE, Density
 from pmmkit.identification.posterior.ensembles import Drawn
 from pmmkit.identification.record import FreeRecord
@@ -157,7 +157,7 @@ def draws_of(tree: xr.DataTree) -> Draws:
     Draws
         Without process noise, scale of the sensors and current, which are no part of a model.
     """
-    beside = (PROCESS_NOISE, SENSOR_SCALE, *AROUND)
+    beside = (PROCESS_NOISE, SENSOR_SCALE, *CURRENT)
     data = tree["posterior"].to_dataset()
     names = tuple(str(name) for name in data.data_vars if name not in beside)
     values = np.stack([data[name].to_numpy().ravel() for name in names], axis=1)
