@@ -14,6 +14,7 @@ from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.seen import ANTENNA, CLOCK_LAG, CURRENT, HEADING_OFFSET, LOG_GAIN, RUDDER_ZERO
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
+from pmmkit.models.step import faults_of
 from pmmkit.models.vessel import Sailing, moves_of
 from pmmkit.numerics import Array
 
@@ -44,13 +45,11 @@ def known_faults(model: Model, records: Sequence[FreeRecord]) -> tuple[str, ...]
         Each with the title of its tests.
     """
     titles = dict.fromkeys(record.campaign for record in records)
-    return tuple(dict.fromkeys(name for x in titles for name in _coefficients(model, x)))
+    return tuple(dict.fromkeys(name for x in titles for name in faults_of(model.steps, x)))
 
 
 def offsets(model: Model, campaign: str) -> dict[str, float]:
     """What records of some tests are off by, as a model's steps tell, by `effects.seen.OUTSIDE`.
-
-    A fault belongs to its laboratory: a step tells of the tests that it names, by their title.
 
     Parameters
     ----------
@@ -70,21 +69,13 @@ def offsets(model: Model, campaign: str) -> dict[str, float]:
     ({'rudder_zero': 1.0}, {})
     """
     found: dict[str, float] = {}
-    for name, coefficients in _coefficients(model, campaign).items():
+    for name, step in faults_of(model.steps, campaign).items():
         moves = moves_of(catalogue()[name], Sailing(model, 1.0))
-        for label in coefficients.keys() & moves.keys():
+        for label in moves.keys() & step.coefficients.keys():
             for place, share in moves[label].values.items():
-                found[place] = found.get(place, 0.0) + share * coefficients[label]
+                size = share * float(step.coefficients[label])  # type: ignore[arg-type]
+                found[place] = found.get(place, 0.0) + size
     return found
-
-
-def _coefficients(model: Model, campaign: str) -> dict[str, Mapping[str, float]]:
-    """Coefficients of each known fault: those of the last step that tells of it."""
-    return {
-        step.effect: {name: float(x) for name, x in step.coefficients.items()}  # type: ignore[arg-type]
-        for step in model.steps
-        if step.action == "fault_corrected" and step.campaign == campaign
-    }
 
 
 def in_words(found: Mapping[str, float]) -> str:

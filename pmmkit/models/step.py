@@ -190,6 +190,35 @@ def odds(log_odds: float) -> str:
     return f"about {math.exp(log_odds):.0f} to 1"
 
 
+def faults_of(steps: Sequence[Step], campaign: str) -> dict[str, Step]:
+    """The faults that a model's steps tell of some tests: of each the last step.
+
+    A fault belongs to its laboratory: to the tests that the step names, by their title.
+
+    Parameters
+    ----------
+    steps : sequence of Step
+        Of a model.
+    campaign : str
+        Title of the tests.
+
+    Examples
+    --------
+    >>> found = [
+    ...     Step(action="fault_corrected", effect="current", campaign=title,
+    ...          coefficients={"current_x": x})
+    ...     for title, x in (("a", 0.1), ("a", 0.2), ("b", 1.0))
+    ... ]
+    >>> faults_of(found, "a")["current"].coefficients, list(faults_of(found, "c"))
+    ({'current_x': 0.2}, [])
+    """
+    return {
+        step.effect: step
+        for step in steps
+        if step.action == "fault_corrected" and step.campaign == campaign
+    }
+
+
 def last_added(steps: Sequence[Step]) -> int | None:
     """Number of the last step that put an effect or a fault in which is not taken out since.
 

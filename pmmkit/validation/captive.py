@@ -14,6 +14,7 @@ from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import CHANNELS
 from pmmkit.errors import DataError, ExtrapolationError
 from pmmkit.models import Model
+from pmmkit.models.step import faults_of
 from pmmkit.numerics import Array
 from pmmkit.observations.stated import idle
 from pmmkit.observations.views import (
@@ -23,7 +24,9 @@ from pmmkit.observations.views import (
     repeatability_of,
     views_of,
 )
+from pmmkit.presentation import listed
 from pmmkit.progress import Progress
+from pmmkit.validation.faults import shown_too_much
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
 from pmmkit.validation.uncertainty import (
     COVERAGE,
@@ -164,6 +167,12 @@ def compare_captive(
         *predictor.notes,
         *idle(campaign.uncertainty, [(view.run, tuple(view.force)) for view in views]),
     ]
+    faults = faults_of(model.steps, campaign.title or campaign.ship.name)
+    if faults:
+        notes.append(
+            f"The prediction holds what the model's steps tell of these tests: "
+            f"{listed(list(faults))}."
+        )
     scatter = repeat_scatter(views)
     scale = scales(views)
     found: list[CaptiveRun] = []
@@ -177,7 +186,10 @@ def compare_captive(
         except ExtrapolationError:
             outside.append(view.run.id)
             continue
-        found.append(_compared(view, forces, predictor, campaign, rig, scatter, scale, floor))
+        beside = shown_too_much(view, predictor, faults, turning=turning)
+        found.append(
+            _compared(view, forces, beside, predictor, campaign, rig, scatter, scale, floor)
+        )
     if outside:
         notes.append(
             f"Outside the speeds of the model and left out: {', '.join(outside)}. Extrapolation "
@@ -194,6 +206,7 @@ def compare_captive(
 def _compared(
     view: View,
     forces: Forces,
+    beside: Mapping[str, Array],
     predictor: Predictor,
     campaign: Campaign,
     rig: Rig,
@@ -207,7 +220,7 @@ def _compared(
     }
     if not predictor.model.rolls:
         history.pop("K", None)
-    predicted = {name: view.project(x) for name, x in history.items()}
+    predicted = {name: view.project(x) + beside.get(name, 0.0) for name, x in history.items()}
     sources = sources_of(campaign, repeated=bool(scatter))
     own = measured_shares(view, campaign, rig, scatter, sources, forces, predicted)
     least = {name: np.full(view.rows, floor * scale[name] * view.speed**2) for name in predicted}

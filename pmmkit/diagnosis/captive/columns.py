@@ -10,12 +10,12 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.base import Base
-from pmmkit.diagnosis.captive.observed import Seen, times_factors
 from pmmkit.diagnosis.captive.stretch import MOTION, Stretch, stretches
 from pmmkit.effects.catalogue import arguments_of
 from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.effects.primitives import over_arrays
 from pmmkit.numerics import Array
+from pmmkit.observations.seen import Seen, times_factors
 from pmmkit.observations.views import View
 
 CHANNELS: Final = ("X", "Y", "N")

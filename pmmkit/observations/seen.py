@@ -5,23 +5,43 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.diagnosis.captive.base import Base
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 from pmmkit.ship import Ship, Water
 
 
+class Expects(Protocol):
+    """What predicts the forces of captive runs: a fitted base, or a model in the tank."""
+
+    @property
+    def ship(self) -> Ship:
+        """The model that was tested."""
+
+    @property
+    def water(self) -> Water:
+        """The water of the tank."""
+
+    def expected(self, view: View) -> Mapping[str, Array]:
+        """All harmonics of the forces that are predicted in a view, by channel [N, N m]."""
+
+    def change(
+        self, view: View, moved: Callable[[View], tuple[State, float]], step: float
+    ) -> Mapping[str, Array]:
+        """Harmonics of how the prediction changes per unit of something, by a small step."""
+
+
 @dataclass(frozen=True)
 class Seen:
-    """A view of a run beside the fitted base; `effects.seen.Observed` says what each word is."""
+    """A view of a run beside a prediction; `effects.seen.Observed` says what each word is."""
 
     view: View
-    base: Base
+    base: Expects
 
     @property
     def ship(self) -> Ship:
@@ -75,7 +95,7 @@ class Seen:
 
     @property
     def expected(self) -> Mapping[str, Array]:
-        """Harmonics of the forces of the base that the forces have [N, N m]."""
+        """Harmonics of the predicted forces that the forces have [N, N m]."""
         found = self.base.expected(self.view)
         return MappingProxyType({name: self.view.pick(x) for name, x in found.items()})
 
@@ -84,7 +104,7 @@ class Seen:
         return self.view.project(history)
 
     def filtered(self, factor: Callable[[int], complex]) -> Mapping[str, Array]:
-        """Harmonics of the forces of the base, the n-th multiplied by a complex factor."""
+        """Harmonics of the predicted forces, the n-th multiplied by a complex factor."""
         expected = self.base.expected(self.view)
         count = max(map(len, expected.values()), default=1)
         factors = np.array([factor(n) for n in range((count - 1) // 2 + 1)], complex)
@@ -96,7 +116,7 @@ class Seen:
     def changed(
         self, motion: State, step: float, *, speed: float | None = None
     ) -> Mapping[str, Array]:
-        """Change of the forces of the base per unit of a step that leads to another motion."""
+        """Change of the predicted forces per unit of a step that leads to another motion."""
         after = (motion, self.view.speed if speed is None else speed)
         return self.base.change(self.view, lambda _: after, step)
 

@@ -1,0 +1,72 @@
+"""What the faults of a laboratory, as a model's steps tell them, do to captive runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.state import State
+from pmmkit.models.step import Step
+from pmmkit.numerics import Array
+from pmmkit.observations.seen import Seen
+from pmmkit.observations.views import View
+from pmmkit.ship import Ship, Water
+from pmmkit.validation.prediction import Predictor
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class InTheTank:
+    """A model as what predicts the forces of a run; `observations.seen.Expects` says the rest."""
+
+    predictor: Predictor
+    turning: bool
+    ship: Ship
+    water: Water
+
+    def expected(self, view: View) -> dict[str, Array]:
+        """All harmonics of the forces that the model predicts in a view [N, N m]."""
+        return self._along(view, view.motion, view.speed)
+
+    def change(
+        self, view: View, moved: Callable[[View], tuple[State, float]], step: float
+    ) -> dict[str, Array]:
+        """Harmonics of how the prediction changes per unit of something, by a small step."""
+        after, before = self._along(view, *moved(view)), self.expected(view)
+        return {name: view.pick(after[name] - x) / step for name, x in before.items()}
+
+    def _along(self, view: View, motion: State, speed: float) -> dict[str, Array]:
+        forces = self.predictor.forces(speed, turning=self.turning)(motion, view.instants)
+        return {name: view.harmonics(x) for name, x in forces.items() if name in view.force}
+
+
+def shown_too_much(
+    view: View, predictor: Predictor, steps: Mapping[str, Step], *, turning: bool
+) -> dict[str, Array]:
+    """Harmonics that a run shows beside the forces of the water, by channel [N, N m].
+
+    Parameters
+    ----------
+    view : View
+        The run.
+    predictor : Predictor
+        The model in the tank.
+    steps : mapping of str to Step
+        The faults, as `faults_of` gives them. One that each run draws for itself is left out:
+        it says nothing of another run.
+    turning : bool
+        Whether the propeller turns.
+    """
+    model = predictor.model
+    base = InTheTank(predictor=predictor, turning=turning, ship=model.ship, water=model.water)
+    found: dict[str, Array] = {}
+    for name, step in steps.items():
+        effect = catalogue()[name]
+        labels = [item.name for item in effect.coefficients]
+        if effect.columns is None or not set(labels) <= set(step.coefficients):
+            continue
+        for channel, columns in effect.columns(Seen(view, base), step.value or 0.0).items():
+            for label, column in zip(labels, columns, strict=True):
+                size = float(step.coefficients[label])  # type: ignore[arg-type]
+                found[channel] = found.get(channel, 0.0) + size * column
+    return found
