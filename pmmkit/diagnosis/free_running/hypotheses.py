@@ -216,11 +216,14 @@ def _whole(numbers: Numbers, names: Sequence[str], spread: float) -> Array:
 
 
 def unlikely(numbers: Numbers, names: Sequence[str], spread: float, z: Array) -> float:
-    """Half the sum of squares of some numbers by what is known of them before."""
+    """Half the sum of squares of some numbers by what is known of them before; infinite where one
+    is moved that does not move at this spread."""
     total = float(z[numbers.at(names)] @ z[numbers.at(names)])
     root = numbers.base.root(spread)
+    moves = root.any(axis=1)
+    if np.any(z[: numbers.width][~moves]):
+        return math.inf
     if root.shape[1]:
-        moves = root.any(axis=1)
         own = np.linalg.solve(root[moves], z[: numbers.width][moves])
         total += float(own @ own)
     return 0.5 * total
