@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from pmmkit.diagnosis.captive.system import WIDER, Block, System
 from pmmkit.diagnosis.evidence import HIDES, MIMICS, SHOWS, Visible
 from pmmkit.effects.seen import EXCITES
 from pmmkit.numerics import Array
+
+ROUNDING: Final = 1e-6
+"""Signal below which an effect is told from the base by rounding alone."""
 
 
 def coverage(system: System) -> tuple[Visible, ...]:
@@ -46,7 +50,7 @@ def coverage(system: System) -> tuple[Visible, ...]:
                 family=block.candidate.family,
                 signal=signal,
                 without_a_run=left,
-                hides=math.sqrt(HIDES / signal) if signal > 1e-6 else math.inf,
+                hides=math.sqrt(HIDES / signal) if signal > ROUNDING else math.inf,
                 shown=shown,
                 why=""
                 if shown
@@ -54,7 +58,9 @@ def coverage(system: System) -> tuple[Visible, ...]:
                 mimics=_mimics(system, block, signal, best) if shown else {},
             )
         )
-    return (*sorted(found, key=lambda item: -item.signal), *map(_not_held, system.unasked))
+    # a signal of rounding alone is none: these stand by their names on any machine
+    order = sorted(found, key=lambda x: (-x.signal if x.signal > ROUNDING else 0.0, x.name))
+    return (*order, *map(_not_held, system.unasked))
 
 
 def _not_held(candidate: Candidate) -> Visible:
