@@ -70,11 +70,10 @@ def offsets(model: Model, campaign: str) -> dict[str, float]:
     """
     found: dict[str, float] = {}
     for name, step in faults_of(model.steps, campaign).items():
-        moves = moves_of(catalogue()[name], Sailing(model, 1.0))
-        for label in moves.keys() & step.coefficients.keys():
-            for place, share in moves[label].values.items():
-                size = share * float(step.coefficients[label])  # type: ignore[arg-type]
-                found[place] = found.get(place, 0.0) + size
+        known = {label: float(x) for label, x in step.coefficients.items()}  # type: ignore[arg-type]
+        for label, move in moves_of(catalogue()[name], Sailing(model, 1.0)).items():
+            for place, share in move.values.items() if label in known else ():
+                found[place] = found.get(place, 0.0) + share * known[label]
     return found
 
 
