@@ -41,4 +41,10 @@ def examine_reach(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[
         )
 
 
-CHECKS = (Check("reach", "tests across the flow, and rows that were left out", examine_reach),)
+CHECKS = (
+    Check(
+        "reach",
+        "steady runs at a drift above 45°, which derivatives leave out; rows that are no runs",
+        examine_reach,
+    ),
+)
