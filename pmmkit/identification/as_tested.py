@@ -106,7 +106,8 @@ def without(record: FreeRecord, found: Mapping[str, float]) -> FreeRecord:
     """
     columns = _columns(record.t, {**record.measured, "delta": record.delta}, found)
     delta = columns.pop("delta")
-    return record.with_(measured=columns, delta=delta, current=current_of(found))
+    north, east = (found.get(*known) for known in zip(CURRENT, record.current, strict=True))
+    return record.with_(measured=columns, delta=delta, current=(north, east))
 
 
 def campaign_without(campaign: Campaign, found: Mapping[str, float]) -> Campaign:

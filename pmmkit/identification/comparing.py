@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from pmmkit.effects.seen import CURRENT
 from pmmkit.errors import DataError, ModelError, PmmkitError, UnknownNameError
-from pmmkit.identification.as_tested import without
 from pmmkit.identification.methods import METHODS, SECONDS, Identified, identify
 from pmmkit.identification.parameters import places
-from pmmkit.identification.predict import Course, Prediction, predict, reference
+from pmmkit.identification.predict import Course, Prediction, predict, smoothed_without
 from pmmkit.identification.prior import Prior, asked_names, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
@@ -309,7 +308,11 @@ def compare_methods(
     if references:
         predictions[BEFORE] = predict(model, references, window=window, extrapolate=extrapolate)
         for name, item in found.items():
-            seen = _in_current(model, references, item.current, sensors, extrapolate)
+            values = zip(item.names, item.values.tolist(), strict=True)
+            current = {place: value for place, value in values if place in CURRENT}
+            seen = smoothed_without(
+                model, references, current, sensors=sensors, extrapolate=extrapolate
+            )
             predictions[name] = predict(item.model, seen, window=window, extrapolate=extrapolate)
     return MethodComparison(
         model=model,
@@ -319,21 +322,6 @@ def compare_methods(
         predictions=MappingProxyType(predictions),
         window=window,
     )
-
-
-def _in_current(
-    model: Model,
-    references: Sequence[Smoothed],
-    current: tuple[float, float],
-    sensors: Mapping[str, float] | None,
-    extrapolate: bool,
-) -> Sequence[Smoothed]:
-    """References as they are in a current that was found; themselves where there is none."""
-    if not any(current):
-        return references
-    found = dict(zip(CURRENT, current, strict=True))
-    records = [without(item.record, found) for item in references]
-    return reference(model, records, sensors=sensors, extrapolate=extrapolate)
 
 
 def _inside(progress: Progress, place: int, total: int, method: str) -> Progress:

@@ -14,6 +14,7 @@ from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
 from pmmkit.equations.layouts import State
 from pmmkit.errors import DataError
+from pmmkit.identification.as_tested import without
 from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.filters import STEP
 from pmmkit.identification.prior import stated_covariance
@@ -99,6 +100,31 @@ def reference(
         smooth(model, record, sensors=sensors, size=0.1, extrapolate=extrapolate)
         for record in records
     )
+
+
+def smoothed_without(
+    model: Model,
+    references: Sequence[Smoothed],
+    found: Mapping[str, float],
+    *,
+    sensors: Mapping[str, float] | None = None,
+    extrapolate: bool = False,
+) -> Sequence[Smoothed]:
+    """References of records without what they are off by; themselves where nothing is.
+
+    Parameters
+    ----------
+    model, sensors, extrapolate
+        As for `reference`.
+    references : sequence of Smoothed
+        Of the records as measured.
+    found : mapping of str to float
+        As for `as_tested.without`.
+    """
+    if not any(found.values()):
+        return references
+    records = [without(item.record, found) for item in references]
+    return reference(model, records, sensors=sensors, extrapolate=extrapolate)
 
 
 def predict(

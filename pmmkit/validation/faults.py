@@ -21,8 +21,16 @@ class InTheTank:
 
     predictor: Predictor
     turning: bool
-    ship: Ship
-    water: Water
+
+    @property
+    def ship(self) -> Ship:
+        """The model that was tested."""
+        return self.predictor.model.ship
+
+    @property
+    def water(self) -> Water:
+        """The water of the tank."""
+        return self.predictor.model.water
 
     def expected(self, view: View) -> dict[str, Array]:
         """All harmonics of the forces that the model predicts in a view [N, N m]."""
@@ -57,8 +65,7 @@ def shown_too_much(
     turning : bool
         Whether the propeller turns.
     """
-    model = predictor.model
-    base = InTheTank(predictor=predictor, turning=turning, ship=model.ship, water=model.water)
+    base = InTheTank(predictor=predictor, turning=turning)
     found: dict[str, Array] = {}
     for name, step in steps.items():
         effect = catalogue()[name]

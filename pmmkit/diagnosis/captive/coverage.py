@@ -54,7 +54,9 @@ def coverage(system: System) -> tuple[Visible, ...]:
                 shown=shown,
                 why=""
                 if shown
-                else _why(block.candidate, signal, run, still=_still(system, block)),
+                else _why(
+                    block.candidate, signal, run, still=signal <= ROUNDING and _still(system, block)
+                ),
                 mimics=_mimics(system, block, signal, best) if shown else {},
             )
         )

@@ -19,9 +19,8 @@ from pmmkit.diagnosis.free_running.left_out import left_out_errors, mean_log
 from pmmkit.effects.effect import Parameter
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.equations.prepared import values_at
-from pmmkit.identification.as_tested import without
 from pmmkit.identification.parameters import places
-from pmmkit.identification.predict import predict, reference
+from pmmkit.identification.predict import predict, reference, smoothed_without
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
@@ -137,10 +136,11 @@ def held_out_errors(
         for name, model in rows.items()
     }
     if better is not None:
-        sailed = [without(record, corrections) for record in records]
-        courses = reference(given, sailed, sensors=sensors, extrapolate=extrapolate)
+        sailed = smoothed_without(
+            given, courses, corrections, sensors=sensors, extrapolate=extrapolate
+        )
         found["held out, with the effects"] = predict(
-            better, courses, window=window, extrapolate=extrapolate
+            better, sailed, window=window, extrapolate=extrapolate
         ).pooled()
     return found
 
