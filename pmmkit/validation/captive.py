@@ -28,6 +28,7 @@ from pmmkit.presentation import listed
 from pmmkit.progress import Progress
 from pmmkit.validation.faults import shown_too_much
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
+from pmmkit.validation.statistics import ChannelError
 from pmmkit.validation.uncertainty import (
     COVERAGE,
     OF_MEASUREMENT,
@@ -73,6 +74,15 @@ class CaptiveRun:
         """Comparison error of each harmonic, predicted less measured [N, N m]."""
         found: Array = self.predicted[channel] - self.view.force[channel]
         return found
+
+    def errors(self, channel: str) -> ChannelError:
+        """The comparison error over a cycle."""
+        return ChannelError.of_harmonics(
+            self.error(channel),
+            self.view.force[channel],
+            self.uncertainty(channel),
+            self.view.labels,
+        )
 
     def uncertainty(self, channel: str) -> Array:
         """Expanded validation uncertainty of each harmonic (k = 2) [N, N m]."""

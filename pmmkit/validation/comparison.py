@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from pmmkit.campaigns.motion.inertia import Rig, rig_of
-from pmmkit.campaigns.run import Campaign
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.metrics import in_metres, in_words, told
@@ -34,6 +34,7 @@ from pmmkit.validation.misfit import (
     standouts_of,
     statements_of,
 )
+from pmmkit.validation.statistics import STATISTICS, ChannelError, statistics, together
 from pmmkit.validation.uncertainty import COVERAGE, SHARES, rms_of
 
 if TYPE_CHECKING:
@@ -134,7 +135,7 @@ class Comparison(Described):
 
     def worst_record(self) -> FreeRun:
         """The free-running record whose heading is predicted worst."""
-        return max(self.free, key=lambda run: run.motion_errors()["heading"][0])
+        return max(self.free, key=lambda run: statistics(run.errors()["heading"])["error"])
 
     def _headline(self) -> str:
         rows = self.rows()
@@ -173,21 +174,19 @@ class Comparison(Described):
             found.setdefault((row["channel"], row["unit"], row["test"]), []).append(row)
         rows = []
         for (channel, unit, test), group in found.items():
-            error, measured, doubt = (
-                rms([row[name] for row in group]) for name in ("error", "measured", "uncertainty")
-            )
+            told = together(group)
             rows.append(
                 [
                     f"{channel} [{unit}], {kind_of(test).title}",
                     str(len(group)),
-                    number(error, 3),
-                    f"{100 * error / measured:.1f} %" if measured else ABSENT,
-                    number(doubt, 2),
-                    f"{sum(row['within'] for row in group)} of {len(group)}",
+                    *(number(told[item.name], 3) for item in STATISTICS),
+                    _percent(told["relative"]),
+                    f"{told['within']} of {len(group)}",
                 ]
             )
         rows.sort(key=lambda row: row[0].split(",")[0])
-        head = ["channel, test", "runs", "error", "over measured", "uncertainty", "within it"]
+        head = ["channel, test", "runs", *(item.title for item in STATISTICS)]
+        head += ["over measured", "within it"]
         return Grid(head=head, groups=[Group(rows=rows)])
 
     def _measures(self) -> Grid:
@@ -447,59 +446,33 @@ def compare(
     )
 
 
-def _row(
-    run: str,
-    test: str,
-    speed: float,
-    Fn: float,
-    channel: str,
-    unit: str,
-    numbers: tuple[float, float, float],
-) -> dict[str, Any]:
-    error, measured, doubt = numbers
+def _row(run: Run, name: str, Fn: float, channel: str, error: ChannelError) -> dict[str, Any]:
     return {
-        "run": run,
-        "test": test,
-        "speed": speed,
+        "run": name,
+        "test": run.test,
+        "speed": run.settings.speed,
         "Fn": Fn,
         "channel": channel,
-        "unit": unit,
-        "error": error,
-        "measured": measured,
-        "relative": error / measured if measured else np.nan,
-        "uncertainty": doubt,
-        "ratio": error / doubt if doubt else np.nan,
-        "within": bool(error < doubt),
+        "unit": MOTIONS.get(channel) or FORCE_UNITS[channel],
+        **statistics(error),
     }
 
 
 def _captive_row(run: CaptiveRun, channel: str) -> dict[str, Any]:
-    labels, own = run.view.labels, run.view.run
-    numbers = (
-        rms_of(run.error(channel), labels),
-        rms_of(run.view.force[channel], labels),
-        rms_of(run.uncertainty(channel), labels),
-    )
+    own = run.view.run
     return {
-        **_row(own.id, own.test, run.view.speed, run.Fn, channel, FORCE_UNITS[channel], numbers),
+        **_row(own, own.id, run.Fn, channel, run.errors(channel)),
         "known": run.view.known(channel),
-        **{name: rms_of(run.shares[name][channel], labels) for name in SHARES},
+        **{name: rms_of(run.shares[name][channel], run.view.labels) for name in SHARES},
     }
 
 
 def _free_rows(run: FreeRun, floor: float) -> Iterable[dict[str, Any]]:
-    own = (run.name, run.run.test, run.run.settings.speed, run.Fn)
-    for name, numbers in run.force_errors(floor).items():
+    for channel, error in run.errors(floor).items():
         yield {
-            **_row(*own, name, FORCE_UNITS[name], numbers),
-            "window": np.nan,
-            "window_error": np.nan,
-        }
-    for name, numbers in run.motion_errors().items():
-        yield {
-            **_row(*own, name, MOTIONS[name], numbers),
-            "window": run.window,
-            "window_error": run.window_errors.get(name, np.nan),
+            **_row(run.run, run.name, run.Fn, channel, error),
+            "window": run.window if channel in MOTIONS else np.nan,
+            "window_error": run.window_errors.get(channel, np.nan),
         }
 
 
@@ -526,6 +499,10 @@ def _force_statements(
         )
         for row in rows
     ]
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f} %" if np.isfinite(share) else ABSENT
 
 
 def _signed(error: float) -> str:

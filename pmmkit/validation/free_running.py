@@ -36,6 +36,7 @@ from pmmkit.simulation.simulate import simulate, steering
 from pmmkit.trials import Trial, evaluate
 from pmmkit.trials.evaluate import JUDGED
 from pmmkit.validation.prediction import at_the_scale_of
+from pmmkit.validation.statistics import ChannelError
 from pmmkit.validation.uncertainty import COVERAGE
 
 GEAR: Final = 0.1
@@ -97,47 +98,46 @@ class FreeRun:
     window: float
     window_errors: Mapping[str, float]
 
-    def motion_errors(self) -> dict[str, tuple[float, float, float]]:
-        """By `MOTIONS`, over the whole record: rms error, rms of the measured, expanded U."""
-        m, p = self.measured, self.predicted
-        s = {name: np.hypot(self.std[name], self.predicted_std[name]) for name in self.std}
-        degrees = math.degrees(1.0)
-        speed, simulated = np.hypot(m["u"], m["v"]), np.hypot(p["u"], p["v"])
-        return {
-            "position": (
-                rms(np.hypot(p["x"] - m["x"], p["y"] - m["y"])),
-                rms(np.hypot(m["x"] - m["x"][0], m["y"] - m["y"][0])),
-                COVERAGE * rms(np.hypot(s["x"], s["y"])),
-            ),
-            "heading": (
-                degrees * rms(p["psi"] - m["psi"]),
-                degrees * rms(m["psi"] - m["psi"][0]),
-                degrees * COVERAGE * rms(s["psi"]),
-            ),
-            "speed": (rms(simulated - speed), rms(speed), COVERAGE * rms(np.hypot(s["u"], s["v"]))),
-            "yaw_rate": (
-                degrees * rms(p["r"] - m["r"]),
-                degrees * rms(m["r"]),
-                degrees * COVERAGE * rms(s["r"]),
-            ),
-        }
-
-    def force_errors(self, floor: float = 0.0) -> dict[str, tuple[float, float, float]]:
-        """By channel: rms error [N, N m], rms of the measured, expanded U.
+    def errors(self, floor: float = 0.0) -> dict[str, ChannelError]:
+        """By channel: of the forces, and of `MOTIONS` over the whole record.
 
         Parameters
         ----------
         floor : float
-            Share of the measured rms that counts as uncertain whatever else is known.
+            Share of the measured rms force that counts as uncertain whatever else is known.
         """
         return {
-            name: (
-                rms(self.force_predicted[name] - force),
-                rms(force),
-                COVERAGE * math.hypot(rms(self.force_std[name]), floor * rms(force)),
-            )
-            for name, force in self.force.items()
+            **{name: self._force_error(name, floor) for name in self.force},
+            **{name: self._motion_error(name) for name in MOTIONS},
         }
+
+    def _force_error(self, name: str, floor: float) -> ChannelError:
+        force = self.force[name]
+        return ChannelError.of_samples(
+            self.force_predicted[name] - force,
+            force,
+            COVERAGE * np.hypot(self.force_std[name], floor * rms(force)),
+        )
+
+    def _motion_error(self, name: str) -> ChannelError:
+        m, p = self.measured, self.predicted
+        s = {own: np.hypot(self.std[own], self.predicted_std[own]) for own in self.std}
+        degrees = math.degrees(1.0)
+        if name == "position":
+            error = np.stack([p[x] - m[x] for x in "xy"])
+            gone = np.stack([m[x] - m[x][0] for x in "xy"])
+            return ChannelError.of_samples(error, gone, COVERAGE * np.stack([s["x"], s["y"]]))
+        if name == "heading":
+            turned, error, doubt = m["psi"] - m["psi"][0], p["psi"] - m["psi"], s["psi"]
+        elif name == "yaw_rate":
+            turned, error, doubt = m["r"], p["r"] - m["r"], s["r"]
+        else:
+            speed, simulated = np.hypot(m["u"], m["v"]), np.hypot(p["u"], p["v"])
+            doubt = COVERAGE * np.hypot(s["u"], s["v"])
+            return ChannelError.of_samples(simulated - speed, speed, doubt)
+        return ChannelError.of_samples(
+            degrees * error, degrees * turned, degrees * COVERAGE * doubt
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

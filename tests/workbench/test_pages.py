@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from pmmkit import begin, compare, open_campaign
 from pmmkit.models import load_model
 from pmmkit.simulation import simulate
+from pmmkit.validation.statistics import STATISTICS
 from pmmkit.workbench.pages.fall import fall_page
 from pmmkit.workbench.pages.history import history_page
 from pmmkit.workbench.pages.misfit import misfit_page
@@ -68,7 +69,9 @@ def summed(labels, values, theta):
 
 
 @pytest.mark.slow
-def test_the_map_holds_every_row_of_the_comparison(comparison):
+@pytest.mark.parametrize("kind", ["comparison", "sailed"])
+def test_the_map_holds_every_row_of_the_comparison(kind, request):
+    comparison = request.getfixturevalue(kind)
     page = misfit_page(comparison)
     shown = {
         (row["run"], channel): cell
@@ -80,10 +83,25 @@ def test_the_map_holds_every_row_of_the_comparison(comparison):
     assert len(shown) == len(rows) == page["cells"]
     for row in rows:
         cell = shown[row["run"], row["channel"]]
-        assert cell["ratio"] == pytest.approx(row["ratio"], rel=1e-4)
+        for name in (*(item.name for item in STATISTICS), "ratio"):
+            assert cell[name] == pytest.approx(row[name], rel=1e-3), name
         assert cell["within"] == row["within"]
+    assert page["within"] == sum(row["within"] for row in rows)
+    assert f"in {page['within']} of {page['cells']} channels" in str(comparison)
     assert page["sentences"][0]["text"] == comparison.standouts()[0]
     json.dumps(page, allow_nan=False)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["comparison", "sailed"])
+def test_console_file_and_page_tell_the_same_statistics(kind, request):
+    comparison = request.getfixturevalue(kind)
+    page = misfit_page(comparison)
+    head = next(line for line in str(comparison).splitlines() if "channel, test" in line)
+    for item in STATISTICS:
+        assert item.title in head
+        assert item.name in comparison.to_pandas()
+        assert {"name": item.name, "title": item.title} in page["statistics"]
 
 
 @pytest.mark.slow

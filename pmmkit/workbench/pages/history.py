@@ -14,7 +14,6 @@ from pmmkit.diagnosis.captive.held_out import settings_in_words
 from pmmkit.numerics import Array
 from pmmkit.validation.captive import CaptiveRun
 from pmmkit.validation.comparison import Comparison
-from pmmkit.validation.uncertainty import rms_of
 from pmmkit.workbench.pages.numbers import BUCKETS, short, thinned
 
 MOTIONS: Final = {"v": "m/s", "r": "rad/s", "u": "m/s", "phi": "rad"}
@@ -67,7 +66,6 @@ def history_page(comparison: Comparison, name: str, buckets: int = BUCKETS) -> d
                 "measured": short(view.force[channel]),
                 "predicted": short(item.predicted[channel]),
                 "uncertainty": short(item.uncertainty(channel)),
-                "error": short(rms_of(item.error(channel), view.labels)),
                 "known": view.known(channel),
             }
             for channel in item.channels

@@ -12,8 +12,8 @@ from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.diagnosis.captive.held_out import settings_in_words
 from pmmkit.validation.comparison import MOST, Comparison
+from pmmkit.validation.statistics import STATISTICS
 from pmmkit.workbench.pages.numbers import short
-from pmmkit.workbench.pages.records import MOTIONS, record_cells
 
 
 def misfit_page(comparison: Comparison) -> dict[str, Any]:
@@ -27,26 +27,21 @@ def misfit_page(comparison: Comparison) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``kind``, ``columns`` (name and unit), ``groups`` (test, title, rows), ``sentences`` (text,
-        channel, runs), ``within``, ``cells``, ``notes``. A row has the run's name, its settings in
-        words and by column what `Comparison.rows` says of it.
+        ``kind``, ``statistics`` (name and title), ``columns`` (name and unit), ``groups`` (test,
+        title, rows), ``sentences`` (text, channel, runs), ``within``, ``cells``, ``notes``. A row
+        has the run's name, its settings in words and by column what `Comparison.rows` says of it.
     """
     runs = {item.view.run.id: item.view.run for item in comparison.captive}
     runs |= {item.name: item.run for item in comparison.free}
     rows = comparison.rows()
     columns: dict[str, str] = {}
     groups: dict[str, dict[str, dict[str, Any]]] = {}
-    for record in comparison.free:
-        columns = {name: unit for name, (unit, _) in MOTIONS.items()}
-        own = _row(record.name, record.run)
-        own["cells"] = record_cells(record)
-        groups.setdefault(record.run.test, {})[record.name] = own
-    for row in rows if comparison.captive else ():
+    for row in rows:
         columns[row["channel"]] = row["unit"]
         group = groups.setdefault(row["test"], {})
         own = group.setdefault(row["run"], _row(row["run"], runs[row["run"]]))
         own["cells"][row["channel"]] = {
-            name: short(row[name]) for name in ("error", "measured", "uncertainty", "ratio")
+            name: short(row[name]) for name in (*(item.name for item in STATISTICS), "ratio")
         } | {"within": row["within"]}
     statements = comparison.statements()
     every = [
@@ -55,6 +50,7 @@ def misfit_page(comparison: Comparison) -> dict[str, Any]:
     return {
         "kind": comparison.kind,
         "model": comparison.model,
+        "statistics": [{"name": item.name, "title": item.title} for item in STATISTICS],
         "columns": [{"name": name, "unit": unit} for name, unit in columns.items()],
         "groups": [
             {"test": test, "title": kind_of(test).title, "rows": _sorted(list(own.values()))}

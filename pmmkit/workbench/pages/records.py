@@ -9,8 +9,8 @@ import numpy as np
 
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.diagnosis.captive.held_out import settings_in_words
-from pmmkit.numerics import Array, rms
-from pmmkit.validation.free_running import FreeRun
+from pmmkit.numerics import Array
+from pmmkit.validation.free_running import FORCE_UNITS, FreeRun
 from pmmkit.validation.uncertainty import COVERAGE
 from pmmkit.workbench.pages.numbers import short
 
@@ -23,29 +23,11 @@ MOTIONS: Final = {
     "v": ("m/s", 1.0),
     "r": ("deg/s", DEGREES),
 }
-"""Columns of the map with their units on the screen, and what SI values are told times."""
+"""Motions with their units on the screen, and what SI values are told times."""
 WILD: Final = 5.0
 """Times the greatest measured speed from which a motion has left what a model describes."""
 SAMPLES: Final = 500
 """Of a record on the screen."""
-
-
-def record_cells(record: FreeRun) -> dict[str, dict[str, Any]]:
-    """By motion the rms error over the record, of the measured change and expanded uncertainty."""
-    found = {}
-    for name, (_, factor) in MOTIONS.items():
-        measured = factor * record.measured[name]
-        error = rms(factor * record.predicted[name] - measured)
-        doubt = COVERAGE * rms(factor * record.std[name])
-        moved = rms(measured - measured[0])
-        found[name] = {
-            "error": short(error),
-            "measured": short(moved),
-            "uncertainty": short(doubt),
-            "ratio": short(error / doubt if doubt else math.nan),
-            "within": bool(error < doubt),
-        }
-    return found
 
 
 def record_page(record: FreeRun, length: float) -> dict[str, Any]:
@@ -61,9 +43,10 @@ def record_page(record: FreeRun, length: float) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``kind`` is ``free``; ``t`` [s], ``delta`` [deg], and by motion unit, ``measured``,
-        ``predicted`` and expanded ``uncertainty``, x and y in ship lengths; what is predicted ends
-        where it leaves what a model describes.
+        ``kind`` is ``free``; ``t`` [s], ``delta`` [deg], and by motion and by channel of force
+        unit, ``measured``, ``predicted`` and expanded ``uncertainty``, x and y in ship lengths;
+        what is predicted ends where it leaves what a model describes. Forces are those that the
+        water must have exerted by the smoothed motion, and what the model says along it.
     """
     sailed = np.where(_describes(record), 1.0, np.nan)
     kept = np.unique(np.linspace(0, len(record.t) - 1, SAMPLES).round().astype(int))
@@ -90,6 +73,15 @@ def record_page(record: FreeRun, length: float) -> dict[str, Any]:
                 "uncertainty": told(COVERAGE * record.std[name], name),
             }
             for name, (unit, _) in MOTIONS.items()
+        },
+        "forces": {
+            name: {
+                "unit": FORCE_UNITS[name],
+                "measured": short(force[kept]),
+                "predicted": short(record.force_predicted[name][kept]),
+                "uncertainty": short(COVERAGE * record.force_std[name][kept]),
+            }
+            for name, force in record.force.items()
         },
     }
 

@@ -242,13 +242,18 @@ function familyPlot(root, shape) {
   refill(root, el("h3", {}, t("over_family")), plot.root);
 }
 
-export function facts(history, channel, cell) {
-  const own = history.channels[channel];
-  if (!own) return null;
+// What is told of the error of a cell, as the comparison lists it.
+export function facts(misfit, channel, cell, known) {
+  if (!cell) return null;
+  const { unit } = misfit.columns.find((column) => column.name === channel);
   const fact = (name, value, more) => el("div", {}, el("dt", {}, name), el("dd", {}, value, more ? el("small", {}, ` ${more}`) : null));
   return el("dl", { class: "facts" },
-    fact(t("error"), withUnit(cell?.error ?? own.error, own.unit), t("rms")),
-    fact(t("uncertainty"), `± ${withUnit(cell?.uncertainty, own.unit)}`, own.known ? "k = 2" : t("noise_unknown")),
-    fact(t("ratio"), num(cell?.ratio, 2), "×"),
-    fact(t("measured_rms"), withUnit(cell?.measured, own.unit)));
+    misfit.statistics.map((item) => fact(statistic(item), withUnit(cell[item.name], unit), item.name === "uncertainty" ? (known ? "k = 2" : t("noise_unknown")) : null)),
+    fact(t("ratio"), num(cell.ratio, 2), "×"));
+}
+
+// The name of a statistic in the language of the page, or as the comparison calls it.
+export function statistic({ name, title }) {
+  const said = t(`statistic_${name}`);
+  return said === `statistic_${name}` ? title : said;
 }

@@ -4,7 +4,7 @@ import { el, refill } from "./dom.js";
 import { t } from "./words.js";
 import { fixed, unitOf, withUnit } from "./format.js";
 import { SCALES, heat } from "./colours.js";
-import { facts, legend, runPlots } from "./runplots.js";
+import { facts, legend, runPlots, statistic } from "./runplots.js";
 import { recordPlots } from "./recordplots.js";
 
 export async function showWhere(root, app, shown) {
@@ -28,7 +28,7 @@ export async function showWhere(root, app, shown) {
         el("span", { class: "soft small" }, t("within", { count: misfit.within, of: misfit.cells })),
         app.state.steps.length ? stepChoice(app, root) : null),
       said),
-    el("div", { class: "two" },
+    el("div", { class: misfit.columns.length > 4 ? "two many" : "two" },
       el("section", { class: "panel", "aria-label": t("map") },
         el("div", { class: "head" }, el("h2", {}, t("map")), el("span", { class: "soft small" }, t(misfit.kind === "captive" ? "map_about" : "map_about_free")), marked),
         key(SCALES[misfit.kind]),
@@ -162,7 +162,8 @@ function cellOf(row, channel, own, misfit) {
   const value = scale.of(own);
   const text = value === null ? "–" : fixed(value, value >= 10 ? 0 : 1);
   const words = t("cell", {
-    channel, run: row.words, ratio: misfit.kind === "captive" ? `${text} ×` : `${text} %`, error: withUnit(own.error, unit), uncertainty: withUnit(own.uncertainty, unit),
+    channel: t(`channel_${channel}`), run: row.words, ratio: misfit.kind === "captive" ? `${text} ×` : `${text} %`,
+    told: misfit.statistics.map((item) => `${statistic(item)} ${withUnit(own[item.name], unit)}`).join(", "),
   });
   return el("td", { class: `h${heat(scale, value ?? 0)}`, tabindex: -1, "aria-label": words, title: words, "aria-selected": "false" }, text);
 }
@@ -205,9 +206,9 @@ async function select(detail, app, misfit, run, channel) {
     el("div", { class: "head" },
       el("h2", {}, `${t(`channel_${channel}`)} · ${history.title}, ${history.words}`),
       el("span", { class: "soft small right" }, run)),
-    history.kind === "free" ? null : facts(history, channel, cell),
+    facts(misfit, channel, cell, history.channels?.[channel]?.known ?? true),
     legend(),
     plots);
-  if (history.kind === "free") recordPlots(plots, history, channel);
+  if (history.kind === "free") recordPlots(plots, history, { channel });
   else runPlots(plots, history, channel);
 }

@@ -1,0 +1,127 @@
+"""What is told of an error: one list for console, files, reports and pages."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.numerics import Array, rms
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ChannelError:
+    """The error of one run in one channel, over its harmonics or its samples.
+
+    Parameters
+    ----------
+    error : array (n,) or (k, n)
+        Predicted less measured, in the unit of the channel; a position has two parts, x and y.
+    measured : array (n,) or (k, n)
+        What was measured of it: a force, or how far a motion went from its start.
+    uncertainty : array (n,) or (k, n)
+        Expanded (k = 2), of the error.
+    squares, mean : array (n,)
+        Weights of squares that give a mean square over time, and of values that give a mean.
+    """
+
+    error: Array
+    measured: Array
+    uncertainty: Array
+    squares: Array
+    mean: Array
+
+    @classmethod
+    def of_harmonics(
+        cls, error: Array, measured: Array, uncertainty: Array, labels: Sequence[str]
+    ) -> ChannelError:
+        """Of harmonics C0, C1, S1 …, of which the first is the mean."""
+        steady = np.array([label == "C0" for label in labels])
+        return cls(
+            error=error,
+            measured=measured,
+            uncertainty=uncertainty,
+            squares=np.where(steady, 1.0, 0.5),
+            mean=steady.astype(float),
+        )
+
+    @classmethod
+    def of_samples(cls, error: Array, measured: Array, uncertainty: Array) -> ChannelError:
+        """Of samples that count alike."""
+        each = np.full(error.shape[-1], 1.0 / error.shape[-1])
+        return cls(error=error, measured=measured, uncertainty=uncertainty, squares=each, mean=each)
+
+    def rms(self, values: Array) -> float:
+        """Root mean square over the time that is known, of all parts together; infinite where a
+        square is."""
+        known = np.isfinite(values)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            square = np.where(known, values, 0.0) ** 2 @ self.squares
+            return math.sqrt(float(np.sum(square / (known @ self.squares))) * self.squares.sum())
+
+    @property
+    def bias(self) -> float:
+        """Mean error; of a position the length of it."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            mean = self.error @ self.mean
+            return float(mean if self.error.ndim == 1 else np.hypot(*mean))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Statistic:
+    """A number that is told of the error in each channel, in its unit.
+
+    Parameters
+    ----------
+    name, title : str
+        In files; above a column.
+    of : callable
+        From the error of a run.
+    together : callable
+        From its values in several runs.
+    """
+
+    name: str
+    title: str
+    of: Callable[[ChannelError], float]
+    together: Callable[[Array], float] = rms
+
+
+STATISTICS: Final = (
+    Statistic(name="error", title="error", of=lambda x: x.rms(x.error)),
+    Statistic(
+        name="bias", title="mean error", of=lambda x: x.bias, together=lambda x: float(np.mean(x))
+    ),
+    Statistic(name="measured", title="measured", of=lambda x: x.rms(x.measured)),
+    Statistic(name="uncertainty", title="uncertainty", of=lambda x: x.rms(x.uncertainty)),
+)
+"""Root mean squares over time and the mean error, as files, tables and pages tell them."""
+
+
+def statistics(error: ChannelError) -> dict[str, Any]:
+    """`STATISTICS` of a run in a channel, and what they come to: ``relative`` (error over
+    measured), ``ratio`` (error over uncertainty) and ``within`` (whether it is less)."""
+    found = {item.name: item.of(error) for item in STATISTICS}
+    return {**found, **_over(found), "within": bool(found["error"] < found["uncertainty"])}
+
+
+def together(rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """`STATISTICS` of several runs in a channel, ``relative``, ``ratio``, and how many of them
+    are ``within``."""
+    listed = list(rows)
+    found = {
+        item.name: item.together(np.array([row[item.name] for row in listed], float))
+        for item in STATISTICS
+    }
+    return {**found, **_over(found), "within": sum(row["within"] for row in listed)}
+
+
+def _over(found: Mapping[str, float]) -> dict[str, float]:
+    error, measured, doubt = (found[name] for name in ("error", "measured", "uncertainty"))
+    return {
+        "relative": error / measured if measured else math.nan,
+        "ratio": error / doubt if doubt else math.nan,
+    }
