@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
+
+from pmmkit.escaping import quoted
 
 if TYPE_CHECKING:
     import pmmkit.campaigns.run
@@ -131,7 +134,7 @@ Own = Annotated[
     Path | None, typer.Option("--own", help="File of your own effects (.toml), who take part.")
 ]
 Given = Annotated[
-    str | None,
+    list[str] | None,
     typer.Option(help="Effects that are known to be there, such as fault_misalignment,memory."),
 ]
 
@@ -202,9 +205,30 @@ def settings_of(given: Sequence[str] | None) -> dict[str, float]:
     return found
 
 
-def words(text: str | None) -> list[str]:
-    """Names out of text such as memory,current."""
-    return (text or "").replace(",", " ").split()
+def typed_again(**options: Any) -> str:
+    """Options as they are typed, with a space before each; those that were not given stay away.
+
+    Examples
+    --------
+    >>> typed_again(floor=0.02, own=None, test_runs=["TC_35", "ZZ 20"])
+    " --floor 0.02 --test-runs TC_35 --test-runs 'ZZ 20'"
+    """
+    found = []
+    for name, value in stated(**options).items():
+        for one in value if isinstance(value, list) else [value]:
+            text = f"{one:g}" if isinstance(one, float) else _quoted(one)
+            found.append(f" --{name.replace('_', '-')} {text}")
+    return "".join(found)
+
+
+def _quoted(value: str | Path) -> str:
+    return quoted(value) if isinstance(value, Path) else shlex.quote(value)
+
+
+def words(text: str | Sequence[str] | None) -> list[str]:
+    """Names out of text such as memory,current, or out of several such texts."""
+    texts = [text] if isinstance(text, str) else text or []
+    return " ".join(texts).replace(",", " ").split()
 
 
 def numbers(text: str | None) -> Sequence[float] | None:

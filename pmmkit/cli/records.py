@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import numbers, patterns, sensors_of, stated, words
+from pmmkit.cli.options import numbers, patterns, sensors_of, stated, typed_again, words
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
@@ -99,13 +98,9 @@ class Asked:
 
     def repeated(self) -> str:
         """The options to type again where the same records are used, with a space before each."""
-        found = []
-        for name, value in self.typed().items():
-            if name != "candidates":
-                for one in value if isinstance(value, list) else [value]:
-                    text = f"{one:g}" if isinstance(one, float) else shlex.quote(one)
-                    found.append(f" --{name.replace('_', '-')} {text}")
-        return "".join(found)
+        return typed_again(
+            **{name: value for name, value in self.typed().items() if name != "candidates"}
+        )
 
     def chosen(self, campaign: Campaign, model: Model) -> tuple[Chosen, Chosen | None]:
         """The records that are used, and those held out."""

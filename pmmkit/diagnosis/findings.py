@@ -346,6 +346,14 @@ class Diagnosis(Described):
         return self.group[0][0] if self.group else ()
 
     @property
+    def proposed(self) -> tuple[Finding, ...]:
+        """What to add now: of a set that is not the whole story the effect of the greatest odds
+        alone, since the others may stand for what is asked once it is there."""
+        if not self.flags:
+            return self.findings
+        return tuple(sorted(self.findings, key=lambda item: -item.log_odds)[:1])
+
+    @property
     def families(self) -> tuple[str, ...]:
         """Families of the best set."""
         return tuple(dict.fromkeys(item.family for item in self.findings))
@@ -465,6 +473,7 @@ class Diagnosis(Described):
             "verdict": self.verdict,
             "group": [{"effects": list(names), "odds": odds} for names, odds in self.group],
             "flags": list(self.flags),
+            "proposed": [item.effect for item in self.proposed],
             "suspected": [
                 {"effect": item.effect, "run": item.run, "evidence": odds(item.log_odds)}
                 for item in self.suspected

@@ -10,13 +10,19 @@ from pathlib import Path
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
+from pmmkit.diagnosis.captive.diagnose import (
+    captive_system,
+    derivatives_in,
+    derivatives_of,
+    with_derivatives,
+)
 from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
 from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
 from pmmkit.diagnosis.captive.refit import Refit, froude_numbers, places_of, refitted
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
 from pmmkit.executors import Workers
@@ -102,7 +108,28 @@ class CaptiveTests:
 
     def diagnose(self, steps: Sequence[Step], seed: int) -> Diagnosis:
         """What the base still lacks with some steps."""
-        return answer(self.system, self._names(steps), floor=self.floor, seed=seed)
+        own = self.standing(steps)
+        found = answer(own.system, own.begun, floor=own.floor, seed=seed)
+        return replace(found, given=self._names(steps))
+
+    def standing(self, steps: Sequence[Step]) -> CaptiveTests:
+        """The tests about the base with some steps, as the model stands that is written with them:
+        derivatives that a step brought are the base's own."""
+        return self._standing(tuple(step.effect for step in steps))
+
+    @cached_property
+    def _standing(self) -> Callable[[tuple[str, ...]], CaptiveTests]:
+        """The tests about a base with some effects, each set of them once."""
+
+        def made(names: tuple[str, ...]) -> CaptiveTests:
+            known = {**catalogue(), **{item.name: item for item in self.own}}
+            brought = [known[x] for x in names if x in known and derivatives_in(known[x])]
+            left = {x: None for x in names if known.get(x) not in brought}
+            begun = tuple(dict.fromkeys((*self.begun, *left)))
+            system = with_derivatives(self.system, brought) if brought else self.system
+            return replace(self, system=system.whole(begun), begun=begun)
+
+        return cache(made)
 
     def fall(self, steps: Sequence[Step]) -> ErrorFall:
         """Held-out errors of the base and after each step."""

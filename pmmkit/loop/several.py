@@ -290,8 +290,8 @@ class SeveralCampaigns:
     def _vote(
         self, name: str, item: CaptiveTests | FreeRecords, steps: Sequence[Step], seed: int
     ) -> CaptiveVote | RecordsVote:
-        given = (*item.begun, *(step.effect for step in steps))
         if isinstance(item, FreeRecords):
+            given = item.sets(steps)[-1]
             return RecordsVote(
                 name=name,
                 system=item.system,
@@ -300,8 +300,15 @@ class SeveralCampaigns:
                 given=given,
             )
         self._of(name, "captive tests")
+        tests = item.standing(steps)
         return vote_of_tests(
-            name, self.given_model, item.campaign, item.system, given, own=self.own, seed=seed
+            name,
+            self.given_model,
+            item.campaign,
+            tests.system,
+            tests.begun,
+            own=self.own,
+            seed=seed,
         )
 
     def _of(self, name: str, word: str) -> None:

@@ -60,9 +60,9 @@ def loop_of(session: Session[Diagnosis], base: str, *, rounds: int = 1) -> Loop:
     begun, first = session, session.diagnose()
     found = first
     for _ in range(rounds):
-        for item in found.findings:
+        for item in found.proposed:
             session = session.add(item)
-        if rounds == 1 or not found.findings:
+        if rounds == 1 or not found.proposed:
             break
         found = session.diagnose()
     return Loop(

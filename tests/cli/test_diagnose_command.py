@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from itertools import product
 
 import numpy as np
@@ -181,6 +182,32 @@ def test_what_is_known_is_given(folder, capsys):
     found = json.loads(out)
     assert found["given"] == ["fault_misalignment"]
     assert found["group"][0]["effects"] == ["yaw_sway_coupling"]
+
+
+@pytest.mark.slow
+def test_what_comes_next_runs_with_what_was_given_and_typed(folder, capsys, monkeypatch):
+    """A path with a space, a floor of one's own, an effect that is known: `add` needs them all."""
+    monkeypatch.chdir(folder)
+    save_campaign(open_campaign("hidden.h5"), "my tests.h5")
+    asked = ("diagnose", "model.toml", "my tests.h5", "--no-figures", "--floor", "0.006")
+    status, words, _ = run(capsys, *asked, "--given", "fault_misalignment")
+    assert status == 0
+    (line,) = (x for x in words.splitlines() if x.startswith("Next: pmmkit add "))
+    _, *following = shlex.split(line.removeprefix("Next: "))
+    assert following[:4] == ["add", "model.toml", "fault_misalignment", "yaw_sway_coupling"]
+    assert "--floor 0.006" in line
+    assert run(capsys, *following)[0] == 0
+    made = load_model(following[-1])
+    added = [step.effect for step in made.steps][-2:]
+    assert added == ["fault_misalignment", "yaw_sway_coupling"]
+
+
+def test_effects_that_are_given_one_by_one_are_all_taken(tmp_path, capsys):
+    tests = steady_tests(tmp_path)
+    two = ("--given", "asymmetry", "--given", "fault_misalignment")
+    out = ("--noise", "0.01", "--no-figures", "--json", "--out", tmp_path / "out")
+    _, said, _ = run(capsys, "diagnose", "cubic", tests, *two, *out)
+    assert json.loads(said)["given"] == ["asymmetry", "fault_misalignment"]
 
 
 @pytest.mark.slow

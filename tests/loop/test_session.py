@@ -48,7 +48,7 @@ def session(bare):
 @pytest.mark.slow
 def test_the_loop_ends_where_nothing_is_missing(session):
     while (found := session.diagnose()).verdict == "missing_effect":
-        for item in found.findings:
+        for item in found.proposed:
             session = session.add(item.effect, item.evidence)
         assert len(session.steps) <= 4
     assert {step.effect for step in session.steps} == {
@@ -59,6 +59,40 @@ def test_the_loop_ends_where_nothing_is_missing(session):
     shares = [item.share() for item in session.fall().errors]
     assert all(after < before for before, after in pairwise(shares))
     assert session.fall().useless == ()
+
+
+@pytest.fixture(scope="module")
+def coupled(bare):
+    """A session about few runs, with the coupling that they hide beside a fault already in it."""
+    hidden = {"yaw_sway_coupling": 1.0, "fault_pmm_amplitude": 1.0}
+    begun = begin(bare, hidden_campaign("small", hidden, seed=1))
+    return begun.add("yaw_sway_coupling")
+
+
+@pytest.mark.parametrize("added", [(), ("fault_pmm_amplitude",)])
+def test_a_session_asks_what_the_model_that_it_writes_is_asked(coupled, added):
+    """Faults act on what the base expects: one without the coupling expects other forces."""
+    session = coupled
+    for effect in added:
+        session = session.add(effect)
+    found = session.diagnose()
+    again = begin(session.model(), session.evidence.campaign).diagnose()
+    assert (found.verdict, found.best, found.flags) == (again.verdict, again.best, again.flags)
+    asked = {item.names: item.log_evidence for item in again.entries}
+    told = {item.names: item.log_evidence for item in found.entries}
+    assert told == pytest.approx(asked, rel=1e-5, abs=1e-5)
+    assert found.base == pytest.approx(again.base, rel=1e-6)
+    assert found.given == ("yaw_sway_coupling", *added)
+
+
+def test_of_what_is_not_the_whole_story_the_strongest_effect_alone_is_proposed(coupled):
+    found = coupled.undo().diagnose()
+    weak, strong = sorted(found.findings, key=lambda item: item.log_odds)
+    assert replace(found, flags=()).proposed == found.findings
+    flagged = replace(found, flags=("not_the_whole_story", "something is left"))
+    assert flagged.proposed == (strong,)
+    assert flagged.to_dict()["proposed"] == [strong.effect]
+    assert weak.effect not in flagged.to_dict()["proposed"]
 
 
 @pytest.mark.slow

@@ -23,6 +23,7 @@ from pmmkit.cli.options import (
     sound_campaign,
     stated,
     stem,
+    typed_again,
     where,
     words,
 )
@@ -43,6 +44,7 @@ from pmmkit.cli.records import (
     Window,
     errors_table,
 )
+from pmmkit.escaping import quoted
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign as Tests
@@ -106,10 +108,11 @@ def diagnose(
     )
     executor = where(workers, scheduler)
     campaign = campaigns[0]
+    known = words(given)
     name = "-".join(map(stem, campaigns))
     folder = results_folder(out, f"{name}-diagnosed", read=[model], force=force)
     if len(campaigns) > 1:
-        if words(given) or own is not None or test_runs or window != WINDOW or executor:
+        if known or own is not None or test_runs or window != WINDOW or executor:
             raise DataError(
                 "--given, --own, --test-runs, --window, --workers and --scheduler belong to the "
                 "diagnosis of one campaign."
@@ -127,7 +130,7 @@ def diagnose(
         )
     opened, checked = sound_campaign(campaign, data, executor)
     if opened.kind == "free-running":
-        if words(given) or noise is not None or own is not None:
+        if known or noise is not None or own is not None:
             raise DataError(
                 "--given, --noise and --own belong to captive tests; these runs run free."
             )
@@ -143,7 +146,7 @@ def diagnose(
             floor=floor,
             noise=noise,
             own=own,
-            given=words(given),
+            given=known,
             drawn=figures,
         )
     found = answer.found
@@ -162,7 +165,14 @@ def diagnose(
         "",
         *answer.tail,
         f"Results: {folder}",
-        *_next(model, campaign, found, asked.repeated()),
+        *_next(
+            model,
+            campaign,
+            found,
+            known,
+            data=typed_again(data=data),
+            options=asked.repeated() + typed_again(floor=floor, noise=noise, own=own),
+        ),
     ]
     return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
 
@@ -280,23 +290,27 @@ def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
         yield "coverage.svg", partial(save, found.plot_coverage())
 
 
-def _next(model: str, campaign: Path, found: Diagnosis, options: str) -> list[str]:
+def _next(
+    model: str, campaign: Path, found: Diagnosis, given: Sequence[str], *, data: str, options: str
+) -> list[str]:
     """The command that puts the findings into the model, or plans the run that decides."""
     from pmmkit.files import first_free, free_folder
     from pmmkit.structures import structures
 
+    base, tests = quoted(Path(model)), quoted(campaign)
+    advice = f"pmmkit plan {base} {tests}"
     if not found.findings:
-        return [f"Next: pmmkit plan {model} {campaign}"] if found.suspected else []
-    rivals = len(found.group) > 1
-    told_apart = [f"Or, to tell the rivals apart: pmmkit plan {model} {campaign}"] if rivals else []
-    names = " ".join(item.effect for item in found.findings)
+        return [f"Next: {advice}"] if found.suspected else []
+    told_apart = [f"Or, to tell the rivals apart: {advice}"] if len(found.group) > 1 else []
+    names = " ".join([*given, *(item.effect for item in found.proposed)])
     better = first_free(Path(f"model{number}.toml") for number in count(2))
-    if model in structures():
-        reduced = free_folder(Path(f"{stem(campaign)}-reduced"))
-        return [
-            f"Next: pmmkit reduce {campaign} --structure {model} --fn pooled --out {reduced}",
-            f"      pmmkit add {reduced}/model.toml {names} --fit {campaign} -o {better}",
-            *told_apart,
-        ]
-    fit = f"--fit {campaign}{options}"
-    return [f"Next: pmmkit add {model} {names} {fit} -o {better}", *told_apart]
+    fit = f"--fit {tests}{data}{options} -o {better}"
+    if model not in structures():
+        return [f"Next: pmmkit add {base} {names} {fit}", *told_apart]
+    reduced = free_folder(Path(f"{stem(campaign)}-reduced"))
+    into = f"--structure {model} --fn pooled{data} --out {quoted(reduced)}"
+    return [
+        f"Next: pmmkit reduce {tests} {into}",
+        f"      pmmkit add {quoted(reduced / 'model.toml')} {names} {fit}",
+        *told_apart,
+    ]

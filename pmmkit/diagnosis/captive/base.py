@@ -68,8 +68,10 @@ class Base:
 
     def expected(self, view: View) -> Forces:
         """All harmonics of the forces that are predicted in a view."""
-        if view.expected:
-            return dict(view.expected)
+        return dict(view.expected) or self.predicted(view)
+
+    def predicted(self, view: View) -> Forces:
+        """The same, whatever another base expected there."""
         forces = self.forces(view.motion, view.speed)
         return {channel: view.harmonics(history) for channel, history in forces.items()}
 

@@ -67,7 +67,7 @@ def build(
     """
     channels = channels_of(views, base)
     base = fitted(base, channels, views)
-    views = [replace(view, expected=base.expected(view)) for view in views]
+    views = [replace(view, expected=base.predicted(view)) for view in views]
     predicted = {
         c.name: c.design @ [base.values[name] for name in base.names[c.name]] for c in channels
     }

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.reach import within_reach
 from pmmkit.campaigns.run import Campaign
-from pmmkit.conventions import Convention
+from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.diagnosis.captive.asked import eligible, excited
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.build import build
@@ -21,13 +21,12 @@ from pmmkit.diagnosis.captive.refit import effects_of
 from pmmkit.diagnosis.captive.system import LEAST, System
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.effect import Effect
-from pmmkit.effects.hull import HULL
 from pmmkit.errors import DataError, Problem
 from pmmkit.executors import Workers
 from pmmkit.models import Model, load_model
+from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.observations.views import View, scale_of, views_of
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.reduction.derivatives import columns_of
@@ -71,7 +70,7 @@ def derivatives_of(model: Model | str | Path | Sequence[str] | Structure) -> Bas
         return BaseModel(source=tuple(model), structure=tuple(model))
     names = tuple(
         name
-        for effect in (HULL, INERTIA)
+        for effect in DERIVATIVE_PARTS
         if effect in model.parts
         for name in model.parts[effect].values
         if effect_of(effect).parameter(name) is None
@@ -204,6 +203,44 @@ def captive_system(
     with threadpool_limits(1):
         system = build(usable, base, asked, floor=floor_for(campaign, usable, floor))
     return replace(system, unasked=tuple(item for item in every if item not in asked))
+
+
+def with_derivatives(system: System, effects: Sequence[Effect]) -> System:
+    """A system whose base has the derivatives of some effects as its own, as a model that was
+    written with them has: fitted freely, and part of what the base expects.
+
+    Parameters
+    ----------
+    system : System
+        Of a base without them.
+    effects : sequence of Effect
+        Those that are derivatives; what changes with the speed is no derivative of the base.
+    """
+    names = {channel: list(own) for channel, own in system.base.names.items()}
+    for name in (x for effect in effects for x in derivatives_in(effect)):
+        own = names.setdefault(parse_derivative(name).channel, [])
+        own += [name] if name not in own else []
+    base = replace(
+        system.base, names={channel: tuple(own) for channel, own in names.items()}, values={}
+    )
+    taken = {effect.name for effect in effects}
+    known = {name for own in names.values() for name in own}
+    blocks = [block.candidate for block in system.blocks if not block.candidate.partial]
+    asked, unasked = (
+        [x for x in every if x.name not in taken and not known.issuperset(x.coefficients)]
+        for every in ({item.name: item for item in blocks}.values(), system.unasked)
+    )
+    with threadpool_limits(1):
+        made = build(system.views, base, asked, floor=system.floor)
+    return replace(made, unasked=tuple(unasked))
+
+
+def derivatives_in(effect: Effect) -> tuple[str, ...]:
+    """The derivatives that an effect gives to a model; none where it changes them with the speed,
+    or is a part of its own."""
+    if effect.kind != "terms" or effect.varies_with_speed:
+        return ()
+    return tuple(effect.sizes({}))
 
 
 def _drawn(

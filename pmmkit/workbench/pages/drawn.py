@@ -17,6 +17,7 @@ from pmmkit.diagnosis.captive.verdict import taken_as_given
 from pmmkit.diagnosis.evidence import Entry
 from pmmkit.loop.captive import CaptiveTests
 from pmmkit.loop.records import FreeRecords
+from pmmkit.models.step import Step
 from pmmkit.numerics import Array
 from pmmkit.workbench.pages.numbers import short
 from pmmkit.workbench.pages.record_overlays import NUMBERS, record_effects
@@ -47,21 +48,21 @@ class Drawn:
 
 def drawn_over(
     evidence: CaptiveTests | FreeRecords,
-    given: tuple[str, ...],
+    steps: Sequence[Step],
     chosen: Sequence[Entry],
     heard: Callable[[float, str], None],
     *,
     overlays: bool = True,
     numbers: int = NUMBERS,
 ) -> Drawn:
-    """What each candidate would do, alone beside what the base has.
+    """What each candidate would do, alone beside the base as it stands.
 
     Parameters
     ----------
     evidence : CaptiveTests or FreeRecords
         The tests.
-    given : tuple of str
-        What the base has.
+    steps : sequence of Step
+        What was added to the base.
     chosen : sequence of Entry
         A candidate each.
     heard : callable
@@ -78,10 +79,13 @@ def drawn_over(
         heard(number / len(names), name)
 
     if isinstance(evidence, CaptiveTests):
-        return _captive_effects(evidence.system, given, chosen, told, overlays=overlays)
+        tests = evidence.standing(steps)
+        return _captive_effects(tests.system, tests.begun, chosen, told, overlays=overlays)
     if not overlays:
         return Drawn(shares={}, overlays={}, base={})
-    shares, paths, base = record_effects(evidence.contest(given), names, told, numbers)
+    shares, paths, base = record_effects(
+        evidence.contest(evidence.sets(steps)[-1]), names, told, numbers
+    )
     return Drawn(shares=shares, overlays=paths, base=base)
 
 

@@ -103,7 +103,7 @@ def _drawn(
         chosen = [singles[own,] for own in names if (own,) in singles]
         drawn = drawn_over(
             item,
-            (*item.begun, *(step.effect for step in asked)),
+            asked,
             [x for x in chosen if math.isfinite(x.log_evidence)],
             partial(_told, heard, number, len(found.names)),
             numbers=NUMBERS // len(found.names),

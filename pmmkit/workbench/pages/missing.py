@@ -63,7 +63,7 @@ def missing_page(
     ]
     evidence = session.evidence
     assert isinstance(evidence, CaptiveTests | FreeRecords)
-    drawn = drawn_over(evidence, session.given, chosen, heard, overlays=overlays)
+    drawn = drawn_over(evidence, session.steps, chosen, heard, overlays=overlays)
     entries = {**catalogue(), **own}
     candidates = []
     for entry in chosen:
