@@ -37,8 +37,16 @@ class Outcome:
     status: int = 0
 
 
-def marked(outcome: Outcome, model: Model) -> Outcome:
-    """What a command did with a model; where that was made by force, this stands above it."""
+def marked(outcome: Outcome, model: Model | str) -> Outcome:
+    """What a command did with a model, or what was typed for one; where that was made by force,
+    this stands above it. A structure has no force."""
+    if isinstance(model, str):
+        from pmmkit.models import load_model
+        from pmmkit.structures import structures
+
+        if model in structures():
+            return outcome
+        model = load_model(model)
     why = model.not_usable
     if not why:
         return outcome

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pmmkit.cli.options import sound_campaigns, stated
-from pmmkit.cli.output import Outcome, say, warned
+from pmmkit.cli.output import Outcome, marked, say, warned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -75,7 +75,8 @@ def together_outcome(
     if drawn:
         results.append(("evidence.svg", partial(save, found.plot())))
     files = write_results(folder, results)
-    return Outcome(
+    done = Outcome(
         content={"out": str(folder), "files": files, **content},
         lines=[*head, *warnings, str(found), "", f"Results: {folder}"],
     )
+    return marked(done, model)

@@ -67,6 +67,8 @@ def test_by_force_there_is_a_model_that_every_command_marks(odd, tmp_path, capsy
         ("imo", model, "--speed", "8", "--ships", "0"),
         ("stability", model, "--speed", "8"),
         ("compare", model, odd, "--no-figures"),
+        ("diagnose", model, odd, "--no-figures"),
+        ("plan", model, odd),
         ("scale", model, "--length", "100", "--froude-only"),
     ]
     for number, words in enumerate(sailing):

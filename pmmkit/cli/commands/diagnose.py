@@ -27,7 +27,7 @@ from pmmkit.cli.options import (
     where,
     words,
 )
-from pmmkit.cli.output import Outcome, say, warned
+from pmmkit.cli.output import Outcome, marked, say, warned
 from pmmkit.cli.outputs import Force, Out, results_folder
 from pmmkit.cli.records import (
     WINDOW,
@@ -174,7 +174,8 @@ def diagnose(
             options=asked.repeated() + typed_again(floor=floor, noise=noise, own=own),
         ),
     ]
-    return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
+    done = Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
+    return marked(done, model)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

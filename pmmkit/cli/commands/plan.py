@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from pmmkit.cli.options import Data, Given, stated, stem, words
-from pmmkit.cli.output import Outcome, say
+from pmmkit.cli.output import Outcome, marked, say
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.records import Asked
 from pmmkit.cli.speeds import TypedSpeed, typed_list
@@ -119,7 +119,7 @@ def plan(
             floor=floor,
             asked=of_records,
         )
-        return _written(advice, _advice_lines(advice), folder)
+        return marked(_written(advice, _advice_lines(advice), folder), model)
     if of_records.typed():
         raise DataError("Options of free-running records are of no use for captive tests.")
     allowed, options = _limits(opened, model, limits, listed)
@@ -133,9 +133,9 @@ def plan(
     }
     if opened is not None and opened.runs and runs is None and hours is None:
         advice = next_runs(model, opened, **asked)
-        return _written(advice, _advice_lines(advice), folder)
+        return marked(_written(advice, _advice_lines(advice), folder), model)
     made = programme.plan(model, opened, runs=runs, hours=hours, record_noise=record_noise, **asked)
-    return _written(made, _plan_lines(made), folder)
+    return marked(_written(made, _plan_lines(made), folder), model)
 
 
 def _refuse_captive(**captive: object) -> None:
