@@ -34,6 +34,7 @@ from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre as Orders
 from pmmkit.simulation.manoeuvres.zigzag import executed_at
 from pmmkit.simulation.simulate import simulate, steering
 from pmmkit.trials import Trial, evaluate
+from pmmkit.trials.current import mean_current
 from pmmkit.trials.evaluate import JUDGED
 from pmmkit.validation.prediction import at_the_scale_of
 from pmmkit.validation.statistics import ChannelError
@@ -41,6 +42,8 @@ from pmmkit.validation.uncertainty import COVERAGE
 
 GEAR: Final = 0.1
 """Share by which a steering gear may differ from the model's before it is said."""
+DRIFTS: Final = 3.0
+"""Standard uncertainties from which a drift of turning circles is told."""
 WINDOW: Final = 15.0
 """Length of the windows that are predicted, in ship lengths over the speed of the approach."""
 MOTIONS: Final[Mapping[str, str]] = {
@@ -266,6 +269,8 @@ def compare_free(
         notes.append(f"The records are taken as the model's steps say: {in_words(known)}.")
     if "rate_deg_s" not in campaign.rudder:
         notes += _steering_gear(made, manoeuvres)
+    if not any(current_of(known)):
+        notes += _drifting(manoeuvres)
     return tuple(runs), tuple(manoeuvres), (*notes, *reasons)
 
 
@@ -279,6 +284,24 @@ def _steering_gear(model: Model, manoeuvres: Sequence[Manoeuvre]) -> list[str]:
     return [
         f"The rudder moves at {measured:.2g} deg/s in the records and at {own:.2g} deg/s in the "
         "model: manoeuvres are simulated with the former."
+    ]
+
+
+def _drifting(manoeuvres: Sequence[Manoeuvre]) -> list[str]:
+    """What turning circles tell of a current that the tracks are not sailed in."""
+    own = {
+        item.run.id: item.trial.current
+        for item in manoeuvres
+        if item.trial.current is not None and abs(item.trial.turned_deg) >= 360.0
+    }
+    found = mean_current(own)
+    if found is None or found.speed < DRIFTS * found.speed_std:
+        return []
+    return [
+        f"Circles drift at {found.speed:.2g} ± {COVERAGE * found.speed_std:.1g} m/s to "
+        f"{found.direction_deg:03.0f}° ({found.origin}): their measures are through the water, but "
+        "tracks are compared in still water. pmmkit diagnose tells whether it is a current; once "
+        "added, the comparison sails in it."
     ]
 
 

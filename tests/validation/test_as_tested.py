@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from free_tank.campaigns import Setup, hidden_in, write
+from free_tank.cases import FLEETS
 from small_campaign import write_campaign
 
 import pmmkit as pk
@@ -86,15 +87,41 @@ def test_measures_of_a_circle_in_a_current_are_those_through_the_water(tmp_path)
         campaign=campaign.title,
     )
     found = {}
-    for name, model in (
-        ("given", pk.load_model(SHIP)),
-        ("stepped", pk.load_model(SHIP).stepped(step)),
-    ):
+    models = {"given": pk.load_model(SHIP), "stepped": pk.load_model(SHIP).stepped(step)}
+    for name, model in models.items():
         rows = [row for item in pk.compare(model, campaign).manoeuvres for row in item.rows()]
         found[name] = {row["measure"]: row["relative"] for row in rows if row["test"] == "turning"}
     assert abs(found["given"]["advance"]) > 0.03
     for measure in ("advance", "transfer", "tactical_diameter"):
         assert abs(found["stepped"][measure]) < 0.005
+
+
+@pytest.mark.parametrize("case", ["none", "current"])
+def test_a_drift_of_circles_that_nobody_asked_about_is_told(case, tmp_path, monkeypatch):
+    """More than a full circle is sailed: its positions tell the current, whatever the model."""
+    longer = replace(FLEETS[SHIP], turn=330.0)
+    monkeypatch.setitem(FLEETS, SHIP, longer)
+    setup = Setup(case=case, runs=3, seed=4, ship=SHIP)
+    campaign = pk.open_campaign(write(setup, tmp_path))
+    campaign = campaign.with_(runs=campaign.runs[:1])
+    x, y = hidden_in(setup).current
+    step = Step(
+        action="fault_corrected",
+        effect="current",
+        coefficients={"current_x": x, "current_y": y},
+        campaign=campaign.title,
+    )
+    given, stepped = (
+        [note for note in pk.compare(model, campaign).notes if note.startswith("Circles drift")]
+        for model in (pk.load_model(SHIP), pk.load_model(SHIP).stepped(step))
+    )
+    assert stepped == []
+    if case == "none":
+        assert given == []
+        return
+    (told,) = given
+    assert float(told.split()[3]) == pytest.approx(math.hypot(x, y), rel=0.1)
+    assert "pmmkit diagnose" in told
 
 
 TANK = {
