@@ -211,6 +211,27 @@ def drafted(capsys, folder: Path, *arguments: str) -> tuple[dict[str, Any], Path
     return json.loads(capsys.readouterr().out), target
 
 
+def test_a_sheet_with_other_names_has_columns_of_its_own(folder: Path, capsys) -> None:
+    """What a sweep takes instead of them (the rudder as measured) stands among these."""
+    book = openpyxl.load_workbook(folder / "results.xlsx")
+    book["A02"]["A2"] = "proef"
+    book["A02"]["T2"] = "Drift angle (°)"
+    book.save(folder / "results.xlsx")
+    _, target = drafted(capsys, folder)
+    text = target.read_text(encoding="utf-8")
+    raw = tomllib.loads(text)
+    sweeps = [item for item in raw["tables"] if item["where"] == {"TYPE ()": "MULTI"}]
+    assert [item["columns"]["delta"] for item in sweeps] == [False, False]
+    for item in raw["tables"]:
+        theirs = "Drift angle (°)" if item["source"]["sheet"] == "A02" else "Drift (°)"
+        assert {**raw.get("columns", {}), **item.get("columns", {})}["drift_deg"] == theirs
+    target.write_text(text.replace("# rho = ...", "rho = 1000.0"), encoding="utf-8")
+    by_sheet = {"A0": 0, "a0": 0}
+    for run in open_campaign(target):
+        by_sheet[run.id[:2]] += 1
+    assert by_sheet["A0"] == by_sheet["a0"] == 26 + 24 + 6
+
+
 def test_one_edited_line_leads_to_a_campaign(folder: Path, capsys) -> None:
     """The density; all else stands in the workbook, or the forces tell it."""
     content, target = drafted(capsys, folder, "--sheet", "A02")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.campaigns.samples.column_mapping import required_channels
@@ -39,12 +41,20 @@ def source_lines(look: FileLook, options: Options, *, every: bool = False) -> li
     return [f"{key} = {toml(value)}" for key, value in values.items()]
 
 
-def column_lines(look: FileLook, kind: str, todo: Todo, *, table: bool) -> list[str]:
-    """The columns with the reason for each, what is not used, what is still wanted."""
-    lines = []
+def column_lines(
+    look: FileLook,
+    kind: str,
+    todo: Todo,
+    *,
+    table: bool,
+    instead: Mapping[str, Any] = MappingProxyType({}),
+) -> list[str]:
+    """The columns with the reason for each, or what an entry takes instead; what is not used, what
+    is still wanted."""
+    lines = [f"{name} = {toml(value)}" for name, value in instead.items()]
     for column in look.columns:
         item = column.suggestion
-        if item is None or not column.numbers:
+        if item is None or not column.numbers or item.name in instead:
             continue
         mark = "# " if item.certainty == "perhaps" else ""
         note = f"{item.certainty}: {item.reason}"

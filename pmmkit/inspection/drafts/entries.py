@@ -129,7 +129,8 @@ def entry_lines(
         lines.append(f"source = {{ {', '.join(_apart(entry))} }}")
     if entry.where:
         lines.append(where_line(entry.where))
-    if entry.columns:
+    apart_columns = entry.look is not base and not shared
+    if entry.columns and not apart_columns:
         pairs = ", ".join(f"{name} = {toml(value)}" for name, value in entry.columns.items())
         lines.append(f"columns = {{ {pairs} }}")
     if entry.skip:
@@ -141,13 +142,15 @@ def entry_lines(
     lines += [f"# TODO {toml_comment(problem)}" for problem in entry.problems[:3]]
     if entry.problems:
         todo.of_run('the file is damaged or lacks values (missing = "drop" in [source])', entry.id)
-    if entry.look is not base and not shared:
+    if apart_columns:
         options = replace(entry.look.options, sheet=entry.sheet)
         source = source_lines(entry.look, options, every=base is not None)
         lines += [f"[{table}.source]", *source]
         lines.append(f"[{table}.columns]")
-        lines += column_lines(entry.look, kind, todo, table=table == "tables")
-        here = {
+        lines += column_lines(
+            entry.look, kind, todo, table=table == "tables", instead=entry.columns
+        )
+        here = set(entry.columns) | {
             name
             for name, column in entry.look.known.items()
             if column.suggestion and column.suggestion.certainty != "perhaps"
