@@ -207,7 +207,9 @@ class CaptiveTests:
             kept = c.kind == "physics" and old.convention == new.convention
             places = [x for x in places_of(block, new, self.own) if x not in brought]
             brought.update(places)
-            values = dict(zip(c.coefficients, coefficients_of(block, fit)[0], strict=True))
+            known = catalogue().get(c.name)
+            labels = list(known.typical) if c.kind == "fault" and known else c.coefficients
+            values = dict(zip(labels, coefficients_of(block, fit)[0], strict=True))
             steps.append(
                 replace(
                     plain,

@@ -26,7 +26,7 @@ from pmmkit.observations.views import (
 )
 from pmmkit.presentation import listed
 from pmmkit.progress import Progress
-from pmmkit.validation.faults import shown_too_much
+from pmmkit.validation.faults import shown_too_much, sizes_told
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
 from pmmkit.validation.statistics import ChannelError
 from pmmkit.validation.uncertainty import (
@@ -178,10 +178,15 @@ def compare_captive(
         *idle(campaign.uncertainty, [(view.run, tuple(view.force)) for view in views]),
     ]
     faults = faults_of(model.steps, campaign.title or campaign.ship.name)
-    if faults:
+    told = sizes_told(faults)
+    if told:
         notes.append(
             f"The prediction holds what the model's steps tell of these tests: "
-            f"{listed(list(faults))}."
+            f"{listed(list(told))}."
+        )
+    if left := [name for name in faults if name not in told]:
+        notes.append(
+            f"Not in the prediction, for no size is told that holds for every run: {listed(left)}."
         )
     scatter = repeat_scatter(views)
     scale = scales(views)

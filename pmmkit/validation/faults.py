@@ -48,6 +48,28 @@ class InTheTank:
         return {name: view.harmonics(x) for name, x in forces.items() if name in view.force}
 
 
+def sizes_told(steps: Mapping[str, Step]) -> dict[str, tuple[float, ...]]:
+    """Sizes of the faults that steps tell, as the coefficients of the effects stand.
+
+    Parameters
+    ----------
+    steps : mapping of str to Step
+        The faults, as `faults_of` gives them. One that each run draws for itself says nothing of
+        another run, and one whose step has no sizes nothing at all: neither is among them.
+    """
+    found = {}
+    for name, step in steps.items():
+        effect = catalogue()[name]
+        labels = [item.name for item in effect.coefficients]
+        if (
+            effect.columns is not None
+            and not effect.each_run
+            and set(labels) <= {*step.coefficients}
+        ):
+            found[name] = tuple(float(step.coefficients[x]) for x in labels)  # type: ignore[arg-type]
+    return found
+
+
 def shown_too_much(
     view: View, predictor: Predictor, steps: Mapping[str, Step], *, turning: bool
 ) -> dict[str, Array]:
@@ -60,20 +82,17 @@ def shown_too_much(
     predictor : Predictor
         The model in the tank.
     steps : mapping of str to Step
-        The faults, as `faults_of` gives them. One that each run draws for itself is left out:
-        it says nothing of another run.
+        The faults, as `faults_of` gives them; those of `sizes_told` count.
     turning : bool
         Whether the propeller turns.
     """
     base = InTheTank(predictor=predictor, turning=turning)
     found: dict[str, Array] = {}
-    for name, step in steps.items():
-        effect = catalogue()[name]
-        labels = [item.name for item in effect.coefficients]
-        if effect.columns is None or not set(labels) <= set(step.coefficients):
-            continue
-        for channel, columns in effect.columns(Seen(view, base), step.value or 0.0).items():
-            for label, column in zip(labels, columns, strict=True):
-                size = float(step.coefficients[label])  # type: ignore[arg-type]
+    for name, sizes in sizes_told(steps).items():
+        columns = catalogue()[name].columns
+        assert columns is not None
+        shown = columns(Seen(view, base), steps[name].value or 0.0)
+        for channel, own in shown.items():
+            for size, column in zip(sizes, own, strict=True):
                 found[channel] = found.get(channel, 0.0) + size * column
     return found

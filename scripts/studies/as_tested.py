@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 
 from pmmkit.campaigns.store import save_campaign
-from scripts.studies.hidden_effects import tank
+from scripts.studies.hidden_effects import ABSORBED, tank
 from scripts.studies.loops import COUPLING, SHIP, SURGE, told
 from scripts.studies.workers import add_workers, crew, in_order
 from tests.support.free_tank.campaigns import Setup, write
@@ -63,7 +63,10 @@ class Job:
             )
             return f"with-{hidden}"
         effects = WHOLE if hidden == "none" else {**WHOLE, hidden: 1.0}
-        save_campaign(tank().hidden_campaign("full", effects, seed=self.seed), f"with-{hidden}.h5")
+        made = tank().hidden_campaign("full", effects, seed=self.seed)
+        # The tank's rudder is a polynomial, that of the model is not.
+        towed = tuple(run for run in made.runs if not run.settings.rudder)
+        save_campaign(made.with_(runs=towed), f"with-{hidden}.h5")
         return f"with-{hidden}.h5"
 
 
@@ -130,7 +133,11 @@ def main() -> None:
     add_workers(parser, usual=2)
     o = parser.parse_args()
     hidden = {
-        "captive": [x for x in tank().INSIDE if x.startswith("fault_") or x == "current"],
+        "captive": [
+            x
+            for x in tank().INSIDE
+            if (x.startswith("fault_") or x == "current") and x not in ABSORBED
+        ],
         "records": [x for x, case in CASES.items() if x != "none" and case.start is None],
     }
     with crew(o) as executor:

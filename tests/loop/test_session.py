@@ -144,7 +144,7 @@ def test_the_steps_hold_what_the_fit_says_as_numbers(session):
     fault, memory = made.steps
     assert (fault.action, memory.action) == ("fault_corrected", "effect_added")
     assert fault.faults == memory.faults == ("fault_misalignment",)
-    assert list(fault.coefficients) == ["turned [deg]"]
+    assert list(fault.coefficients) == ["turned"]
     assert fault.before is None
     assert memory.log_odds == finding.log_odds
     part = made.parts["memory"].values

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from free_tank.campaigns import Setup, hidden_in, write
 from free_tank.cases import FLEETS
+from hidden_effects import hidden_campaign
 from small_campaign import write_campaign
 
 import pmmkit as pk
@@ -168,6 +169,37 @@ def test_faults_of_a_towing_tank_are_in_the_prediction_of_its_tests(programme, n
     assert np.linalg.norm(after) < (1.6 if name == "fault_time_lag" else 1.15) * np.linalg.norm(
         clean
     )
+
+
+@pytest.mark.parametrize("fault", ["fault_misalignment", "fault_gauge_zero", "fault_cross_talk"])
+def test_a_fault_that_a_session_adds_is_in_the_next_comparison_with_its_tests(fault, tmp_path):
+    """A tank of its own; the ship is the tank's but for what is hidden. Written and read again."""
+    hidden = {"yaw_sway_coupling": 1.0, "surge_yaw_coupling": 1.0, fault: 2.0}
+    tests = hidden_campaign("small", hidden, seed=2)
+    tests = tests.with_(runs=tuple(run for run in tests.runs if not run.settings.rudder))
+    ship = pk.load_model("s175-3dof")
+    pk.save_model(pk.begin(ship, tests).add(fault).model(), tmp_path / "model.toml")
+    before, after = (pk.compare(model, tests) for model in (ship, tmp_path / "model.toml"))
+    assert any(note.endswith(f"of these tests: {fault}.") for note in after.notes)
+    least = {
+        comparison: np.sqrt(np.mean(np.square([row["ratio"] for row in comparison.rows()])))
+        for comparison in (before, after)
+    }
+    assert least[after] < 0.75 * least[before]
+    assert np.mean([row["within"] for row in after.rows()]) > 0.9
+
+
+def test_a_fault_whose_size_says_nothing_of_a_run_is_left_out_with_words(programme):
+    step = Step(
+        action="fault_corrected",
+        effect="fault_transient",
+        coefficients={"share": 0.1},
+        campaign=programme.title,
+    )
+    ship = pk.load_model("s175-3dof")
+    found = pk.compare(ship.stepped(step), programme)
+    assert found.rows() == pk.compare(ship, programme).rows()
+    assert any("Not in the prediction" in x and "fault_transient" in x for x in found.notes)
 
 
 @pytest.mark.slow
