@@ -76,6 +76,11 @@ class MethodComparison(Described):
     predictions: Mapping[str, Prediction]
     window: float
 
+    @property
+    def currents(self) -> dict[str, dict[str, float]]:
+        """The current that each method found; empty where none was asked for."""
+        return {name: _current(item) for name, item in self.found.items()}
+
     def parameters(self) -> pd.DataFrame:
         """A row per parameter and method: parameter, prior, prior_std, value, std, ci_low, ci_high,
         seen, method."""
@@ -308,10 +313,8 @@ def compare_methods(
     if references:
         predictions[BEFORE] = predict(model, references, window=window, extrapolate=extrapolate)
         for name, item in found.items():
-            values = zip(item.names, item.values.tolist(), strict=True)
-            current = {place: value for place, value in values if place in CURRENT}
             seen = smoothed_without(
-                model, references, current, sensors=sensors, extrapolate=extrapolate
+                model, references, _current(item), sensors=sensors, extrapolate=extrapolate
             )
             predictions[name] = predict(item.model, seen, window=window, extrapolate=extrapolate)
     return MethodComparison(
@@ -420,6 +423,7 @@ def predicted_window(
     *,
     window: float = 60.0,
     extrapolate: bool = False,
+    currents: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
 ) -> PredictedWindow:
     """The window in which the ship turned most, as models sail it with the measured rudder.
 
@@ -433,6 +437,8 @@ def predicted_window(
         Its length [s].
     extrapolate : bool
         Allow a speed outside the range of the models' values.
+    currents : mapping of str to mapping of str to float
+        By name of a model the current that was found with it, as `MethodComparison.currents`.
 
     Returns
     -------
@@ -452,13 +458,19 @@ def predicted_window(
         raise DataError(f"No record is as long as a window of {window:g} s.")
     _, item, at = max(found, key=lambda entry: entry[0])
     names = ("x", "y", "psi", "u", "v", "r")
+    own = {
+        name: smoothed_without(model, [item], currents.get(name, {}), extrapolate=extrapolate)[0]
+        for name, model in models.items()
+    }
+    # Where a log tells the speed through the water, the track is smooth only in the current.
+    best = list(own.values())[-1]
     return PredictedWindow(
         name=item.name,
         t=item.t[at],
         delta=item.record.delta[at],
-        measured=MappingProxyType({name: item.motion[name][at] for name in names}),
+        measured=MappingProxyType({name: best.motion[name][at] for name in names}),
         predicted=MappingProxyType(
-            {name: _sailed(model, item, at, extrapolate) for name, model in models.items()}
+            {name: _sailed(model, own[name], at, extrapolate) for name, model in models.items()}
         ),
         L=next(iter(models.values())).ship.L,
     )
@@ -469,6 +481,12 @@ def _windows(t: Array, window: float) -> list[NDArray[np.intp]]:
     begins = np.arange(t[0], t[-1] - window + 1e-9, window / 4)
     rows = [np.flatnonzero((t >= at - 1e-9) & (t <= at + window + 1e-9)) for at in begins]
     return [at for at in rows if len(at) > 2]
+
+
+def _current(item: Identified) -> dict[str, float]:
+    """The current that was identified with a model; empty where none was asked for."""
+    values = zip(item.names, item.values.tolist(), strict=True)
+    return {place: value for place, value in values if place in CURRENT}
 
 
 def _sailed(

@@ -21,6 +21,7 @@ import pmmkit as pk
 from pmmkit.cli import main
 from pmmkit.diagnosis.free_running.question import records_of
 from pmmkit.identification import reference
+from pmmkit.identification.comparing import predicted_window
 from pmmkit.models.step import Step
 
 SHIP = "kvlcc2-l7"
@@ -242,6 +243,18 @@ def test_a_current_that_is_identified_is_in_predictions_and_comparisons(tmp_path
     assert found.found["trajectory"].current == pytest.approx(hidden_in(setup).current, abs=3e-3)
     before, after = (found.predictions[name].pooled() for name in ("before", "trajectory"))
     assert after["position"] < 0.3 * before["position"]
+    models = {"before": ship, "trajectory": found.found["trajectory"].model}
+    still, drawn = (
+        predicted_window(models, reference(ship, records[:1]), currents=currents)
+        for currents in ({}, found.currents)
+    )
+
+    def off(sailed, name):
+        ends = (sailed.predicted[name][x][-1] - sailed.measured[x][-1] for x in "xy")
+        return math.hypot(*ends)
+
+    assert off(drawn, "trajectory") < 0.2 * off(still, "trajectory")
+    assert off(drawn, "trajectory") < 0.2 * off(drawn, "before")
     turn = campaign.with_(runs=campaign.runs[:1])
     given, identified = (
         {row["channel"]: row["error"] for row in pk.compare(model, turn).rows()}

@@ -277,7 +277,13 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
             yield "posterior.nc", partial(write_posterior, item.detail.tree)
             yield "posterior.svg", partial(save, item.detail.plot(item.model.convention))
     models = {BEFORE: found.model, **{name: x.model for name, x in found.found.items()}}
-    sailed = predicted_window(models, work.references, window=found.window, extrapolate=extrapolate)
+    sailed = predicted_window(
+        models,
+        work.references,
+        window=found.window,
+        extrapolate=extrapolate,
+        currents=found.currents,
+    )
     yield "prediction.svg", partial(save, figures.window_figure(sailed))
 
 
