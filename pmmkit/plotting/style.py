@@ -187,7 +187,7 @@ def legend_below(figure: Figure, axes: Sequence[Axes], columns: int = 4) -> None
     axes : sequence of Axes
         Whose entries it takes; each label once.
     columns : int
-        Entries side by side.
+        Entries side by side, fewer where they are too long for the width.
     """
     entries: dict[str, Any] = {}
     for axis in axes:
@@ -195,8 +195,32 @@ def legend_below(figure: Figure, axes: Sequence[Axes], columns: int = 4) -> None
             entries.setdefault(label, handle)
     if entries:
         figure.legend(
-            list(entries.values()), list(entries), loc="outside lower center", ncols=columns
+            list(entries.values()),
+            list(entries),
+            loc="outside lower center",
+            ncols=_fitting(figure, list(entries), columns),
         )
+
+
+def _fitting(figure: Figure, labels: Sequence[str], columns: int) -> int:
+    """How many columns of a legend the width of a figure holds."""
+    from matplotlib import rcParams
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextPath
+
+    size = FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
+    beside = size * (
+        rcParams["legend.handlelength"]
+        + rcParams["legend.handletextpad"]
+        + rcParams["legend.columnspacing"]
+    )
+    widths = [TextPath((0, 0), x, size=size).get_extents().width for x in labels]
+    for count in range(min(columns, len(labels)), 1, -1):
+        rows = -(-len(labels) // count)
+        own = [max(widths[k : k + rows]) for k in range(0, len(widths), rows)]
+        if sum(own) + count * beside < 72.0 * figure.get_figwidth():
+            return count
+    return 1
 
 
 def save(figure: Figure, path: str | Path) -> Path:

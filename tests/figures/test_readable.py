@@ -114,6 +114,25 @@ def collisions(figure):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("length", [4, 25, 60])
+def test_a_legend_below_is_as_wide_as_the_figure_at_most(length):
+    """Runs have long names; what is short still stands side by side."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    with style.styled():
+        figure = style.canvas(4.0)
+        axis = figure.subplots()
+        for number in range(4):
+            axis.plot([0, 1], [number, number], label=f"{number}" + "m" * (length - 1))
+        style.legend_below(figure, [axis], columns=4)
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        (legend,) = figure.legends
+        box = legend.get_window_extent(canvas.get_renderer())
+    assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width
+    assert legend._ncols == {4: 4, 25: 2, 60: 1}[length]
+
+
 def test_what_the_phase_is_stands_clear_of_the_legend():
     theta = np.linspace(0.0, 2 * np.pi, 50)
     cycle = figures.Cycle(
