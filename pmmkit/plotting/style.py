@@ -10,6 +10,8 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
 from pmmkit.conventions import Convention, latex_symbol
 from pmmkit.files import atomic_path
 
@@ -216,9 +218,8 @@ def _fitting(figure: Figure, labels: Sequence[str], columns: int) -> int:
     )
     widths = [TextPath((0, 0), x, size=size).get_extents().width for x in labels]
     for count in range(min(columns, len(labels)), 1, -1):
-        rows = -(-len(labels) // count)
-        own = [max(widths[k : k + rows]) for k in range(0, len(widths), rows)]
-        if sum(own) + count * beside < 72.0 * figure.get_figwidth():
+        own = sum(max(column) for column in np.array_split(widths, count))
+        if own + count * beside < 72.0 * figure.get_figwidth():
             return count
     return 1
 

@@ -28,6 +28,7 @@ from pmmkit.metrics import unit_of
 from pmmkit.models import Model
 from pmmkit.numerics import Array, rms
 from pmmkit.observations.stated import idle
+from pmmkit.presentation import WIDE
 from pmmkit.progress import Progress
 from pmmkit.simulation import Track
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre as Orders
@@ -298,7 +299,7 @@ def _drifting(manoeuvres: Sequence[Manoeuvre]) -> list[str]:
     if found is None or found.speed < DRIFTS * found.speed_std:
         return []
     return [
-        f"Circles drift at {found.speed:.2g} ± {COVERAGE * found.speed_std:.1g} m/s to "
+        f"Circles drift at {found.speed:.2g} ± {WIDE * found.speed_std:.1g} m/s to "
         f"{found.direction_deg:03.0f}° ({found.origin}): their measures are through the water, but "
         "tracks are compared in still water. pmmkit diagnose tells whether it is a current; once "
         "added, the comparison sails in it."
