@@ -2,35 +2,11 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
-import numpy as np
 import pytest
 from free_tank.campaigns import Setup, hidden_in, write
 
 import pmmkit as pk
-from pmmkit.diagnosis.free_running.findings import Named
 from pmmkit.loop.session import begin
-
-
-@pytest.mark.parametrize(
-    ("z", "named"), [((0.0, 0.0), False), ((0.3, -0.3), False), ((0.3, 0.5), True)]
-)
-def test_no_set_is_named_that_holds_an_effect_without_a_size(z, named):
-    """Two coefficients known to ± .2 beside one of 2: evidence alone does not make them."""
-    fit = SimpleNamespace(
-        z=np.array([2.0, *z]),
-        covariance=0.2**2 * np.eye(3),
-        place=SimpleNamespace(
-            question=SimpleNamespace(
-                numbers=SimpleNamespace(
-                    columns={"current": np.array([0]), "asymmetry": np.array([1, 2])}
-                )
-            )
-        ),
-    )
-    assert Named(names=("current",), gain=9.0, fit=fit).has_sizes
-    assert Named(names=("current", "asymmetry"), gain=99.0, fit=fit).has_sizes is named
 
 
 @pytest.mark.slow

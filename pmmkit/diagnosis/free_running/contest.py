@@ -178,7 +178,7 @@ def contest_of(
                     continue
                 # A base that moves by much may predict as well as an effect: where no error matters
                 # the evidence alone decides.
-                if item.has_sizes and (item.error <= ahead.error or item.predicts):
+                if item.error <= ahead.error or item.predicts:
                     found.append(item)
             settled += found
             best = _next(found, ahead)
@@ -255,11 +255,7 @@ def _thinned(
             for rest in combinations(best.names, len(best.names) - 1)
             if rest not in known
         ]
-        fair = [
-            item
-            for item in found
-            if item.has_sizes and item.error < best.error + FALL and can_be(item)
-        ]
+        fair = [item for item in found if item.error < best.error + FALL and can_be(item)]
         order = _by_gain([*order, *fair])
         if order[0] is best:
             break

@@ -28,9 +28,6 @@ from pmmkit.numerics import Array
 BEYOND: Final = 2.0
 """Standard deviations by which a fit may leave a value beyond the least or most that there is."""
 
-SIZE: Final = 2.0
-"""Standard deviations within which a coefficient may be zero."""
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Named:
@@ -59,17 +56,6 @@ class Named:
     def predicts(self) -> bool:
         """Whether no error of records left out matters over windows."""
         return all(x <= small for x, small in self._left_out[0])
-
-    @property
-    def has_sizes(self) -> bool:
-        """Whether each effect has a coefficient that is not within `SIZE` standard deviations of
-        zero: one without is no name, however much its columns promise."""
-        columns = self.fit.place.question.numbers.columns
-        std = np.sqrt(np.diagonal(self.fit.covariance))
-        return all(
-            np.any(np.abs(self.fit.z[columns[name]]) > SIZE * std[columns[name]])
-            for name in self.names
-        )
 
     @cached_property
     def _left_out(self) -> list[list[tuple[float, float]]]:
