@@ -124,8 +124,8 @@ class CaptiveTests:
         def made(names: tuple[str, ...]) -> CaptiveTests:
             known = {**catalogue(), **{item.name: item for item in self.own}}
             brought = [known[x] for x in names if x in known and derivatives_in(known[x])]
-            left = {x: None for x in names if known.get(x) not in brought}
-            begun = tuple(dict.fromkeys((*self.begun, *left)))
+            taken = {effect.name for effect in brought}
+            begun = tuple(x for x in dict.fromkeys((*self.begun, *names)) if x not in taken)
             system = with_derivatives(self.system, brought) if brought else self.system
             return replace(self, system=system.whole(begun), begun=begun)
 

@@ -39,13 +39,12 @@ class ChannelError:
         cls, error: Array, measured: Array, uncertainty: Array, labels: Sequence[str]
     ) -> ChannelError:
         """Of harmonics C0, C1, S1 …, of which the first is the mean."""
-        steady = np.array([label == "C0" for label in labels])
         return cls(
             error=error,
             measured=measured,
             uncertainty=uncertainty,
-            squares=np.where(steady, 1.0, 0.5),
-            mean=steady.astype(float),
+            squares=squares_of(labels),
+            mean=np.array([float(label == "C0") for label in labels]),
         )
 
     @classmethod
@@ -68,6 +67,11 @@ class ChannelError:
         with np.errstate(over="ignore", invalid="ignore"):
             mean = self.error @ self.mean
             return float(mean if self.error.ndim == 1 else np.hypot(*mean))
+
+
+def squares_of(labels: Sequence[str]) -> Array:
+    """Weights (n,) of the squares of harmonics C0, C1, S1 … that give a mean square over time."""
+    return np.array([1.0 if label == "C0" else 0.5 for label in labels])
 
 
 @dataclass(frozen=True, kw_only=True)

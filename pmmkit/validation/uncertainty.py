@@ -16,6 +16,7 @@ from pmmkit.numerics import Array
 from pmmkit.observations.stated import altered, nominal_path
 from pmmkit.observations.views import View
 from pmmkit.validation.prediction import Forces, Predictor
+from pmmkit.validation.statistics import squares_of
 
 Share = Mapping[str, Array]
 """Standard uncertainty of each harmonic by channel [N, N m]."""
@@ -175,8 +176,7 @@ def rms_of(harmonics: Array, labels: Sequence[str]) -> float:
     >>> round(rms_of(np.array([2.0, 4.0, 4.0]), ("C0", "C1", "S1")), 4) == round(20**0.5, 4)
     True
     """
-    weights = np.array([1.0 if label == "C0" else 0.5 for label in labels])
-    return float(np.sqrt(weights @ harmonics**2))
+    return float(np.sqrt(squares_of(labels) @ harmonics**2))
 
 
 def sources_of(campaign: Campaign, *, repeated: bool) -> tuple[TypeB, ...]:

@@ -21,7 +21,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
-import shlex
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -32,7 +31,7 @@ import numpy as np
 
 from pmmkit.campaigns.store import save_campaign
 from scripts.studies.hidden_effects import ABSORBED, tank
-from scripts.studies.loops import COUPLING, SHIP, SURGE, told
+from scripts.studies.loops import COUPLING, SHIP, SURGE, added, diagnosis_in, told
 from scripts.studies.workers import add_workers, crew, in_order
 from tests.support.free_tank.campaigns import Setup, write
 from tests.support.free_tank.cases import CASES
@@ -86,14 +85,8 @@ def answered(job: Job) -> Answer:
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         tests, quiet = job.write(job.hidden), job.write("none")
         before, level = rows(job.ship, tests, "before"), rows(job.ship, quiet, "level")
-        said = told(f"diagnose {job.ship} {tests} --no-figures --out found")
-        following = [x for x in said.splitlines() if x.startswith("Next: pmmkit add ")]
-        model = job.ship
-        if following:
-            line = following[0].removeprefix("Next: pmmkit ")
-            told(line)
-            model = shlex.split(line)[-1]
-        found = json.loads(Path("found/diagnosis.json").read_text(encoding="utf-8"))
+        model = added(told(f"diagnose {job.ship} {tests} --no-figures --out found")) or job.ship
+        found = diagnosis_in("found")
         named = " + ".join(found["proposed"]) or found["verdict"]
         after = rows(model, tests, "after")
     return Answer(job=job, named=named, before=before, after=after, level=level)

@@ -29,6 +29,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pmmkit as pk
 from pmmkit.campaigns.store import save_campaign
@@ -107,19 +108,32 @@ def told(line: str, *more: str) -> str:
     return output.getvalue()
 
 
+def added(said: str) -> str | None:
+    """Type what the line ``Next:`` of a diagnosis adds; the model that it makes, if any."""
+    following = [x for x in said.splitlines() if x.startswith("Next: pmmkit add ")]
+    if not following:
+        return None
+    line = following[0].removeprefix("Next: pmmkit ")
+    told(line)
+    return shlex.split(line)[-1]
+
+
+def diagnosis_in(folder: str) -> dict[str, Any]:
+    """A diagnosis that was written."""
+    found: dict[str, Any] = json.loads(Path(folder, "diagnosis.json").read_text(encoding="utf-8"))
+    return found
+
+
 def by_command(_: pk.Campaign) -> tuple[tuple[str, ...], str, Model]:
     """Type what each answer says comes next."""
     model, steps, number = "reduced/model.toml", [], 0
     for number in range(MOST):
-        said = told(f"diagnose {model} tests.h5 --no-figures --out diagnosed{number}")
-        following = [x for x in said.splitlines() if x.startswith("Next: pmmkit add ")]
-        if not following:
+        better = added(told(f"diagnose {model} tests.h5 --no-figures --out diagnosed{number}"))
+        if better is None:
             break
-        line = following[0].removeprefix("Next: pmmkit ")
-        told(line)
-        model = shlex.split(line)[-1]
+        model = better
         steps = [step.effect for step in load_model(model).steps if step.effect]
-    return tuple(steps), verdict_in(f"diagnosed{number}"), load_model(model)
+    return tuple(steps), diagnosis_in(f"diagnosed{number}")["verdict"], load_model(model)
 
 
 def by_session(campaign: pk.Campaign) -> tuple[tuple[str, ...], str, Model]:
@@ -141,7 +155,7 @@ def by_given(campaign: pk.Campaign) -> tuple[tuple[str, ...], str, Model]:
         given = " ".join(f"--given {name}" for name in steps)
         folder = f"given{number}"
         told(f"diagnose reduced/model.toml tests.h5 --no-figures --out {folder} {given}")
-        content = json.loads(Path(folder, "diagnosis.json").read_text(encoding="utf-8"))
+        content = diagnosis_in(folder)
         if not content["proposed"]:
             break
         steps += content["proposed"]
@@ -173,12 +187,6 @@ WAYS: dict[str, Callable[[pk.Campaign], tuple[tuple[str, ...], str, Model]]] = {
     "given": by_given,
     "page": by_page,
 }
-
-
-def verdict_in(folder: str) -> str:
-    """What a diagnosis that was written says."""
-    content = json.loads(Path(folder, "diagnosis.json").read_text(encoding="utf-8"))
-    return str(content["verdict"])
 
 
 def model_of_steps(campaign: pk.Campaign, steps: Sequence[str]) -> pk.Session:
