@@ -70,7 +70,7 @@ class Finding(Described):
         records that of the heading [deg].
     error_level : float
         The same error if nothing is missing: of noise, run scatter and what the others leave
-        unknown (captive tests).
+        unknown; of records of starts, sensors, values and unknown forces.
     beside : bool
         Whether the coefficients are what comes to values that the model has, as free-running
         records tell; captive tests tell the whole of terms that the model lacks.

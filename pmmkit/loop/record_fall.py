@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from itertools import pairwise
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from pmmkit.diagnosis.findings import UNITS
@@ -51,9 +52,13 @@ class RecordFall(Described):
     ----------
     errors : tuple of RecordError
         Of the base fitted to the others, and after each effect.
+    levels : mapping of str to float
+        What noise alone gives: the same errors if nothing were missing after the last step, of
+        starts, sensors, values and the unknown forces that are left.
     """
 
     errors: tuple[RecordError, ...]
+    levels: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def steps(self) -> tuple[str, ...]:
@@ -95,30 +100,32 @@ class RecordFall(Described):
         return (
             "Each record was left out of the fit in turn and sailed by what all others say, over "
             "windows with its measured rudder: root mean square error, the noise of the sensors "
-            "taken off."
+            "taken off, beside what a model would leave that lacks nothing."
         )
 
     def plot(self) -> Figure:
         """Error of left-out records after each step, a panel for each of its kinds."""
         from pmmkit.plotting.records import waterfall
 
+        panels = {name: (name.replace("_", " "), UNITS[name]) for name in self.measured}
         return waterfall(
             self.steps,
-            {
-                (name.replace("_", " "), UNITS[name]): [item.of(name) for item in self.errors]
-                for name in self.measured
-            },
+            {panel: [item.of(name) for item in self.errors] for name, panel in panels.items()},
+            {panels[name]: x for name, x in self.levels.items() if name in panels},
         )
 
     def table(self) -> Grid:
-        """A row per step: errors of position [m], heading [deg], speed [m/s], yaw rate [deg/s]."""
+        """A row per step: errors of position [m], heading [deg], speed [m/s], yaw rate [deg/s]; a
+        last row of what noise alone gives."""
         rows = [
             [
-                f"+ {item.step}" if number else item.step,
+                f"+ {item.step}" if place else item.step,
                 *(f"{item.of(name):.3g}" for name in self.measured),
             ]
-            for number, item in enumerate(self.errors)
+            for place, item in enumerate(self.errors)
         ]
+        if self.levels:
+            rows.append(["noise alone", *(f"{self.levels[name]:.3g}" for name in self.measured)])
         head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in self.measured]
         return Grid(head=["after", *head], groups=[Group(rows=rows)])
 
@@ -146,7 +153,9 @@ class RecordFall(Described):
         return [Section(title="Error of records left out of the fit", tables=[self.table()]), *said]
 
     def to_pandas(self) -> pd.DataFrame:
-        """A row per step: its errors of records left out [m, deg, m/s, deg/s]."""
+        """A row per step: its errors of records left out [m, deg, m/s, deg/s], and what noise alone
+        gives of them after the last (`position_level` …)."""
         import pandas as pd
 
-        return pd.DataFrame([asdict(item) for item in self.errors])
+        levels = {f"{name}_level": self.levels.get(name, math.nan) for name in ERRORS}
+        return pd.DataFrame([{**asdict(item), **levels} for item in self.errors])

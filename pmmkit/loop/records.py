@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.campaigns.run import Campaign
@@ -21,6 +22,7 @@ from pmmkit.diagnosis.free_running.findings import held_out_errors, model_of, mo
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.left_out import each, left_out_windows, predicted
+from pmmkit.diagnosis.free_running.noise_level import noise_level
 from pmmkit.diagnosis.free_running.question import records_of
 from pmmkit.diagnosis.free_running.refit import refitted
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
@@ -128,12 +130,13 @@ class FreeRecords:
 
     def fall(self, steps: Sequence[Step]) -> RecordFall:
         """Errors of records left out one after another, of the base and after each step."""
-        names = (BASE, *(step.effect for step in steps))
+        names, sets = (BASE, *(step.effect for step in steps)), self.sets(steps)
         return RecordFall(
             errors=tuple(
                 RecordError(step=name, **self.system.errors(own))
-                for name, own in zip(names, self.sets(steps), strict=True)
-            )
+                for name, own in zip(names, sets, strict=True)
+            ),
+            levels=MappingProxyType(noise_level(self.system.fit(sets[-1]))),
         )
 
     def held_out_errors(self, steps: Sequence[Step]) -> dict[str, dict[str, float]]:

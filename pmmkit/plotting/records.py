@@ -26,7 +26,11 @@ TICK: Final = 10
 """Letters in a line under a bar; one word may be longer."""
 
 
-def waterfall(steps: Sequence[str], errors: Mapping[tuple[str, str], Sequence[float]]) -> Figure:
+def waterfall(
+    steps: Sequence[str],
+    errors: Mapping[tuple[str, str], Sequence[float]],
+    levels: Mapping[tuple[str, str], float] | None = None,
+) -> Figure:
     """Error of left-out records after each step, a panel for each kind of error.
 
     Parameters
@@ -35,6 +39,8 @@ def waterfall(steps: Sequence[str], errors: Mapping[tuple[str, str], Sequence[fl
         The base, then what was added.
     errors : mapping of (str, str) to sequence of float
         After each step, by what it is an error of and its unit.
+    levels : mapping of (str, str) to float, optional
+        What noise alone gives of them.
 
     Returns
     -------
@@ -67,12 +73,17 @@ def waterfall(steps: Sequence[str], errors: Mapping[tuple[str, str], Sequence[fl
                     ha="center",
                     fontsize="small",
                 )
-            axis.set_ylim(0.0, 1.15 * max(values) or 1.0)
+            level = (levels or {}).get((name, unit))
+            if level is not None:
+                axis.axhline(level, color=style.LIMIT, lw=1.0, ls="--", label="noise alone")
+            axis.set_ylim(0.0, 1.15 * max(*values, level or 0.0) or 1.0)
             axis.set_xlim(-0.7, len(steps) - 0.3)
             axis.set_xticks(range(len(steps)), _ticks(steps))
             axis.grid(visible=False, axis="x")
             axis.set_title(name)
             axis.set_ylabel(f"error [{unit}]")
+        if levels:
+            style.legend_below(figure, axes.tolist())
     return figure
 
 

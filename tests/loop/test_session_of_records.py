@@ -18,6 +18,7 @@ from pmmkit.loop import RecordError, RecordFall
 from pmmkit.loop.session import undone
 from pmmkit.plotting.records import before_and_after, waterfall
 from pmmkit.report import write_free_diagnosis
+from pmmkit.workbench.pages.fall import fall_page
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
 
 FEW = ("asymmetry", "fault_rudder_zero", "modulus_yaw_drag")
@@ -88,7 +89,9 @@ def test_the_error_falls_in_all_that_is_measured(added, found):
     assert after.yaw_rate < 0.6 * base.yaw_rate
     assert all(after.of(name) < base.of(name) for name in fall.measured)
     assert base.heading == found.errors["left out, base refitted"]["heading"]
-    assert list(fall.to_pandas().columns) == ["step", "position", "heading", "speed", "yaw_rate"]
+    names = ["position", "heading", "speed", "yaw_rate"]
+    levels = [f"{name}_level" for name in names]
+    assert list(fall.to_pandas().columns) == ["step", *names, *levels]
     assert f"heading {base.heading:.3g}° to {after.heading:.3g}°" in str(fall)
 
 
@@ -219,6 +222,24 @@ def test_a_step_that_lowers_nothing_is_said_so():
         f"error [{unit}]" for unit in ("m", "deg", "m/s", "deg/s")
     ]
     assert [bar.get_height() for bar in figure.axes[1].patches] == [2.0, 1.0, 1.1]
+
+
+@pytest.mark.slow
+def test_what_noise_alone_gives_stands_beside_the_error(added, found):
+    """The asymmetry is all that is missing: with it the error is the noise's, without it more."""
+    fall = added.fall()
+    base, after = fall.errors
+    (finding,) = found.findings
+    assert fall.levels["heading"] == pytest.approx(finding.error_level, rel=0.5)
+    assert after.heading < 1.6 * fall.levels["heading"] < base.heading
+    assert finding.to_dict()["errors"]["heading"]["level"] == finding.error_level
+    assert f" with noise of {finding.error_level:.3g}" in str(found)
+    assert found.errors["left out, noise alone"]["heading"] == finding.error_level
+    assert "noise alone" in str(fall)
+    drawn = fall.plot().axes[fall.measured.index("heading")]
+    assert drawn.lines[0].get_ydata()[0] == fall.levels["heading"]
+    shown = [step["level"] for step in fall_page(fall)["steps"]]
+    assert shown == pytest.approx([fall.levels["heading"]] * 2, rel=1e-4)
 
 
 def test_what_was_not_measured_is_not_told():

@@ -44,6 +44,7 @@ from pmmkit.diagnosis.free_running.left_out import (
     pooled,
     predicted,
 )
+from pmmkit.diagnosis.free_running.noise_level import noise_level
 from pmmkit.diagnosis.free_running.question import Question
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.free_running.unknown import FLOOR
@@ -56,6 +57,8 @@ from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.seas import sea_notes
 from pmmkit.models import Model
 
+ALONE: Final = "noise alone"
+"""Row of errors: what is left of records that were left out if nothing is missing."""
 LONGEST: Final = 6
 """A group of more sets names nothing."""
 BEYOND: Final = 10.0
@@ -261,7 +264,9 @@ def answer(
         verdict=verdict,
         group=tuple(group) if told else (),
         flags=_flags(told, many, told and forced and left),
-        findings=_findings(replace(best, fit=last), contest, every, covered)
+        findings=_findings(
+            replace(best, fit=last), contest, every, covered, errors[f"left out, {ALONE}"]
+        )
         if told and best
         else (),
         chance=chance,
@@ -333,6 +338,8 @@ def _errors(contest: Contest, refit: Fit, best: Fit | None) -> dict[str, dict[st
         found[f"{name}, base refitted"] = pooled(predicted(refit, left_out))
         if best is not None:
             found[f"{name}, with the effects"] = pooled(predicted(best, left_out))
+        if name == "left out":
+            found[f"{name}, {ALONE}"] = noise_level(best or refit)
     return found
 
 
@@ -367,7 +374,11 @@ def _values(question: Question, fit: Fit) -> dict[str, float]:
 
 
 def _findings(
-    best: Named, contest: Contest, every: Sequence[FreeCandidate], covered: Sequence[Visible]
+    best: Named,
+    contest: Contest,
+    every: Sequence[FreeCandidate],
+    covered: Sequence[Visible],
+    levels: Mapping[str, float],
 ) -> tuple[Finding, ...]:
     """The effects of the best set, each beside the others."""
     records = [item.record for item in contest.zero.question.stretches]
@@ -377,7 +388,7 @@ def _findings(
         rest = contest.without(best.names, name)
         odds[name] = best.gain - rest.gain
         errors[name] = (pooled(predicted(rest.fit, each(records))), after)
-    return findings_of(best, every, covered, odds, errors)
+    return findings_of(best, every, covered, odds, errors, levels)
 
 
 def _refused(contest: Contest) -> tuple[str, ...]:

@@ -197,6 +197,7 @@ def findings_of(
     covered: Sequence[Visible],
     odds: Mapping[str, float],
     errors: Mapping[str, tuple[Mapping[str, float], Mapping[str, float]]],
+    levels: Mapping[str, float],
 ) -> tuple[Finding, ...]:
     """The effects of the best set for people.
 
@@ -212,6 +213,8 @@ def findings_of(
         ln of the odds for each effect beside the others.
     errors : mapping of str to (mapping, mapping)
         Errors of records left out without and with each effect.
+    levels : mapping of str to float
+        The same if nothing is missing beside the set.
     """
     visible = {item.name: item for item in covered}
     numbers: Numbers = best.fit.place.question.numbers
@@ -241,6 +244,8 @@ def findings_of(
                 beside=True,
                 error_before=before.get("heading", math.nan),
                 error_after=after.get("heading", math.nan),
+                error_level=levels.get("heading", math.nan),
+                levels=dict(levels),
                 errors={name: (before[name], after[name]) for name in before},
             )
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import accumulate
 from typing import Any
 
@@ -69,7 +70,7 @@ def _records(fall: Fall) -> list[dict[str, Any]]:
         {
             "step": item.step,
             "error": short(item.heading),
-            "level": None,
+            "level": short(fall.levels.get(fall.of, math.nan)),
             "channels": {
                 name: {"error": short(getattr(item, name)), "unit": unit}
                 for name, unit in UNITS.items()
