@@ -22,6 +22,7 @@ from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, counted
 from pmmkit.progress import Progress
 from pmmkit.ship import Ship, Water
 from pmmkit.validation.captive import CaptiveRun, compare_captive
+from pmmkit.validation.dataset import of_harmonics, of_samples, rows_of
 from pmmkit.validation.free_running import FORCE_UNITS, MOTIONS, FreeRun, Manoeuvre, compare_free
 from pmmkit.validation.misfit import (
     STANDS_OUT,
@@ -39,10 +40,16 @@ from pmmkit.validation.uncertainty import COVERAGE, SHARES, rms_of
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
     from matplotlib.figure import Figure
 
 MOST: Final = 12
 """Sentences of a report; `Comparison.standouts` has all of them."""
+_HARMONICS: Final = (
+    *("run", "test", "speed", "Fn", "channel", "harmonic"),
+    *("measured", "predicted", "error", "uncertainty", "ratio", "known"),
+)
+"""Columns of `Comparison.harmonics`, before what a run varies."""
 OVERSHOOTS: Final = 2
 """Overshoots of a zigzag that are told: those for which the IMO has limits."""
 
@@ -222,40 +229,31 @@ class Comparison(Described):
             if len(rows) > 1
         ]
 
+    def to_xarray(self) -> xr.Dataset:
+        """All that was compared, labelled.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``measured``, ``predicted``, ``error`` (predicted less measured), ``uncertainty``
+            (expanded, k = 2) over run, channel and harmonic of captive tests, sample of
+            free-running ones (with ``t`` [s]); ``standard_uncertainty`` over source too. NaN where
+            a run has none. The unit of a channel is in ``unit``; the floor of free-running forces
+            is not among their sources.
+        """
+        return of_harmonics(self.captive) if self.captive else of_samples(self.free)
+
     def harmonics(self) -> pd.DataFrame:
         """A row per run, channel and harmonic of captive tests: run, test, speed, Fn, channel,
         harmonic (C0, C1, S1 …), measured, predicted, error, uncertainty (expanded), ratio, known,
-        and what the run varies."""
+        and what the run varies beside its speed."""
         import pandas as pd
 
-        return pd.DataFrame(
-            [
-                {
-                    "run": run.view.run.id,
-                    "test": run.view.run.test,
-                    "speed": run.view.speed,
-                    "Fn": run.Fn,
-                    "channel": channel,
-                    "harmonic": label,
-                    "measured": measured,
-                    "predicted": predicted,
-                    "error": predicted - measured,
-                    "uncertainty": doubt,
-                    "ratio": abs(predicted - measured) / doubt,
-                    "known": run.view.known(channel),
-                    **conditions(run, self.ship.L),
-                }
-                for run in self.captive
-                for channel in run.channels
-                for label, measured, predicted, doubt in zip(
-                    run.view.labels,
-                    run.view.force[channel].tolist(),
-                    run.predicted[channel].tolist(),
-                    run.uncertainty(channel).tolist(),
-                    strict=True,
-                )
-            ]
-        )
+        table = rows_of(self.to_xarray())
+        table["ratio"] = table["error"].abs() / table["uncertainty"]
+        varied = {run.view.run.id: conditions(run, self.ship.L) for run in self.captive}
+        beside = pd.DataFrame.from_dict(varied, orient="index").drop(columns="speed")
+        return table[[*_HARMONICS]].join(beside, on="run")
 
     def cells(self) -> tuple[Cell, ...]:
         """The cells of the map of misfit of captive tests."""

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
 
 from pmmkit.validation.captive import CaptiveRun
-from pmmkit.validation.free_running import FORCE_UNITS
-from pmmkit.validation.uncertainty import COVERAGE
+from pmmkit.validation.dataset import of_harmonics, rows_of
+from pmmkit.validation.uncertainty import COVERAGE, OF_MEASUREMENT
 
 if TYPE_CHECKING:
     import pandas as pd
+
+_COLUMNS: Final = (
+    *("run", "test", "speed", "Fn", "channel", "unit", "harmonic", "D", "S"),
+    *("E_percent", "U_D_percent", "U_V_percent", "within", "known"),
+)
 
 
 def errors_in_percent(runs: Sequence[CaptiveRun]) -> pd.DataFrame:
@@ -49,33 +55,18 @@ def errors_in_percent(runs: Sequence[CaptiveRun]) -> pd.DataFrame:
       channel     D     S  E_percent
     0       Y  80.0  84.0       -5.0
     """
-    import pandas as pd
-
-    return pd.DataFrame(
-        [row for run in runs for channel in run.channels for row in _rows(run, channel)]
+    data = of_harmonics(runs)
+    std = data["standard_uncertainty"]
+    own = COVERAGE * np.sqrt((std.sel(source=list(OF_MEASUREMENT)) ** 2).sum("source"))
+    table = rows_of(data.assign(U_D=own, floor=COVERAGE * std.sel(source="floor", drop=True)))
+    D, S, U_V = (table[name] for name in ("measured", "predicted", "uncertainty"))
+    size = D.where(D.abs() > np.hypot(table["U_D"], table["floor"]))
+    told = table.assign(
+        D=D,
+        S=S,
+        E_percent=100 * (D - S) / size,
+        U_D_percent=100 * table["U_D"] / size.abs(),
+        U_V_percent=100 * U_V / size.abs(),
+        within=(D - S).abs() <= U_V,
     )
-
-
-def _rows(run: CaptiveRun, channel: str) -> Iterator[dict[str, Any]]:
-    own = run.view.run
-    floor = COVERAGE * run.shares["floor"][channel]
-    U_D, U_V = run.measurement_uncertainty(channel), run.uncertainty(channel)
-    for place, label in enumerate(run.view.labels):
-        D, S = float(run.view.force[channel][place]), float(run.predicted[channel][place])
-        size = abs(D) if abs(D) > math.hypot(U_D[place], floor[place]) else math.nan
-        yield {
-            "run": own.id,
-            "test": own.test,
-            "speed": run.view.speed,
-            "Fn": run.Fn,
-            "channel": channel,
-            "unit": FORCE_UNITS[channel],
-            "harmonic": label,
-            "D": D,
-            "S": S,
-            "E_percent": 100 * (D - S) / math.copysign(size, D),
-            "U_D_percent": 100 * float(U_D[place]) / size,
-            "U_V_percent": 100 * float(U_V[place]) / size,
-            "within": bool(abs(D - S) <= U_V[place]),
-            "known": run.view.known(channel),
-        }
+    return told[[*_COLUMNS]]

@@ -226,6 +226,25 @@ def test_the_rows_of_a_run_are_the_root_mean_squares_of_its_harmonics(s175, trut
     assert row["within"] == (row["error"] < row["uncertainty"])
 
 
+@pytest.mark.slow
+def test_labels_rows_and_runs_hold_the_same_numbers(s175, truth):
+    """One harmonic of one force, as a label picks it, as a row, and in the run."""
+    found = pk.compare(truth, s175.select("pure_sway"))
+    data, run = found.to_xarray(), found.captive[0]
+    at = {"run": run.view.run.id, "channel": "N", "harmonic": "S1"}
+    one, place = data.sel(at), run.view.labels.index("S1")
+    assert float(one["predicted"]) == run.predicted["N"][place]
+    assert float(one["error"]) == run.error("N")[place]
+    assert float(one["uncertainty"]) == run.uncertainty("N")[place]
+    assert (str(one["unit"].values), bool(one["known"])) == ("N m", True)
+    std = one["standard_uncertainty"]
+    assert COVERAGE * math.sqrt(float((std**2).sum())) == pytest.approx(float(one["uncertainty"]))
+    row = found.harmonics().set_index(list(at)).loc[tuple(at.values())]
+    assert row["error"] == float(one["error"])
+    assert row["speed"] == pytest.approx(run.view.speed)
+    assert row["Fn"] == pytest.approx(run.Fn)
+
+
 def test_an_uncertain_drift_angle_is_the_slope_of_the_force(small, one_set):
     """By hand: the change of the forces when the model is turned by one standard uncertainty."""
     std = math.radians(0.1)
@@ -696,6 +715,15 @@ def test_a_model_sails_its_own_records(tanker, sea):
         assert abs(metrics.loc[key, "relative"]) < 0.02
     assert found.kind == "free-running"
     assert len(found.residuals("zigzag")) > 100
+    data = found.to_xarray()
+    swung = data.sel(run="zigzag").dropna("sample", subset=["t"])
+    off = swung["error"].sel(channel="psi")
+    assert str(off["unit"].values) == "rad"
+    assert math.degrees(math.sqrt(float((off**2).mean()))) == pytest.approx(
+        table.loc[("zigzag", "heading"), "error"]
+    )
+    Y = swung["measured"].sel(channel="Y")
+    assert math.sqrt(float((Y**2).mean())) == pytest.approx(table.loc[("zigzag", "Y"), "measured"])
 
 
 @pytest.mark.slow
