@@ -10,12 +10,7 @@ from pathlib import Path
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.diagnose import (
-    captive_system,
-    derivatives_in,
-    derivatives_of,
-    with_derivatives,
-)
+from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
 from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
 from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
 from pmmkit.diagnosis.captive.refit import Refit, froude_numbers, places_of, refitted
@@ -122,11 +117,8 @@ class CaptiveTests:
         """The tests about a base with some effects, each set of them once."""
 
         def made(names: tuple[str, ...]) -> CaptiveTests:
-            known = {**catalogue(), **{item.name: item for item in self.own}}
-            brought = [known[x] for x in names if x in known and derivatives_in(known[x])]
-            taken = {effect.name for effect in brought}
-            begun = tuple(x for x in dict.fromkeys((*self.begun, *names)) if x not in taken)
-            system = with_derivatives(self.system, brought) if brought else self.system
+            system, rest = standing(self.system, names, self.own)
+            begun = tuple(dict.fromkeys((*self.begun, *rest)))
             return replace(self, system=system.whole(begun), begun=begun)
 
         return cache(made)

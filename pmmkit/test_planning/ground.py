@@ -12,7 +12,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.asked import eligible
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
-from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
+from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
 from pmmkit.diagnosis.captive.grid import best_blocks
 from pmmkit.diagnosis.captive.system import System, channels_of
 from pmmkit.errors import DataError
@@ -125,7 +125,6 @@ def ground_of(
         If there are neither tests nor a model with values, or nothing can be offered.
     """
     base = derivatives_of(model)
-    have = tuple(dict.fromkeys((*base.effects, *given)))
     if campaign is not None and campaign.runs:
         return _with_tests(
             structure_of(base.structure),
@@ -134,7 +133,8 @@ def ground_of(
             options,
             floor=floor,
             candidates=candidates,
-            given=have,
+            begun=base.effects,
+            given=given,
             noise=noise,
         )
     if limits is None and options:
@@ -149,6 +149,7 @@ def ground_of(
     loaded = base.source
     if campaign is not None:
         loaded = loaded.with_(ship=campaign.ship, water=campaign.water)
+    have = tuple(dict.fromkeys((*base.effects, *given)))
     return _before_tests(
         loaded, limits, options, floor=floor, noise=record_noise, candidates=candidates, given=have
     )
@@ -162,11 +163,13 @@ def _with_tests(
     *,
     floor: float,
     candidates: Sequence[Candidate] | None,
-    given: tuple[str, ...],
+    begun: Sequence[str],
+    given: Sequence[str],
     noise: float | None,
 ) -> Ground:
-    system = captive_system(campaign, structure, floor=floor, candidates=candidates, noise=noise)
-    given = system.taking_part(given)
+    asked = captive_system(campaign, structure, floor=floor, candidates=candidates, noise=noise)
+    system, rest = standing(asked, given)
+    have = system.taking_part(tuple(dict.fromkeys((*begun, *rest))))
     views = system.views
     offered = _offered(options, limits, system.base)
     speeds = [*(view.speed for view in views), *limits.speeds]
@@ -182,9 +185,10 @@ def _with_tests(
         scatter=system.scatter,
         scale={c.name: c.scale for c in system.channels},
     )
-    values = {name: [b.value for b in best_blocks(system, name, 2)] for name in given}
+    values = {name: [b.value for b in best_blocks(system, name, 2)] for name in have}
     made = tuple(dict.fromkeys(view.run.id for view in views))
-    return _ground(rows.condition_on(values), made, offered, every, given, system)
+    every = tuple(item for item in every if item.name not in given)
+    return _ground(rows.condition_on(values), made, offered, every, have, system)
 
 
 def _before_tests(

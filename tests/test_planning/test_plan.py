@@ -148,6 +148,20 @@ def test_information_is_that_of_the_diagnosis_and_adds_up(given):
         np.testing.assert_allclose(ours, whole.precision()[channel], rtol=1e-4)
 
 
+@pytest.mark.slow
+def test_what_is_given_is_part_of_the_base_as_in_the_model_that_is_written_with_it():
+    """Derivatives of an effect that was added are free: plan and diagnosis ask alike."""
+    tests, coupling = hidden_campaign("small", seed=1), "yaw_sway_coupling"
+    written = [*BASE, "Yvvr", "Yvrr", "Nvvr", "Nvrr"]
+    added = ground_of(BASE, tests, given=(coupling,), limits=LIMITS)
+    model = ground_of(written, tests, limits=LIMITS)
+    assert coupling not in added.candidates
+    assert set(added.candidates) == set(model.candidates) - {coupling}
+    ours, theirs = (item.known().reduced() for item in (added, model))
+    np.testing.assert_allclose(ours.gram, theirs.gram, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(ours.score, theirs.score, rtol=1e-6, atol=1e-6)
+
+
 def test_expected_odds_are_the_mean_of_the_log_of_the_ratio():
     """Rows drawn from what one rival predicts, weighed by both predictions."""
     from scipy.stats import multivariate_normal

@@ -21,7 +21,7 @@ from pmmkit.diagnosis.captive.refit import effects_of
 from pmmkit.diagnosis.captive.system import LEAST, System
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.catalogue import catalogue, effect_of
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import DataError, Problem
 from pmmkit.executors import Workers
@@ -203,6 +203,34 @@ def captive_system(
     with threadpool_limits(1):
         system = build(usable, base, asked, floor=floor_for(campaign, usable, floor))
     return replace(system, unasked=tuple(item for item in every if item not in asked))
+
+
+def standing(
+    system: System, names: Sequence[str], own: Sequence[Effect] = ()
+) -> tuple[System, tuple[str, ...]]:
+    """A system about its base as a model stands that was written with some effects.
+
+    Parameters
+    ----------
+    system : System
+        About the base without them.
+    names : sequence of str
+        Effects.
+    own : sequence of Effect
+        Those of the user, which the catalogue does not have.
+
+    Returns
+    -------
+    System
+        Derivatives that they bring are the base's own.
+    tuple of str
+        Those that bring none.
+    """
+    known = {**catalogue(), **{item.name: item for item in own}}
+    brought = [known[x] for x in dict.fromkeys(names) if x in known and derivatives_in(known[x])]
+    taken = {effect.name for effect in brought}
+    rest = tuple(x for x in dict.fromkeys(names) if x not in taken)
+    return (with_derivatives(system, brought) if brought else system), rest
 
 
 def with_derivatives(system: System, effects: Sequence[Effect]) -> System:
