@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 
 MOST: Final = 12
 """Sentences of a report; `Comparison.standouts` has all of them."""
+_CELL: Final = ("channel", "test", "speed", "Fn")
+"""What the records of a cell of the map have in common."""
 _HARMONICS: Final = (
     *("run", "test", "speed", "Fn", "channel", "harmonic"),
     *("measured", "predicted", "error", "uncertainty", "ratio", "known"),
@@ -264,7 +266,8 @@ class Comparison(Described):
 
         The column `ratio` is the error in units of the expanded uncertainty, root mean square over
         the runs of the cell; `with_velocity` and `with_displacement` are its parts by phase. Of
-        free-running tests a cell holds whole records (`harmonic` is -1).
+        free-running tests a cell holds whole records (`harmonic` is -1) and is told by
+        `statistics.together`, as the console tells it.
         """
         import pandas as pd
 
@@ -272,15 +275,21 @@ class Comparison(Described):
             found = pd.DataFrame([asdict(cell) for cell in self.cells()])
             found.insert(5, "what", [order_words(order) for order in found["harmonic"]])
             return found
-        table = self.to_pandas()
-        keys = ["channel", "test", "speed", "Fn"]
-        grouped = table.groupby(keys, sort=False)
-        squares = {name: grouped[name].agg(rms) for name in ("error", "uncertainty", "ratio")}
-        found = pd.DataFrame({"runs": grouped.size(), **squares}).reset_index()
-        found["relative"] = (grouped["error"].agg(rms) / grouped["measured"].agg(rms)).to_numpy()
-        found.insert(4, "harmonic", -1)
-        found.insert(5, "what", "record")
-        return found
+        groups: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
+        for row in self.rows():
+            groups.setdefault(tuple(row[name] for name in _CELL), []).append(row)
+        return pd.DataFrame(
+            [
+                {
+                    **dict(zip(_CELL, key, strict=True)),
+                    "harmonic": -1,
+                    "what": "record",
+                    "runs": len(group),
+                    **together(group),
+                }
+                for key, group in groups.items()
+            ]
+        )
 
     def outstanding(self, least: float = STANDS_OUT) -> tuple[Standout, ...]:
         """What stands out of the map of captive tests, speeds merged, the worst first.

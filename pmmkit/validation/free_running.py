@@ -125,22 +125,23 @@ class FreeRun:
 
     def _motion_error(self, name: str) -> ChannelError:
         m, p = self.measured, self.predicted
-        s = {own: np.hypot(self.std[own], self.predicted_std[own]) for own in self.std}
-        degrees = math.degrees(1.0)
+
+        def doubt(of: str) -> Array:
+            return COVERAGE * np.hypot(self.std[of], self.predicted_std[of])
+
         if name == "position":
             error = np.stack([p[x] - m[x] for x in "xy"])
             gone = np.stack([m[x] - m[x][0] for x in "xy"])
-            return ChannelError.of_samples(error, gone, COVERAGE * np.stack([s["x"], s["y"]]))
-        if name == "heading":
-            turned, error, doubt = m["psi"] - m["psi"][0], p["psi"] - m["psi"], s["psi"]
-        elif name == "yaw_rate":
-            turned, error, doubt = m["r"], p["r"] - m["r"], s["r"]
-        else:
+            return ChannelError.of_samples(error, gone, np.stack([doubt("x"), doubt("y")]))
+        if name == "speed":
             speed, simulated = np.hypot(m["u"], m["v"]), np.hypot(p["u"], p["v"])
-            doubt = COVERAGE * np.hypot(s["u"], s["v"])
-            return ChannelError.of_samples(simulated - speed, speed, doubt)
+            both = np.hypot(doubt("u"), doubt("v"))
+            return ChannelError.of_samples(simulated - speed, speed, both)
+        own = {"heading": "psi", "yaw_rate": "r"}[name]
+        turned = m["psi"] - m["psi"][0] if own == "psi" else m["r"]
+        degrees = math.degrees(1.0)
         return ChannelError.of_samples(
-            degrees * error, degrees * turned, degrees * COVERAGE * doubt
+            degrees * (p[own] - m[own]), degrees * turned, degrees * doubt(own)
         )
 
 
