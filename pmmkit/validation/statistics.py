@@ -109,23 +109,30 @@ def statistics(error: ChannelError) -> dict[str, Any]:
     """`STATISTICS` of a run in a channel, and what they come to: ``relative`` (error over
     measured), ``ratio`` (error over uncertainty) and ``within`` (whether it is less)."""
     found = {item.name: item.of(error) for item in STATISTICS}
-    return {**found, **_over(found), "within": bool(found["error"] < found["uncertainty"])}
+    return {
+        **found,
+        "relative": _over(found, "measured"),
+        "ratio": _over(found, "uncertainty"),
+        "within": bool(found["error"] < found["uncertainty"]),
+    }
 
 
 def together(rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """`STATISTICS` of several runs in a channel, ``relative``, ``ratio``, and how many of them
-    are ``within``."""
+    """`STATISTICS` of several runs in a channel, ``relative``, ``ratio`` (root mean square of
+    theirs: a run that may differ by much hides no other), and how many of them are ``within``."""
     listed = list(rows)
     found = {
         item.name: item.together(np.array([row[item.name] for row in listed], float))
         for item in STATISTICS
     }
-    return {**found, **_over(found), "within": sum(row["within"] for row in listed)}
-
-
-def _over(found: Mapping[str, float]) -> dict[str, float]:
-    error, measured, doubt = (found[name] for name in ("error", "measured", "uncertainty"))
     return {
-        "relative": error / measured if measured else math.nan,
-        "ratio": error / doubt if doubt else math.nan,
+        **found,
+        "relative": _over(found, "measured"),
+        "ratio": rms([row["ratio"] for row in listed]),
+        "within": sum(row["within"] for row in listed),
     }
+
+
+def _over(found: Mapping[str, float], name: str) -> float:
+    """The error over another statistic."""
+    return found["error"] / found[name] if found[name] else math.nan

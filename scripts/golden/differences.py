@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Any
 
-DUST = 1e-3
+DUST = 1e-2
 """A number of a list may differ by the tolerance times this share of the largest beside it: sums
 that cancel leave digits that mean nothing."""
+NOTHING = 1e-13
+"""Smaller numbers are zero: what one processor rounds to it another does not."""
 ROUNDING = 1e-14
 """The same beside numbers under other keys, over the largest of them."""
 
@@ -81,7 +83,7 @@ def _differences(
             yield from _differences(one, other, tolerance, least, f"{place}[{number}]")
     elif _is_number(old) and _is_number(new):
         larger = max(abs(old), abs(new))
-        if abs(old - new) > max(tolerance * larger, floor):
+        if abs(old - new) > max(tolerance * larger, floor, NOTHING):
             yield Difference(place, old, new, abs(new - old) / larger)
     elif type(old) is not type(new) or old != new:
         yield Difference(place, old, new)

@@ -12,6 +12,8 @@ DIGITS = 12
 LONG = 40
 """Lists of more entries than this are kept at `THINNED` of them, evenly, and by their sums."""
 THINNED = 12
+MASKED = {"seconds": "SECONDS", "fingerprint": "FINGERPRINT"}
+"""Keys of what no two machines agree about."""
 WHOLE = 400
 """Lines up to which a text is kept and not only its digest."""
 
@@ -28,7 +30,7 @@ def plain(value: Any) -> Any:
     -------
     object
         Numbers rounded to `DIGITS`, long lists thinned, long lists of records as columns; how long
-        something took (`seconds`) is not kept.
+        something took is not kept, nor a digest of numbers to their last digit.
 
     Examples
     --------
@@ -41,7 +43,7 @@ def plain(value: Any) -> Any:
         return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else str(value)
     if isinstance(value, Mapping):
         return {
-            str(key): "SECONDS" if key == "seconds" else plain(item) for key, item in value.items()
+            str(key): MASKED[key] if key in MASKED else plain(item) for key, item in value.items()
         }
     if hasattr(value, "tolist"):
         return plain(value.tolist())
@@ -60,10 +62,13 @@ def column(items: Sequence[Any]) -> Any:
     if len(items) <= LONG:
         return [plain(item) for item in items]
     at = [round(k * (len(items) - 1) / (THINNED - 1)) for k in range(THINNED)]
-    found = {"entries": len(items), "some": [plain(items[k]) for k in at]}
+    found: dict[str, Any] = {"entries": len(items), "some": [plain(items[k]) for k in at]}
     if any(isinstance(item, str) for item in items):
-        return found | {"sha256": _sha256("\n".join(str(plain(item)) for item in items))}
+        told = (item if isinstance(item, str) else "" for item in items)
+        found["sha256"] = _sha256("\n".join(told))
     numbers = [x for x in _flat(items) if isinstance(x, (int, float)) and math.isfinite(x)]
+    if not numbers:
+        return found
     # What is above zero and what is below apart: such sums cancel nothing, and see a sign.
     sums = (math.fsum(max(x, 0.0) for x in numbers), math.fsum(min(x, 0.0) for x in numbers))
     return found | {"numbers": len(numbers), "sums": plain(sums)}

@@ -73,6 +73,15 @@ def test_a_long_record_moves_wherever_one_of_its_numbers_does():
     assert moved(rows, [{**row, "run": "0" if row["run"] == "17" else row["run"]} for row in rows])
 
 
+def test_a_long_column_with_gaps_sees_its_texts_and_lets_rounding_pass():
+    """A cell without a number is empty text: it takes no tolerance from the others."""
+    old = ["" if k % 7 == 0 else 1.0 + k for k in range(LONG + 1)]
+    assert moved(old, [x if isinstance(x, str) else x * (1 + 1e-12) for x in old]) == []
+    assert moved(old, ["gap" if k == 7 else x for k, x in enumerate(old)])
+    assert moved(old, [-x if k == 8 else x for k, x in enumerate(old)])
+    assert plain({"fingerprint": "3f2a"}) == {"fingerprint": "FINGERPRINT"}
+
+
 def test_a_long_text_moves_by_any_letter():
     lines = [f"line {k}" for k in range(WHOLE + 1)]
     one = "\n".join(lines)

@@ -61,3 +61,12 @@ def test_biases_of_runs_to_both_sides_cancel_and_errors_do_not():
     assert found["bias"] == pytest.approx(0.0)
     assert found["error"] == pytest.approx(0.3)
     assert found["within"] == 2
+
+
+def test_a_run_that_may_differ_by_much_hides_no_other():
+    """The same error, ten times what may differ in one run and a hundredth of it in the other."""
+    rows = [
+        statistics(ChannelError.of_samples(np.ones(4), np.ones(4), np.full(4, doubt)))
+        for doubt in (0.1, 100.0)
+    ]
+    assert together(rows)["ratio"] == pytest.approx(10.0 / 2.0**0.5, rel=1e-5)
