@@ -52,8 +52,9 @@ class Job:
 ITERATED = 3e-5
 """Tolerance of a job in which a search, a filter or an adaptive step ends at one of its own: two
 processors differed by 1e-5 in an odds and in a size found by a search."""
-UNSTABLE = 1e-3
-"""The same where the uncertainty of an unstable ship's motion is told: they differed by 2e-4."""
+AMPLIFIED = 1e-3
+"""The same where rounding grows: the uncertainty of an unstable ship's motion, the phase of a wave
+at the end of a turn. They differed by 2e-4 of them."""
 
 
 TOOK = re.compile(
