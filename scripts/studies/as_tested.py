@@ -30,11 +30,12 @@ import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
 from pmmkit.campaigns.store import save_campaign
+from pmmkit.presentation import WIDE
 from scripts.studies.hidden_effects import ABSORBED, tank
 from scripts.studies.loops import COUPLING, SHIP, SURGE, added, diagnosis_in, told
 from scripts.studies.workers import add_workers, as_done, crew, in_order
@@ -67,8 +68,6 @@ TRUTHS: Mapping[str, Callable[[Hidden], Mapping[str, float]]] = {
     "fault_log": lambda h: {"log_gain": h.log_gain},
 }  # fmt: skip
 """What a finding's coefficients are where they are numbers of the tank."""
-HALF: Final = 1.96
-"""Half an interval of 95 % over the standard deviation."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -231,9 +230,9 @@ def _tell(kind: str, answers: Iterable[tuple[int, Answer]]) -> None:
         what = f"{x.job.hidden} {x.job.size:g}, {x.job.runs} runs"
         print(f"  {what:28} {'  '.join(cells)}  {share:26} {x.named}", flush=True)
         for name, value, deviation, truth in x.sizes:
-            print(f"    {name} {value:.4g} ± {HALF * deviation:.2g} for {truth:.4g}")
+            print(f"    {name} {value:.4g} ± {WIDE * deviation:.2g} for {truth:.4g}")
         sizes += x.sizes
-    inside = sum(abs(value - truth) < HALF * std for _, value, std, truth in sizes)
+    inside = sum(abs(value - truth) < WIDE * std for _, value, std, truth in sizes)
     print(f"  {inside} of {len(sizes)} sizes inside 95 %, {sum(not x[1] for x in sizes)} are zero")
 
 
