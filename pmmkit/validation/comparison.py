@@ -251,10 +251,12 @@ class Comparison(Described):
         and what the run varies beside its speed."""
         import pandas as pd
 
-        table = rows_of(self.to_xarray())
+        table = rows_of(of_harmonics(self.captive))
         table["ratio"] = table["error"].abs() / table["uncertainty"]
         varied = {run.view.run.id: conditions(run, self.ship.L) for run in self.captive}
-        beside = pd.DataFrame.from_dict(varied, orient="index").drop(columns="speed")
+        beside = pd.DataFrame.from_dict(varied, orient="index").drop(
+            columns="speed", errors="ignore"
+        )
         return table[[*_HARMONICS]].join(beside, on="run")
 
     def cells(self) -> tuple[Cell, ...]:

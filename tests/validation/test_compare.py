@@ -14,7 +14,7 @@ from hidden_effects import BASE, hidden_campaign
 from matplotlib.container import BarContainer
 
 import pmmkit as pk
-from pmmkit import Campaign, Run, begin
+from pmmkit import Campaign, Run, begin, errors_in_percent
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import DataError, ModelError, UnknownNameError
@@ -715,6 +715,7 @@ def test_a_model_sails_its_own_records(tanker, sea):
         assert abs(metrics.loc[key, "relative"]) < 0.02
     assert found.kind == "free-running"
     assert len(found.residuals("zigzag")) > 100
+    assert len(found.harmonics()) == len(errors_in_percent(found.captive)) == 0
     data = found.to_xarray()
     swung = data.sel(run="zigzag").dropna("sample", subset=["t"])
     off = swung["error"].sel(channel="psi")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -13,8 +14,9 @@ from pmmkit.diagnosis.free_running.left_out import of_others, pooled, squares
 from pmmkit.diagnosis.free_running.windows import Stretch, of_instants, sailed, shown
 from pmmkit.numerics import Array
 
-DRAWS: Final = 8
-"""Times that each record is made anew: three records in five windows know a level to a tenth."""
+DRAWS: Final = 24
+"""Records that are made anew in all, each as often as another: three records eight times told the
+level of five windows to a tenth."""
 RIDGE: Final = 1e-9
 """Comes to the correlations of values that others tell alone, so that they have a root."""
 
@@ -36,8 +38,9 @@ def noise_level(fit: Fit) -> dict[str, float]:
     dict of str to float
         Root mean squares, as `left_out.pooled` of `left_out.predicted` [m, deg, m/s, deg/s].
     """
-    records = range(len(fit.followed.stretches))
-    return pooled([_missed(fit, j, draw) for j in records for draw in range(DRAWS)])
+    records = len(fit.followed.stretches)
+    times = math.ceil(DRAWS / records)
+    return pooled([_missed(fit, j, draw) for j in range(records) for draw in range(times)])
 
 
 def _missed(fit: Fit, record: int, draw: int) -> dict[str, float]:
