@@ -90,5 +90,4 @@ from pmmkit.validation.comparison import Comparison as Comparison
 from pmmkit.validation.comparison import compare as compare
 from pmmkit.validation.percent import errors_in_percent as errors_in_percent
 from pmmkit.validation.submission import compare_submission as compare_submission
-from pmmkit.validation.submitted_trials import compare_trials as compare_trials
 from pmmkit.version import __version__ as __version__

@@ -1,4 +1,4 @@
-"""A model beside captive tests: map of misfit, errors, loops, residuals in time."""
+"""A model beside tests: map of misfit, errors, loops, residuals in time."""
 
 from __future__ import annotations
 
@@ -44,11 +44,17 @@ def comparison_figures(comparison: Comparison) -> dict[str, Figure]:
         From `compare`.
     """
     if not comparison.captive:
-        return {
-            "sailed": comparison.plot(),
-            "force_residuals": force_residuals(comparison.worst_record()),
-            **overlays([(item.trial, item.track) for item in comparison.manoeuvres]),
-        }
+        found = (
+            {
+                "sailed": comparison.plot(),
+                "force_residuals": force_residuals(comparison.worst_record()),
+            }
+            if comparison.free
+            else {}
+        )
+        other = "simulated" if comparison.free else "submitted"
+        sailed = [(item.trial, item.track) for item in comparison.manoeuvres]
+        return found | overlays(sailed, other=other)
     found = {
         "misfit": comparison.plot(),
         "errors": errors_beside_uncertainty(comparison),

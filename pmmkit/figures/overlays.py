@@ -23,7 +23,7 @@ Sailed = tuple[Trial, Track]
 """A manoeuvre as it was measured, and as something or somebody else has it."""
 
 
-def overlays(sailed: Sequence[Sailed], *, other: str = "simulated") -> dict[str, Figure]:
+def overlays(sailed: Sequence[Sailed], *, other: str) -> dict[str, Figure]:
     """Turning circles to both sides, and the zigzag whose first overshoot is off most.
 
     Parameters

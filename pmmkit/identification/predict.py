@@ -16,6 +16,7 @@ from pmmkit.equations.layouts import State
 from pmmkit.errors import DataError
 from pmmkit.identification.as_tested import without
 from pmmkit.identification.binding import Binding, bound, driven
+from pmmkit.identification.disagreement import disagree, each_by_itself
 from pmmkit.identification.filters import STEP
 from pmmkit.identification.prior import stated_covariance
 from pmmkit.identification.record import FreeRecord
@@ -95,10 +96,15 @@ def reference(
     Returns
     -------
     tuple of Smoothed
+        Where sensors disagree (positions drift from where a log and a compass lead) each channel
+        shows what its own sensor does.
     """
-    return tuple(
+    found = [
         smooth(model, record, sensors=sensors, size=0.1, extrapolate=extrapolate)
         for record in records
+    ]
+    return tuple(
+        each_by_itself(item, model, sensors or {}) if disagree(item) else item for item in found
     )
 
 

@@ -13,7 +13,6 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.diagnose import complete_model
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.diagnosis.free_running.alone import uncertain
 from pmmkit.diagnosis.free_running.bands import band
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, why_not_asked
 from pmmkit.diagnosis.free_running.contest import MOST, Contest
@@ -133,7 +132,7 @@ class FreeRecords:
         names, sets = (BASE, *(step.effect for step in steps)), self.sets(steps)
         return RecordFall(
             errors=tuple(
-                RecordError(step=name, **self.system.errors(own))
+                RecordError(step=name, **self.system.errors(own, sets[-1]))
                 for name, own in zip(names, sets, strict=True)
             ),
             levels=MappingProxyType(noise_level(self.system.fit(sets[-1]))),
@@ -200,7 +199,7 @@ class FreeRecords:
         for item in system.every:
             if item.name in given:
                 model = item.added_to(model)
-        return uncertain(model_of(model, system.every, fit, system.speed), fit)
+        return model_of(model, system.every, fit, system.speed)
 
 
 def _sailed(fits: Mapping[str, Fit], record: int) -> Sailed:

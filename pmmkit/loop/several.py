@@ -11,7 +11,6 @@ from typing import Any
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.diagnose import complete_model
-from pmmkit.diagnosis.free_running.alone import uncertain
 from pmmkit.diagnosis.together.base import Based, Fitted, carried, known_from
 from pmmkit.diagnosis.together.captive_vote import CaptiveVote, vote_of_tests
 from pmmkit.diagnosis.together.records_vote import OWN, RecordsVote
@@ -389,4 +388,4 @@ def _sailing(vote: Vote, names: Names, faults: Names) -> Model | None:
     if not isinstance(vote, RecordsVote):
         return vote.model_with(names, faults)
     fit = vote.steady(frozenset((*(x for x in names if x in vote.asked), *faults)))
-    return None if fit is None else uncertain(vote.model_of(fit), fit)
+    return None if fit is None else vote.model_of(fit)

@@ -21,9 +21,11 @@ from pmmkit.observations.whitening import FLOOR
 from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, counted, number
 from pmmkit.progress import Progress
 from pmmkit.ship import Ship, Water
+from pmmkit.trials.track import track_of
 from pmmkit.validation.captive import CaptiveRun, compare_captive
 from pmmkit.validation.dataset import of_harmonics, of_samples, rows_of
-from pmmkit.validation.free_running import FORCE_UNITS, MOTIONS, FreeRun, Manoeuvre, compare_free
+from pmmkit.validation.free_running import FORCE_UNITS, MOTIONS, FreeRun, compare_free
+from pmmkit.validation.manoeuvre import Manoeuvre
 from pmmkit.validation.misfit import (
     STANDS_OUT,
     Cell,
@@ -58,12 +60,12 @@ OVERSHOOTS: Final = 2
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Comparison(Described):
-    """A model beside the runs of a campaign.
+    """A model, or a submission, beside the runs of a campaign.
 
     Parameters
     ----------
     model, campaign : str
-        Name of the model, title of the campaign.
+        Name of the model or title of the submission, title of the campaign.
     kind : {"captive", "free-running"}
         Kind of tests.
     ship, water : Ship, Water
@@ -73,9 +75,9 @@ class Comparison(Described):
     captive : tuple of CaptiveRun
         Captive runs; empty for free-running tests.
     free : tuple of FreeRun
-        Free-running records.
+        Free-running records; empty of a submission, which sails manoeuvres of its own.
     manoeuvres : tuple of Manoeuvre
-        Turning circles, zigzags and stops, measured and simulated.
+        Turning circles, zigzags and stops, measured and predicted.
     rig : Rig
         Of captive tests.
     notes : tuple of str
@@ -131,9 +133,15 @@ class Comparison(Described):
         }
 
     def plot(self) -> Figure:
-        """The map of misfit; of free-running tests the record that is predicted worst."""
+        """The map of misfit; of free-running tests the record that is predicted worst; of a
+        submission of such tests the first manoeuvre."""
         from pmmkit.plotting.comparison import misfit_map, sailed
+        from pmmkit.plotting.turns import trajectory
 
+        if not self.captive and not self.free:
+            item = self.manoeuvres[0]
+            names = (f"{item.trial.run}, measured", f"{item.trial.run}, submitted")
+            return trajectory([track_of(item.trial), item.track], names)
         if self.captive:
             found = self.cells()
             titles = {cell.test: kind_of(cell.test).title for cell in found}
@@ -147,10 +155,13 @@ class Comparison(Described):
         return max(self.free, key=lambda run: statistics(run.errors()["heading"])["error"])
 
     def _headline(self) -> str:
-        rows = self.rows()
-        inside = sum(row["within"] for row in rows)
+        rows, what = self.rows(), "channels"
         runs = counted(len(self.captive or self.free), "run")
-        within = f"error within its uncertainty in {inside} of {len(rows)} channels"
+        if not rows:
+            rows, what = [row for item in self.manoeuvres for row in _told(item)], "measures"
+            runs = counted(len(self.manoeuvres), "manoeuvre")
+        inside = sum(row["ratio"] < 1.0 for row in rows)
+        within = f"error within its uncertainty in {inside} of {len(rows)} {what}"
         return f"{self.model} beside {self.campaign}: {runs}, {within}"
 
     def _sections(self) -> Sequence[Section]:
@@ -162,14 +173,16 @@ class Comparison(Described):
             f"Root mean square errors and expanded validation uncertainty (k = {COVERAGE:g}, floor "
             f"{100 * self.floor:g} % of the channel)"
         )
+        own = "simulated with the ship's own steering"
         sailed = Section(
-            title="Manoeuvres, simulated with the ship's own steering",
+            title=f"Manoeuvres, {own if self.free else 'submitted'}",
             tables=[self._measures()],
             points=self._overshoots(),
         )
+        by_channel = [Section(title=errors, tables=[self._errors()])]
         return [
             *([Section(paragraphs=self.notes)] if self.notes else []),
-            Section(title=errors, tables=[self._errors()]),
+            *(by_channel if self.captive or self.free else []),
             *([sailed] if self.manoeuvres else []),
             Section(title="What stands out", points=shown)
             if shown
@@ -205,14 +218,14 @@ class Comparison(Described):
             [
                 f"{row['run']} {row['measure'].replace('_', ' ')} [{row['unit']}]",
                 number(row["measured"], 3),
-                number(row["simulated"], 3),
+                number(row["predicted"], 3),
                 f"{row['error']:+.2g}",
                 *([_signed(row["error_as_executed"])] if late else []),
                 number(row["uncertainty"], 2),
             ]
             for row in told
         ]
-        head = ["measure", "measured", "simulated", "error"]
+        head = ["measure", "measured", "predicted", "error"]
         head += ["as executed"] if late else []
         return Grid(head=[*head, "uncertainty"], groups=[Group(rows=rows)])
 
@@ -324,14 +337,15 @@ class Comparison(Described):
         if self.captive:
             return statements_of(self.outstanding(least), self.captive)
         return (
-            *_force_statements(self.misfit(), self.free, least),
+            *(_force_statements(self.misfit(), self.free, least) if self.free else ()),
             *_measure_statements(self.manoeuvres, self.free),
         )
 
     def metrics(self) -> pd.DataFrame:
         """Measures of manoeuvres side by side: run, test, speed, measure, unit, measured,
-        simulated, error, relative, uncertainty (expanded, of the measured), ratio, and of zigzags
-        as_executed and error_as_executed: simulated with each execute at the heading of the run."""
+        predicted, error, relative, uncertainty (expanded, of the measured and of what is
+        submitted), ratio, and of zigzags as_executed and error_as_executed: simulated with each
+        execute at the heading of the run."""
         import pandas as pd
 
         return pd.DataFrame([row for item in self.manoeuvres for row in item.rows()])
@@ -541,7 +555,7 @@ def _measure_statements(
         text = (
             f"{in_words(measure)}, {kind_of(test).title}, "
             f"{'all' if len(rows) > 1 else 'the'} {len(rows) if len(rows) > 1 else 'one'} "
-            f"run{'s' if len(rows) > 1 else ''}: simulated {abs(share):.0f} % "
+            f"run{'s' if len(rows) > 1 else ''}: predicted {abs(share):.0f} % "
             f"{'more' if share > 0 else 'less'} than measured"
         )
         told = {row["run"] for row in rows}

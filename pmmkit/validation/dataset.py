@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _OVER: Final = ("run", "channel", "harmonic")
-_UNITS: Final = {"x": "m", "y": "m", "psi": "rad"}
-"""Of the motion, where a channel of captive tests has no such name."""
 
 
 def of_harmonics(runs: Sequence[CaptiveRun]) -> xr.Dataset:
@@ -135,7 +133,7 @@ def _labelled(
     std = np.stack(list(sources.values()))
     # Sum of a list, not of an axis: to the bit what `CaptiveRun.uncertainty` says.
     total = COVERAGE * np.sqrt(np.sum([x**2 for x in std], axis=0))
-    units = [_UNITS.get(name) or CHANNEL_UNITS[name] for name in coords["channel"]]
+    units = [CHANNEL_UNITS[name] for name in coords["channel"]]
     return xr.Dataset(
         {
             "measured": (over, measured),

@@ -19,16 +19,16 @@ from pmmkit.errors import DataError, PmmkitError
 from pmmkit.identification.as_tested import campaign_without, current_of, in_words, offsets
 from pmmkit.identification.binding import driven
 from pmmkit.identification.comparing import predicted_window
+from pmmkit.identification.disagreement import disagree
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.predict import predict, prediction_std, reference
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.seas import sea_notes
 from pmmkit.identification.smoother import Smoothed, implied_forces, smooth
-from pmmkit.metrics import unit_of
 from pmmkit.models import Model
 from pmmkit.numerics import Array, rms
 from pmmkit.observations.stated import idle
-from pmmkit.presentation import WIDE
+from pmmkit.presentation import WIDE, counted
 from pmmkit.progress import Progress
 from pmmkit.simulation import Track
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre as Orders
@@ -37,6 +37,7 @@ from pmmkit.simulation.simulate import simulate, steering
 from pmmkit.trials import Trial, evaluate
 from pmmkit.trials.current import mean_current
 from pmmkit.trials.evaluate import JUDGED
+from pmmkit.validation.manoeuvre import Manoeuvre
 from pmmkit.validation.prediction import at_the_scale_of
 from pmmkit.validation.statistics import ChannelError
 from pmmkit.validation.uncertainty import COVERAGE
@@ -145,57 +146,6 @@ class FreeRun:
         )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Manoeuvre:
-    """One manoeuvre of a trial beside the same manoeuvre simulated with the ship's own steering.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-    trial : Trial
-        Measured.
-    track : Track
-        Simulated.
-    executed : Track, optional
-        Simulated with each execute of a zigzag at the heading of the run, late as it was.
-    """
-
-    run: Run
-    trial: Trial
-    track: Track
-    executed: Track | None = None
-
-    def rows(self) -> list[dict[str, Any]]:
-        """A row a measure: measured, simulated, error, expanded uncertainty of the measured."""
-        found = []
-        for name, measured in self.trial.metrics.items():
-            simulated = self.track.metrics.get(name, math.nan)
-            if math.isnan(measured) or math.isnan(simulated):
-                continue
-            doubt = COVERAGE * self.trial.std.get(name, math.nan)
-            error = simulated - measured
-            late = math.nan if self.executed is None else self.executed.metrics.get(name, math.nan)
-            found.append(
-                {
-                    "run": self.run.id,
-                    "test": self.run.test,
-                    "speed": self.run.settings.speed,
-                    "measure": name,
-                    "unit": unit_of(name),
-                    "measured": measured,
-                    "simulated": simulated,
-                    "error": error,
-                    "relative": error / measured if measured else math.nan,
-                    "uncertainty": doubt,
-                    "ratio": abs(error) / doubt if doubt else math.nan,
-                    "as_executed": late,
-                    "error_as_executed": late - measured,
-                }
-            )
-        return found
-
-
 def compare_free(
     model: Model,
     campaign: Campaign,
@@ -241,6 +191,7 @@ def compare_free(
     manoeuvres: list[Manoeuvre] = []
     reasons: list[str] = []
     used: list[FreeRecord] = []
+    apart: list[str] = []
     for number, run in enumerate(campaign, start=1):
         if progress is not None:
             progress(number, len(campaign), f"compare {run.id}")
@@ -256,6 +207,7 @@ def compare_free(
             records = reference(made, found, extrapolate=extrapolate)
             runs += [_compared(made, held, item, window, extrapolate) for item in records]
             used += found
+            apart += [item.name for item in records if disagree(item)]
         except PmmkitError as error:
             reasons.append(f"{run.id} is left out: {error}")
             continue
@@ -267,6 +219,12 @@ def compare_free(
     if not runs:
         raise DataError(reasons or ["There is no run."], title="Nothing can be compared")
     notes += sea_notes(made, used)
+    if apart:
+        notes.append(
+            f"In {len(apart)} of {counted(len(runs), 'record')} the sensors disagree: positions "
+            "are not where heading and velocities lead. Each channel is compared with its own "
+            "sensor."
+        )
     if known:
         notes.append(f"The records are taken as the model's steps say: {in_words(known)}.")
     if "rate_deg_s" not in campaign.rudder:

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.metrics import in_lengths
 from pmmkit.validation.captive import CaptiveRun
 from pmmkit.validation.dataset import of_harmonics, rows_of
+from pmmkit.validation.manoeuvre import Manoeuvre
 from pmmkit.validation.uncertainty import COVERAGE, OF_MEASUREMENT
 
 if TYPE_CHECKING:
@@ -17,6 +19,10 @@ if TYPE_CHECKING:
 _COLUMNS: Final = (
     *("run", "test", "speed", "Fn", "channel", "unit", "harmonic", "D", "S"),
     *("E_percent", "U_D_percent", "U_V_percent", "within", "known"),
+)
+_MEASURES: Final = (
+    *("run", "submitted_run", "test", "measure", "unit", "D", "S"),
+    *("E_percent", "U_D_percent", "U_V_percent", "within"),
 )
 
 
@@ -70,3 +76,40 @@ def errors_in_percent(runs: Sequence[CaptiveRun]) -> pd.DataFrame:
         within=(D - S).abs() <= U_V,
     )
     return told[[*_COLUMNS]]
+
+
+def measures_in_percent(manoeuvres: Sequence[Manoeuvre]) -> pd.DataFrame:
+    """Measures of manoeuvres beside submitted ones, in per cent of what was measured.
+
+    Parameters
+    ----------
+    manoeuvres : sequence of Manoeuvre
+        Of a comparison.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row per manoeuvre and measure, lengths in ship lengths: run, submitted_run, test, measure,
+        unit, D (measured), S (submitted), and the other columns as for `errors_in_percent`.
+    """
+    import pandas as pd
+
+    found = []
+    for item in manoeuvres:
+        chosen = in_lengths(item.trial.metrics)
+        for row in item.rows():
+            if row["measure"] in chosen:
+                own = COVERAGE * item.trial.std.get(row["measure"], np.nan)
+                found.append({**row, "submitted_run": item.submitted_run, "U_D": own})
+    table = pd.DataFrame(found)
+    D = table["measured"]
+    size = D.where(D.abs() > table["U_D"])
+    told = table.assign(
+        D=D,
+        S=table["predicted"],
+        E_percent=-100 * table["error"] / size,
+        U_D_percent=100 * table["U_D"] / size.abs(),
+        U_V_percent=100 * table["uncertainty"] / size.abs(),
+        within=table["error"].abs() <= table["uncertainty"],
+    )
+    return told[[*_MEASURES]]

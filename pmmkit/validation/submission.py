@@ -20,6 +20,8 @@ from pmmkit.observations.views import Repeatability, View, repeat_scatter
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.validation.captive import CaptiveRun, measured_shares, observed
 from pmmkit.validation.comparison import Comparison
+from pmmkit.validation.manoeuvre import Manoeuvre
+from pmmkit.validation.submitted_trials import compare_trials
 from pmmkit.validation.uncertainty import Share, scales, sources_of
 
 _SAME: Final = 0.01
@@ -36,31 +38,34 @@ def compare_submission(
     Parameters
     ----------
     submission : Campaign
-        Captive tests of the same hull form, measured or computed, at any scale: what workshops
-        call S.
+        Tests of the same hull form, measured or computed, at any scale: what workshops call S.
     campaign : Campaign
-        The measurement, D.
+        The measurement, D, of the same kind.
     floor : float
-        As for `compare`.
+        As for `compare`, of captive tests.
 
     Returns
     -------
     Comparison
-        Of the runs that both have: of the same kind and condition (Froude number, drift, rudder,
-        heel, ω', amplitudes, r'), and of the same id where several are. Forces are brought to the
-        scale and the speed of the measurement as coefficients over ½ρL²U², without any other
-        correction, and compared in the harmonics that both have.
+        Of captive runs that both have: of the same kind and condition (Froude number, drift,
+        rudder, heel, ω', amplitudes, r'), and of the same id where several are. Forces are brought
+        to the scale and the speed of the measurement as coefficients over ½ρL²U², without any other
+        correction, and compared in the harmonics that both have. Of free running turning circles,
+        zigzags and stops with the same orders: rudder and heading of execute within 1°, Froude
+        number within 5 %; of several the run of the same id, or the nearest in speed. Lengths go
+        over in ship lengths and times in ship lengths over the approach speed; angles as they are.
 
     Raises
     ------
     DataError
-        If a campaign is free-running, or no run has a counterpart.
+        If only one of them is free-running, or no run has a counterpart.
 
     Notes
     -----
     The validation uncertainty [1]_ is that of `compare` with the submission's own in the place of
     the model's: noise, scatter of repeats, gauges and U_SN. Uncertainties of settings, which act
-    through a slope that nobody states here, are not in it.
+    through a slope that nobody states here, are not in it. Manoeuvres of both sides are evaluated
+    as `evaluate_trials` does; their uncertainty is that of both.
 
     References
     ----------
@@ -81,12 +86,37 @@ def compare_submission(
     >>> float(found.captive[0].error("Y")[0])
     4.0
     """
-    for tests in (submission, campaign):
-        if tests.kind != "captive":
-            raise DataError(
-                f"{tests.title!r} is free-running: forces are compared of captive tests alone "
-                "(`compare_trials` compares manoeuvres)."
-            )
+    if submission.kind != campaign.kind:
+        captive, free = sorted((submission, campaign), key=lambda x: x.kind == "free-running")
+        raise DataError(
+            f"{captive.title!r} is captive and {free.title!r} is free-running: forces are compared "
+            "with forces, manoeuvres with manoeuvres."
+        )
+    runs: tuple[CaptiveRun, ...] = ()
+    manoeuvres: tuple[Manoeuvre, ...] = ()
+    if campaign.kind == "captive":
+        runs, notes = _compare_runs(submission, campaign, floor)
+    else:
+        manoeuvres, notes = compare_trials(submission, campaign)
+    return Comparison(
+        model=submission.title,
+        campaign=campaign.title,
+        kind=campaign.kind,
+        ship=campaign.ship,
+        water=campaign.water,
+        floor=floor,
+        captive=runs,
+        free=(),
+        manoeuvres=manoeuvres,
+        rig=rig_of(campaign),
+        notes=notes,
+    )
+
+
+def _compare_runs(
+    submission: Campaign, campaign: Campaign, floor: float
+) -> tuple[tuple[CaptiveRun, ...], tuple[str, ...]]:
+    """Captive runs that both have, and what a reader must know."""
     theirs, ours = _Side.of(submission), _Side.of(campaign)
     scale = scales(list(ours.views))
     found: list[CaptiveRun] = []
@@ -104,19 +134,7 @@ def compare_submission(
             f"No run of {submission.title!r} has kind and condition of one of "
             f"{campaign.title!r}: nothing can be compared."
         )
-    return Comparison(
-        model=submission.title,
-        campaign=campaign.title,
-        kind="captive",
-        ship=campaign.ship,
-        water=campaign.water,
-        floor=floor,
-        captive=tuple(found),
-        free=(),
-        manoeuvres=(),
-        rig=rig_of(campaign),
-        notes=tuple(_notes(found, alone, submission, campaign)),
-    )
+    return tuple(found), tuple(_notes(found, alone, submission, campaign))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -94,7 +94,10 @@ def test_the_model_carries_the_effect(asymmetric):
     values = asymmetric.model.parts["hull_polynomial"].values
     assert values["N0"] == pytest.approx(asymmetric.findings[0].coefficients["N0"] / PRIME)
     assert "N0" not in asymmetric.refitted.parts["hull_polynomial"].values
-    assert asymmetric.model.covariance is None
+    C = dict(
+        zip(asymmetric.model.covariance_names, asymmetric.model.covariance.diagonal(), strict=True)
+    )
+    assert math.sqrt(C["N0"]) == pytest.approx(asymmetric.findings[0].std["N0"] / PRIME)
 
 
 @pytest.mark.slow

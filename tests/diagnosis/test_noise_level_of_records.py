@@ -31,3 +31,19 @@ def test_a_true_model_leaves_what_noise_alone_gives(tmp_path):
     again = fall(tmp_path / "again", 0)
     assert again.levels == falls[0].levels, "the same records have the same level"
     assert np.all(np.array(list(again.levels.values())) > 0.0)
+
+
+@pytest.mark.slow
+def test_what_a_current_moves_is_no_noise_once_it_is_known(tmp_path):
+    """Fixes of .01 m beside a log look like such of .3 m until the current is in the fit."""
+    setup = Setup(case="current", size=3.0, runs=3, seed=4, ship=SHIP)
+    tests = pk.open_campaign(write(setup, tmp_path))
+    session = pk.begin(pk.load_model(SHIP), tests, candidates=["current"])
+    fall = session.add("current").fall()
+    before, after = fall.errors
+    levels = fall.levels
+    assert before.position > 1.0
+    assert levels["position"] < 0.1
+    assert 0.3 < after.position / levels["position"] < 2.0
+    (found,) = session.diagnose().findings
+    assert found.errors["position"] == pytest.approx((before.position, after.position), rel=0.05)

@@ -33,7 +33,6 @@ from pmmkit.seakeeping import (
     superposed,
 )
 from pmmkit.trials import Trial, Wind
-from pmmkit.validation.submitted_trials import TrialComparison, TrialPair
 
 ROOT = Path(__file__).parents[2]
 EVIL = '<script>alert("x")</script> & two\nlines\x1b[31m'
@@ -143,15 +142,6 @@ def trial():
 
 
 @cache
-def submitted():
-    """A trial beside one whose lengths are two per cent less."""
-    less = {name: 0.98 * value for name, value in track().metrics.items()}
-    there = replace(trial(), metrics=track().metrics, std=dict.fromkeys(less, 0.001))
-    pair = TrialPair(measured=there, submitted=replace(there, metrics=less))
-    return TrialComparison(submission="S", campaign="D", pairs=(pair,), notes=("only <2>",))
-
-
-@cache
 def hull():
     return pk.hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.7)
 
@@ -250,7 +240,6 @@ MADE = {
     "Run": cache(lambda: reduction().campaign.runs[-1]),
     "Model": model,
     "Comparison": cache(lambda: pk.compare(model(), reduction().campaign)),
-    "TrialComparison": submitted,
     "MethodComparison": identified,
     "Identified": cache(lambda: identified().found["ekf"]),
     "Session": added,
@@ -303,7 +292,6 @@ SAID = {
     "Run": ("yaw with drift", "m/s", "T ", "runs.h5"),
     "Model": ("measured: S175", "library: Son", "±", "D = 6.533 m", "joined", "6.00 to 12.00 m/s"),
     "Comparison": ("over measured", "[N m]", "k = 2", "27 of 27", "stands out"),
-    "TrialComparison": ("1 manoeuvre", "tactical diameter [L]", "+2.0 %", "only <2>"),
     "MethodComparison": ("prior", "ekf", "regression", "±", "Notes"),
     "Identified": ("prior", "ekf", "±", "passes"),
     "Session": ("<tank>", "Steps", "evidence", "it is large", "0.5 %"),

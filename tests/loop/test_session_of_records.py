@@ -112,6 +112,19 @@ def test_the_model_has_the_effect_and_tells_how(added, found, session):
 
 
 @pytest.mark.slow
+def test_the_model_is_as_uncertain_as_the_diagnosis_says(added, found, tmp_path):
+    """What is written holds the fit's covariance: a turn of it has an error bar."""
+    pk.save_model(added.model(), tmp_path / "model.toml")
+    written = pk.load_model(tmp_path / "model.toml")
+    (item,) = found.findings
+    C = dict(zip(written.covariance_names, np.diagonal(written.covariance), strict=True))
+    for name, value in item.coefficients.items():
+        own = math.sqrt(C[name]) / abs(written.values("hull_polynomial")[name])
+        assert own == pytest.approx(item.std[name] / abs(value), rel=0.05), "each in its own unit"
+    assert found.model.covariance_names == written.covariance_names
+
+
+@pytest.mark.slow
 def test_a_fault_corrects_the_records_and_is_known_in_the_next_session():
     """A rudder zero of 1.5°: fitted, in no model, and part of the base of what follows."""
     records = sailed(SHIP, 0, zero=math.radians(1.5))

@@ -737,9 +737,9 @@ def test_too_much_yaw_damping_shows_in_overshoots_and_in_the_moment(tanker, sea)
         assert errors[run, "N"] > 5 * own[run, "N"]
         assert errors[run, "heading"] > 5 * own[run, "heading"]
     text = " ".join(found.standouts())
-    assert "overshoot 1, zigzag, the one run: simulated" in text
+    assert "overshoot 1, zigzag, the one run: predicted" in text
     assert "less than measured" in text
-    assert "tactical diameter, turning, the one run: simulated" in text
+    assert "tactical diameter, turning, the one run: predicted" in text
     assert found.misfit().query("channel == 'N'")["ratio"].max() > 1.0
 
 
@@ -779,7 +779,7 @@ def test_hsva_zigzags_are_sailed(shared_data, datasets):
     metrics = found.metrics().set_index(["run", "measure"])
     first = metrics.xs("overshoot_1_deg", level="measure")
     assert first.loc["Z_20_10_P", "measured"] == pytest.approx(11.0, abs=1.5)
-    assert (first["simulated"] < first["measured"]).all()
+    assert (first["predicted"] < first["measured"]).all()
     assert {"X", "Y", "N", "position"} <= set(found.to_pandas()["channel"])
 
 

@@ -231,7 +231,9 @@ def test_tracks_lie_over_each_other():
     weave = pk.simulate(
         "kvlcc2-l7", "zigzag", rudder_deg=10, switch_deg=10, speed=1.179, compiled=False
     )
-    found = overlays([manoeuvre("turning", 35.0, turn), manoeuvre("zigzag", 10.0, weave)])
+    found = overlays(
+        [manoeuvre("turning", 35.0, turn), manoeuvre("zigzag", 10.0, weave)], other="simulated"
+    )
     assert list(found) == ["turning_circles", "zigzag"]
     measured, simulated = (
         next(line for line in found["turning_circles"].axes[0].lines if said in line.get_label())
@@ -240,7 +242,7 @@ def test_tracks_lie_over_each_other():
     assert measured.get_xydata() == pytest.approx(simulated.get_xydata())
     one, two = found["zigzag"].axes[1].lines[:2]
     assert one.get_ydata() == pytest.approx(two.get_ydata(), abs=0.05)
-    assert overlays([]) == {}
+    assert overlays([], other="simulated") == {}
 
 
 def test_the_command_takes_an_archive_for_a_submission(tmp_path, capsys):

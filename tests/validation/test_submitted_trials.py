@@ -10,11 +10,12 @@ import pytest
 import xarray as xr
 
 import pmmkit as pk
-from pmmkit import Campaign, Run, compare_trials
+from pmmkit import Campaign, Run, compare_submission
 from pmmkit.campaigns.settings import Settings
 from pmmkit.cli import main
 from pmmkit.errors import DataError
 from pmmkit.trials import evaluate_trials
+from pmmkit.validation.percent import measures_in_percent
 from pmmkit.validation.submitted_trials import resized
 
 SPEED = 1.18
@@ -60,19 +61,27 @@ def sailed(title, *tracks, scale=1.0, wider=1.0, noise=0.0):
     return Campaign(title=title, kind="free-running", ship=ship, water=pk.Water(), runs=runs)
 
 
+def rows(found, run=None):
+    """Measures in per cent of D, as workshops table them."""
+    table = measures_in_percent(found.manoeuvres)
+    return table[table["run"] == run] if run else table
+
+
 def errors(found, run):
-    return {row["measure"]: row["E_percent"] for row in found.rows() if row["run"] == run}
+    return dict(zip(rows(found, run)["measure"], rows(found, run)["E_percent"], strict=True))
 
 
 def test_the_same_ship_at_another_scale_has_no_error(turn, weave):
-    found = compare_trials(sailed("S", turn, weave, scale=LARGE), sailed("D", turn, weave))
-    assert len(found.pairs) == 2
-    for row in found.rows():
-        assert row["S"] == pytest.approx(row["D"], rel=1e-3, abs=1e-3), row["measure"]
+    found = compare_submission(sailed("S", turn, weave, scale=LARGE), sailed("D", turn, weave))
+    assert len(found.manoeuvres) == 2
+    for _, row in found.metrics().iterrows():
+        assert row["predicted"] == pytest.approx(row["measured"], rel=1e-3, abs=1e-3), row[
+            "measure"
+        ]
 
 
 def test_a_path_that_is_three_per_cent_wider_is_three_per_cent_off(turn, weave):
-    found = compare_trials(
+    found = compare_submission(
         sailed("S", turn, weave, scale=LARGE, wider=1.03), sailed("D", turn, weave)
     )
     turned, swung = errors(found, "R0"), errors(found, "R1")
@@ -87,16 +96,18 @@ def test_the_uncertainty_is_that_of_both(turn):
     one, other, both = (
         next(
             row
-            for row in compare_trials(
-                sailed("S", turn, noise=theirs), sailed("D", turn, noise=ours)
-            ).rows()
+            for _, row in rows(
+                compare_submission(sailed("S", turn, noise=theirs), sailed("D", turn, noise=ours))
+            ).iterrows()
             if row["measure"] == "tactical_diameter_L"
         )
         for theirs, ours in ((0.0, 0.1), (0.1, 0.0), (0.1, 0.1))
     )
-    assert one["U_D"] == pytest.approx(both["U_D"])
-    assert both["U_V"] == pytest.approx(math.hypot(one["U_V"], other["U_V"]), rel=0.05)
-    assert both["U_V"] > 1.2 * both["U_D"] > 0.0
+    assert one["U_D_percent"] == pytest.approx(both["U_D_percent"])
+    assert both["U_V_percent"] == pytest.approx(
+        math.hypot(one["U_V_percent"], other["U_V_percent"]), rel=0.05
+    )
+    assert both["U_V_percent"] > 1.2 * both["U_D_percent"] > 0.0
 
 
 def test_a_trial_of_another_size_is_the_same_in_ship_lengths(turn):
@@ -111,13 +122,25 @@ def test_a_trial_of_another_size_is_the_same_in_ship_lengths(turn):
     )
 
 
+def test_it_is_told_as_a_comparison_with_a_model_is(turn, weave):
+    found = compare_submission(sailed("S", turn, wider=1.03), sailed("D", turn, weave))
+    said = str(found)
+    assert said.startswith("Comparison S beside D: 1 manoeuvre, error within its uncertainty in")
+    assert "Manoeuvres, submitted" in said
+    assert "R0 tactical diameter [m]" in said
+    assert "Root mean square errors" not in said
+    for _, row in found.metrics().iterrows():
+        assert row["error"] == row["predicted"] - row["measured"], "one sign, whoever predicts"
+    assert found.to_dict()["runs"] == []
+
+
 def test_what_has_no_counterpart_is_named(turn, weave):
-    found = compare_trials(sailed("S", turn), sailed("D", turn, weave))
+    found = compare_submission(sailed("S", turn), sailed("D", turn, weave))
     assert found.notes == ("Without a counterpart in the submission: R1.",)
     with pytest.raises(DataError, match="has the orders of one"):
-        compare_trials(sailed("S", weave), sailed("D", turn))
-    with pytest.raises(DataError, match="is captive"):
-        compare_trials(sailed("S", turn).with_(kind="captive"), sailed("D", turn))
+        compare_submission(sailed("S", weave), sailed("D", turn))
+    with pytest.raises(DataError, match="is captive and"):
+        compare_submission(sailed("S", turn).with_(kind="captive"), sailed("D", turn))
 
 
 def test_the_command_compares_two_laboratories(turn, weave, tmp_path, capsys):
@@ -127,6 +150,9 @@ def test_the_command_compares_two_laboratories(turn, weave, tmp_path, capsys):
     command = ["compare", str(tmp_path / "S.h5"), str(tmp_path / "D.h5")]
     assert main([*command, "--out", str(tmp_path / "out"), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert {row["measure"] for row in told["measures"]} > {"advance_L", "overshoot_1_deg"}
+    assert {row["measure"] for row in told["manoeuvres"]} > {"advance_L", "overshoot_1_deg"}
     written = {path.name for path in (tmp_path / "out").iterdir()}
-    assert written == {"percent.csv", "comparison.json", "turning_circles.png", "zigzag.png"}
+    assert written == {
+        *("percent.csv", "manoeuvres.csv", "comparison.json"),
+        *("turning_circles.png", "zigzag.png"),
+    }

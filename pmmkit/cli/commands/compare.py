@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.finding import CheckFinding
     from pmmkit.validation.comparison import Comparison
-    from pmmkit.validation.submitted_trials import TrialComparison
 
 
 EXAMPLE: Final = "pmmkit compare model.toml my-campaign"
@@ -92,7 +91,6 @@ def compare(
     from pmmkit.validation import comparison
     from pmmkit.validation.free_running import as_tested
     from pmmkit.validation.submission import compare_submission
-    from pmmkit.validation.submitted_trials import compare_trials
 
     folder = results_folder(out, f"{stem(campaign)}-compared")
     other = submitted(model, data)
@@ -100,8 +98,6 @@ def compare(
         raise typer.BadParameter("Windows, waves and extrapolation are for models alone.")
     if isinstance(other, Campaign):
         opened, findings = _chosen(campaign, data, runs)
-        if other.kind == opened.kind == "free-running":
-            return _trials(compare_trials(other, opened), findings, folder, figures)
         return _written(compare_submission(other, opened, floor=floor), findings, folder, figures)
     if other is not None:
         names = (stem(model), stem(campaign))
@@ -151,51 +147,31 @@ def _written(
     from pmmkit.report import write_comparison
 
     content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
-    page = partial(write_comparison, found, findings=findings)
-    files = write_results(folder, (*_files(found, content, drawn), ("report.html", page)))
-    ends = [f"Results: {folder}", f"Report:  {folder / 'report.html'}"]
+    # A page is a map of runs: manoeuvres of a submission are told by their measures alone.
+    page = [("report.html", partial(write_comparison, found, findings=findings))]
+    if not (found.captive or found.free):
+        page = []
+    files = write_results(folder, (*_files(found, content, drawn), *page))
+    ends = [f"Results: {folder}", *(f"Report:  {folder / name}" for name, _ in page)]
     lines = [str(found), *warned(findings), *notes, "", *ends]
     return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
-
-
-def _trials(
-    found: TrialComparison, findings: Sequence[CheckFinding], folder: Path, drawn: bool
-) -> Outcome:
-    """The manoeuvres of a submission beside the measured ones, in their folder."""
-    from pmmkit.files import write_results
-
-    content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
-    files = write_results(folder, _files_of_trials(found, content, drawn))
-    lines = [str(found), *warned(findings), "", f"Results: {folder}"]
-    return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
-
-
-def _files_of_trials(
-    found: TrialComparison, content: Mapping[str, Any], drawn: bool
-) -> Iterator[tuple[str, Any]]:
-    from pmmkit.figures.overlays import overlays
-    from pmmkit.plotting.style import figure_files
-    from pmmkit.trials.track import track_of
-
-    yield "percent.csv", found.to_pandas()
-    yield "comparison.json", content
-    if drawn:
-        sailed = [(pair.measured, track_of(pair.submitted)) for pair in found.pairs]
-        yield from figure_files(overlays(sailed, other="submitted"), "png")
 
 
 def _files(found: Comparison, content: Mapping[str, Any], drawn: bool) -> Iterator[tuple[str, Any]]:
     from pmmkit.figures.comparison import comparison_figures
     from pmmkit.plotting.style import figure_files
-    from pmmkit.validation.percent import errors_in_percent
+    from pmmkit.validation.percent import errors_in_percent, measures_in_percent
 
-    yield "comparison.csv", found.to_pandas()
-    yield "misfit.csv", found.misfit()
+    if found.captive or found.free:
+        yield "comparison.csv", found.to_pandas()
+        yield "misfit.csv", found.misfit()
     if found.captive:
         yield "harmonics.csv", found.harmonics()
         yield "percent.csv", errors_in_percent(found.captive)
     if found.manoeuvres:
         yield "manoeuvres.csv", found.metrics()
+        if not found.free:
+            yield "percent.csv", measures_in_percent(found.manoeuvres)
     yield "comparison.json", content
     if drawn:
         yield from figure_files(comparison_figures(found), "png")

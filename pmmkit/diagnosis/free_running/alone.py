@@ -6,18 +6,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
-import numpy as np
-
 from pmmkit.diagnosis.free_running.contest import Contest
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import probable
 from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted, unimportant
 from pmmkit.diagnosis.free_running.windows import joined, sailed, shown
-from pmmkit.effects.seen import OUTSIDE
 from pmmkit.equations.layouts import State
-from pmmkit.identification.parameters import places
-from pmmkit.models import Model
-from pmmkit.models.model import place_name
 from pmmkit.numerics import Array
 
 MOTION: Final = ("x", "y", "psi", "u", "v", "r")
@@ -102,23 +96,3 @@ def whole_path(fit: Fit, record: int) -> dict[str, Array]:
     found = {name: states[:, State[name]] for name in MOTION}
     found |= {name: seen[:, place] for place, name in enumerate(whole.channels) if name in MOTION}
     return {"t": whole.record.t, **found}
-
-
-def uncertain(model: Model, fit: Fit) -> Model:
-    """A model with the values of a fit, and what the fit leaves unknown of them as covariance.
-
-    Values that the fit cannot move, and what is no value of a model, do not differ.
-    """
-    numbers = fit.place.question.numbers
-    whole = numbers.T @ fit.covariance @ numbers.T.T
-    moves = [
-        i for i, name in enumerate(numbers.values) if name not in OUTSIDE and whole[i, i] > 0.0
-    ]
-    at = places(model, [numbers.values[i] for i in moves])
-    held = [k for k, (effect, name) in enumerate(at) if name in model.parts[effect].values]
-    rows = max(len(model.Fn), 1)
-    own = whole[np.ix_(moves, moves)][np.ix_(held, held)]
-    return model.with_(
-        covariance=np.tile(0.5 * (own + own.T), (rows, rows)),
-        covariance_names=tuple(place_name(*at[k]) for k in held),
-    )

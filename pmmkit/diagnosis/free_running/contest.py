@@ -320,11 +320,17 @@ def _front(sets: Sequence[Names], place: Place, ahead: Fit) -> list[tuple[Names,
 
 
 def steady(fit: Fit) -> Fit:
-    """A fit, or that of its set with a base that does not move, if records left out say so."""
-    if not fit.spread:
-        return fit
-    held = fitted(within(fit.place, 1), fit.names, fit.forces)
-    return held if left_out_error(held) < left_out_error(fit) else fit
+    """A fit, or that of its set with a base that does not move, if records left out say so; the
+    noise of the sensors is told with what it has found."""
+    chosen = fit
+    if fit.spread:
+        held = fitted(within(fit.place, 1), fit.names, fit.forces)
+        chosen = held if left_out_error(held) < left_out_error(fit) else fit
+    sensors = chosen.place.question.told(chosen.z)
+    if sensors is chosen.sensors:
+        return chosen
+    question = chosen.place.question.read_by(sensors).followed(chosen.z)
+    return fitted(place_at(question, chosen.z), chosen.names, chosen.forces)
 
 
 def within(place: Place, count: int) -> Place:

@@ -323,14 +323,15 @@ def _possible(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: flo
 
 
 def _errors(contest: Contest, refit: Fit, best: Fit | None) -> dict[str, dict[str, float]]:
-    """Errors over windows of what is left out in turn: each record, each kind of record."""
+    """Errors over windows of what is left out in turn: each record, each kind of record.
+
+    The noise of the sensors that is taken off is that of the fit with most in it.
+    """
     zero = contest.zero
     records = [item.record for item in zero.question.stretches]
-    found = {
-        "model as given": pooled(
-            missed(zero.question.followed(zero.z), zero.z, range(len(records)))
-        )
-    }
+    sensors = (best or refit).sensors
+    given, refit = zero.question.read_by(sensors), refit.read_by(sensors)
+    found = {"model as given": pooled(missed(given.followed(zero.z), zero.z, range(len(records))))}
     for name, left_out in (
         ("left out", each(records)),
         *((f"{item.name} left out", [item]) for item in kinds(records)),
@@ -387,7 +388,8 @@ def _findings(
     for name in best.names:
         rest = contest.without(best.names, name)
         odds[name] = best.gain - rest.gain
-        errors[name] = (pooled(predicted(rest.fit, each(records))), after)
+        without = rest.fit.read_by(best.fit.sensors)
+        errors[name] = (pooled(predicted(without, each(records))), after)
     return findings_of(best, every, covered, odds, errors, levels)
 
 

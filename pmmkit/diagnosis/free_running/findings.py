@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -23,6 +24,7 @@ from pmmkit.identification.parameters import places
 from pmmkit.identification.predict import predict, reference, smoothed_without
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
+from pmmkit.models.model import place_name
 from pmmkit.numerics import Array
 
 BEYOND: Final = 2.0
@@ -77,10 +79,11 @@ def _uncertain(fit: Fit) -> dict[str, float]:
 
 
 def model_of(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> Model:
-    """The model with the values of a fit and the parts of its effects.
+    """The model with the values of a fit, their covariance, and the parts of its effects.
 
-    What a fit moves is moved alike at all Froude numbers. What it leaves a little beyond the least
-    or the most that there is, by less than it knows of it, is put there.
+    What a fit moves is moved alike at all Froude numbers, and is as uncertain at each. What it
+    leaves a little beyond the least or the most that there is, by less than it knows of it, is put
+    there. Values that the fit cannot move, and what is no value of a model, do not differ.
 
     Raises
     ------
@@ -104,7 +107,37 @@ def model_of(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: floa
         else:
             one = _within(known, float(numbers[effect][name]) + x, unsure)
             made = made.with_values(effect, **{name: one})
-    return made
+    return _with_covariance(made, fit)
+
+
+def _with_covariance(model: Model, fit: Fit) -> Model:
+    """A model with what a fit leaves unknown of its values."""
+    numbers = fit.place.question.numbers
+    whole = numbers.T @ fit.covariance @ numbers.T.T
+    moves = [
+        i for i, name in enumerate(numbers.values) if name not in OUTSIDE and whole[i, i] > 0.0
+    ]
+    at = places(model, [numbers.values[i] for i in moves])
+    held = [k for k, (effect, name) in enumerate(at) if name in model.parts[effect].values]
+    if not held:
+        return model
+    rows = max(len(model.Fn), 1)
+    own = whole[np.ix_(moves, moves)][np.ix_(held, held)]
+    names = tuple(place_name(*at[k]) for k in held)
+    parts = {
+        effect: replace(
+            part,
+            std=MappingProxyType(
+                {name: x for name, x in part.std.items() if place_name(effect, name) not in names}
+            ),
+        )
+        for effect, part in model.parts.items()
+    }
+    return model.with_(
+        parts=MappingProxyType(parts),
+        covariance=np.tile(0.5 * (own + own.T), (rows, rows)),
+        covariance_names=names,
+    )
 
 
 def _within(parameter: Parameter | None, value: float, unsure: float) -> float:

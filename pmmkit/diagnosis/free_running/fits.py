@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -100,6 +100,18 @@ class Fit:
     def followed(self) -> Question:
         """The question along the path that the sensors tell, as they are read with its numbers."""
         return self.place.question.followed(self.z)
+
+    @property
+    def sensors(self) -> Mapping[str, float]:
+        """Noise of the sensors."""
+        return self.place.question.sensors
+
+    def read_by(self, sensors: Mapping[str, float]) -> Fit:
+        """The same numbers beside records with some noise of the sensors."""
+        question = self.place.question.read_by(sensors)
+        if question is self.place.question:
+            return self
+        return replace(self, place=replace(self.place, question=question))
 
     def weighed(self) -> Weighed:
         """All sets by the linear problem there and under its forces."""

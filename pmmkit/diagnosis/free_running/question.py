@@ -14,7 +14,7 @@ from pmmkit.diagnosis.free_running.base import Base
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.hypotheses import Numbers, numbers_of
 from pmmkit.diagnosis.free_running.information import Forces, Information, information_of
-from pmmkit.diagnosis.free_running.settling import follow, moved_along, settled
+from pmmkit.diagnosis.free_running.settling import follow, moved_along, settled, told_anew
 from pmmkit.diagnosis.free_running.slopes import Sheet, sheets_of
 from pmmkit.diagnosis.free_running.unknown import usual_forces
 from pmmkit.diagnosis.free_running.windows import (
@@ -85,6 +85,8 @@ class Question:
         The same in short windows, from which the sensors tell how the ship went.
     sensors : mapping of str to float
         Standard deviation of each channel.
+    stated : mapping of str to float
+        Of those that are known.
     least : array (f,)
         What unknown forces may not fall below, over ½ρLdU² (½ρL²dU²).
     outliers : int
@@ -96,6 +98,7 @@ class Question:
     stretches: tuple[Stretch, ...]
     short: tuple[Stretch, ...]
     sensors: Mapping[str, float]
+    stated: Mapping[str, float]
     least: Array
     outliers: int
 
@@ -129,6 +132,16 @@ class Question:
         return replace(
             self, stretches=tuple(follow(joined(x), change, self.sensors) for x in short)
         )
+
+    def told(self, z: Array) -> Mapping[str, float]:
+        """Noise of the sensors, as the records tell it that are read with some numbers."""
+        return told_anew(
+            self.short, self.numbers.T @ z, self.sensors, self.stated, self.model.ship.L
+        )
+
+    def read_by(self, sensors: Mapping[str, float]) -> Question:
+        """The same with some noise of the sensors."""
+        return self if sensors is self.sensors else replace(self, sensors=sensors)
 
     def moved(self, sheets: Sequence[Sequence[Sheet]], step: Array, forces: Forces) -> Question:
         """The same along the most probable path after a step in the numbers, by sheets from before
@@ -235,6 +248,7 @@ def question_of(
         stretches=tuple(longer),
         short=ready.stretches,
         sensors=ready.sensors,
+        stated=sensors or {},
         least=floor * usual_forces(large, records),
         outliers=ready.outliers,
     )

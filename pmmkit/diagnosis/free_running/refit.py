@@ -50,14 +50,15 @@ def _refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -
     first = Step(action="fitted", count=count, campaign="records")
     made = model_of(system.model, system.every, fit, system.speed)
     made = made.with_(steps=(*system.model.steps, *([first] if count else [])))
+    last = (*names, *(step.effect for step in steps))
     for step in steps:
-        before = system.errors(names)["heading"]
+        before = system.errors(names, last)["heading"]
         names = (*names, step.effect)
         fit = system.fit(names)
         if not np.any(fit.z[fit.place.question.numbers.columns[step.effect]]):
             raise DataError(_not_found(step.effect))
         after = model_of(system.model, system.every, fit, system.speed)
-        fall = f"{before:.2f} to {system.errors(names)['heading']:.2f}"
+        fall = f"{before:.2f} to {system.errors(names, last)['heading']:.2f}"
         said = f"error of heading of records left out {fall}°"
         why = step.note or ("" if step.log_odds is None else f"evidence {odds(step.log_odds)}")
         taken = replace(

@@ -29,6 +29,11 @@ FINEST: Final = 1e-5
 what is exact, from a program, would outweigh the integration."""
 LEAST_FREE: Final = 10.0
 """Averages beyond those that starts and forces take from which a noise is told."""
+ANEW: Final = 3
+"""Times that it is told again with what was found: beside a log a current of .12 m/s makes fixes
+of .006 m look like such of .34 m, and after three times they are .006 m."""
+BETTER: Final = 0.8
+"""Share of the noise of a channel below which what was found makes it another one."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,14 +85,7 @@ def settled(
     outliers = 0
     still = np.zeros(len(stretches[0].names))
     for number in range(ROUNDS):
-        sheets = [sheets_of(item, still) for item in stretches]
-        fits = [
-            [smoothed(sheet, _sigma(item, sensors), agile(item)) for sheet in own]
-            for item, own in zip(stretches, sheets, strict=True)
-        ]
-        stretches = tuple(
-            _kept_on_its_way(item, own) for item, own in zip(stretches, fits, strict=True)
-        )
+        stretches, sheets, fits = _on_their_way(stretches, still, sensors)
         if number == 0:
             continue
         cleaned, count = _without_outliers(stretches, sheets, fits)
@@ -96,6 +94,56 @@ def settled(
         else:
             sensors = _told(stretches, sheets, fits, sensors, given, model.ship.L)
     return Settled(stretches=stretches, sensors=sensors, outliers=outliers)
+
+
+def told_anew(
+    stretches: Sequence[Stretch],
+    change: Array,
+    sensors: Mapping[str, float],
+    given: Mapping[str, float],
+    L: float,
+) -> Mapping[str, float]:
+    """Noise of sensors as records tell it that are read with some values.
+
+    What moves positions or turns headings without any force looks like noise until it is found.
+
+    Parameters
+    ----------
+    stretches : sequence of Stretch
+        In short windows.
+    change : array (m,)
+        Of the values.
+    sensors, given : mapping of str to float
+        Standard deviation of each channel as it was told before, and of those that are known.
+    L : float
+        Ship length [m].
+
+    Returns
+    -------
+    mapping of str to float
+        The same where no channel is clearly better.
+    """
+    told = sensors
+    for _ in range(ANEW):
+        stretches, sheets, fits = _on_their_way(stretches, change, told)
+        told = _told(stretches, sheets, fits, told, given, L)
+    better = any(told[name] < BETTER * sensors[name] for name in sensors)
+    return told if better else sensors
+
+
+def _on_their_way(
+    stretches: Sequence[Stretch], change: Array, sensors: Mapping[str, float]
+) -> tuple[tuple[Stretch, ...], list[list[Sheet]], list[list[Smooth]]]:
+    """Stretches from the starts that sensors tell of them with some values, and what tells them."""
+    sheets = [sheets_of(item, change) for item in stretches]
+    fits = [
+        [smoothed(sheet, _sigma(item, sensors), agile(item)) for sheet in own]
+        for item, own in zip(stretches, sheets, strict=True)
+    ]
+    moved = tuple(
+        _kept_on_its_way(item, own, change) for item, own in zip(stretches, fits, strict=True)
+    )
+    return moved, sheets, fits
 
 
 def follow(stretch: Stretch, change: Array, sensors: Mapping[str, float]) -> Stretch:
@@ -144,11 +192,10 @@ def moved_along(
     return _moved(stretch, [smoothed(sheet, sigma, forces, change) for sheet in sheets])
 
 
-def _kept_on_its_way(stretch: Stretch, fits: Sequence[Smooth]) -> Stretch:
+def _kept_on_its_way(stretch: Stretch, fits: Sequence[Smooth], change: Array) -> Stretch:
     """A stretch from the starts of its windows' fits; as it was where the motion is lost there."""
     made = _moved(stretch, fits)
-    still = np.zeros(len(stretch.names))
-    return made if np.all(np.isfinite(sailed(made, still))) else stretch
+    return made if np.all(np.isfinite(sailed(made, change))) else stretch
 
 
 def _moved(stretch: Stretch, fits: Sequence[Smooth]) -> Stretch:

@@ -118,9 +118,17 @@ class FreeSystem:
         return cache(made)
 
     @cached_property
-    def errors(self) -> Callable[[Names], dict[str, float]]:
-        """Errors of records left out one after another, by a fit with a set of candidates."""
-        return cache(lambda names: pooled(predicted(self.fit(names), each(self.records))))
+    def errors(self) -> Callable[[Names, Names], dict[str, float]]:
+        """Errors of records left out one after another, by a fit with a set of candidates.
+
+        The noise of the sensors that is taken off is that of a fit with another set.
+        """
+
+        def made(names: Names, last: Names) -> dict[str, float]:
+            fit = self.fit(names).read_by(self.fit(last).sensors)
+            return pooled(predicted(fit, each(self.records)))
+
+        return cache(made)
 
 
 def free_system(

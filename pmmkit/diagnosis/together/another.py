@@ -28,7 +28,6 @@ from pmmkit.diagnosis.together.scatter import (
 from pmmkit.diagnosis.together.vote import Ballot, Names, Vote
 from pmmkit.errors import ModelError
 from pmmkit.models import Model
-from pmmkit.models.model import place_name
 from pmmkit.numerics import Array
 
 BETWEEN: Final = 0.025
@@ -254,26 +253,4 @@ def _model(vote: RecordsVote, fit: Fit, names: Names, found: Next) -> Model:
     covariance[np.ix_(used, used)] = found.covariance
     own = replace(fit, names=names, z=z, covariance=covariance)
     made = model_of(vote.model, vote.system.every, own, vote.system.speed)
-    C = numbers.T @ covariance @ numbers.T.T
-    there = {place_name(effect, name) for effect, x in made.parts.items() for name in x.values}
-    at = [i for i, x in enumerate(numbers.values) if x in there and C[i, i] > 0.0]
-    scattered = [numbers.values[i] for i in at]
-    rows = max(len(made.Fn), 1)
-    whole = np.tile(C[np.ix_(at, at)], (rows, rows))
-    parts = {
-        effect: replace(
-            part,
-            std=MappingProxyType(
-                {k: x for k, x in part.std.items() if place_name(effect, k) not in scattered}
-            ),
-        )
-        for effect, part in made.parts.items()
-    }
-    return replace(
-        made,
-        name=f"{made.name}, another laboratory",
-        parts=MappingProxyType(parts),
-        covariance=0.5 * (whole + whole.T),
-        covariance_names=tuple(scattered),
-        notes=(*made.notes, NOTE),
-    )
+    return replace(made, name=f"{made.name}, another laboratory", notes=(*made.notes, NOTE))

@@ -15,7 +15,7 @@ from pmmkit.metrics import in_lengths, metric_of, told, unit_of
 from pmmkit.models import Model
 from pmmkit.simulation import Track, imo_turning, simulate, spiral_curve
 from pmmkit.simulation.bands import Bands, bands_of
-from pmmkit.validation.free_running import Manoeuvre
+from pmmkit.validation.manoeuvre import Manoeuvre
 from pmmkit.workbench.pages.numbers import short
 
 SHIPS: Final = 40
