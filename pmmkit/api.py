@@ -239,8 +239,10 @@ def model_of(
     how: dict[str, Any] = {"missing": missing, "also": _not_shown(reduction), "force": force}
     if parts is not None:
         model = to_model(table, parts, **how)
+        donor = parts if isinstance(parts, Model) else load_model(parts)
+        own_ship = not donor.ship.form_apart(reduction.campaign.ship)
         others = {
-            name: part if part.std else lent(part)
+            name: part if part.std else lent(part, same_ship=own_ship)
             for name, part in model.parts.items()
             if name not in DERIVATIVE_PARTS
         }

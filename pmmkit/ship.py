@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Final
+
+PROPORTIONS: Final = {"B/L": 0.03, "d/L": 0.03, "block coefficient": 0.05}
+"""Shares by which two hulls of one form may differ."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,6 +58,27 @@ class Ship:
     def block(self) -> float:
         """Block coefficient volume/(L B d) [-]."""
         return self.volume / (self.L * self.B * self.d)
+
+    def form_apart(self, other: Ship) -> dict[str, tuple[float, float]]:
+        """What of `PROPORTIONS` is another than another ship's: both, and that other one's.
+
+        Examples
+        --------
+        >>> ship = Ship(name="m", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=500.0)
+        >>> longer = Ship(name="s", L=80.0, B=19.0, d=5.0, volume=3.8e3, mass=3.8e6, Izz=1e9)
+        >>> ship.form_apart(longer)
+        {'B/L': (0.25, 0.2375)}
+        """
+        both = {
+            "B/L": (self.B / self.L, other.B / other.L),
+            "d/L": (self.d / self.L, other.d / other.L),
+            "block coefficient": (self.block, other.block),
+        }
+        return {
+            name: (own, there)
+            for name, (own, there) in both.items()
+            if abs(own / there - 1.0) > PROPORTIONS[name]
+        }
 
     @property
     def words(self) -> str:

@@ -17,6 +17,7 @@ from pmmkit.cli.options import stem
 from pmmkit.cli.output import Outcome, words_of
 from pmmkit.cli.outputs import results_folder
 from pmmkit.escaping import quoted
+from pmmkit.models.standing import estimates_in
 from pmmkit.presentation import WIDE, counted
 
 if TYPE_CHECKING:
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from pmmkit.checks import CheckFinding
     from pmmkit.inspection.drafts.questions import Question
     from pmmkit.models import Model
-    from pmmkit.models.model import Part
 
 _HEADS: Final = {
     "needed": "Needed before it can go on:",
@@ -32,8 +32,6 @@ _HEADS: Final = {
     "estimated": "Estimated from the particulars; what is known can be stated there:",
     "off": "Lines that are off; write them where they apply:",
 }
-EMPIRICAL: Final = "empirical"
-"""How the source of an estimate begins."""
 _SHIPS: Final = 200
 """Drawn for the interval of the turn."""
 _MOST: Final = 12
@@ -223,7 +221,7 @@ def _reduced(way: Way, campaign: Campaign, reduce: Callable[..., Outcome], resul
     way = replace(
         way, then=f"pmmkit model show {quoted(file)}", questions=(*way.questions, *estimates)
     )
-    lent = [part.effect for part in model.parts.values() if _estimated(part)]
+    lent = [part.effect for part in model.parts.values() if estimates_in(part)]
     way = way.after("model", f"{quoted(file)}; estimates in {', '.join(lent) or 'nothing'}")
     if not content["turns"]:
         return way
@@ -249,10 +247,6 @@ def _turned(way: Way, model: Model) -> Way:
     )
 
 
-def _estimated(part: Part) -> list[str]:
-    return [name for name in part.values if part.source_of(name).startswith(EMPIRICAL)]
-
-
 def _estimates(model: Model, file: Path) -> Iterator[Question]:
     """What a turn depends on most of what nobody stated, and where it can be."""
     from pmmkit.inspection.drafts.questions import Question
@@ -264,7 +258,7 @@ def _estimates(model: Model, file: Path) -> Iterator[Question]:
         part = model.parts.get(effect.name)
         for name in WANTED[section] if part else ():
             own = effect.parameter(name)
-            if part is None or own is None or name not in _estimated(part):
+            if part is None or own is None or name not in estimates_in(part):
                 continue
             value = part.values[name]
             spread = f" ± {WIDE * part.std[name]:.2g}" if name in part.std else ""

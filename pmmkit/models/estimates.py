@@ -172,7 +172,7 @@ def _errors(
 ) -> Mapping[str, float]:
     """Standard uncertainties of estimates; what was stated has none."""
     return MappingProxyType(
-        {name: error.of(values[name]) for name, error in errors.items() if name != but}
+        {k: error.of(values[k]) for k, error in errors.items() if k in values and k != but}
     )
 
 

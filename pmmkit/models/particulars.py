@@ -30,10 +30,11 @@ AREAS: Final = ("area", "area_movable", "area_lateral")
 RUDDER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
     shares(
         area=0.2, lift_slope=0.1, epsilon=0.1, kappa=0.3, gamma_positive=0.4, gamma_negative=0.4,
-        lR=0.3, tR=0.3, aH=0.25, xH=0.05,
+        gamma=0.4, lR=0.3, cRr=0.3, tR=0.3, aH=0.25, xH=0.05,
     )
 )  # fmt: skip
-"""How far rudders of the library lie from `rudder_values` and `rudder_area`."""
+"""How far rudders of the library lie from `rudder_values` and `rudder_area`; gamma and cRr of Son
+and Nomoto's form are the straightening and the lever of the others."""
 PROPELLER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
     shares(D=0.2, t=0.15, wp=0.25, kt0=0.2, kt1=0.2)
 )

@@ -19,6 +19,8 @@ from pmmkit.models.roles import drives, steers
 from pmmkit.models.scale import scaled
 from pmmkit.models.step import Step, Value
 
+DRAWN: Final = ("D", "kt0", "kt1", "area")
+"""What of a propeller and a rudder drawings and an open-water test say."""
 ERRORS: Final = MappingProxyType({PROPELLER.name: PROPELLER_ERRORS, RUDDER_MMG.name: RUDDER_ERRORS})
 
 
@@ -173,7 +175,8 @@ def with_part_of(model: Model, words: str, donor: Model, because: str = "") -> M
     'library: kvlcc2'
     """
     name = part_of(donor, words)
-    part = lent(scaled(donor, model.ship.L).parts[name], donor.name)
+    own_ship = not donor.ship.form_apart(model.ship)
+    part = lent(scaled(donor, model.ship.L).parts[name], donor.name, same_ship=own_ship)
     same = [
         own
         for own, there in model.parts.items()
@@ -201,17 +204,21 @@ def _in_the_slipstream(old: Model, new: Model) -> Model:
     return new.with_values(RUDDER_MMG.name, eta=eta * after / before) if kept else new
 
 
-def lent(part: Part, source: str = "") -> Part:
-    """A part of a similar ship: with part of the uncertainty that an estimate would have.
+def lent(part: Part, source: str = "", *, same_ship: bool) -> Part:
+    """A part from elsewhere: with part of the uncertainty that an estimate would have.
 
     Parameters
     ----------
     part : Part
-        Of the other ship.
+        Of the other model.
     source : str
         Its name, where it is not said in the part.
+    same_ship : bool
+        Whether that is of the same ship: what drawings and an open-water test say is no other
+        there, and is certain.
     """
-    errors = ERRORS.get(part.effect, {})
+    known = DRAWN if same_ship else ()
+    errors = {k: x for k, x in ERRORS.get(part.effect, {}).items() if k not in known}
     return replace(
         part,
         source=f"library: {source}" if source else part.source,

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Final
 
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect, Role
 from pmmkit.models.model import Model
+
+SAILING: Final[tuple[Role, ...]] = ("propulsion", "steering")
+"""What a ship needs beside its hull."""
 
 
 def parts_of(model: Model, role: Role) -> tuple[str, ...]:
@@ -34,9 +38,8 @@ def lacking(model: Model) -> tuple[Role, ...]:
     >>> lacking(ship), lacking(ship.with_(parts=hull))
     ((), ('propulsion', 'steering'))
     """
-    needed: tuple[Role, ...] = ("propulsion", "steering")
     held = {"propulsion"} if model.convention.surge == "delta-u" else set()
-    return tuple(role for role in needed if role not in held and not parts_of(model, role))
+    return tuple(role for role in SAILING if role not in held and not parts_of(model, role))
 
 
 def in_role(role: Role) -> tuple[str, ...]:
@@ -44,14 +47,19 @@ def in_role(role: Role) -> tuple[str, ...]:
     return tuple(effect.name for effect in catalogue().values() if role in effect.roles)
 
 
+def serves(effect: Effect, role: Role) -> bool:
+    """Whether an effect has a role, and is no share of the hull beside it."""
+    return role in effect.roles and not _holds_the_hull(effect.outputs)
+
+
 def drives(effect: Effect) -> bool:
     """Whether an effect is a propeller or another drive, and no share of the hull beside it."""
-    return "propulsion" in effect.roles and not _holds_the_hull(effect.outputs)
+    return serves(effect, SAILING[0])
 
 
 def steers(effect: Effect) -> bool:
     """Whether an effect is a rudder or another gear that steers, and nothing of the hull."""
-    return "steering" in effect.roles and not _holds_the_hull(effect.outputs)
+    return serves(effect, SAILING[1])
 
 
 def _holds_the_hull(outputs: Iterable[str]) -> bool:

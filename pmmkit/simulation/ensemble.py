@@ -23,6 +23,7 @@ from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.models.astern import reversed_by_bucket
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.standing import Standing, standing
 from pmmkit.models.straight import held_straight
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
@@ -74,6 +75,8 @@ class Ensemble(Described):
         Of the metrics.
     tested : FroudeRange, optional
         Of the model as it stands, where derivatives follow the Froude number of the moment.
+    standing : Standing
+        What the numbers of the model stand on.
     """
 
     metrics: Mapping[str, Array]
@@ -89,6 +92,7 @@ class Ensemble(Described):
     scale: str
     units: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     tested: FroudeRange | None = None
+    standing: Standing = field(default_factory=Standing)
 
     def __len__(self) -> int:
         return len(next(iter(self.metrics.values())))
@@ -178,6 +182,7 @@ class Ensemble(Described):
                     f"{counted(len(self.names), 'derivative')} drawn from {self.origin}, seed "
                     f"{self.seed}",
                     *([self.tested.words] if self.tested else []),
+                    *self.standing.sentences,
                 ]
             ),
             Section(title="Metrics", tables=[Grid(head=head, groups=[Group(rows=rows)])]),
@@ -473,6 +478,7 @@ def monte_carlo(
         scale=loaded.scale,
         units=MappingProxyType({name: unit_of(name, batch.plan.metrics) for name in nominal}),
         tested=batch.nominal_range(),
+        standing=standing(loaded, speed),
     )
 
 

@@ -43,6 +43,7 @@ def metrics_of(track: Track) -> dict[str, Any]:
         "L": track.L,
         "scale": track.scale,
         "notes": list(track.notes),
+        "standing": track.standing.to_dict(),
         "tested_range": track.tested.numbers if track.tested else None,
         "imo": [asdict(verdict) for verdict in imo_turning(track)]
         if track.manoeuvre == "turning"

@@ -20,7 +20,7 @@ from pmmkit.equations.prepared import feels_depth, feels_waves
 from pmmkit.errors import DataError, Problem, SimulationError
 from pmmkit.models import Model, load_model
 from pmmkit.models.astern import ESTIMATED, knows_astern, reversed_by_bucket
-from pmmkit.models.caution import caution
+from pmmkit.models.standing import standing
 from pmmkit.models.straight import HELD, held_straight
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
@@ -201,9 +201,8 @@ def simulate(
         more.append(LINEAR.format(drift=drift, rate=rate))
     if chosen.held_straight:
         more += [HELD, *([] if knows_astern(stated) else [ESTIMATED])]
-    return replace(
-        track, notes=(*track.notes, *more, *caution(loaded, speed)), not_usable=loaded.not_usable
-    )
+    stands = standing(loaded, speed)
+    return replace(track, notes=(*track.notes, *more, *stands.sentences), standing=stands)
 
 
 def has_linear_hull(model: Model) -> bool:

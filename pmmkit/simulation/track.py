@@ -11,6 +11,7 @@ import numpy as np
 
 from pmmkit.errors import UnknownNameError
 from pmmkit.metrics import IN_LENGTHS, METRICS, Metric, in_lengths, unit_of
+from pmmkit.models.standing import Standing
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, number
 
@@ -72,8 +73,8 @@ class Track(Described):
     tested : FroudeRange, optional
         Of derivatives that follow the Froude number of the moment: how long it was outside the
         range that was tested.
-    not_usable : str
-        Why the model that sailed gives no number that can be used; empty where it does.
+    standing : Standing
+        What the numbers of the model that sailed stand on.
     """
 
     t: Array
@@ -99,7 +100,7 @@ class Track(Described):
     orders: tuple[float, ...] = ()
     settings: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     tested: FroudeRange | None = None
-    not_usable: str = ""
+    standing: Standing = field(default_factory=Standing)
 
     def __len__(self) -> int:
         return len(self.t)
@@ -165,10 +166,11 @@ class Track(Described):
         told = [
             f"L = {self.L:g} m, Fn {self.Fn:.3f}; {self.scale or 'no scale is stated'}",
             *(f"{name} = {value}" for name, value in self.settings.items()),
+            *self.standing.sentences,
         ]
         missing = [name for name in in_lengths(self.metrics) if not np.isfinite(self.metrics[name])]
         points = [f"The track does not show: {', '.join(missing)}"] if missing else []
-        points += self.notes
+        points += [note for note in self.notes if note not in self.standing.sentences]
         return [
             Section(paragraphs=told),
             *([Section(title="Metrics", tables=[self._metrics()])] if self.metrics else []),

@@ -21,8 +21,6 @@ from pmmkit.ship import Ship
 
 Forces = Callable[[State, Array], dict[str, Array]]
 """From the motion of midship and its instants [s] to forces of the water by channel [N, N m]."""
-PROPORTIONS: Final = {"B/L": 0.03, "d/L": 0.03, "block coefficient": 0.05}
-"""Shares by which two hulls of one form may differ."""
 SAME_LENGTH: Final = 1e-3
 
 
@@ -177,16 +175,9 @@ def at_the_scale_of(model: Model, ship: Ship) -> tuple[Model, list[str]]:
     ModelError
         If the proportions of the two hulls differ.
     """
-    own = {
-        "B/L": model.ship.B / model.ship.L,
-        "d/L": model.ship.d / model.ship.L,
-        "block coefficient": model.ship.block,
-    }
-    theirs = {"B/L": ship.B / ship.L, "d/L": ship.d / ship.L, "block coefficient": ship.block}
     apart = [
-        f"{name} {own[name]:.4f} against {theirs[name]:.4f}"
-        for name, most in PROPORTIONS.items()
-        if abs(own[name] / theirs[name] - 1.0) > most
+        f"{name} {own:.4f} against {theirs:.4f}"
+        for name, (own, theirs) in model.ship.form_apart(ship).items()
     ]
     if apart:
         raise ModelError(

@@ -193,11 +193,11 @@ def test_force_marks_the_model_for_ever(forced, tmp_path):
 
 def test_whatever_sails_it_says_so_and_no_limit_is_settled(forced):
     track = pk.simulate(forced, speed=9.0, rudder_deg=20, extrapolate=True, compiled=False)
-    assert track.not_usable in track.notes
-    assert ODD in track.not_usable
+    assert track.standing.forced in track.notes
+    assert ODD in track.standing.forced
     found = imo_turning(track)
     assert {item.passed for item in found} == {None}
     assert {item.words for item in found} == {"not settled"}
-    assert all(track.not_usable in item.conditions for item in found)
+    assert all(track.standing.forced in item.conditions for item in found)
     assert any(np.isfinite(item.value) for item in found)
     assert imo_turning(pk.simulate("s175-3dof", speed=9.0))[0].words == "met"

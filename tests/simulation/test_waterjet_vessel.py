@@ -9,7 +9,7 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.equations import prepare
-from pmmkit.models.caution import GUESSED
+from pmmkit.models.standing import GUESSED
 from scripts.studies.patrol_vessel import STOPPING_SPEED, TURNING_SPEED, patrol_vessel
 
 FILE = Path(__file__).parents[2] / "datasets" / "patrol_vessel" / "model.toml"

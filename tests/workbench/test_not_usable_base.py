@@ -24,7 +24,7 @@ def test_a_base_by_force_is_marked_wherever_the_page_sails_it(tmp_path):
     base = pk.load_model(model_file(place, ()))
     assert ODD in base.not_usable
     page = sailed_page(base, "turning", speed=1.5, rudder_deg=35.0)
-    assert page["not_usable"] == base.not_usable
+    assert base.not_usable in page["unsettled"]
     assert {item["passed"] for item in page["verdicts"]} == {None}
     told = derivatives_page(reduce_campaign(pk.open_campaign(folder), executor=1))
     assert told["use"] == "not usable"

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
     from pmmkit.loop.evidence import Fall
     from pmmkit.models import Model
+    from pmmkit.simulation.track import Track
 
 
 EXAMPLE: Final = "pmmkit add model.toml nonlinear_added_mass --fit my-campaign -o model2.toml"
@@ -150,7 +151,8 @@ def add(
         "errors": fall.to_pandas().to_dict("records") if fall else [],
         "held_out": {name: dict(row) for name, row in held_out.items()},
         "useless": list(fall.useless) if fall else [],
-        "turning": turns,
+        "turning": {name: _lengths(track) for name, track in turns.items()},
+        "standing": turns["after"].standing.to_dict() if turns else None,
         "notes": list(after.notes),
         "history": list(after.history),
     }
@@ -194,11 +196,10 @@ def _files(fall: Fall, drawn: bool) -> list[tuple[str, Any]]:
     return [("error_fall.csv", fall.to_pandas()), *figure]
 
 
-def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[str, float]]:
+def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, Track]:
     """Turning circles with both models at the middle speed of the tests; empty if they cannot."""
     from pmmkit.errors import PmmkitError
     from pmmkit.metrics import HARD_OVER
-    from pmmkit.simulation.manoeuvres.turning import LENGTHS
     from pmmkit.simulation.simulate import simulate
 
     speeds = sorted({run.settings.speed for run in campaign.runs})
@@ -207,17 +208,23 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
     found = {}
     for name, model in (("before", before), ("after", after)):
         try:
-            track = simulate(
+            found[name] = simulate(
                 model, "turning", rudder_deg=HARD_OVER, speed=model.ship.speed(Fn, model.water.g)
             )
         except PmmkitError:
             return {}
-        found[name] = {key: track.metrics[key] for key in LENGTHS if key in track.metrics}
     return found
 
 
+def _lengths(track: Track) -> dict[str, float]:
+    """The measures of a turning circle in ship lengths."""
+    from pmmkit.simulation.manoeuvres.turning import LENGTHS
+
+    return {key: track.metrics[key] for key in LENGTHS if key in track.metrics}
+
+
 def _words(
-    fall: Fall | None, taken: str, rolled: Sequence[str], turns: Mapping[str, Mapping[str, float]]
+    fall: Fall | None, taken: str, rolled: Sequence[str], turns: Mapping[str, Track]
 ) -> list[str]:
     from pmmkit.metrics import HARD_OVER
 
@@ -226,14 +233,16 @@ def _words(
     lines += [str(fall)] if fall else []
     if turns:
         lines += ["", f"Turning circle, rudder {HARD_OVER:g}°, in ship lengths:"]
-        names = list(turns["after"])
+        measured = {name: _lengths(track) for name, track in turns.items()}
+        names = list(measured["after"])
         lines.append(
             aligned(
                 ["", *(name.removesuffix("_L").replace("_", " ") for name in names)],
                 [
                     [key, *(f"{values[name]:.3f}" for name in names)]
-                    for key, values in turns.items()
+                    for key, values in measured.items()
                 ],
             )
         )
+        lines += turns["after"].standing.sentences
     return lines

@@ -440,6 +440,8 @@ def _words(
     if turns:
         lines += ["", f"Turning circle, {HARD_OVER:g}° of rudder, {turns.tracks[0].scale}:"]
         lines.append(turn_table(turns))
+        stands = [text for track in turns.tracks for text in track.standing.sentences]
+        lines += dict.fromkeys(stands)
     return lines
 
 

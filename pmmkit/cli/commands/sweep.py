@@ -77,6 +77,7 @@ def sweep(
     from pmmkit.figures import metrics_over
     from pmmkit.files import write_results
     from pmmkit.models import load_model
+    from pmmkit.models.standing import standing
     from pmmkit.plotting.style import save
     from pmmkit.simulation import sweeps
     from pmmkit.simulation.results import sweep_frame, told_metric, told_metrics
@@ -120,8 +121,10 @@ def sweep(
         [f"{row[name]:.4g}" for name in coordinates] + [told_metric(row, name) for name in columns]
         for row in rows
     ]
+    sailed = asked or [loaded.ship.speed(Fn, loaded.water.g) for Fn in loaded.Fn]
     lines = [
         f"Scale: {loaded.scale}",
+        *dict.fromkeys(text for speed in sailed for text in standing(loaded, speed).sentences),
         aligned([*_heads(found, coordinates, metrics, manoeuvre), *columns[len(metrics) :]], cells),
         f"Results: {folder}",
     ]

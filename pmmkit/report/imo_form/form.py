@@ -134,7 +134,7 @@ class Line:
 
     @property
     def settled(self) -> bool:
-        """Whether the model behind the numbers, if one is, is usable."""
+        """Whether what the numbers stand on is ground for a verdict."""
         return all(x.settled for x in self.verdicts.values())
 
     @property
@@ -216,6 +216,9 @@ class Form(Described):
         """All criteria together, in words."""
         failed = [item.words for item in self.lines if item.passed is False]
         unsettled = sum(not item.settled for item in self.lines)
+        why = dict.fromkeys(
+            text for line in self.lines for x in line.verdicts.values() for text in x.unsettled
+        )
         unjudged = sum(item.passed is None and item.settled for item in self.lines)
         besides = [
             item.title
@@ -226,7 +229,7 @@ class Form(Described):
         parts = [
             f"{sum(item.passed is True for item in self.lines)} of {len(self.lines)} criteria met",
             f"NOT met: {', '.join(failed)}" if failed else "",
-            f"{unsettled} {UNSETTLED}: the model is not usable" if unsettled else "",
+            f"{unsettled} {UNSETTLED} ({' '.join(why)})" if unsettled else "",
             f"{unjudged} not judged" if unjudged else "",
             f"conditions NOT met: {', '.join(besides)}" if besides else "",
             f"{counted(unknown, 'condition')} not shown" if unknown else "",

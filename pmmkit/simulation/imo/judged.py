@@ -15,7 +15,7 @@ from pmmkit.errors import DataError
 from pmmkit.metrics import HARD_OVER, Criterion, Metric, criteria
 from pmmkit.models import Model, load_model
 from pmmkit.models.astern import ESTIMATED, LOST, as_it_stops, reversed_by_bucket
-from pmmkit.models.caution import caution
+from pmmkit.models.standing import standing
 from pmmkit.simulation.imo.full_astern import (
     ASTERN,
     FullAstern,
@@ -138,7 +138,7 @@ def imo_verdicts(
     loaded = model if isinstance(model, Model) else load_model(model)
     drawn = n if spread is not None or loaded.covariance is not None else 0
     tests = sided_tests(loaded)
-    warned = caution(loaded, speed)
+    warned = standing(loaded, speed)
     found: list[Verdict] = []
     for side in (1.0, -1.0):
         for manoeuvre, starboard, pairs in tests:
@@ -147,9 +147,9 @@ def imo_verdicts(
             many = _many(loaded, manoeuvre, speed, drawn, spread, seed, settings, given)
             for metric, item in pairs:
                 verdict = verdict_of(
-                    metric, item, track, (*track_conditions(track, full_speed), *warned)
+                    metric, item, track, (*track_conditions(track, full_speed), *warned.sentences)
                 )
-                if many is not None and verdict.settled:
+                if many is not None and not warned.forced:
                     probability = many.probability(verdict.metric, verdict.limit)
                     verdict = replace(verdict, probability=probability)
                 found.append(verdict)
@@ -237,7 +237,7 @@ def _stopping(
                 f"{', '.join(x.name for x in catalogue().values() if x.astern)} do, and it has no "
                 "propeller from whose open water they could be estimated.",
             ),
-            not_usable=model.not_usable,
+            unsettled=standing(model, speed).unsettled,
         )
     if not engine.turns < 0.0:
         raise DataError(f"Revolutions of a stop are negative: astern is {engine.turns:g}.")
@@ -259,7 +259,7 @@ def _stopping(
         return simulate(ship, criterion.manoeuvre, speed=speed, **given)
 
     track = stopped(engine.turns, limited)
-    said = (*track_conditions(track, full_speed), LARGE, *caution(model, speed))
+    said = (*track_conditions(track, full_speed), LARGE, *standing(model, speed).sentences)
     verdict = verdict_of(metric, criterion, track, said)
     reach = {
         own: stopped(own, limited).metrics[verdict.metric] for own in ASTERN if own != engine.turns

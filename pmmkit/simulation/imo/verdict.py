@@ -24,7 +24,7 @@ from pmmkit.simulation.track import Track
 SOURCE: Final = cite("msc137")
 Side = Literal["port", "starboard", ""]
 UNSETTLED: Final = "not settled"
-"""What is said of a criterion where the model behind the number is not usable."""
+"""What is said of a criterion where what the number stands on is no ground for a verdict."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -55,8 +55,9 @@ class Verdict(Described):
         Of the first order; none for a stop.
     full_astern : FullAstern or None
         Of a stop: what is assumed, or was measured, of the engine.
-    settled : bool
-        Whether the model behind the number is usable; where it is not, nothing is met or failed.
+    unsettled : tuple of str
+        Why nothing is met or failed by such a number: the model was made by force, sails by
+        estimates, or far from where it was tested.
     """
 
     criterion: str
@@ -71,7 +72,12 @@ class Verdict(Described):
     probability: float | None = None
     side: Side = ""
     full_astern: FullAstern | None = None
-    settled: bool = True
+    unsettled: tuple[str, ...] = ()
+
+    @property
+    def settled(self) -> bool:
+        """Whether what the number stands on is ground for a verdict."""
+        return not self.unsettled
 
     @property
     def words(self) -> str:
@@ -119,10 +125,11 @@ def verdict_sections(verdicts: Sequence[Verdict]) -> list[Section]:
     head = ["criterion", "manoeuvre", "value", "limit", "margin", "", "probability"]
     rows = [item.row() for item in verdicts]
     scales = dict.fromkeys(f"Scale: {item.scale}" for item in verdicts if item.scale)
-    said = dict.fromkeys(text for item in verdicts for text in item.conditions)
+    why = dict.fromkeys(text for item in verdicts for text in item.unsettled)
+    said = dict.fromkeys(text for item in verdicts for text in item.conditions if text not in why)
     engines = dict.fromkeys(item.full_astern.words for item in verdicts if item.full_astern)
     return [
-        Section(paragraphs=[f"Criteria of {SOURCE}", *scales]),
+        Section(paragraphs=[f"Criteria of {SOURCE}", *scales, *why]),
         Section(tables=[Grid(head=head, groups=[Group(rows=rows)], texts=(1,))]),
         *([Section(title="Full astern", points=list(engines))] if engines else []),
         *([Section(title="Conditions", points=list(said))] if said else []),
@@ -140,7 +147,7 @@ def judge(
     scale: str,
     conditions: tuple[str, ...] = (),
     side: Side = "",
-    not_usable: str = "",
+    unsettled: tuple[str, ...] = (),
 ) -> Verdict:
     """A criterion applied to the numbers of a manoeuvre.
 
@@ -154,8 +161,8 @@ def judge(
         Ship length [m], test speed [m/s].
     manoeuvre, scale, conditions, side
         As in `Verdict`.
-    not_usable : str
-        Why the numbers are not usable, a condition that settles nothing; empty where they are.
+    unsettled : tuple of str
+        As in `Verdict`; they are among its conditions.
     """
     limit = criterion.limit_for(L, speed)
     value = metrics.get(metric.judged(criterion), math.nan)
@@ -164,15 +171,13 @@ def judge(
         limit=limit,
         value=value,
         margin=limit - value,
-        passed=None if math.isnan(value) or not_usable else value <= limit,
-        conditions=conditions
-        if not not_usable or not_usable in conditions
-        else (not_usable, *conditions),
+        passed=None if math.isnan(value) or unsettled else value <= limit,
+        conditions=tuple(dict.fromkeys((*unsettled, *conditions))),
         scale=scale,
         unit="L" if metric.length else metric.unit,
         manoeuvre=manoeuvre,
         side=side,
-        settled=not not_usable,
+        unsettled=unsettled,
     )
 
 
@@ -235,7 +240,7 @@ def verdict_of(
         conditions=conditions,
         manoeuvre=_sailed(track),
         side=side_of(track.rudder_deg),
-        not_usable=track.not_usable,
+        unsettled=track.standing.unsettled,
     )
 
 

@@ -75,8 +75,8 @@ def sailed_page(
     -------
     dict
         ``x``, ``y`` [ship lengths], ``t`` [s], ``psi``, ``delta`` [deg], ``speed`` [m/s], ``r``
-        [deg/s], ``metrics``, ``verdicts``, ``notes``, ``not_usable`` and, where it was asked for
-        and can be told, ``band``.
+        [deg/s], ``metrics``, ``verdicts``, ``notes``, ``unsettled`` (why nothing is met or failed)
+        and, where it was asked for and can be told, ``band``.
     """
     track = simulate(model, manoeuvre, speed=speed, compiled=False, **settings)
     page = track_page(track)
@@ -177,7 +177,7 @@ def track_page(track: Track) -> dict[str, Any]:
             for item in judged
         ],
         "notes": list(track.notes),
-        "not_usable": track.not_usable,
+        "unsettled": list(track.standing.unsettled),
     }
 
 

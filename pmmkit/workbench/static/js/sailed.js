@@ -18,7 +18,7 @@ export async function turnPanel(root, app) {
   refill(root,
     el("div", { class: "head" }, el("h2", {}, t("turn")),
       el("span", { class: "soft small" }, t("turn_about", { rudder: 35, speed: num(after.approach), Fn: num(after.Fn) }))),
-    after.not_usable ? el("p", { class: "finding warning" }, after.not_usable) : null,
+    after.unsettled.map((text) => el("p", { class: "finding warning" }, text)),
     el("div", { class: "pair" },
       el("div", { class: "plot" }, trackPlot(turns.after ? [[turns.before, "measured dashed"], [turns.after, "model"]] : [[turns.before, "model"]])),
       el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("measures") }, measures(turns))),

@@ -112,7 +112,7 @@ function draw(root, asked, found, trials) {
   refill(root,
     el("div", { class: "head" }, el("h2", {}, t(asked.manoeuvre)), el("span", { class: "soft small" }, `Fn ${num(found.Fn)}`),
       found.band ? el("span", { class: "soft small right" }, bandOf(found.band)) : null),
-    found.not_usable ? el("p", { class: "finding warning" }, found.not_usable) : null,
+    found.unsettled.map((text) => el("p", { class: "finding warning" }, text)),
     near ? el("p", { class: "legend" }, key("c-model", t("model")),
       key("c-measured", t("measured_run", { run: near.run, rudder: num(Math.abs(near.rudder), 2), Fn: num(near.Fn) })),
       turning && others.length ? key("c-measured faint", t("other_runs", { count: others.length })) : null) : null,
@@ -122,7 +122,7 @@ function draw(root, asked, found, trials) {
     el("div", { class: "plot" }, time.root),
     el("p", { class: "legend" }, key("c-model", t("heading")), key("c-rudder", t("rudder")), near ? key("c-measured", `${t("heading")}, ${t("measured")}`) : null,
       near ? key("c-rudder dashed", `${t("rudder")}, ${t("measured")}`) : null),
-    found.notes.filter((text) => text !== found.not_usable).map((text) => el("p", { class: "soft small" }, text)));
+    found.notes.filter((text) => !found.unsettled.includes(text)).map((text) => el("p", { class: "soft small" }, text)));
 }
 
 // Whose band it is: ships of the model, or of all sets that the tests accept.

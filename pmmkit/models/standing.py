@@ -1,0 +1,166 @@
+"""What the numbers of a model stand on: how it was made, what is estimated, where it was tested."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+from pmmkit.effects.hull import HULL
+from pmmkit.models.model import FN_TOLERANCE, Model, Part
+from pmmkit.models.roles import SAILING, serves
+from pmmkit.presentation import listed
+
+EMPIRICAL: Final = "empirical"
+"""How the source of an estimate begins."""
+FASTEST: Final = 0.29
+"""Largest Froude number of the ships that the standard errors of the estimates come from: KVLCC2,
+KCS and S175."""
+GUESSED: Final = (
+    "All derivatives of the hull's side force and moment are estimates from particulars: a first "
+    "look, not a verdict."
+)
+TOO_FAST: Final = (
+    "At Fn {:.2f} nothing says how good they are: they were held against ships at Fn {:g} at most."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standing:
+    """What the numbers of a model stand on at the speed of an approach.
+
+    Parameters
+    ----------
+    forced : str
+        Why the model is not usable; empty where it is.
+    hull : bool
+        Whether all derivatives of the hull's side force and moment are estimates.
+    estimated : tuple of str
+        Among propulsion and steering, what goes by values that nobody measured.
+    Fn : float
+        Of the approach.
+    tested : tuple of float
+        Least and greatest Froude number of the derivatives; empty where they are one set for all.
+    """
+
+    forced: str = ""
+    hull: bool = False
+    estimated: tuple[str, ...] = ()
+    Fn: float = 0.0
+    tested: tuple[float, ...] = ()
+
+    @property
+    def outside(self) -> float:
+        """By how much the approach is beyond what was tested, over the end that it is beyond:
+        positive above, negative below, zero inside.
+
+        Examples
+        --------
+        >>> round(Standing(Fn=0.36, tested=(0.15, 0.3)).outside, 3)
+        0.2
+        >>> Standing(Fn=0.29, tested=(0.15, 0.3)).outside
+        0.0
+        """
+        if not self.tested:
+            return 0.0
+        for end, beyond in ((self.tested[0], min), (self.tested[-1], max)):
+            share = self.Fn / end - 1.0
+            if beyond(share, 0.0) and abs(share) > FN_TOLERANCE:
+                return share
+        return 0.0
+
+    @property
+    def unsettled(self) -> tuple[str, ...]:
+        """Why no criterion is met or failed by such numbers, a sentence each."""
+        return tuple(
+            text
+            for text in (self.forced, GUESSED if self.hull else "", self._parts, self._range)
+            if text
+        )
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What a reader of a number must know, a sentence each."""
+        fast = TOO_FAST.format(self.Fn, FASTEST) if self.hull and self.Fn > FASTEST else ""
+        return (*self.unsettled, *([fast] if fast else []))
+
+    @property
+    def _parts(self) -> str:
+        """That what drives and steers her is an estimate."""
+        if not self.estimated:
+            return ""
+        one = len(self.estimated) == 1
+        who = listed(self.estimated)
+        return (
+            f"{who[0].upper()}{who[1:]} {'is an estimate' if one else 'are estimates'} from "
+            "particulars: how she turns and stops is a first look, not a verdict."
+        )
+
+    @property
+    def _range(self) -> str:
+        """That the approach is outside of what was tested."""
+        if not self.outside:
+            return ""
+        where = "above" if self.outside > 0.0 else "below"
+        span = " to ".join(f"{Fn:.3f}" for Fn in dict.fromkeys((self.tested[0], self.tested[-1])))
+        return (
+            f"The approach at Fn {self.Fn:.3f} is {100 * abs(self.outside):.0f} % {where} what was "
+            f"tested (Fn {span}): an extrapolation, not a verdict."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "usable": not self.forced,
+            "hull_estimated": self.hull,
+            "estimated": list(self.estimated),
+            "Fn": self.Fn,
+            "tested": [self.tested[0], self.tested[-1]] if self.tested else None,
+            "outside": self.outside,
+            "sentences": list(self.sentences),
+        }
+
+
+def standing(model: Model, speed: float) -> Standing:
+    """What the numbers of a model stand on.
+
+    Parameters
+    ----------
+    model : Model
+        Whose steps say whether it was made by force, and whose sources which values are estimates.
+    speed : float
+        Of the approach [m/s].
+
+    Examples
+    --------
+    >>> from pmmkit.models.estimates import estimated_model
+    >>> from pmmkit.models.store import load_model
+    >>> ship = load_model("kcs").ship
+    >>> made = estimated_model(ship, speed=12.35, propeller_diameter=7.9, rudder_area=45.3)
+    >>> standing(load_model("kcs"), 12.35).sentences
+    ()
+    >>> standing(made, 12.35).hull, standing(made, 12.35).estimated
+    (True, ('propulsion', 'steering'))
+    """
+    hull = model.parts.get(HULL)
+    across = [] if hull is None else [hull.source_of(x) for x in hull.values if x[0] in "YN"]
+    return Standing(
+        forced=model.not_usable,
+        hull=bool(across) and all(source.startswith(EMPIRICAL) for source in across),
+        estimated=tuple(
+            role
+            for role in SAILING
+            if any(_guessed(x) for x in model.parts.values() if serves(x.known, role))
+        ),
+        Fn=model.ship.froude(speed, model.water.g),
+        tested=tuple(model.Fn),
+    )
+
+
+def estimates_in(part: Part) -> list[str]:
+    """Names of the values of a part that are estimates from particulars."""
+    return [name for name in part.values if part.source_of(name).startswith(EMPIRICAL)]
+
+
+def _guessed(part: Part) -> bool:
+    """Whether an estimate of a part is of those by which ships differ."""
+    return any(name in part.std for name in estimates_in(part))
