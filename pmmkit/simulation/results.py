@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.metrics import in_lengths
@@ -45,7 +44,7 @@ def metrics_of(track: Track) -> dict[str, Any]:
         "notes": list(track.notes),
         "standing": track.standing.to_dict(),
         "tested_range": track.tested.numbers if track.tested else None,
-        "imo": [asdict(verdict) for verdict in imo_turning(track)]
+        "imo": [verdict.to_dict() for verdict in imo_turning(track)]
         if track.manoeuvre == "turning"
         else [],
     }

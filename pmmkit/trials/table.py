@@ -247,7 +247,7 @@ class Trial(Described):
             "conditions": [asdict(item) for item in self.conditions],
             "wind": None if self.wind is None else asdict(self.wind),
             "noise": asdict(self.noise),
-            "imo": [asdict(verdict) for verdict in self.verdicts],
+            "imo": [verdict.to_dict() for verdict in self.verdicts],
             "notes": list(self.notes),
         }
 

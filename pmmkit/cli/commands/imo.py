@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
@@ -81,7 +80,7 @@ def imo(
         depth=depth,
         extrapolate=extrapolate,
     )
-    rows = [asdict(item) for item in found]
+    rows = [item.to_dict() for item in found]
     filled = form_of_model(loaded, found, speed=pace, stated=stated, depth=depth)
     files = write_results(
         folder, [("imo.json", rows), ("imo.csv", _table(found)), *form_files(filled)]
@@ -104,7 +103,8 @@ def _table(found: Sequence[Verdict]) -> pd.DataFrame:
 
     rows = [
         {
-            **asdict(item),
+            **item.to_dict(),
+            "unsettled": " ".join(item.unsettled),
             "conditions": " ".join(item.conditions),
             "full_astern": "" if item.full_astern is None else item.full_astern.words,
         }

@@ -287,7 +287,7 @@ class Form(Described):
                 {
                     "run": line.runs.get(side, ""),
                     "paragraph": line.criterion.paragraph,
-                    **asdict(verdict),
+                    **verdict.to_dict(),
                 }
                 for line in self.lines
                 for side, verdict in line.verdicts.items()

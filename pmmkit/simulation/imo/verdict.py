@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final, Literal
+from dataclasses import asdict, dataclass
+from typing import Any, Final, Literal
 
 from pmmkit.bibliography import cite
 from pmmkit.metrics import (
@@ -78,6 +78,10 @@ class Verdict(Described):
     def settled(self) -> bool:
         """Whether what the number stands on is ground for a verdict."""
         return not self.unsettled
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {**asdict(self), "settled": self.settled}
 
     @property
     def words(self) -> str:
