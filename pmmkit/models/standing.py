@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
+from pmmkit.conventions import parse_derivative
 from pmmkit.effects.hull import HULL
 from pmmkit.models.model import FN_TOLERANCE, Model, Part
 from pmmkit.models.roles import SAILING, serves
@@ -19,6 +21,11 @@ GUESSED: Final = (
     "All derivatives of the hull's side force and moment are estimates from particulars: a first "
     "look, not a verdict."
 )
+UNCOUPLED: Final = (
+    "The hull has no term of sway and yaw together in side force and moment: nobody asked for one, "
+    "which is not zero. How she turns is a first look, not a verdict."
+)
+"""Of S175 the tactical diameter is 3.49 L with a `cubic` hull of her tests, 4.36 L with hers."""
 TOO_FAST: Final = (
     "At Fn {:.2f} nothing says how good they are: they were held against ships at Fn {:g} at most."
 )
@@ -34,6 +41,8 @@ class Standing:
         Why the model is not usable; empty where it is.
     hull : bool
         Whether all derivatives of the hull's side force and moment are estimates.
+    uncoupled : bool
+        Whether nothing of the hull's side force and moment goes with sway and yaw together.
     estimated : tuple of str
         Among propulsion and steering, what goes by values that nobody measured.
     Fn : float
@@ -44,6 +53,7 @@ class Standing:
 
     forced: str = ""
     hull: bool = False
+    uncoupled: bool = False
     estimated: tuple[str, ...] = ()
     Fn: float = 0.0
     tested: tuple[float, ...] = ()
@@ -73,7 +83,13 @@ class Standing:
         """Why no criterion is met or failed by such numbers, a sentence each."""
         return tuple(
             text
-            for text in (self.forced, GUESSED if self.hull else "", self._parts, self._range)
+            for text in (
+                self.forced,
+                GUESSED if self.hull else "",
+                UNCOUPLED if self.uncoupled else "",
+                self._parts,
+                self._range,
+            )
             if text
         )
 
@@ -112,6 +128,7 @@ class Standing:
         return {
             "usable": not self.forced,
             "hull_estimated": self.hull,
+            "uncoupled": self.uncoupled,
             "estimated": list(self.estimated),
             "Fn": self.Fn,
             "tested": [self.tested[0], self.tested[-1]] if self.tested else None,
@@ -146,6 +163,7 @@ def standing(model: Model, speed: float) -> Standing:
     return Standing(
         forced=model.not_usable,
         hull=bool(across) and all(source.startswith(EMPIRICAL) for source in across),
+        uncoupled=bool(across) and not any_across(model, lambda v, r: v and r),
         estimated=tuple(
             role
             for role in SAILING
@@ -153,6 +171,20 @@ def standing(model: Model, speed: float) -> Standing:
         ),
         Fn=model.ship.froude(speed, model.water.g),
         tested=tuple(model.Fn),
+    )
+
+
+def any_across(model: Model, which: Callable[[int, int], object]) -> bool:
+    """Whether the hull's side force and moment have such a term, by powers of v and r; other parts
+    that hold some of them have any."""
+    others = any(
+        name != HULL and "Y" in part.known.outputs and not (part.known.roles or part.known.needs)
+        for name, part in model.parts.items()
+    )
+    hull = model.parts.get(HULL)
+    terms = [] if hull is None else [parse_derivative(name) for name in hull.values]
+    return others or any(
+        which(x.count("v"), x.count("r")) for x in terms if x.channel in ("Y", "N")
     )
 
 

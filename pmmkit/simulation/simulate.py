@@ -12,7 +12,6 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from pmmkit.conventions import parse_derivative
 from pmmkit.effects.hull import HULL
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.layouts import Control, End, State
@@ -20,7 +19,7 @@ from pmmkit.equations.prepared import feels_depth, feels_waves
 from pmmkit.errors import DataError, Problem, SimulationError
 from pmmkit.models import Model, load_model
 from pmmkit.models.astern import ESTIMATED, knows_astern, reversed_by_bucket
-from pmmkit.models.standing import standing
+from pmmkit.models.standing import any_across, standing
 from pmmkit.models.straight import HELD, held_straight
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
@@ -213,17 +212,7 @@ def has_linear_hull(model: Model) -> bool:
     >>> has_linear_hull(load_model("kcs"))
     False
     """
-    given = (
-        [parse_derivative(name) for name in model.parts[HULL].values] if HULL in model.parts else []
-    )
-    across = [item for item in given if item.channel in ("Y", "N")]
-    others = [
-        name
-        for name, part in model.parts.items()
-        if name != HULL and "Y" in part.known.outputs and not (part.known.roles or part.known.needs)
-    ]
-    linear = all(item.count("v") + item.count("r") <= 1 for item in across)
-    return bool(across) and linear and not others
+    return HULL in model.parts and not any_across(model, lambda v, r: v + r > 1)
 
 
 def check_request(

@@ -39,7 +39,8 @@ def command_lines(state: State, folder: Path, structure: str) -> list[dict[str, 
     model = shlex.quote(state.model)
     if not state.model or state.model in structures():
         base = folder / "reduced"
-        line = f"reduce {tests[0]} --structure {state.model or structure} --fn pooled"
+        lent = f" --parts {shlex.quote(state.parts)}" if state.parts else ""
+        line = f"reduce {tests[0]} --structure {state.model or structure} --fn pooled{lent}"
         found.append(_line("reduce", f"{line} --out {_quoted(base)}{more}"))
         model = _quoted(base / "model.toml")
     found += [_line("compare", f"compare {model} {place}{more}") for place in tests]

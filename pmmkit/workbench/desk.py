@@ -306,12 +306,16 @@ class Desk:
                     raise DataError(f"There is no {campaign}.")
             if len(set(places)) < len(places):
                 raise DataError("A campaign is named twice: name another one of the same ship.")
-            if model and model not in structures() and model not in ships():
-                self.named(model)
+            for name in (model, asked.parts):
+                if name and name not in structures() and name not in ships():
+                    self.named(name)
+            if asked.parts and model and model not in structures():
+                raise DataError(f"{model} has its own parts: {asked.parts} lends to a structure.")
+            lent = asked.parts or _lent(places[0])
             if _lent(places[0]) and not model:
                 model = DEMONSTRATION[1]
             revision = -1 if self._state is None else self._state.revision
-            state = replace(asked, model=model, revision=revision + 1, steps=())
+            state = replace(asked, model=model, parts=lent, revision=revision + 1, steps=())
             job = self._worker.start(
                 "open",
                 {
@@ -319,7 +323,7 @@ class Desk:
                     "campaigns": [str(place) for place in places],
                     "model": model,
                     "data": data,
-                    "parts": _lent(places[0]),
+                    "parts": lent or None,
                 },
             )
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -352,8 +356,7 @@ class Desk:
         """Do anew what depends on the campaign file: the base, each step, the derivatives."""
         with self._changing:
             state = self._current(revision)
-            lent = _lent(self.named(state.campaign))
-            more = {"model": state.model, "parts": lent}
+            more = {"model": state.model, "parts": state.parts or None}
             job = self._worker.start("again", self._asked(state) | more)
             self._change(replace(state, revision=state.revision + 1))
             return job
@@ -566,9 +569,9 @@ class Desk:
         return sailed_page(model, "turning", speed=speed, band=True, **settings)
 
 
-def _lent(place: Path) -> str | None:
-    """Ship that lends propeller and rudder: those of the demonstration alone."""
-    return DEMONSTRATION[2] if place == (datasets_folder() / DEMONSTRATION[0]).resolve() else None
+def _lent(place: Path) -> str:
+    """Ship that lends propeller and rudder where none is named: that of the demonstration alone."""
+    return DEMONSTRATION[2] if place == (datasets_folder() / DEMONSTRATION[0]).resolve() else ""
 
 
 def _left(found: dict[str, Any], added: Sequence[str]) -> dict[str, Any]:

@@ -36,6 +36,9 @@ class State:
     campaign, model, data : str
         What was opened: path of a campaign, of a model file or name of a library ship, and folder
         of the measurements or nothing.
+    parts : str
+        Library ship or model file that lends propeller and rudder to a base that is reduced from
+        the tests; nothing for what the campaign file states and estimates.
     also : tuple of str
         Paths of other campaigns of the same ship.
     noise, floor : float, optional
@@ -49,6 +52,7 @@ class State:
     campaign: str
     model: str
     data: str = ""
+    parts: str = ""
     also: tuple[str, ...] = ()
     noise: float | None = None
     floor: float | None = None
@@ -71,7 +75,8 @@ class State:
         mine, theirs = ([Path(x).resolve() for x in own.campaigns] for own in (self, other))
         same = mine == theirs
         alike = (self.data, self.settings) == (other.data, other.settings)
-        return same and alike and other.model in ("", self.model)
+        lent = other.parts in ("", self.parts)
+        return same and alike and lent and other.model in ("", self.model)
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -104,6 +109,7 @@ def find_state(folder: Path) -> State | None:
     try:
         kept = json.loads(path.read_text("utf-8"))
         texts = {name: kept[name] for name in ("campaign", "model", "data")}
+        texts["parts"] = kept.get("parts", "")
         also = tuple(kept.get("also", ()))
         revision, count = kept["revision"], kept["count"]
         numbers = {name: kept.get(name) for name in ("noise", "floor")}

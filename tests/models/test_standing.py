@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -81,6 +82,23 @@ def test_a_turn_beyond_the_tests_says_so_wherever_it_is_told(tmp_path, capsys):
     assert kept["imo"][0]["passed"] is None
     inside = pk.simulate(model, speed=9.0)
     assert inside.standing.unsettled == ()
+
+
+def test_a_hull_without_couplings_is_no_ground_for_a_verdict_on_turns():
+    """4.4 L with her couplings; 3.3 L and "met" where a structure did not ask for them."""
+    hull = SHIP.parts["hull_polynomial"].values
+    coupled = ("Yvvr", "Yvrr", "Nvvr", "Nvrr")
+    part = replace(
+        SHIP.parts["hull_polynomial"],
+        values={name: x for name, x in hull.items() if name not in coupled},
+    )
+    bare = SHIP.with_(parts={**SHIP.parts, "hull_polynomial": part})
+    track = pk.simulate(bare, speed=9.0)
+    whole = pk.simulate(SHIP, speed=9.0)
+    assert track.metrics["tactical_diameter_L"] < 0.85 * whole.metrics["tactical_diameter_L"]
+    assert any("no term of sway and yaw together" in text for text in track.notes)
+    assert {item.words for item in imo_turning(track)} == {"not settled"}
+    assert not any(standing(pk.load_model(name), 3.0).uncoupled for name in pk.ships())
 
 
 def test_drawings_and_open_water_of_the_same_ship_do_not_vary():

@@ -14,12 +14,13 @@ from long_work import done, waited
 
 from pmmkit.errors import DataError
 from pmmkit.models import load_model
+from pmmkit.models.standing import standing
 from pmmkit.workbench.application import application
 from pmmkit.workbench.desk import Desk
 from pmmkit.workbench.frozen import answers, frozen_page
 from pmmkit.workbench.page_file import bundle
 from pmmkit.workbench.rivals import find_rivals
-from pmmkit.workbench.saved import STATE
+from pmmkit.workbench.saved import STATE, State
 from pmmkit.workbench.worker import Job
 
 
@@ -40,6 +41,24 @@ def test_the_error_falls_to_the_noise_as_what_hides_is_clicked_in(looped):
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 1.5 * looped["fall"]["steps"][-1]["level"] < errors[0]
     assert looped["after"]["within"] > looped["before"]["within"]
+
+
+@pytest.mark.slow
+def test_a_structure_is_lent_propeller_and_rudder_and_the_commands_say_so(place, tmp_path):
+    desk = Desk(tmp_path / "lent", [place])
+    tests = str(place / "hidden.h5")
+    try:
+        desk.open(State(campaign=tests, model="cubic", parts="s175-3dof"))
+        desk.wait(lambda _: None)
+        made = load_model(desk.folder / "model_0.toml")
+        assert made.parts["rudder_mmg"].source == "library: Son and Nomoto 1981"
+        assert standing(made, 1.0).unsettled == ()
+        first = desk.page()["commands"][0]["line"]
+        assert "--structure cubic --fn pooled --parts s175-3dof --out" in first
+        with pytest.raises(DataError, match="has its own parts"):
+            desk.open(State(campaign=tests, model="s175-3dof", parts="kcs"))
+    finally:
+        desk.close()
 
 
 @pytest.mark.slow

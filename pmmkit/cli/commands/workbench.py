@@ -29,6 +29,13 @@ def workbench(
             "abkowitz3 if absent."
         ),
     ] = None,
+    parts: Annotated[
+        str | None,
+        typer.Option(
+            help="Library ship or model file that lends propeller and rudder to a structure; what "
+            "the campaign file states, and estimates, if absent."
+        ),
+    ] = None,
     beside: Annotated[
         list[Path] | None,
         typer.Option(
@@ -72,13 +79,14 @@ def workbench(
     if beside and campaign is None:
         raise typer.BadParameter("--with names another campaign: name the first one too.")
     also = beside or []
-    own = [path for path in (campaign, *also, Path(model) if model else None) if path]
+    own = [path for path in (campaign, *also, *map(Path, filter(None, (model, parts)))) if path]
     named = [*(folder or ([] if campaign else [Path()])), *(own if campaign else [])]
     desk = Desk(target, named)
     asked = State(
         campaign=str(campaign or ""),
         model=model or "",
         data=str(data or ""),
+        parts=parts or "",
         also=tuple(map(str, also)),
         noise=noise,
         floor=floor,
