@@ -12,7 +12,6 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from pmmkit.effects.hull import HULL
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.layouts import Control, End, State
 from pmmkit.equations.prepared import feels_depth, feels_waves
@@ -212,7 +211,8 @@ def has_linear_hull(model: Model) -> bool:
     >>> has_linear_hull(load_model("kcs"))
     False
     """
-    return HULL in model.parts and not any_across(model, lambda v, r: v + r > 1)
+    some = any_across(model, lambda _v, _r: True)
+    return some and not any_across(model, lambda v, r: v + r > 1)
 
 
 def check_request(

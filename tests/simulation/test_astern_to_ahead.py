@@ -138,3 +138,9 @@ def test_the_covariance_follows_the_names_that_stay():
     held = held_straight(made)
     assert held.std["Xu|u|"] == made.std["Xuu"]
     assert "Yv" not in held.std
+
+
+def test_a_ship_that_is_held_straight_is_not_called_linear():
+    """Nothing goes sideways: there is no side force to be linear."""
+    notes = pk.simulate("kvlcc2", "astern_to_ahead", speed=7.97).notes
+    assert not any("linear in v and r" in text for text in notes)

@@ -52,7 +52,7 @@ def test_a_structure_is_lent_propeller_and_rudder_and_the_commands_say_so(place,
         desk.wait(lambda _: None)
         made = load_model(desk.folder / "model_0.toml")
         assert made.parts["rudder_mmg"].source == "library: Son and Nomoto 1981"
-        assert standing(made, 1.0).unsettled == ()
+        assert standing(made, 1.0).estimated == ()
         first = desk.page()["commands"][0]["line"]
         assert "--structure cubic --fn pooled --parts s175-3dof --out" in first
         with pytest.raises(DataError, match="has its own parts"):
