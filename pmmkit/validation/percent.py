@@ -101,6 +101,8 @@ def measures_in_percent(manoeuvres: Sequence[Manoeuvre]) -> pd.DataFrame:
             if row["measure"] in chosen:
                 own = COVERAGE * item.trial.std.get(row["measure"], np.nan)
                 found.append({**row, "submitted_run": item.submitted_run, "U_D": own})
+    if not found:
+        return pd.DataFrame(columns=[*_MEASURES])
     table = pd.DataFrame(found)
     D = table["measured"]
     size = D.where(D.abs() > table["U_D"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -132,6 +133,13 @@ def test_it_is_told_as_a_comparison_with_a_model_is(turn, weave):
     for _, row in found.metrics().iterrows():
         assert row["error"] == row["predicted"] - row["measured"], "one sign, whoever predicts"
     assert found.to_dict()["runs"] == []
+
+
+def test_manoeuvres_without_a_common_measure_are_an_empty_table(turn):
+    found = compare_submission(sailed("S", turn), sailed("D", turn)).manoeuvres
+    bare = [replace(item, track=replace(item.track, metrics={})) for item in found]
+    assert measures_in_percent(bare).empty
+    assert list(measures_in_percent(bare).columns) == list(measures_in_percent(found).columns)
 
 
 def test_what_has_no_counterpart_is_named(turn, weave):
