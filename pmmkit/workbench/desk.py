@@ -311,9 +311,10 @@ class Desk:
                     self.named(name)
             if asked.parts and model and model not in structures():
                 raise DataError(f"{model} has its own parts: {asked.parts} lends to a structure.")
-            lent = asked.parts or _lent(places[0])
             if _lent(places[0]) and not model:
                 model = DEMONSTRATION[1]
+            reduced = not model or model in structures()
+            lent = asked.parts or (_lent(places[0]) if reduced else "")
             revision = -1 if self._state is None else self._state.revision
             state = replace(asked, model=model, parts=lent, revision=revision + 1, steps=())
             job = self._worker.start(

@@ -13,6 +13,7 @@ from commands import said
 from long_work import done, waited
 
 from pmmkit.errors import DataError
+from pmmkit.files import datasets_folder
 from pmmkit.models import load_model
 from pmmkit.models.standing import standing
 from pmmkit.workbench.application import application
@@ -57,6 +58,13 @@ def test_a_structure_is_lent_propeller_and_rudder_and_the_commands_say_so(place,
         assert "--structure cubic --fn pooled --parts s175-3dof --out" in first
         with pytest.raises(DataError, match="has its own parts"):
             desk.open(State(campaign=tests, model="s175-3dof", parts="kcs"))
+        demonstration = str(datasets_folder() / "s175")
+        for model, parts in (("s175-3dof", ""), ("cubic", "s175-3dof")):
+            desk.open(State(campaign=demonstration, model=model))
+            desk.wait(lambda _: None)
+            assert desk.state.parts == parts, (
+                "a ship has its own; the demonstration lends to others"
+            )
     finally:
         desk.close()
 
