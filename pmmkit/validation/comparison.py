@@ -337,7 +337,7 @@ class Comparison(Described):
         if self.captive:
             return statements_of(self.outstanding(least), self.captive)
         return (
-            *(_force_statements(self.misfit(), self.free, least) if self.free else ()),
+            *(_record_statements(self.misfit(), self.free, least) if self.free else ()),
             *_measure_statements(self.manoeuvres, self.free),
         )
 
@@ -499,20 +499,20 @@ def _free_rows(run: FreeRun, floor: float) -> Iterable[dict[str, Any]]:
         }
 
 
-def _force_statements(
+def _record_statements(
     table: pd.DataFrame, records: Sequence[FreeRun], least: float
 ) -> list[Statement]:
-    """Forces through the smoother that stand out."""
-    loud = table[table["channel"].isin(list(FORCE_UNITS)) & (table["ratio"] >= least)]
+    """Motions, and forces through the smoother, that stand out."""
     rows: list[dict[str, Any]] = [
         {str(name): value for name, value in row.items()}
-        for row in loud.sort_values("ratio", ascending=False).to_dict("records")
+        for row in table[table["ratio"] >= least]
+        .sort_values("ratio", ascending=False)
+        .to_dict("records")
     ]
     return [
         Statement(
-            text=f"{row['channel']}, {kind_of(row['test']).title}, {row['speed']:.3g} m/s: "
-            f"{row['ratio']:.1f} times the uncertainty, {100 * row['relative']:.0f} % of the "
-            f"measured force",
+            text=f"{in_words(row['channel'])}, {kind_of(row['test']).title}, "
+            f"{row['speed']:.3g} m/s: {row['ratio']:.1f} times the uncertainty, {_size(row)}",
             channel=row["channel"],
             runs=tuple(
                 item.name
@@ -522,6 +522,13 @@ def _force_statements(
         )
         for row in rows
     ]
+
+
+def _size(row: Mapping[str, Any]) -> str:
+    """How large an error is: of a motion in its unit, of a force over what was measured."""
+    if row["channel"] in MOTIONS:
+        return f"error {number(row['error'], 3)} {MOTIONS[row['channel']]}"
+    return f"{100 * row['relative']:.0f} % of the measured force"
 
 
 def _percent(share: float) -> str:

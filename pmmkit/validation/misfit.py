@@ -176,7 +176,8 @@ class Statement:
     text : str
         The sentence.
     channel : str
-        X, Y, N or K; empty where it speaks of a measure of whole manoeuvres.
+        A force, or a motion of free-running records; empty where it speaks of a measure of whole
+        manoeuvres.
     runs : tuple of str
         Ids of the runs, or names of the records.
     """

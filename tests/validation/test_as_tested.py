@@ -209,6 +209,7 @@ def test_a_current_is_found_added_and_gone_from_the_next_comparison(tmp_path, ca
     monkeypatch.chdir(tmp_path)
     write(Setup(case="current", runs=3, seed=4, ship=SHIP), tmp_path).rename("trial")
     assert main(["compare", SHIP, "trial", "--no-figures", "--out", "c1"]) == 0
+    assert "position, turning, " in capsys.readouterr().out.split("What stands out")[1]
     assert main(["diagnose", SHIP, "trial", "--no-figures", "--out", "d1"]) == 0
     said = capsys.readouterr().out
     (following,) = (line for line in said.splitlines() if line.startswith("Next: pmmkit add"))
