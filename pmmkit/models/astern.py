@@ -14,13 +14,12 @@ from pmmkit.models.step import Step
 
 ESTIMATED: Final = (
     "What the propeller does astern is estimated: curves of Wageningen B4-70 of the pitch at which "
-    "its thrust vanishes, joined to its open water ahead; no thrust deduction, wake or side force "
-    "astern."
+    "its thrust vanishes, joined to its open water ahead; no wake or side force astern."
 )
 BUCKET: Final = "bucket"
 """What an effect asks for whose thrust a bucket turns astern."""
-LOST: Final = 0.2
-"""Thrust deduction astern with which an estimated stop is made again: few measure it."""
+DEDUCTION, DEDUCTION_STD = 0.15, 0.1
+"""Thrust deduction astern where nobody measured it, and how ships differ in it."""
 
 
 def knows_astern(model: Model) -> bool:

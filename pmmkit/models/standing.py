@@ -14,6 +14,8 @@ from pmmkit.presentation import listed
 
 EMPIRICAL: Final = "empirical"
 """How the source of an estimate begins."""
+ASSUMED: Final = "assumed"
+"""How the source of a usual value begins that stands for what nobody states."""
 FASTEST: Final = 0.29
 """Largest Froude number of the ships that the standard errors of the estimates come from: KVLCC2,
 KCS and S175."""
@@ -26,6 +28,10 @@ UNCOUPLED: Final = (
     "which is not zero. How she turns is a first look, not a verdict."
 )
 """Of S175 the tactical diameter is 3.49 L with a `cubic` hull of her tests, 4.36 L with hers."""
+REVERSED: Final = (
+    "Nobody states what the engine does in a stop: it is assumed, and so are the stop's figures. "
+    "`pmmkit uncertainty --manoeuvre stopping` gives their range."
+)
 TOO_FAST: Final = (
     "At Fn {:.2f} nothing says how good they are: they were held against ships at Fn {:g} at most."
 )
@@ -45,6 +51,8 @@ class Standing:
         Whether nothing of the hull's side force and moment goes with sway and yaw together.
     estimated : tuple of str
         Among propulsion and steering, what goes by values that nobody measured.
+    reversed : bool
+        Whether it is assumed what the engine does in a stop.
     Fn : float
         Of the approach.
     tested : tuple of float
@@ -55,6 +63,7 @@ class Standing:
     hull: bool = False
     uncoupled: bool = False
     estimated: tuple[str, ...] = ()
+    reversed: bool = False
     Fn: float = 0.0
     tested: tuple[float, ...] = ()
 
@@ -97,7 +106,8 @@ class Standing:
     def sentences(self) -> tuple[str, ...]:
         """What a reader of a number must know, a sentence each."""
         fast = TOO_FAST.format(self.Fn, FASTEST) if self.hull and self.Fn > FASTEST else ""
-        return (*self.unsettled, *([fast] if fast else []))
+        stop = REVERSED if self.reversed else ""
+        return (*self.unsettled, *(text for text in (stop, fast) if text))
 
     @property
     def _parts(self) -> str:
@@ -130,6 +140,7 @@ class Standing:
             "hull_estimated": self.hull,
             "uncoupled": self.uncoupled,
             "estimated": list(self.estimated),
+            "engine_assumed": self.reversed,
             "Fn": self.Fn,
             "tested": [self.tested[0], self.tested[-1]] if self.tested else None,
             "outside": self.outside,
@@ -168,6 +179,10 @@ def standing(model: Model, speed: float) -> Standing:
             role
             for role in SAILING
             if any(_guessed(x) for x in model.parts.values() if serves(x.known, role))
+        ),
+        reversed=any(
+            "n" in part.known.states and part.source.startswith(ASSUMED)
+            for part in model.parts.values()
         ),
         Fn=model.ship.froude(speed, model.water.g),
         tested=tuple(model.Fn),

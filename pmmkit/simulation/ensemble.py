@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import pairwise, product
 from pathlib import Path
+from statistics import NormalDist
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -24,7 +26,6 @@ from pmmkit.models import Model, load_model
 from pmmkit.models.astern import reversed_by_bucket
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.standing import Standing, standing
-from pmmkit.models.straight import held_straight
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.progress import Progress
@@ -33,7 +34,7 @@ from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_plan, run_ships, settings_for
-from pmmkit.simulation.simulate import ENVIRONMENT, RTOL, RudderLaw, check_request, gear_of
+from pmmkit.simulation.simulate import ENVIRONMENT, RTOL, RudderLaw, check_request, gear_of, ship_for
 from pmmkit.simulation.spread import CHUNK, Draws, spread_of
 from pmmkit.simulation.spread import Spread as Drawn
 
@@ -45,6 +46,8 @@ Sailed = tuple[dict[str, Array], Array]
 """Metrics (n,) by name, and the status (n,) of each ship."""
 SENT: Final = 2500
 """Ships that are sent at a time, some 0.1 s of work."""
+STRATA: Final = 10
+"""Equal shares of the ships, each with one value of a setting that nobody states."""
 SHOWN: Final = 3
 """Metrics that are drawn as distributions where none are named."""
 
@@ -349,8 +352,7 @@ def batch_of(
         rudder_lag=rudder_lag,
         revolutions=revolutions,
     )
-    if chosen.held_straight:
-        loaded = held_straight(loaded)
+    loaded = ship_for(chosen, loaded, speed, settings, extrapolate=extrapolate)
     conditions = Conditions(**around)
     pace = speed / loaded.ship.L
     plan = chosen.plan(
@@ -435,7 +437,12 @@ def monte_carlo(
         raise DataError(f"n = {n} must be a positive whole number.")
     batch = batch_of(model, manoeuvre, speed=speed, **settings)
     loaded = batch.model
-    drawn = spread_of(loaded, speed, spread, extrapolate=batch.extrapolate, fn=batch.fn)
+    unstated = _unstated(manoeuvre_of(manoeuvre), settings)
+    batches = [batch_of(model, manoeuvre, speed=speed, **settings | own) for own in unstated]
+    differ = tuple(unstated[0])
+    drawn = spread_of(
+        loaded, speed, spread, extrapolate=batch.extrapolate, fn=batch.fn, beside=differ
+    )
     nominal, _ = batch.run(drawn.names, drawn.mean[None], executor=1)
     found = {name: np.empty(n) for name in nominal}
     failed, done = 0, 0
@@ -449,16 +456,21 @@ def monte_carlo(
     with opened(executor) as ready:
         sent = isinstance(ready, Executor)
         size = SENT if sent else CHUNK
-        pieces = [(first, min(size, n - first)) for first in range(0, n, size)]
-        sail = partial(_drawn, batch, drawn, seed)
+        ends = [place * n // len(batches) for place in range(len(batches) + 1)]
+        pieces = [
+            (own, start, min(size, end - start))
+            for own, (first, end) in zip(batches, pairwise(ends), strict=True)
+            for start in range(first, end, size)
+        ]
+        sail = partial(_drawn, drawn, seed)
         for place, (metrics, status) in each(
             partial(sail, executor=1),
             pieces,
             ready if sent else None,
-            names=[f"ships {first} to {first + count - 1}" for first, count in pieces],
+            names=[f"ships {first} to {first + count - 1}" for _, first, count in pieces],
             here=partial(sail, executor=1 if sent else ready, advance=None if sent else advance),
         ):
-            first, count = pieces[place]
+            _, first, count = pieces[place]
             failed += int(np.count_nonzero(status != Status.done))
             for name, values in metrics.items():
                 found[name][first : first + count] = values
@@ -467,7 +479,7 @@ def monte_carlo(
     return Ensemble(
         metrics=MappingProxyType(found),
         nominal=MappingProxyType({name: float(x[0]) for name, x in nominal.items()}),
-        names=drawn.names,
+        names=(*drawn.names, *differ),
         failed=failed,
         speed=speed,
         Fn=loaded.ship.froude(speed, loaded.water.g),
@@ -482,8 +494,21 @@ def monte_carlo(
     )
 
 
+def _unstated(manoeuvre: Manoeuvre, settings: Mapping[str, Any]) -> list[dict[str, float]]:
+    """Settings in which ships differ and that nobody states: the middle of each equal share."""
+    free = {
+        item.name: NormalDist(item.default or 0.0, item.std)
+        for item in manoeuvre.settings
+        if item.std and settings.get(item.name) is None
+    }
+    shares = [(place + 0.5) / STRATA for place in range(STRATA)]
+    values = product(*([own.inv_cdf(share) for share in shares] for own in free.values()))
+    return [dict(zip(free, row, strict=True)) for row in values]
+
+
 def _drawn(
-    batch: Batch, drawn: Drawn | Draws, seed: int, piece: tuple[int, int], **how: Any
+    drawn: Drawn | Draws, seed: int, piece: tuple[Batch, int, int], **how: Any
 ) -> Sailed:
-    """The ships from some number on, so many."""
-    return batch.run(drawn.names, drawn.draw(seed, *piece), **how)
+    """The ships of a batch from some number on, so many."""
+    batch, first, count = piece
+    return batch.run(drawn.names, drawn.draw(seed, first, count), **how)

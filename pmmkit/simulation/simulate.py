@@ -21,6 +21,7 @@ from pmmkit.models.astern import ESTIMATED, knows_astern, reversed_by_bucket
 from pmmkit.models.standing import any_across, standing
 from pmmkit.models.straight import HELD, held_straight
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
+from pmmkit.simulation.machinery import as_it_reverses
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.plan import Plan
@@ -171,7 +172,7 @@ def simulate(
         rtol=rtol,
         revolutions=revolutions,
     )
-    loaded = held_straight(stated) if chosen.held_straight else stated
+    loaded = ship_for(chosen, stated, speed, settings, extrapolate=extrapolate)
     calm = wave_height is None and not any(around.values())
     conditions = CALM if calm else Conditions(**around)
     ready = prepared(loaded, speed, fn, conditions=conditions, extrapolate=extrapolate)
@@ -197,10 +198,50 @@ def simulate(
         drift = float(np.degrees(np.abs(np.arctan2(-track.v, track.u))).max())
         rate = float((np.abs(track.r) * track.L / speeds).max())
         more.append(LINEAR.format(drift=drift, rate=rate))
-    if chosen.held_straight:
-        more += [HELD, *([] if knows_astern(stated) else [ESTIMATED])]
+    more += [HELD] if chosen.held_straight else []
+    if chosen.held_straight or chosen.reverses:
+        more += [] if knows_astern(stated) or not knows_astern(loaded) else [ESTIMATED]
     stands = standing(loaded, speed)
     return replace(track, notes=(*track.notes, *more, *stands.sentences), standing=stands)
+
+
+def ship_for(
+    manoeuvre: Manoeuvre,
+    model: Model,
+    speed: float,
+    settings: Mapping[str, Any],
+    *,
+    extrapolate: bool = False,
+) -> Model:
+    """A model with what a manoeuvre asks of it beside what it says.
+
+    Parameters
+    ----------
+    manoeuvre : Manoeuvre
+        Which may hold the ship straight, or reverse her engine.
+    model : Model
+        As it is stated.
+    speed : float
+        Of the approach [m/s].
+    settings : mapping
+        Of the manoeuvre.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+
+    Examples
+    --------
+    >>> ship = load_model("kvlcc2")
+    >>> ship_for(manoeuvre_of("turning"), ship, 7.97, {}) is ship
+    True
+    >>> list(ship_for(manoeuvre_of("stopping"), ship, 7.97, {}).parts)[-1]
+    'shaft'
+    """
+    if manoeuvre.held_straight:
+        return held_straight(model)
+    if manoeuvre.reverses:
+        given = manoeuvre.filled(settings)
+        return as_it_reverses(model, speed, **given, extrapolate=extrapolate)
+    return model
 
 
 def has_linear_hull(model: Model) -> bool:

@@ -15,6 +15,7 @@ from pmmkit.errors import DataError, ModelError, Problem, Remedy, setting
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS, place_name
 from pmmkit.numerics import Array
+from pmmkit.presentation import listed
 from pmmkit.simulation.froude import Follow
 
 CHUNK: Final = 10_000
@@ -136,6 +137,7 @@ def spread_of(
     *,
     extrapolate: bool = False,
     fn: Follow = "approach",
+    beside: Sequence[str] = (),
 ) -> Spread | Draws:
     """How the derivatives of a model differ between ships at a speed.
 
@@ -147,12 +149,16 @@ def spread_of(
         Approach speed [m/s].
     spread : float or Draws, optional
         Relative standard deviation of each derivative of hull and added mass, independent, or
-        draws of values; by default the covariance of the model counts.
+        draws of values; by default the covariance of the model counts. Values of other parts with
+        an uncertainty of their own differ by that, but for draws.
     extrapolate : bool
         Allow a speed outside the range of the model's values.
     fn : {"approach", "instant"}
         At the approach speed, or at all speeds that the model has values at: a relative standard
         deviation is then the same share at each, a covariance ties them together as it states.
+    beside : sequence of str
+        What ships differ in beside the values of the model, such as settings of a stop that nobody
+        states: with them a model that says nothing of its uncertainty is one ship.
 
     Returns
     -------
@@ -171,6 +177,7 @@ def spread_of(
         {place_name(effect, name): x for effect, held in own.items() for name, x in held.items()}
         for own in values
     ]
+    alone = _independent(model, values)
     if spread is not None:
         if not 0.0 < spread < 1.0:
             raise DataError(f"spread = {spread} must lie between 0 and 1.")
@@ -181,15 +188,20 @@ def spread_of(
             if effect_of(effect).parameter(name) is None
         )
         means = np.array([[own[name] for name in names] for own in given])
-        return Spread(
+        asked = Spread(
             names=names,
             mean=means.ravel(),
             root=_alike(means, spread * np.abs(means)),
             origin=f"{100 * spread:g} % of each derivative, independent",
             speeds=len(speeds),
         )
-    alone = _independent(model, values)
+        return asked if alone is None else asked.beside(alone)
     if model.covariance is None:
+        if alone is None and beside:
+            nothing = np.zeros((0, 0))
+            return Spread(
+                names=(), mean=np.zeros(0), root=nothing, origin=listed(beside), speeds=len(speeds)
+            )
         if alone is None:
             raise ModelError(
                 Problem(

@@ -13,7 +13,7 @@ from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING, ZIGZAG
 from pmmkit.errors import DataError, Problem
 from pmmkit.simulation.imo.conditions import rudder_condition, said
-from pmmkit.simulation.imo.full_astern import FullAstern, measured_astern
+from pmmkit.simulation.machinery import FullAstern, measured_astern
 from pmmkit.trials.circle import Circle, fit_circle
 from pmmkit.trials.conditions import trial_conditions
 from pmmkit.trials.current import Current, mean_current

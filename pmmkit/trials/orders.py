@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
+from pmmkit.presentation import WIDE
 from pmmkit.signals.noise import white_noise
 
 LOW: Final = 0.2
@@ -245,4 +246,26 @@ def astern_order(t: Array, n: Array) -> Order:
             "does not show. Give its instant: order under [trial], or --order."
         )
     start = int(np.argmax(n < 0.5 * ahead))
-    return _back(t, n, start, ahead, 0.0, white_noise(n))
+    noise = white_noise(n)
+    order = _back(t, n, start, ahead, 0.0, noise)
+    begun = _first_fall(t, n[: start + 1], ahead, noise)
+    return order if begun is None or abs(begun.t - order.t) < WIDE * order.std else begun
+
+
+def _first_fall(t: Array, n: Array, ahead: float, noise: float) -> Order | None:
+    """The beginning of a fall that slows down, as that of a shaft which the water drives on: by the
+    line through its first tenths, or between the samples that hold them. None where the record
+    begins with it."""
+    gone = 1.0 - n / ahead
+    least = max(BEGUN, WIDE * noise / ahead)
+    still = np.flatnonzero(gone < least)
+    first = int(still[-1]) + 1 if len(still) else 0
+    last = first + int(np.argmax(gone[first:] >= least + LOW))
+    if first == 0:
+        return None
+    step = float(t[first] - t[first - 1])
+    if last - first < LASTING:
+        return Order(float(t[first]) - 0.5 * step, step / math.sqrt(12.0), 0.0)
+    t_first, t_last = _through(t, gone, first, least), _through(t, gone, last, least + LOW)
+    began = t_first - least / LOW * (t_last - t_first)
+    return Order(began, 0.5 * (t_first - began), 0.0, LOW * ahead / (t_last - t_first))

@@ -42,7 +42,7 @@ def cell(found: list[Verdict]) -> str:
     unit = "°" if found[0].unit == "deg" else ""
     texts = [f"{item.value:.2f}{unit}" + ("" if item.passed else " ✗") for item in found]
     engine = found[0].full_astern
-    texts = [f"{x} (estimated)" for x in texts] if engine and engine.propeller else texts
+    texts = [f"{x} (estimated)" for x in texts] if engine and engine.assumed else texts
     limit = f" (≤ {found[0].limit:.3g}°)" if "10_10" in found[0].criterion else ""
     return " / ".join(texts) + limit
 

@@ -37,7 +37,7 @@ def test_kvlcc2_stops_nearly_as_with_her_own_pitch_in_the_series():
         pk.simulate(x, "stopping", speed=7.97, compiled=False).metrics["track_reach_L"]
         for x in (with_estimated_astern(model), with_series)
     ]
-    assert reach[0] == pytest.approx(reach[1], rel=0.08)
+    assert reach[0] == pytest.approx(reach[1], rel=0.12)
 
 
 def test_who_knows_astern_stops_as_she_is():

@@ -56,7 +56,7 @@ ASKED = (
 
 @pytest.fixture(scope="module")
 def verdicts():
-    return pk.imo_verdicts("esso190k", SPEED, n=0, compiled=False)
+    return pk.imo_verdicts("esso190k", SPEED, n=0, astern=-0.7, compiled=False)
 
 
 @pytest.fixture(scope="module")
@@ -127,20 +127,18 @@ def test_ratios_at_another_draught_than_that_of_full_load_are_not_made_up(verdic
 
 def test_the_engine_astern_stands_beside_the_stop(filled, verdicts):
     assert filled.assumptions == (verdicts[-1].full_astern.words,)
-    hangs = "; the stop hangs on what is assumed of the engine"
-    assert filled.verdict == f"7 of 7 criteria met{hangs}"  # 0.6 of the revolutions fail
-    engine = replace(verdicts[-1].full_astern, others=((-0.8, 11.7), (-1.0, 8.9)))
-    sure = [*verdicts[:-1], replace(verdicts[-1], full_astern=engine)]
-    form = form_of_model(pk.load_model("esso190k"), sure, speed=SPEED, stated=STATED)
-    assert form.verdict == "7 of 7 criteria met"
+    assert filled.verdict == "7 of 7 criteria met"
+    # where nobody states the revolutions, 0.6 of them fail and 0.7 do not
+    open_ = [*verdicts[:-1], pk.imo_verdicts("esso190k", SPEED, n=200)[-1]]
+    form = form_of_model(pk.load_model("esso190k"), open_, speed=SPEED, stated=STATED)
+    assert form.verdict.startswith("6 of 7 criteria met; 1 not settled (What the engine does")
+    assert "of such ships meet the limit" in form.verdict
 
 
 def test_a_stop_that_is_too_long_may_ask_for_more(verdicts):
     late = pk.imo_verdicts("esso190k", SPEED, n=0, astern=-0.6, compiled=False)
     form = form_of_model(pk.load_model("esso190k"), late, speed=SPEED, stated=STATED)
-    assert form.verdict == "6 of 7 criteria met; NOT met: crash stop: track reach; " + (
-        "the stop hangs on what is assumed of the engine"
-    )
+    assert form.verdict == "6 of 7 criteria met; NOT met: crash stop: track reach"
     assert any("up to 20 L" in text for text in form.remarks)
 
 

@@ -6,6 +6,7 @@ import importlib
 import math
 from collections import Counter
 from dataclasses import replace
+from statistics import NormalDist
 from functools import cache
 
 import numpy as np
@@ -104,11 +105,13 @@ def test_limits_are_those_of_the_standard_and_the_margin_decides(name, speed):
     for verdict in judged(name, speed):
         assert (verdict.limit, verdict.unit) == limits[verdict.criterion]
         assert verdict.scale == load_model(name).scale
-        assert verdict.probability is None
+        assert (verdict.probability is None) is (verdict.criterion != "track_reach" or name == "mariner")
         if verdict.criterion == "track_reach" and name == "mariner":
             continue
         assert verdict.margin == verdict.limit - verdict.value
-        assert verdict.passed is (verdict.margin >= 0.0)
+        if verdict.settled:
+            assert verdict.passed is (verdict.margin >= 0.0)
+        assert verdict.settled or verdict.criterion == "track_reach"
 
 
 @pytest.mark.parametrize(("name", "speed"), SHIPS.items())
@@ -209,22 +212,25 @@ def test_a_stop_is_not_judged_where_the_model_has_no_propeller():
 
 def test_the_stop_of_the_tanker_is_judged():
     """Its thrust, Tuu u² + Tun u n + Tnn n|n|, holds astern as ahead."""
-    stop = imo_verdicts("esso190k", 8.23)[-1]
+    stop = imo_verdicts("esso190k", 8.23, astern=-0.7)[-1]
     track = simulate("esso190k", "stopping", speed=8.23)
     assert stop.value == pytest.approx(track.metrics["track_reach_L"], rel=1e-9)
     assert stop.margin == pytest.approx(15.0 - stop.value)
     assert stop.passed is True
 
 
-def test_the_revolutions_astern_are_said_with_what_others_give():
-    """Of this tanker the verdict hangs on them: 0.6 fails where 0.7 passes."""
-    usual, less = (imo_verdicts("esso190k", 8.0, astern=x)[-1] for x in (None, -0.6))
+def test_revolutions_astern_that_nobody_states_leave_the_verdict_open():
+    """Of this tanker it hangs on them: 0.6 fails where 0.7 passes."""
+    usual, less = (imo_verdicts("esso190k", 8.0, astern=x)[-1] for x in (-0.7, -0.6))
     assert (usual.passed, less.passed) == (True, False)
-    (said,) = (text for text in [usual.full_astern.words])
-    assert "Full astern is -0.7 of the approach's revolutions" in said
-    assert f"-0.6 {less.value:.3g} L (not met)" in said
-    track = simulate("esso190k", "stopping", speed=8.0, turns=-1.0)
-    assert f"-1 {track.metrics['track_reach_L']:.3g} L." in said
+    left = imo_verdicts("esso190k", 8.0)[-1]
+    assert (left.passed, left.value) == (None, usual.value)
+    assert left.full_astern.low < usual.value < less.value < left.full_astern.high
+    assert "revolutions astern -0.7 ± 0.2 of the approach's" in left.full_astern.words
+    # ships whose revolutions are the middles of ten equal shares of a normal distribution
+    middles = [-0.7 + 0.1 * NormalDist().inv_cdf((place + 0.5) / 10) for place in range(10)]
+    stops = [simulate("esso190k", "stopping", speed=8.0, turns=x).metrics for x in middles]
+    assert left.probability == np.mean([found["track_reach_L"] <= 15.0 for found in stops])
     with pytest.raises(DataError, match="negative"):
         imo_verdicts("esso190k", 8.0, astern=0.6)
 

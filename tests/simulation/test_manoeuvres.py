@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from pmmkit import equations as kernel
 from pmmkit.errors import DataError, PmmkitError, UnknownNameError
+from pmmkit.models.astern import as_it_stops
 from pmmkit.models import Part, load_model, scaled
 from pmmkit.simulation import simulate, spiral_curve, stability
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
@@ -373,8 +374,8 @@ def test_a_ship_without_thrust_coasts_as_the_closed_form_says():
 def test_time_and_way_of_a_straight_stop_are_quadratures_over_the_speed(name, turns):
     """With the propeller steady astern, time is ∫du/u̇ and way ∫u du/u̇, from u₁ to 0."""
     speed = SPEEDS[name]
-    ready = kernel.prepare(load_model(name), speed)
-    track = simulate(name, "stopping", speed=speed, turns=turns, rtol=1e-10)
+    ready = kernel.prepare(as_it_stops(load_model(name)), speed)
+    track = simulate(name, "stopping", speed=speed, turns=turns, reversal_s=20.0, rtol=1e-10)
     n = turns * ready.self_propulsion()
     first = int(np.argmax(np.abs(track.n - n) < 1e-12 * abs(n)))
     assert 0 < first < len(track) - 20
@@ -558,8 +559,9 @@ def test_a_current_carries_the_whole_manoeuvre_along(manoeuvre, given):
     np.testing.assert_allclose(drift.x, still.x + along * still.t, rtol=0, atol=1e-4)
     np.testing.assert_allclose(drift.y, still.y + across * still.t, rtol=0, atol=1e-4)
     for channel in ("psi", "u", "v", "r", "phi", "delta", "n"):
+        engine = 1e-6 if channel == "n" else 1e-7  # which starting air turns: a kink
         np.testing.assert_allclose(
-            getattr(drift, channel), getattr(still, channel), rtol=0, atol=1e-7
+            getattr(drift, channel), getattr(still, channel), rtol=0, atol=engine
         )
 
 

@@ -201,17 +201,6 @@ class Form(Described):
         )
 
     @property
-    def hangs(self) -> bool:
-        """Whether other revolutions astern give another verdict on the stop."""
-        return any(
-            (reach <= verdict.limit) is not verdict.passed
-            for line in self.lines
-            for verdict in line.verdicts.values()
-            if verdict.full_astern and verdict.passed is not None
-            for _, reach in verdict.full_astern.others
-        )
-
-    @property
     def verdict(self) -> str:
         """All criteria together, in words."""
         failed = [item.words for item in self.lines if item.passed is False]
@@ -233,7 +222,6 @@ class Form(Described):
             f"{unjudged} not judged" if unjudged else "",
             f"conditions NOT met: {', '.join(besides)}" if besides else "",
             f"{counted(unknown, 'condition')} not shown" if unknown else "",
-            "the stop hangs on what is assumed of the engine" if self.hangs else "",
         ]
         return "; ".join(part for part in parts if part)
 

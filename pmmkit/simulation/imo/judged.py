@@ -4,25 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.four_quadrant import FOUR_QUADRANT_PROPELLER
 from pmmkit.errors import DataError
 from pmmkit.metrics import HARD_OVER, Criterion, Metric, criteria
 from pmmkit.models import Model, load_model
-from pmmkit.models.astern import ESTIMATED, LOST, as_it_stops, reversed_by_bucket
+from pmmkit.models.astern import ESTIMATED, as_it_stops, reversed_by_bucket
 from pmmkit.models.standing import standing
-from pmmkit.simulation.imo.full_astern import (
-    ASTERN,
-    FullAstern,
-    reached,
-    usual_turns,
-    with_torque_limit,
-)
 from pmmkit.simulation.imo.verdict import (
     Verdict,
     judge,
@@ -30,12 +22,17 @@ from pmmkit.simulation.imo.verdict import (
     turning_conditions,
     verdict_of,
 )
-from pmmkit.simulation.simulate import REVERSAL, simulate, steering
+from pmmkit.simulation.machinery import FullAstern, assumed, reached
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+from pmmkit.simulation.simulate import REVERSAL, ship_for, simulate, steering
 from pmmkit.simulation.track import Track
 
 if TYPE_CHECKING:
     from pmmkit.simulation.ensemble import Ensemble
 
+SURE: Final = 0.05
+"""A verdict by assumptions is settled where fewer than this share of the ships differ from it."""
+STOPPED: Final = "What the engine does in the stop is assumed."
 LARGE: Final = "The administration may allow up to 20 L for ships of large displacement."
 
 
@@ -100,19 +97,18 @@ def imo_verdicts(
         Test speed [m/s].
     n : int
         Ships drawn for the probability of passing, where the model has a covariance or `spread`
-        is given; 0 for none.
+        is given, and of a stop by an engine that is assumed; 0 for none.
     spread, seed
         As for `monte_carlo`.
     astern : float, optional
-        Revolutions of the full astern stop over those of the approach, negative; by default those
-        of the manoeuvre `stopping`. The standard does not say them: what other ones give stands
-        beside the verdict.
+        Revolutions of the full astern stop over those of the approach, negative. The standard does
+        not say them.
     reversal : float, optional
-        Time from that order until those revolutions are reached [s]; by default they fall to zero
-        in two ship lengths over the speed and go on at that rate, or as a part ``shaft`` has it.
+        Time from that order until those revolutions are reached [s], whatever the engine.
     torque : float, optional
-        Largest torque astern over that of the approach; by default as much as the revolutions
-        need. For models that know their torque.
+        Largest torque astern over that of the approach. What is stated of none of the three is that
+        of the model's engine, or assumed with the spread that ships have: see
+        `pmmkit.simulation.machinery`.
     full_speed : float, optional
         Speed at 85 % of the engine's output [m/s], of which the approach must have 90 %.
     **settings
@@ -121,9 +117,10 @@ def imo_verdicts(
     Returns
     -------
     list of Verdict
-        Turning circles, initial turning, zigzags 10/10 and 20/20, stopping. A model that does not
-        say what its propeller does astern stops by an estimate of that (`with_estimated_astern`),
-        which stands beside the verdict; without an open water ahead the stop is not judged.
+        Turning circles, initial turning, zigzags 10/10 and 20/20, stopping. The stop is that of
+        `simulate`; what is assumed of engine and propeller stands beside it with a 95 % band, and
+        it is settled where 95 % of such ships agree. A model with neither a propulsion astern nor
+        an open water ahead is not judged.
 
     References
     ----------
@@ -136,7 +133,9 @@ def imo_verdicts(
     (13, 13)
     """
     loaded = model if isinstance(model, Model) else load_model(model)
-    drawn = n if spread is not None or loaded.covariance is not None else 0
+    known = spread is not None or loaded.covariance is not None
+    draws = _Draws(n=n, spread=spread, seed=seed, known=known)
+    sided_draws = replace(draws, n=n if known else 0)
     tests = sided_tests(loaded)
     warned = standing(loaded, speed)
     found: list[Verdict] = []
@@ -144,7 +143,7 @@ def imo_verdicts(
         for manoeuvre, starboard, pairs in tests:
             given = starboard | {"rudder_deg": side * starboard["rudder_deg"]}
             track = simulate(loaded, manoeuvre, speed=speed, **settings, **given)
-            many = _many(loaded, manoeuvre, speed, drawn, spread, seed, settings, given)
+            many = _many(loaded, manoeuvre, speed, sided_draws, settings, given)
             for metric, item in pairs:
                 verdict = verdict_of(
                     metric, item, track, (*track_conditions(track, full_speed), *warned.sentences)
@@ -155,14 +154,13 @@ def imo_verdicts(
                 found.append(verdict)
     sided = {item.name for _, _, pairs in tests for _, item in pairs}
     alone = [(metric, item) for metric, item in criteria() if item.name not in sided]
-    engine = FullAstern(
-        turns=usual_turns() if astern is None else astern,
-        reversal_s=math.nan if reversal is None else reversal,
-        torque=torque,
-    )
+    stated = {"turns": astern, "reversal_s": reversal, "torque": torque}
+    given = {name: x for name, x in stated.items() if x is not None}
+    if astern is not None and not astern < 0.0:
+        raise DataError(f"Revolutions of a stop are negative: astern is {astern:g}.")
     return [
         *found,
-        *(_stopping(loaded, speed, engine, full_speed, settings, *pair) for pair in alone),
+        *(_stopping(loaded, speed, draws, full_speed, settings, given, *pair) for pair in alone),
     ]
 
 
@@ -192,32 +190,48 @@ def sided_tests(
     return found
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Draws:
+    """How many ships are drawn for a probability, and by what: see `imo_verdicts`."""
+
+    n: int
+    spread: float | None
+    seed: int
+    known: bool
+
+
 def _many(
     model: Model,
     manoeuvre: str,
     speed: float,
-    n: int,
-    spread: float | None,
-    seed: int,
+    draws: _Draws,
     settings: Mapping[str, Any],
     given: Mapping[str, Any],
 ) -> Ensemble | None:
-    if not n:
+    if not draws.n:
         return None
     from pmmkit.simulation.ensemble import monte_carlo
 
     kept = {name: x for name, x in settings.items() if name not in ("compiled", "dt")}
     return monte_carlo(
-        model, manoeuvre, speed=speed, n=n, spread=spread, seed=seed, **kept, **given
+        model,
+        manoeuvre,
+        speed=speed,
+        n=draws.n,
+        spread=draws.spread,
+        seed=draws.seed,
+        **kept,
+        **given,
     )
 
 
 def _stopping(
     model: Model,
     speed: float,
-    engine: FullAstern,
+    draws: _Draws,
     full_speed: float | None,
     settings: Mapping[str, Any],
+    given: Mapping[str, Any],
     metric: Metric,
     criterion: Criterion,
 ) -> Verdict:
@@ -239,47 +253,47 @@ def _stopping(
             ),
             unsettled=standing(model, speed).unsettled,
         )
-    if not engine.turns < 0.0:
-        raise DataError(f"Revolutions of a stop are negative: astern is {engine.turns:g}.")
+    stopping = manoeuvre_of(criterion.manoeuvre)
     allowed = bool(settings.get("extrapolate"))
-    limited = (
-        turning
-        if engine.torque is None
-        else with_torque_limit(turning, speed, engine.torque, extrapolate=allowed)
-    )
-    usual = REVERSAL * model.ship.L / speed
-    bucket = reversed_by_bucket(model)
-
-    def stopped(own: float, ship: Model) -> Track:
-        given: dict[str, Any] = {"turns": own, **settings}
-        if math.isfinite(engine.reversal_s):
-            given["reversal_s"] = engine.reversal_s
-        elif engine.torque is not None and not bucket:
-            given["reversal_s"] = (1.0 - own) * usual
-        return simulate(ship, criterion.manoeuvre, speed=speed, **given)
-
-    track = stopped(engine.turns, limited)
-    said = (*track_conditions(track, full_speed), LARGE, *standing(model, speed).sentences)
+    ship = ship_for(stopping, model, speed, given, extrapolate=allowed)
+    track = simulate(model, criterion.manoeuvre, speed=speed, **settings, **given)
+    bucket = reversed_by_bucket(ship)
+    turns = next(item for item in stopping.settings if item.name == "turns")
+    guessed = assumed(ship, None if turns.name in given or bucket else turns)
+    wanted = draws.n if guessed or draws.known else 0
+    many = _many(model, criterion.manoeuvre, speed, replace(draws, n=wanted), settings, given)
+    said = (*track_conditions(track, full_speed), LARGE, *track.standing.sentences)
     verdict = verdict_of(metric, criterion, track, said)
-    reach = {
-        own: stopped(own, limited).metrics[verdict.metric] for own in ASTERN if own != engine.turns
-    }
-    propeller = ""
-    if turning is not model:
-        losing = limited.with_values(FOUR_QUADRANT_PROPELLER.name, t_astern=LOST)
-        longer = stopped(engine.turns, losing).metrics[verdict.metric]
-        propeller = f"{ESTIMATED} With a thrust deduction astern of {LOST:g}: {longer:.3g} L."
+    ordered = stopping.filled(given)[turns.name]
     ahead = float(track.n[0])
-    there = reached(track.t, track.n, ahead, engine.turns)
+    there = reached(track.t, track.n, ahead, ordered)
     if bucket:
-        there = usual if math.isnan(engine.reversal_s) else engine.reversal_s
-    found = replace(
-        engine,
-        bucket=bucket,
+        there = given.get("reversal_s", REVERSAL * model.ship.L / speed)
+    low, high = (math.nan, math.nan) if many is None else many.interval(verdict.metric)
+    engine = FullAstern(
+        turns=ordered,
         reversal_s=there,
         most=float(track.n.min()) / ahead,
-        others=tuple(reach.items()),
-        limit=verdict.limit,
-        propeller=propeller,
+        torque=given.get("torque"),
+        assumed=guessed if turning is model else f"{guessed} {ESTIMATED}".strip(),
+        low=low,
+        high=high,
+        bucket=bucket,
     )
-    return replace(verdict, full_astern=found)
+    verdict = replace(verdict, full_astern=engine)
+    if many is not None and not track.standing.forced:
+        share = many.probability(verdict.metric, verdict.limit)
+        verdict = replace(verdict, probability=share)
+    return _by_probability(verdict) if guessed else verdict
+
+
+def _by_probability(verdict: Verdict) -> Verdict:
+    """A verdict by assumptions, which is settled where nearly all of them agree."""
+    share = verdict.probability
+    if share is not None and not SURE <= share <= 1.0 - SURE:
+        return verdict
+    met = "how many such ships meet the limit was not asked"
+    if share is not None:
+        met = f"{100 * share:.0f} % of such ships meet the limit"
+    why = f"{STOPPED} {met[0].upper()}{met[1:]}."
+    return replace(verdict, passed=None, unsettled=(*verdict.unsettled, why))

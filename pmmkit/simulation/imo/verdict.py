@@ -18,7 +18,7 @@ from pmmkit.metrics import (
 )
 from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, fixed
 from pmmkit.simulation.imo.conditions import approach_condition, length_condition
-from pmmkit.simulation.imo.full_astern import FullAstern
+from pmmkit.simulation.machinery import FullAstern
 from pmmkit.simulation.track import Track
 
 SOURCE: Final = cite("msc137")

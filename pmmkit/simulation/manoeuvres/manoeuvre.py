@@ -41,6 +41,8 @@ class Setting:
         What it must stay below.
     whole : bool
         Whether it is a whole number.
+    std : float
+        How ships differ in it where nobody states it, about the default.
 
     Examples
     --------
@@ -57,6 +59,7 @@ class Setting:
     takes: Literal["positive", "side", "angle", "any"] = "positive"
     below: float = math.inf
     whole: bool = False
+    std: float = 0.0
 
     def problem(self, value: Any) -> str | None:
         """What is wrong with a value; None where nothing is."""
@@ -113,6 +116,9 @@ class Manoeuvre:
         The same of ``bucket``: whether a bucket turns the ship's thrust astern.
     asks_for_speed : bool
         The same of ``speed``: the approach speed [m/s].
+    reverses : bool
+        Whether the engine is reversed: what it does is assumed where the model does not say it
+        (`pmmkit.simulation.machinery`).
     held_straight : bool
         Whether the ship is held straight, with a hull that resists astern as ahead
         (`pmmkit.models.straight`): of a manoeuvre in which she moves astern.
@@ -127,6 +133,7 @@ class Manoeuvre:
     asks_for_wind: bool = False
     asks_for_bucket: bool = False
     asks_for_speed: bool = False
+    reverses: bool = False
     held_straight: bool = False
 
     def problems(self, given: Mapping[str, Any]) -> list[str]:

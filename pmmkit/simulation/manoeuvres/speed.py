@@ -27,6 +27,7 @@ def stopping(
     turns: float,
     rudder_deg: float,
     reversal_s: float | None = None,
+    torque: float | None = None,  # of the engine: pmmkit.simulation.machinery
     bucket: bool = False,
 ) -> Plan:
     """Crash stop: revolutions astern, or the bucket of a waterjet down, until the ship stops."""
@@ -136,14 +137,19 @@ MANOEUVRES: Final = (
         name="stopping",
         title="crash stop",
         settings=(
-            replace(TURNS, default=-0.7, text=f"{TURNS.text}; {PUMPS}"),
+            replace(TURNS, default=-0.7, text=f"{TURNS.text}; {PUMPS}", std=0.1),
             replace(rudder_setting(0.0), takes="angle"),
             Setting(
                 name="reversal_s",
-                text="time until the revolutions astern are reached and the bucket is down; if "
-                "absent, they fall to zero in two ship lengths over the speed and go on at that "
-                "rate, and the bucket goes down in that time",
+                text="time until the revolutions astern are reached, whatever the engine, and the "
+                "bucket is down; if absent, the model's engine decides, or one that is assumed, and "
+                "the bucket goes down in two ship lengths over the speed",
                 unit="s",
+            ),
+            Setting(
+                name="torque",
+                text="largest torque astern over that of the approach; if absent, the engine's",
+                unit="-",
             ),
         ),
         orders=stopping,
@@ -151,6 +157,7 @@ MANOEUVRES: Final = (
             "head_reach", "track_reach", "lateral_deviation", "time_to_stop", "heading_at_stop_deg"
         ),
         asks_for_bucket=True,
+        reverses=True,
     ),
     Manoeuvre(
         name="accelerating",
