@@ -112,6 +112,11 @@ STATABLE: Final[Mapping[str, Statable]] = MappingProxyType(
 """By name. What each does to a run is said by `pmmkit.observations.stated`."""
 
 
+CENTRE_STD: Final = 0.02
+"""Standard uncertainty of a centre of gravity that nobody states, taken at midship, over L: those
+of the library's ships lie -0.023 to 0.035 L before it."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class TypeB:
     """A standard uncertainty that the user states (GUM type B).
@@ -129,6 +134,8 @@ class TypeB:
     common : str
         Name of a cause that errors share, such as the weights of a calibration: those of one name
         are errors of the same sign and number of standard deviations. Empty for none.
+    assumed : bool
+        Whether it stands for a particular that nobody states.
 
     Examples
     --------
@@ -141,6 +148,7 @@ class TypeB:
     relative: bool = False
     shared: bool = False
     common: str = ""
+    assumed: bool = False
 
     def __post_init__(self) -> None:
         if self.name not in STATABLE:
@@ -171,6 +179,8 @@ class TypeB:
         'drift angle: setting of each run'
         """
         known = self.kind
+        if self.assumed:
+            return f"{known.title}, which nobody states"
         if known.single:
             return known.title
         if known.of == "gauge":

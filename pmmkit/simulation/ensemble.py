@@ -34,7 +34,14 @@ from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_plan, run_ships, settings_for
-from pmmkit.simulation.simulate import ENVIRONMENT, RTOL, RudderLaw, check_request, gear_of, ship_for
+from pmmkit.simulation.simulate import (
+    ENVIRONMENT,
+    RTOL,
+    RudderLaw,
+    check_request,
+    gear_of,
+    ship_for,
+)
 from pmmkit.simulation.spread import CHUNK, Draws, spread_of
 from pmmkit.simulation.spread import Spread as Drawn
 
@@ -506,9 +513,7 @@ def _unstated(manoeuvre: Manoeuvre, settings: Mapping[str, Any]) -> list[dict[st
     return [dict(zip(free, row, strict=True)) for row in values]
 
 
-def _drawn(
-    drawn: Drawn | Draws, seed: int, piece: tuple[Batch, int, int], **how: Any
-) -> Sailed:
+def _drawn(drawn: Drawn | Draws, seed: int, piece: tuple[Batch, int, int], **how: Any) -> Sailed:
     """The ships of a batch from some number on, so many."""
     batch, first, count = piece
     return batch.run(drawn.names, drawn.draw(seed, first, count), **how)

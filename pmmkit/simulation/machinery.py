@@ -64,11 +64,7 @@ class Assumption:
 ENGINE: Final[Mapping[str, Assumption]] = MappingProxyType(
     {
         "astern_share": Assumption(
-            mean=0.8,
-            std=0.15,
-            of="the approach's torque",
-            text="largest torque astern",
-            source="",
+            mean=0.8, std=0.15, of="the approach's torque", text="largest torque astern", source=""
         ),
         "reverse_below": Assumption(
             mean=0.3,
@@ -155,7 +151,9 @@ class FullAstern:
         """The track reach of ships that differ as far as is known."""
         if math.isnan(self.low):
             return ""
-        return f"Track reach of 95 % of such ships: {number(self.low, 3)} to {number(self.high, 3)} L."
+        return (
+            f"Track reach of 95 % of such ships: {number(self.low, 3)} to {number(self.high, 3)} L."
+        )
 
 
 def reached(t: Array, n: Array, ahead: float, turns: float) -> float:

@@ -172,7 +172,7 @@ def _faults_of_plan(manoeuvre: Manoeuvre, settings: Mapping[str, Any]) -> Iterat
     if missing:
         yield from missing
         return
-    given = manoeuvre.filled(settings) | manoeuvre.around()
+    given = manoeuvre.filled(settings, engine=False) | manoeuvre.around()
     one, other = (manoeuvre.orders(_PACE, **given) for _ in range(2))
     if one != other:
         yield "its plan is not the same twice"

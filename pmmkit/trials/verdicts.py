@@ -10,8 +10,8 @@ from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.metrics import Criterion, criteria
 from pmmkit.simulation.imo import LARGE, Verdict, judge, turning_conditions
-from pmmkit.simulation.machinery import FullAstern
 from pmmkit.simulation.imo.verdict import side_of
+from pmmkit.simulation.machinery import FullAstern
 
 
 def verdicts_of(

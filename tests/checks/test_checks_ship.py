@@ -7,12 +7,17 @@ from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
+import own_tank
 import pytest
 from checks_programme import SHIP, WATER, campaign_of, run_of
 
-from pmmkit import open_campaign
+import pmmkit as pk
+from pmmkit import open_campaign, save_campaign
 from pmmkit.checks import examine
+from pmmkit.checks.particulars import examine_ship
 from pmmkit.files import datasets_folder
+from pmmkit.reduction import reduce_campaign
+from pmmkit.structures import Structure
 
 
 def said(findings, check: str):
@@ -34,6 +39,13 @@ def test_consistent_particulars_are_silent():
         ({"d": SHIP.d / 100}, "error", "B/d 299"),
         ({"GM": 5.0}, "warning", "full-scale"),
         ({"Izz": 61.8}, "warning", "radius of gyration"),
+        ({"Izz": 1.3 * SHIP.mass * (0.25 * SHIP.L) ** 2}, "warning", "radius of gyration"),
+        ({"Izz": 0.7 * SHIP.mass * (0.25 * SHIP.L) ** 2}, "warning", "radius of gyration"),
+        (
+            {"xG": 0.51 * SHIP.L, "Izz": SHIP.mass * SHIP.L**2 * (0.0625 + 0.51**2)},
+            "warning",
+            "from the after perpendicular it is 0.0486 m forward",
+        ),
     ],
 )
 def test_particulars_that_contradict_one_another(changes, severity, words):
@@ -41,6 +53,42 @@ def test_particulars_that_contradict_one_another(changes, severity, words):
     assert found.severity == severity
     assert words in found.message
     assert any("Not examined" in item.message for item in rest) is (severity == "error")
+
+
+def test_a_centre_of_gravity_that_nobody_states_is_uncertain_where_a_balance_holds_it(tmp_path):
+    """Every derivative is within its interval then, and without it four of them are not."""
+    folder = own_tank.write(tmp_path, own_tank.PROGRAMME)
+    file = folder / "campaign.toml"
+    text = file.read_text(encoding="utf-8")
+    stated = pk.open_campaign(folder)
+    file.write_text(text.replace(f"xG = {own_tank.XG}\n", ""), encoding="utf-8")
+    silent = pk.open_campaign(folder)
+    (only,) = silent.uncertainty
+    assert (only.name, only.std, only.assumed) == ("xG", 0.02 * own_tank.L, True)
+    (found,) = said(examine_ship(silent, ()), "particulars")
+    assert "Nobody states xG" in found.message
+    save_campaign(silent, tmp_path / "kept.h5")
+    assert pk.open_campaign(tmp_path / "kept.h5").uncertainty == (only,)
+    blind = silent.with_(uncertainty=())
+    off = {name: outside(item) for name, item in (("silent", silent), ("blind", blind))}
+    assert off["silent"] == set()
+    assert {"Nvdot", "Yrdot", "Nr", "Xrr"} <= off["blind"]
+    for words in ('forces = "hydrodynamic"', 'forces = "balance"\n'):
+        other = text.replace('forces = "balance"', words)
+        other = other if "balance" in words else other.replace(f"xG = {own_tank.XG}\n", "")
+        file.write_text(other, encoding="utf-8")
+        assert pk.open_campaign(folder).uncertainty == stated.uncertainty == ()
+
+
+def outside(campaign):
+    """Derivatives that lie outside of their 95 % interval."""
+    structure = Structure(name="little hull", derivatives=tuple(own_tank.TRUTH))
+    table = reduce_campaign(campaign, structure=structure, fn="pooled", check=False).table
+    return {
+        name
+        for name, value, std in zip(table.names, table.value[0], table.std[0], strict=True)
+        if abs(value - own_tank.TRUTH[name]) > 2.0 * std
+    }
 
 
 def test_particulars_that_cannot_be_silence_what_is_judged_by_them():

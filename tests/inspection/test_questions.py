@@ -66,7 +66,9 @@ def test_a_file_that_says_nonsense_is_asked_all_the_same(ship):
 
 
 def test_a_line_that_is_off_says_what_holds_instead():
-    (found,) = questions_of("[ship]\n# xG = 0.0   # TODO centre of gravity [m]\n")
-    assert (found.kind, found.guess) == ("off", "0.0")
+    (found,) = questions_of("[water]\n# g = 9.81   # TODO gravity [m/s2]\n")
+    assert (found.kind, found.guess) == ("off", "9.81")
+    (centre,) = questions_of("[ship]\n# xG = 0.0   # TODO centre of gravity [m]\n")
+    assert (centre.kind, centre.guess) == ("off", "")
     (absent,) = questions_of("[cfd]\n# ramp_s = ...   # TODO start-up\n")
     assert (absent.kind, absent.guess) == ("off", "")

@@ -6,8 +6,8 @@ import importlib
 import math
 from collections import Counter
 from dataclasses import replace
-from statistics import NormalDist
 from functools import cache
+from statistics import NormalDist
 
 import numpy as np
 import pytest
@@ -105,7 +105,9 @@ def test_limits_are_those_of_the_standard_and_the_margin_decides(name, speed):
     for verdict in judged(name, speed):
         assert (verdict.limit, verdict.unit) == limits[verdict.criterion]
         assert verdict.scale == load_model(name).scale
-        assert (verdict.probability is None) is (verdict.criterion != "track_reach" or name == "mariner")
+        assert (verdict.probability is None) is (
+            verdict.criterion != "track_reach" or name == "mariner"
+        )
         if verdict.criterion == "track_reach" and name == "mariner":
             continue
         assert verdict.margin == verdict.limit - verdict.value

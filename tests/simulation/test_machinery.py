@@ -18,13 +18,7 @@ from pmmkit.metrics import criteria
 from pmmkit.models import Part
 from pmmkit.simulation import machinery
 from pmmkit.simulation.imo import judged
-from pmmkit.simulation.machinery import (
-    ENGINE,
-    as_it_reverses,
-    measured_astern,
-    reached,
-    torque_of,
-)
+from pmmkit.simulation.machinery import ENGINE, as_it_reverses, measured_astern, reached, torque_of
 
 SPEED = 7.97
 PITCH = 0.721
@@ -138,9 +132,7 @@ def test_less_torque_never_stops_a_ship_sooner():
 def test_the_limited_torque_is_not_exceeded_along_the_stop():
     model = astern_tanker()
     own = model.part("four_quadrant_propeller").values
-    track = pk.simulate(
-        model, "stopping", speed=SPEED, torque=0.3, reversal_s=10.0, compiled=False
-    )
+    track = pk.simulate(model, "stopping", speed=SPEED, torque=0.3, reversal_s=10.0, compiled=False)
     late = track.t > 100.0  # steady: what the engine gives is what the water takes
     wake = np.where(track.n < 0.0, 0.0, own["wp"])
     inflow, tip = (1.0 - wake) * track.u, 0.7 * np.pi * track.n * own["D"]

@@ -11,8 +11,8 @@ from scipy.interpolate import CubicSpline
 
 from pmmkit import equations as kernel
 from pmmkit.errors import DataError, PmmkitError, UnknownNameError
-from pmmkit.models.astern import as_it_stops
 from pmmkit.models import Part, load_model, scaled
+from pmmkit.models.astern import as_it_stops
 from pmmkit.simulation import simulate, spiral_curve, stability
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
 

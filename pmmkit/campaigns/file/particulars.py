@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Final
@@ -31,7 +31,7 @@ from pmmkit.campaigns.samples.column_mapping import ColumnSpec
 from pmmkit.campaigns.samples.conversions import Frame
 from pmmkit.campaigns.samples.corrections import shift_in_si
 from pmmkit.campaigns.test_kinds.struts import Struts
-from pmmkit.campaigns.uncertainty import STATABLE, Statable, TypeB
+from pmmkit.campaigns.uncertainty import CENTRE_STD, STATABLE, Statable, TypeB
 from pmmkit.channels import CHANNEL_UNITS, did_you_mean, factor_to
 from pmmkit.errors import DataError, PmmkitError, Problem
 from pmmkit.readers.base import Options, Request
@@ -105,6 +105,7 @@ def read_top(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> Top:
             )
         )
     corrections, labels = _corrections(raw, toml, problems)
+    uncertainty = _uncertainty(raw, toml, problems)
     return Top(
         campaign=campaign,
         ship=ship,
@@ -125,7 +126,7 @@ def read_top(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> Top:
         trial=_given(table("trial", TrialEntry)),
         imo=_given(table("imo", ImoEntry)),
         report=table("report", ReportEntry).model_dump(exclude_defaults=True),
-        uncertainty=_uncertainty(raw, toml, problems),
+        uncertainty=(*uncertainty, *_assumed(uncertainty, ship_entry, ship, campaign)),
         corrections=corrections,
         correction_labels=labels,
     )
@@ -236,10 +237,11 @@ def _ship(entry: ShipEntry, water: Water, toml: str, problems: list[Problem]) ->
     volume = entry.volume if entry.volume is not None else (entry.mass or 0.0) / water.rho
     mass = entry.mass if entry.mass is not None else water.rho * volume
     balance_Izz = entry.balance_Izz
+    centre = entry.xG or 0.0
     shift = balance_shift = 0.0
     if entry.Izz_about == "centre of gravity":
-        shift = mass * entry.xG**2
-        arm = entry.xG if entry.balance_xG is None else entry.balance_xG
+        shift = mass * centre**2
+        arm = centre if entry.balance_xG is None else entry.balance_xG
         balance_shift = (mass if entry.balance_mass is None else entry.balance_mass) * arm**2
     return Ship(
         name=entry.name or "ship",
@@ -249,7 +251,7 @@ def _ship(entry: ShipEntry, water: Water, toml: str, problems: list[Problem]) ->
         volume=volume,
         mass=mass,
         Izz=(entry.Izz or math.nan) + shift,
-        xG=entry.xG,
+        xG=centre,
         zG=entry.zG,
         GM=entry.GM,
         Ixx=entry.Ix,
@@ -258,6 +260,18 @@ def _ship(entry: ShipEntry, water: Water, toml: str, problems: list[Problem]) ->
         balance_xG=entry.balance_xG,
         block_stated=entry.CB,
     )
+
+
+def _assumed(
+    stated: Sequence[TypeB], entry: ShipEntry, ship: Ship, campaign: CampaignEntry
+) -> list[TypeB]:
+    """The uncertainty of a centre of gravity that nobody states and a balance's forces hold."""
+    known = entry.model_fields_set == {"name"} or entry.balance_xG is not None
+    if known or entry.xG is not None or campaign.forces != "balance":
+        return []
+    if any(item.name == "xG" for item in stated):
+        return []
+    return [TypeB(name="xG", std=CENTRE_STD * ship.L, shared=True, assumed=True)]
 
 
 def _moment_reference(

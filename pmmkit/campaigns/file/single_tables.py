@@ -113,7 +113,10 @@ class ShipEntry(Entry):
     Izz_about: Literal["midship", "centre of gravity"] = said(
         "point to which Izz refers", "midship"
     )
-    xG: float = said("centre of gravity forward of midship [m]", 0.0)
+    xG: float | None = said(
+        "centre of gravity forward of midship [m]; if absent 0, of a balance's forces ± 0.02 L",
+        None,
+    )
     zG: float | None = said("centre of gravity below the origin [m]", None)
     GM: float | None = said("metacentric height [m], of a model that rolls", None)
     Ix: Positive | None = said("inertia of roll [kg m²], of a model that rolls", None)

@@ -43,6 +43,8 @@ class Setting:
         Whether it is a whole number.
     std : float
         How ships differ in it where nobody states it, about the default.
+    engine : bool
+        Whether it is of the ship's engine, and none of the orders.
 
     Examples
     --------
@@ -60,6 +62,7 @@ class Setting:
     below: float = math.inf
     whole: bool = False
     std: float = 0.0
+    engine: bool = False
 
     def problem(self, value: Any) -> str | None:
         """What is wrong with a value; None where nothing is."""
@@ -195,10 +198,12 @@ class Manoeuvre:
         }
         return {name: answer for name, (asks, answer) in asked.items() if asks}
 
-    def filled(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """All settings, those that are not given with their defaults."""
+    def filled(self, given: Mapping[str, Any], *, engine: bool = True) -> dict[str, Any]:
+        """All settings, or the orders alone, those that are not given with their defaults."""
         found: dict[str, Any] = {}
         for setting in self.settings:
+            if setting.engine and not engine:
+                continue
             value = given.get(setting.name)
             value = setting.default if value is None else value
             found[setting.name] = int(value) if setting.whole and value is not None else value
@@ -212,6 +217,6 @@ def _planned(
     around: tuple[tuple[str, float], ...],
     given: tuple[tuple[str, Any], ...],
 ) -> Plan:
-    settings = manoeuvre.filled(dict(given))
+    settings = manoeuvre.filled(dict(given), engine=False)
     plan = manoeuvre.orders(pace, **settings, **dict(around))
     return replace(plan, name=manoeuvre.name, metrics=manoeuvre.metrics)

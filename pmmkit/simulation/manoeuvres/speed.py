@@ -27,7 +27,6 @@ def stopping(
     turns: float,
     rudder_deg: float,
     reversal_s: float | None = None,
-    torque: float | None = None,  # of the engine: pmmkit.simulation.machinery
     bucket: bool = False,
 ) -> Plan:
     """Crash stop: revolutions astern, or the bucket of a waterjet down, until the ship stops."""
@@ -142,14 +141,15 @@ MANOEUVRES: Final = (
             Setting(
                 name="reversal_s",
                 text="time until the revolutions astern are reached, whatever the engine, and the "
-                "bucket is down; if absent, the model's engine decides, or one that is assumed, and "
-                "the bucket goes down in two ship lengths over the speed",
+                "bucket is down; if absent, the engine of the model decides, or one that is "
+                "assumed, and the bucket goes down in two ship lengths over the speed",
                 unit="s",
             ),
             Setting(
                 name="torque",
                 text="largest torque astern over that of the approach; if absent, the engine's",
                 unit="-",
+                engine=True,
             ),
         ),
         orders=stopping,
