@@ -3,7 +3,7 @@
     python -m scripts.documentation.make_docs [--check]
 
 With --check nothing is written, and the exit status is 1 if a page is out of date. Published
-figures beside ours (docs/validation.md) are made by python -m scripts.validation.
+figures beside ours (docs/validation*.md) are made by python -m scripts.validation.
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ SAILED = {
     "sources": ("chislett_strom_tejsen_1965", "fossen_perez_2004"),
     "place": "their values as `mariner.m` has them, sailed by another program",
     "nature": "recomputed",
+    "part": "program",
 }
 
 
@@ -89,6 +90,7 @@ FIGURES: tuple[Published, ...] = (
         sources=("chislett_strom_tejsen_1965",),
         place="the table of derivatives",
         nature="printed",
+        part="program",
         how="the equations of the simulator made linear at 15 knots",
         within=1e-5,
     ),
@@ -100,6 +102,7 @@ FIGURES: tuple[Published, ...] = (
         sources=("fossen_2011", "fossen_perez_2004"),
         place="`exNomoto.m` and the textbook",
         nature="computed",
+        part="program",
         how="the equations of the simulator made linear at 15 knots",
         within=6e-3,
     ),
@@ -111,6 +114,7 @@ FIGURES: tuple[Published, ...] = (
         sources=("van_berlekom_goddard_1972",),
         place="Appendix A",
         nature="printed",
+        part="program",
         how="library ship `esso190k`",
         within=1e-3,
     ),

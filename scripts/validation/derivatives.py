@@ -67,6 +67,7 @@ def virtual(title: str, method: str, how: str) -> tuple[Published, ...]:
         place="their derivatives as a PMM measures them; forces written out term by term, with "
         "next to no noise",
         nature="recomputed",
+        part="program",
         how=how,
         within=2e-4,
     )
@@ -81,9 +82,10 @@ def trends() -> Values:
     return {name: fast[name] / slow[name] - 1 for name in TRENDS}
 
 
-HMRI = {
-    "place": "a 7 m model in another tank",
+TANKS = {
+    "place": "a 7 m model in their own tank",
     "nature": "measured",
+    "part": "literature",
     "sources": ("yasukawa_yoshimura_2015",),
 }
 
@@ -105,6 +107,7 @@ FIGURES: tuple[Published, ...] = (
         sources=("rameesha_krishnankutty",),
         place="35° turn, Fn 0.145 to 0.290",
         nature="computed",
+        part="program",
         how="the noisy programme `datasets/s175` reduced, and turned; its true derivatives were "
         "chosen so that they turn as published: what is asked is that the chain finds them again",
         within=0.08,
@@ -118,31 +121,33 @@ FIGURES: tuple[Published, ...] = (
         sources=("simman_2014",),
         place="a cubic through the means of HMRI's tests by another program, moved to midship",
         nature="recomputed",
+        part="program",
         how="reduction of the same tests; made with the measurements",
         within=0.02,
     ),
     *table(
-        "KVLCC2, hull by HMRI's tests beside another tank",
+        "KVLCC2, hull by two tanks",
         YASUKAWA,
         measurements.kept("hmri"),
         unit="½ρLd",
-        how="`pmmkit reduce --structure mmg`, rudder and propeller taken off; made with the "
-        "measurements",
+        how="HMRI's tests, `pmmkit reduce --structure mmg`, rudder and propeller taken off; made "
+        "with the measurements",
         within=11.0,
-        why="Another laboratory, model and propeller, and more than the statistics of the tests "
-        "explain (Nr by 15 of its standard deviations). Drift goes to 30° here, on which cubic and "
-        "quartic terms hang; and the files contradict themselves in inertia and in the point of "
-        "moments ([kvlcc2.md](kvlcc2.md)).",
-        **HMRI,
+        why="Two laboratories, models and propellers, and more than the statistics of the tests "
+        "explain (Nr by 15 of its standard deviations). Drift goes to 30° in HMRI's, on which "
+        "cubic and quartic terms hang; and the files contradict themselves in inertia and in the "
+        "point of moments ([kvlcc2.md](kvlcc2.md)). Whether the added masses of the first were "
+        "measured is not known here.",
+        **TANKS,
     ),
     *table(
-        "KVLCC2, propeller and rudder by HMRI's tests beside another tank",
+        "KVLCC2, propeller and rudder by two tanks",
         PARTS,
         measurements.kept("hmri"),
-        how="`pmmkit.reduction.parts.parts_of`; made with the measurements",
+        how="HMRI's tests, `pmmkit.reduction.parts.parts_of`; made with the measurements",
         within=1.0,
-        why="Another model, propeller and rudder. xH lies behind the ship, a contradiction of the "
-        "rudder tests that is left as it is ([kvlcc2_zigzags.md](kvlcc2_zigzags.md)).",
-        **HMRI,
+        why="Two models, propellers and rudders. HMRI's xH lies behind the ship, a contradiction "
+        "of the rudder tests that is left as it is ([kvlcc2_zigzags.md](kvlcc2_zigzags.md)).",
+        **TANKS,
     ),
 )  # fmt: skip

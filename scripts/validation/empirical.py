@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable
 from functools import cache
 from typing import Final
 
@@ -10,6 +11,7 @@ from pmmkit.effects.cross_flow import hoerner_cd
 from pmmkit.effects.four_quadrant import b4_70
 from pmmkit.empirical import (
     METHODS,
+    Estimate,
     criterion,
     estimate,
     friction_coefficient,
@@ -24,7 +26,7 @@ from scripts.studies.paper_b_table import MASS, PRINTED, REASONS, TANKER
 from scripts.validation.forces import MMG
 from scripts.validation.published import Published, Values, table
 
-TEXT: Final = {"sources": ("tanker_preliminary_design",), "nature": "printed"}
+TEXT: Final = {"sources": ("tanker_preliminary_design",), "nature": "printed", "part": "program"}
 LEVERS: Final = {
     "wagner-smitt": (0.8757, 0.3899),
     "norrbin": (1.0453, 0.3647),
@@ -46,11 +48,12 @@ KEEL: Final = {
     "KCS, B/2d 1.49": ((32.2, 10.8), 0.722),
 }
 """Breadth and draught, and the coefficient of cross-flow drag read off Hoerner's curve."""
-SHIPS: Final = {
-    "kvlcc2": ("yasukawa_yoshimura_2015",),
-    "kcs": ("simman_2008",),
-    "s175-3dof": ("son_nomoto_1981",),
-}
+SHIPS: Final = {"KVLCC2": "kvlcc2", "KCS": "kcs", "S175": "s175-3dof"}
+"""Ships with derivatives from tests, and their names in the library."""
+SOURCES: Final = ("yasukawa_yoshimura_2015", "simman_2008", "son_nomoto_1981")
+LINEAR: Final = ("Yv", "Yr", "Nv", "Nr")
+ADDED: Final = ("Xudot", "Yvdot", "Nrdot")
+FORMULAS: Final = "yoshimura-masumoto"
 
 
 def named(method: str, name: str) -> str:
@@ -107,40 +110,24 @@ def quadrants_published() -> Values:
 
 
 def tested(ship: str) -> Values:
-    """Linear derivatives and added masses of a library ship as a captive test measures them."""
-    values = converted(hull_table(ship), MMG).at()
-    return {name: values[name] for name in ("Yv", "Yr", "Nv", "Nr", "Xudot", "Yvdot", "Nrdot")}
+    """Derivatives of a library ship as a captive test measures them."""
+    return converted(hull_table(ship), MMG).at()
 
 
 @cache
-def estimated(ship: str) -> Values:
+def estimated(ship: str) -> Estimate:
     """The same by Yoshimura and Masumoto's formulas, added masses by Zhou's."""
-    return estimate(load_ship(ship), "yoshimura-masumoto").values
+    return estimate(load_ship(ship), FORMULAS)
 
 
-def regression(ship: str) -> tuple[Published, ...]:
-    """Formulas beside the tests of one ship."""
-    method = METHODS["yoshimura-masumoto"]
-    values = tested(ship)
-    return table(
-        f"{ship}, tests beside formulas",
-        values,
-        lambda: estimated(ship),
-        unit="½ρLd",
-        sources=SHIPS[ship],
-        place="library ship",
-        nature="measured",
-        how="Yoshimura and Masumoto (2012), added masses by Zhou (1983), from the particulars",
-        within=0.75,
-        why="Regressions over other hulls. Their standard errors, by which models carry them: "
-        + ", ".join(f"{name} {100 * method.error_of(name).share:.0f} %" for name in values)
-        + ".",
-    )
+def of_ships(names: Iterable[str], of: Callable[[str], Values]) -> Values:
+    """Derivatives of the three ships."""
+    return {f"{name} of {title}": of(ship)[name] for title, ship in SHIPS.items() for name in names}
 
 
 @cache
 def propulsion() -> Values:
-    """Wake and rudder of KVLCC2 by formulas."""
+    """Wake, rudder and wetted surface of KVLCC2 by formulas."""
     ship = load_ship("kvlcc2")
     rudder = rudder_values(ship, area=112.5, aspect=15.8**2 / 112.5, D=9.86)
     return {
@@ -200,6 +187,7 @@ FIGURES: tuple[Published, ...] = (
         sources=("roddy_hess_faller_2006", "van_lammeren_van_manen_oosterveld_1969"),
         place="harmonics 0 to 13 of six pitches",
         nature="printed",
+        part="program",
         how="`four_quadrant_propeller`: one parabola in pitch for all tables, which keeps CT* to "
         "0.012",
         within=0.035,
@@ -211,6 +199,7 @@ FIGURES: tuple[Published, ...] = (
         sources=("leite_1998", "fossen_perez_2004"),
         place="read off the curve of `Hoerner.m`",
         nature="recomputed",
+        part="program",
         how="`pmmkit.effects.cross_flow.hoerner_cd`",
         within=1e-3,
     ),
@@ -225,31 +214,76 @@ FIGURES: tuple[Published, ...] = (
         sources=("ittc_1957",),
         place="0.075/(log Re - 2)²",
         nature="printed",
+        part="program",
         how="`pmmkit.empirical.friction_coefficient`",
         within=1e-4,
     ),
-    *(figure for ship in SHIPS for figure in regression(ship)),
     *table(
-        "KVLCC2, propeller and rudder by formulas",
+        "KVLCC2, KCS and S175, linear derivatives by formulas",
+        of_ships(LINEAR, tested),
+        lambda: of_ships(LINEAR, lambda ship: estimated(ship).values),
+        unit="½ρLd",
+        sources=SOURCES,
+        place="captive tests, as the library of ships has them",
+        nature="measured",
+        part="prediction",
+        how="Yoshimura and Masumoto (2012), from the particulars",
+        std=of_ships(LINEAR, lambda ship: estimated(ship).std),
+        within=0.75,
+        why="Regressions over other hulls. Their standard errors, by which models carry them: "
+        + ", ".join(f"{x} {100 * METHODS[FORMULAS].error_of(x).share:.0f} %" for x in LINEAR)
+        + ".",
+    ),
+    *table(
+        "KVLCC2, rudder by formulas",
         {
-            "wake fraction": 0.35, "aH": 0.312, "tR": 0.387, "κ": 0.50, "ε": 1.09, "fα": 2.747,
-            "xH": -0.464, "γR, mean of both sides": (0.640 + 0.395) / 2,
+            "aH": 0.312, "tR": 0.387, "κ": 0.50, "xH": -0.464,
+            "γR, mean of both sides": (0.640 + 0.395) / 2,
         },
         propulsion,
         sources=("yasukawa_yoshimura_2015",),
-        place="values of the ship",
+        place="rudder tests of the 7 m model",
         nature="measured",
-        how="`pmmkit.empirical.rudder_values` and `wake_fraction`",
+        part="prediction",
+        how="`pmmkit.empirical.rudder_values`",
         within=0.5,
         why="Formulas from other hulls, for a first look.",
+    ),
+    *table(
+        "Added masses by formulas",
+        of_ships(ADDED, tested),
+        lambda: of_ships(ADDED, lambda ship: estimated(ship).values),
+        unit="½ρLd",
+        sources=SOURCES,
+        place="coefficients of their models; none is known to come from a test",
+        nature="printed",
+        part="program",
+        how="Zhou (1983), whose formulas follow Motora's charts, from the particulars",
+        within=0.75,
+        why="The formula for Xudot is a twentieth of the displacement, whatever the hull.",
+    ),
+    *table(
+        "KVLCC2, wake and inflow of the rudder by formulas",
+        {"wake fraction": 0.35, "ε": 1.09, "fα": 2.747},
+        propulsion,
+        sources=("yasukawa_yoshimura_2015",),
+        place="the wake is assumed for full scale, fα is Fujii's formula with an aspect ratio of "
+        "1.827",
+        nature="printed",
+        part="program",
+        how="`pmmkit.empirical.rudder_values` and `wake_fraction`; ε by a line through KVLCC2 and "
+        "KCS, so that it is no prediction",
+        within=0.2,
+        why={"fα": "The same formula with height squared over area, 2.219."},
     ),
     *table(
         "KVLCC2, wetted surface",
         {"wetted surface [m²]": 27194.0},
         propulsion,
         sources=("simman_2008",),
-        place="without the rudder",
-        nature="measured",
+        place="of the hull's lines, without the rudder",
+        nature="printed",
+        part="program",
         how="`pmmkit.empirical.wetted_surface`",
         within=0.05,
     ),

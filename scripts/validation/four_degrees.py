@@ -17,7 +17,11 @@ from scripts.validation.forces import FRESH, MMG, polynomial
 from scripts.validation.published import Published, Values, table
 from scripts.validation.sailed import turns, zigzags
 
-SON_NOMOTO = {"sources": ("son_nomoto_1981", "fossen_perez_2004"), "nature": "recomputed"}
+SON_NOMOTO = {
+    "sources": ("son_nomoto_1981", "fossen_perez_2004"),
+    "nature": "recomputed",
+    "part": "program",
+}
 PORT = SON_NOMOTO | {
     "place": "their values as `container.m` has them, in another port of that program",
     "how": "library ships `s175-3dof` and `s175`, rudder at 2.34°/s, which fits that port",
@@ -69,6 +73,7 @@ def okuda(title: str, phi_deg: float, values: Values) -> tuple[Published, ...]:
         sources=("okuda_yasukawa_matsuda_2023", "xdyn"),
         place="expected values of the program's test of the MMG model with the paper's derivatives",
         nature="computed",
+        part="program",
         how="a hull polynomial with terms of heel, the moment of roll by the side force on its "
         "lever, added mass in the Coriolis terms, and the righting moment",
         within=1e-6,
@@ -190,6 +195,7 @@ FIGURES: tuple[Published, ...] = (
         "same speed: the whole rudder is a seventh weaker, sway and yaw damping differ with it.",
         sources=("fossen_perez_2004",),
         nature="computed",
+        part="program",
     ),
     *okuda(
         "KCS, forces upright",

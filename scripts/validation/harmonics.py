@@ -71,6 +71,7 @@ FIGURES: tuple[Published, ...] = (
         sources=("simman_2008",),
         place="conditions of test cases 1b-3 and 1b-4",
         nature="printed",
+        part="program",
         how="nominal motion of a run with the stated amplitude and frequency; the heading without "
         "sway is atan(y₀ω/Uc)",
         within=0.025,
@@ -88,6 +89,7 @@ FIGURES: tuple[Published, ...] = (
         sources=(),
         place="closed forms of the Fourier series for v = cos θ",
         nature="printed",
+        part="program",
         how="`pmmkit.signals.harmonics` on 7200 samples",
         within=1e-5,
     ),

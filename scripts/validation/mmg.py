@@ -16,6 +16,7 @@ KCS = {
     "sources": ("simman_2008",),
     "place": "the values of that study, sailed by another program",
     "nature": "recomputed",
+    "part": "program",
     "how": "library ship `kcs` at 24 knots",
     "within": 0.015,
 }
@@ -27,12 +28,14 @@ KVLCC2 = {
     "sources": ("yasukawa_yoshimura_2015",),
     "place": "its values, sailed by another program",
     "nature": "recomputed",
+    "part": "program",
     "within": 0.015,
 }
 HSVA = {
     "sources": ("simman_2008",),
     "place": "free-running tests of a 7 m model by HSVA, from the report of the tests",
     "nature": "measured",
+    "part": "prediction",
 }
 
 
@@ -82,6 +85,7 @@ FIGURES: tuple[Published, ...] = (
         sources=("simman_2008",),
         place="as a public program quotes it",
         nature="printed",
+        part="program",
         how="library ship `kcs`",
         within=5e-4,
     ),
@@ -127,22 +131,23 @@ FIGURES: tuple[Published, ...] = (
         sources=("xdyn", "yasukawa_yoshimura_2015"),
         place="expected values of its test of the MMG model, without resistance, ρ = 1000 kg/m³",
         nature="computed",
+        part="program",
         how="the hull polynomial of library ship `kvlcc2`",
         within=1e-9,
     ),
     *zigzags(
-        "KVLCC2, 7 m model, zigzags of HSVA beside the published model",
+        "KVLCC2, zigzags of HSVA, by the published model",
         "kvlcc2-l7",
         L7_SPEED,
         measurements.HSVA,
-        how="library ship `kvlcc2-l7`: the tests of another model in another tank",
+        how="library ship `kvlcc2-l7`, from captive tests of another model in another tank",
         within=0.65,
         why="Another model with another propeller and rudder gear; the published values are known "
         "to give too small a first overshoot at 10/10. Nothing is tuned to these tests.",
         **HSVA,
     ),
     *table(
-        "KVLCC2, 7 m model, zigzags of HSVA beside captive tests of HMRI",
+        "KVLCC2, zigzags of HSVA, by captive tests of HMRI",
         {
             of_zigzag(*angles, number): angle
             for angles, found in measurements.HSVA.items()

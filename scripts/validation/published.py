@@ -7,6 +7,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+Part = Literal["prediction", "program", "literature"]
+"""Who stands beside whom: our prediction beside a measurement; our program beside another, a
+formula, a rule or a value that nobody measured; two other parties beside one another."""
 Nature = Literal["measured", "computed", "recomputed", "printed"]
 """From a tank or a ship; a computation that others published; one that another program made for
 this list from published values; a formula, a table or a rule."""
@@ -18,7 +21,7 @@ Values = Mapping[str, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Published:
-    """One figure that others published.
+    """One figure that others published, and the one that stands beside it.
 
     Parameters
     ----------
@@ -36,10 +39,14 @@ class Published:
         Where in the source, and how it came here.
     nature : {"measured", "computed", "recomputed", "printed"}
         What kind of figure it is.
+    part : {"prediction", "program", "literature"}
+        Who made it and who made the other, so which of the three pages it stands on.
     how : str
         How ours is computed.
     ours : callable
-        Computes ours.
+        Computes ours; the other party's where two others stand beside one another.
+    std : float
+        Standard uncertainty that the program states for ours, zero if it states none.
     within : float
         Share of the published figure by which ours may differ: what the test asks for.
     why : str
@@ -53,8 +60,10 @@ class Published:
     sources: tuple[str, ...]
     place: str
     nature: Nature
+    part: Part
     how: str
     ours: Callable[[], float] = field(compare=False)
+    std: float = 0.0
     within: float
     why: str = ""
 
@@ -68,6 +77,11 @@ class Published:
         """The smallest of `AGREES` that holds the difference, infinite if none does."""
         return next((share for share in AGREES if abs(self.off) <= share), math.inf)
 
+    @property
+    def expected(self) -> bool:
+        """Whether the difference is at most twice the standard uncertainty that is stated."""
+        return abs(self.ours() - self.value) <= 2 * self.std
+
 
 def table(
     title: str,
@@ -77,9 +91,11 @@ def table(
     sources: tuple[str, ...],
     place: str,
     nature: Nature,
+    part: Part,
     how: str,
     within: float,
     unit: str | Mapping[str, str] = "",
+    std: Values | None = None,
     but: Values | None = None,
     why: str | Mapping[str, str] = "",
 ) -> tuple[Published, ...]:
@@ -93,12 +109,14 @@ def table(
         What was published, by name.
     ours : callable
         Ours by the same names; called when one of them is asked for, and best cached.
-    sources, place, nature, how
+    sources, place, nature, part, how
         As of each figure.
     unit : str or mapping
         Their unit, of all or by name.
     within : float
         The share that the figures may differ by.
+    std : mapping of str to float, optional
+        Standard uncertainties that are stated, by name.
     but : mapping of str to float, optional
         Other shares, by name.
     why : str or mapping
@@ -107,11 +125,12 @@ def table(
     Examples
     --------
     >>> (found,) = table("Circles", {"area": 3.14}, lambda: {"area": 3.14159}, unit="r²",
-    ...     sources=("abkowitz_1964",), place="page 1", nature="printed", how="π", within=1e-3)
+    ...     sources=("abkowitz_1964",), place="page 1", nature="printed", part="program",
+    ...     how="π", within=1e-3)
     >>> f"{found.off:.5f}", found.agrees
     ('0.00051', 0.01)
     """
-    shares = but or {}
+    shares, stated = but or {}, std or {}
     reasons = dict.fromkeys(values, why) if isinstance(why, str) else why
     units = dict.fromkeys(values, unit) if isinstance(unit, str) else unit
     return tuple(
@@ -123,8 +142,10 @@ def table(
             sources=sources,
             place=place,
             nature=nature,
+            part=part,
             how=how,
             ours=lambda name=name: float(ours()[name]),
+            std=stated.get(name, 0.0),
             within=shares.get(name, within),
             why=reasons.get(name, ""),
         )

@@ -14,11 +14,11 @@ from scripts.studies.bulk_carrier import STOP, TRIAL, TURNS, bulk_carrier
 from scripts.validation.published import Published, Values, table
 from scripts.validation.sailed import turns
 
-PAPER = {"sources": ("sea_trial_identification",), "nature": "measured"}
+PAPER = {"sources": ("sea_trial_identification",), "nature": "measured", "part": "prediction"}
 ESTIMATES = (
-    "The paper prints nine derivatives; propeller, rudder and resistance are estimates from the "
-    "particulars, and nothing is tuned to the trial. Its own simulation differs by 1.34 % in "
-    "tactical diameter and 12.7 % in advance."
+    "The paper prints nine derivatives, which it identified from this ship's trials; propeller, "
+    "rudder and resistance are estimates from the particulars, not tuned to the trial. Its own "
+    "simulation differs by 1.34 % in tactical diameter and 12.7 % in advance."
 )
 
 
@@ -62,18 +62,18 @@ def line() -> Values:
 
 FIGURES: tuple[Published, ...] = (
     *turns(
-        "Bulk carrier of 170 m in ballast, turning circles at sea",
+        "Bulk carrier of 170 m, turning circles at sea",
         bulk_carrier(),
         TRIAL,
         TURNS,
-        place="table 2",
+        place="table 2, in ballast",
         how="`scripts/studies/bulk_carrier.py`: the paper's derivatives, the rest estimated",
         within=0.9,
         why=ESTIMATES + " The trial's transfer is unusually small beside its diameter.",
         **PAPER,
     ),
     *table(
-        "Bulk carrier, crash stop at sea",
+        "Bulk carrier of 170 m, crash stop at sea",
         STOP,
         stop,
         unit={"time_to_stop": "s", "track_reach": "m"},
@@ -85,7 +85,7 @@ FIGURES: tuple[Published, ...] = (
         **PAPER,
     ),
     *turns(
-        "Patrol vessel of 44 m with waterjets, turning circles at sea",
+        "Patrol vessel of 44 m, turning circles at sea",
         patrol.patrol_vessel(),
         patrol.TURNING_SPEED,
         patrol.TURNS,
@@ -118,6 +118,7 @@ FIGURES: tuple[Published, ...] = (
         place="the line from Flinders Peak to Buninyong by his formula, as Geoscience Australia "
         "and others quote it",
         nature="printed",
+        part="program",
         how="latitude and longitude of sea trials in metres about the first fix",
         within=5e-5,
     ),
