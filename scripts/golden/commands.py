@@ -97,7 +97,7 @@ LINES: dict[str, tuple[str, ...]] = {
         "simulate s175-3dof --rudder-deg 20 --speed 8 --wave-height 3 --wave-period 8"
         " --waves-from-deg 30 --wave-motion --no-figures --json --out waves",
         "simulate kvlcc2 --speed 'Fn 0.142' --depth 30 --no-figures --json --out shallow",
-        "simulate datasets/patrol_vessel/model.toml --manoeuvre stopping --speed '28.3 kn'"
+        "simulate patrol-vessel-44 --manoeuvre stopping --speed '28.3 kn'"
         " --turns -1 --set reversal_s=15 --no-figures --json --out patrol",
     ),
     "estimate": (

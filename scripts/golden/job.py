@@ -23,6 +23,8 @@ SPEEDS = {
     "esso190k": 8.23,
     "esso-osaka-3m": 0.4,
     "tanker-320": 7.97,
+    "bulk-carrier-170": 7.25,
+    "patrol-vessel-44": 14.92,
 }
 """Approach speeds [m/s] of the ships of the library."""
 

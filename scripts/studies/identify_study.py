@@ -3,7 +3,7 @@
     python -m scripts.studies.identify_study [--replicates 200] [--methods ekf] [--workers 4] \
         [--seed 0]
 
-Two ships at full scale, KVLCC2 and the 170 m bulk carrier of `bulk_carrier.py`. Each replicate
+Two ships at full scale, KVLCC2 and the 170 m bulk carrier of the library. Each replicate
 draws a start model (every value off by 20 %, one standard deviation), sails zigzags 10/10 and
 20/20 and a pull-out with the true model, and samples what a ship has: position (1 m, 1 Hz), heading
 (0.1°), yaw rate (0.02°/s), speed log ahead (0.05 m/s). The model identified from them turns with
@@ -21,12 +21,11 @@ from dataclasses import replace
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.identification.binding import driven
 from pmmkit.identification.methods import identify
 from pmmkit.identification.prior import prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
-from scripts.studies.bulk_carrier import TRIAL, bulk_carrier
+from scripts.studies.bulk_carrier import NAME, TRIAL
 from scripts.studies.workers import add_workers, crew, in_order
 from tests.support.recorded import recorded
 
@@ -73,7 +72,7 @@ def ship_of(name: str) -> tuple[Model, float]:
     """The true model, revolutions as an input, and its speed."""
     if name == "kvlcc2":
         return pk.load_model("kvlcc2"), 7.97
-    return driven(bulk_carrier()), TRIAL
+    return pk.load_model(NAME), TRIAL
 
 
 def record(model: Model, speed: float, number: int, rng: np.random.Generator) -> FreeRecord:

@@ -1,33 +1,29 @@
 """A waterjet patrol vessel's trials: turns by the jets' angle and a stop by buckets.
 
-    python -m scripts.studies.patrol_vessel [--write FILE]
+    python -m scripts.studies.patrol_vessel
 
 The trials are those printed in "Estimation of Hydrodynamic Derivatives from Sea Trial Data Using
-System Identification Technique" (44 m, three waterjets, 330 t). Of the ship it gives length,
-breadth, draught, displacement, power and revolutions; all else is estimated or assumed, named as
-such below, and not tuned to the trials. The turns are sailed again with one thing changed at a
-time, to show what of it the two turns can tell. `--write` makes `datasets/patrol_vessel`'s model.
+System Identification Technique" (44 m, three waterjets, 330 t). Of `patrol-vessel-44` of the
+library it gives length, breadth, draught, displacement, power and revolutions; all else is
+estimated and not tuned to the trials. The turns are sailed again with one thing changed at a time,
+to show what of it the two turns can tell.
 """
 
 from __future__ import annotations
 
-import argparse
 import math
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.conventions import force_unit
-from pmmkit.empirical import estimate
-from pmmkit.models import Model, Part
-from pmmkit.ship import Ship, Water
+from pmmkit.models import Model
 from pmmkit.simulation.track import Track
 
+NAME: Final = "patrol-vessel-44"
 KNOT: Final = 1852 / 3600
-L, B, DRAUGHT, MASS = 44.0, 8.36, 1.65, 330e3
+L, MASS = 44.0, 330e3
 TURNING_SPEED, STOPPING_SPEED = 29.0 * KNOT, 28.3 * KNOT
 ENGINE, POWER, JETS = 2050 / 60, 2720e3, 3
 ANGLE = 30.0
@@ -44,18 +40,11 @@ TIMES: Final = {-ANGLE: 57.0, ANGLE: 56.0}
 """Times of the turns [s]; the paper does not say to which heading: taken as 360°."""
 STOP: Final = {"time_to_stop": 25.0, "track_reach": 209.0}
 """The stop by buckets of the trial [s, m]."""
-PAPER: Final = "stated: "
-ASSUMED: Final = "assumed: "
+PROPULSIVE: Final = 0.55
+"""Share of the engines' power that reaches the hull at 29 knots in the ship of the library."""
 PUMP, INTAKE, GEAR = 0.9, 0.8, 0.97
 """Efficiencies of a pump and of the gearing, and the share of the intake's dynamic head that a pump
 gets: usual values."""
-NOTES: Final = (
-    "Not to be relied on. A planing hull at Fn 0.72, estimated by regressions over displacement "
-    "ships; jets from the engines' power and usual efficiencies. docs/waterjets.md has her trials "
-    "beside it.",
-    "She does not heel: neither GM nor the centre of gravity's height is stated.",
-    "The paper's speeds differ: 34 knots among the particulars, 29 in the turns, 28.3 in the stop.",
-)
 
 
 def jet(propulsive: float, wake: float) -> tuple[float, float, float]:
@@ -80,100 +69,20 @@ def jet(propulsive: float, wake: float) -> tuple[float, float, float]:
     return resistance, fast, thrust / (1025.0 * (fast - inflow))
 
 
-def patrol_vessel(*, propulsive: float = 0.55, **changes: float) -> Model:
-    """The model; `changes` replace values of the jets, or multiply derivatives of the hull."""
-    water = Water(rho=1025.0)
-    ship = Ship(
-        name="Inshore patrol vessel",
-        L=L,
-        B=B,
-        d=DRAUGHT,
-        volume=MASS / water.rho,
-        mass=MASS,
-        xG=0.0,
-        Izz=MASS * (0.25 * L) ** 2,
-    )
-    guess, cross = estimate(ship, "yoshimura-masumoto"), estimate(ship, "clarke")
-    values = guess.values | {name: L / DRAUGHT * cross.values[name] for name in ("Yrdot", "Nvdot")}
-    doubts = guess.std | {name: L / DRAUGHT * cross.std[name] for name in ("Yrdot", "Nvdot")}
-    resistance, fast, flow = jet(propulsive, 0.05)
-    unit = force_unit("X", guess.convention.system, ship=ship, water=water, U=TURNING_SPEED)
-    values = values | {"Xuu": -resistance / unit}
-    doubts = doubts | {"Xuu": 0.25 * resistance / unit}
-    values = {name: x * changes.get(name, 1.0) for name, x in values.items()}
-    moving = {name: x for name, x in values.items() if name.endswith("dot")}
-    jets = {
-        "number": float(JETS),
-        "nozzle": flow / fast,
-        "D": 0.7,
-        "phi0": flow / (ENGINE * 0.7**3),
-        "w": 0.05,
-        "rate_deg_s": 5.0,
-        "max_deg": ANGLE,
-    }
-    parts = (
-        _part(
-            "hull_polynomial",
-            {name: x for name, x in values.items() if name not in moving},
-            f"empirical: {guess.source}",
-            references=guess.sources[:1],
-            std=doubts,
-            sources={"Xuu": f"{ASSUMED}{propulsive:g} of the engines' power at 29 knots"},
-        ),
-        _part(
-            "added_mass",
-            moving,
-            "empirical: Clarke, Gedling and Hine 1983; Zhou et al. 1983",
-            references=("clarke_gedling_hine_1983", "zhou_1983"),
-            std=doubts,
-        ),
-        _part(
-            "waterjet",
-            jets | {name: x for name, x in changes.items() if name not in values},
-            f"{ASSUMED}usual values",
-            references=("sea_trial_identification",),
-            sources={
-                "number": f"{PAPER}three waterjets",
-                "max_deg": f"{PAPER}the angle of the turns; the largest is not",
-                "nozzle": f"{ASSUMED}thrust and power of a jet with usual efficiencies",
-                "phi0": f"{ASSUMED}that jet at the 2050 revolutions per minute of the turns",
-            },
-        ),
-    )
-    return Model(
-        name="patrol-vessel",
-        title="Inshore patrol vessel with three waterjets, from her particulars",
-        ship=ship,
-        water=water,
-        convention=guess.convention.with_(surge="constant"),
-        parts=MappingProxyType({part.effect: part for part in parts}),
-        scale="full scale, L = 44 m; revolutions are those of the engines",
-        notes=NOTES,
-    )
-
-
-def _part(
-    effect: str,
-    values: Mapping[str, float],
-    source: str,
-    *,
-    references: tuple[str, ...],
-    std: Mapping[str, float] = MappingProxyType({}),
-    sources: Mapping[str, str] = MappingProxyType({}),
-) -> Part:
-    return Part(
-        effect=effect,
-        values=MappingProxyType({name: _short(x) for name, x in values.items()}),
-        source=source,
-        references=references,
-        std=MappingProxyType({name: _short(x) for name, x in std.items() if name in values}),
-        sources=MappingProxyType(dict(sources)),
-    )
-
-
-def _short(value: float) -> float:
-    """Five digits: more say nothing, and a person reads the file."""
-    return float(f"{value:.5g}")
+def patrol_vessel(*, propulsive: float = PROPULSIVE, **changes: float) -> Model:
+    """The ship of the library; `changes` replace values of the jets, or multiply derivatives."""
+    model = pk.load_model(NAME)
+    hull, jets = model.values("hull_polynomial"), model.values("waterjet")
+    if propulsive != PROPULSIVE:
+        _, fast, flow = jet(propulsive, jets["w"])
+        changes |= {
+            "nozzle": flow / fast,
+            "phi0": flow / (ENGINE * jets["D"] ** 3),
+            "Xuu": propulsive / PROPULSIVE,
+        }
+    multiplied = {name: x * hull[name] for name, x in changes.items() if name in hull}
+    replaced = {name: x for name, x in changes.items() if name not in hull}
+    return model.with_values("hull_polynomial", **multiplied).with_values("waterjet", **replaced)
 
 
 def turned(model: Model, angle: float = ANGLE) -> Track:
@@ -228,13 +137,8 @@ STOPS: Final[Mapping[str, Mapping[str, float]]] = {
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--write", help="file for the model")
-    options = parser.parse_args()
     model = patrol_vessel()
-    if options.write:
-        pk.save_model(model, options.write)
-    resistance, fast, flow = jet(0.55, 0.05)
+    resistance, fast, flow = jet(PROPULSIVE, model.values("waterjet")["w"])
     print(
         f"Resistance {resistance / 1e3:.0f} kN, {resistance / MASS / 9.81:.3f} of the weight; jets "
         f"{fast:.1f} m/s, {flow:.2f} m³/s each, nozzle {math.sqrt(4 * flow / fast / math.pi):.2f} m"

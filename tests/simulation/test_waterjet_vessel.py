@@ -3,23 +3,15 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import pytest
 
 import pmmkit as pk
 from pmmkit.equations import prepare
 from pmmkit.models.standing import GUESSED
-from scripts.studies.patrol_vessel import STOPPING_SPEED, TURNING_SPEED, patrol_vessel
+from scripts.studies.patrol_vessel import NAME, STOPPING_SPEED, TURNING_SPEED
 
-FILE = Path(__file__).parents[2] / "datasets" / "patrol_vessel" / "model.toml"
-VESSEL = pk.load_model(FILE)
-
-
-def test_the_file_is_what_the_study_makes():
-    made = patrol_vessel()
-    assert made.parts == VESSEL.parts
-    assert (made.ship, made.notes) == (VESSEL.ship, VESSEL.notes)
+VESSEL = pk.load_model(NAME)
 
 
 def test_the_jets_of_the_approach_take_the_stated_power_at_the_stated_revolutions():
