@@ -25,7 +25,7 @@ from pmmkit.loop.several import Tests, several_campaigns
 from pmmkit.models import Model, load_model
 from pmmkit.models.changes import restored
 from pmmkit.models.edit import without_effect
-from pmmkit.models.step import Step, last_added, odds
+from pmmkit.models.step import Step, added, odds
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.structures import Structure
 
@@ -399,9 +399,10 @@ def undone(model: Model, own: Sequence[Effect] = ()) -> tuple[Model, str]:
     ModelError
         If its steps know of no effect that was added.
     """
-    last = last_added(model.steps)
-    if last is None:
+    there = added(model.steps)
+    if not there:
         raise ModelError(f"The history of {model.name} knows of no effect that was added.")
+    last = there[-1]
     step = model.steps[last]
     if step.action == "fault_corrected":
         bare = model
@@ -411,4 +412,5 @@ def undone(model: Model, own: Sequence[Effect] = ()) -> tuple[Model, str]:
         )
     else:
         bare = restored(model, step.before)
-    return bare.with_(steps=(*model.steps[:last], *model.steps[last + 1 :])), step.effect
+    left = (*model.steps[:last], *model.steps[last + 1 :])
+    return bare.with_(steps=()).stepped(*left), step.effect

@@ -29,6 +29,7 @@ from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
 from pmmkit.models.store import load_model
 from pmmkit.tables.table import DerivativeTable
+from pmmkit.tables.verdict import MISFIT
 
 Missing = Literal["refuse", "zero", "library", "estimate"]
 HULL_TERMS: Final = ("Yv", "Yr", "Nv", "Nr")
@@ -178,7 +179,15 @@ def to_model(
         title=f"Hull of {table.ship.name}; other parts of {donor.name}",
         scale=_scale(table, donor),
         notes=(*notes, *table.notes),
-        steps=(Step(action="built", ship=table.ship.name, parts=donor.name), *forced),
+        steps=(
+            Step(
+                action="built",
+                ship=table.ship.name,
+                parts=donor.name,
+                misfit=tuple(table.provenance.get(MISFIT, ())),
+            ),
+            *forced,
+        ),
     )
 
 

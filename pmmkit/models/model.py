@@ -27,7 +27,7 @@ from pmmkit.errors import (
     UnknownNameError,
     Way,
 )
-from pmmkit.models.step import Step, Value
+from pmmkit.models.step import Step, Value, added
 from pmmkit.presentation import (
     WIDE,
     Described,
@@ -173,8 +173,14 @@ class Model(Described):
         return FORCED.format(" ".join(dict.fromkeys(faults))) if faults else ""
 
     def stepped(self, *steps: Step) -> Model:
-        """A copy with steps more."""
-        return replace(self, steps=(*self.steps, *steps))
+        """A copy with steps more; what a table said of its misfit stands among the notes as long as
+        no effect is in the model that was fitted together with the derivatives."""
+        whole = (*self.steps, *steps)
+        misfit = tuple(text for step in whole for text in step.misfit)
+        others = tuple(text for text in self.notes if text not in misfit)
+        fitted = any(whole[place].error_after is not None for place in added(whole))
+        stands = () if fitted else misfit
+        return replace(self, notes=(*stands, *others), steps=whole)
 
     @property
     def std(self) -> Mapping[str, tuple[float, ...]]:

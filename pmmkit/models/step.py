@@ -94,6 +94,9 @@ class Step:
         Faults of the measurement that the fit corrected.
     names : tuple of str
         Values that were identified, or what makes the table of a forced model not usable.
+    misfit : tuple of str
+        What the table of a model that was built says of its misfit: notes that stand until an
+        effect is fitted to tests together with the derivatives.
     left_out : tuple of str
         Terms that were left out, or that the model had before.
     numbers : mapping of str to float or tuple of float
@@ -134,6 +137,7 @@ class Step:
     count: int | None = None
     faults: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
+    misfit: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     numbers: Mapping[str, Value] = field(default_factory=_none)
     source: str = ""
@@ -219,8 +223,8 @@ def faults_of(steps: Sequence[Step], campaign: str) -> dict[str, Step]:
     }
 
 
-def last_added(steps: Sequence[Step]) -> int | None:
-    """Number of the last step that put an effect or a fault in which is not taken out since.
+def added(steps: Sequence[Step]) -> tuple[int, ...]:
+    """Places of the steps that added what is still in a model: effects, and faults of the tests.
 
     Parameters
     ----------
@@ -230,8 +234,8 @@ def last_added(steps: Sequence[Step]) -> int | None:
     Examples
     --------
     >>> into = [Step(action="effect_added", effect=name) for name in ("memory", "asymmetry")]
-    >>> last_added([*into, Step(action="effect_removed", effect="asymmetry")])
-    0
+    >>> added([*into, Step(action="effect_removed", effect="asymmetry")])
+    (0,)
     """
     there: list[int] = []
     for number, step in enumerate(steps):
@@ -240,7 +244,7 @@ def last_added(steps: Sequence[Step]) -> int | None:
         elif step.action == "effect_removed":
             same = [i for i in there if steps[i].effect == step.effect]
             there = [i for i in there if i not in same[-1:]]
-    return there[-1] if there else None
+    return tuple(there)
 
 
 # The sentence of each action

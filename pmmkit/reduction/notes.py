@@ -111,6 +111,23 @@ def notes(solution: Solution, rows: Sequence[Rows]) -> tuple[str, ...]:
     )
 
 
+def misfits(solution: Solution) -> tuple[str, ...]:
+    """Those sentences of `notes` that say how far a structure is from its tests."""
+    return tuple(
+        _misfit(item, at_froude(solution.Fn[group]))
+        for group, item in solution.fits
+        if item.excessive
+    )
+
+
+def _misfit(item: ChannelFit, where: str) -> str:
+    return (
+        f"{item.channel}{where}: the misfit is {math.sqrt(item.scale):.1f} times the noise of the "
+        f"records, and scatter between runs does not explain it. The structure lacks something; "
+        f"the intervals are wider, but do not hold its bias."
+    )
+
+
 def _ramps(rows: Sequence[Rows]) -> Iterator[str]:
     """Oscillating records of which a ramp of the carriage was cut."""
     cut = [f"{item.result.run.id} {item.result.ramp}" for item in rows if item.result.ramp]
@@ -169,11 +186,7 @@ def _sentences(solution: Solution) -> Iterator[str]:
         yield from _together(item, where)
         yield from _signs(item, where)
         if item.excessive:
-            yield (
-                f"{item.channel}{where}: the misfit is {math.sqrt(item.scale):.1f} times the "
-                f"noise of the records, and scatter between runs does not explain it. The "
-                f"structure lacks something; the intervals are wider, but do not hold its bias."
-            )
+            yield _misfit(item, where)
         elif math.isnan(item.chi_square) and item.freedom == 0:
             yield (
                 f"{item.channel}{where}: as many coefficients as rows and no stated noise, "

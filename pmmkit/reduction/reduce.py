@@ -34,7 +34,7 @@ from pmmkit.reduction.methods.library import library_of
 from pmmkit.reduction.methods.method import Estimate, Evidence
 from pmmkit.reduction.methods.over_time import channels_over_time
 from pmmkit.reduction.methods.registry import ALL, estimates, methods_of
-from pmmkit.reduction.notes import Offset, notes, offsets
+from pmmkit.reduction.notes import Offset, misfits, notes, offsets
 from pmmkit.reduction.odd_runs import at_odds, runs_at_odds, weighed_down
 from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
 from pmmkit.reduction.reading.all_runs import Means, read_all
@@ -44,7 +44,7 @@ from pmmkit.reduction.surge_zero import surge_zero
 from pmmkit.reduction.verdict import verdict
 from pmmkit.structures import Structure, structure_of
 from pmmkit.tables import DerivativeTable
-from pmmkit.tables.verdict import KEY, Verdict
+from pmmkit.tables.verdict import KEY, MISFIT, Verdict
 from pmmkit.version import __version__
 
 if TYPE_CHECKING:
@@ -332,7 +332,10 @@ def reduce_campaign(
         convention,
         method="global regression",
         notes=remarks,
-        provenance=_provenance(campaign, results, wanted, fn, cycles, blockage),
+        provenance={
+            **_provenance(campaign, results, wanted, fn, cycles, blockage),
+            MISFIT: list(misfits(solution)),
+        },
     )
     histories = tuple(item.history for item in read if item.history is not None)
     evidence = Evidence(

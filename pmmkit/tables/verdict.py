@@ -11,6 +11,8 @@ from pmmkit.presentation import counted
 Use = Literal["usable", "usable with doubts", "not usable"]
 KEY: Final = "verdict"
 """Entry of a table's provenance that holds its verdict."""
+MISFIT: Final = "misfit"
+"""Entry of a table's provenance that holds those of its notes that speak of a misfit."""
 
 
 @dataclass(frozen=True, kw_only=True)

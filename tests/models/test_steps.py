@@ -20,7 +20,7 @@ from pmmkit.loop.saved import read_session
 from pmmkit.loop.session import undone
 from pmmkit.models import Step, load_model, model_text, save_model
 from pmmkit.models.old_files import steps_of_sentences
-from pmmkit.models.step import SENTENCES, Action, Before, last_added
+from pmmkit.models.step import SENTENCES, Action, Before, added
 
 DATA = Path(__file__).parents[1] / "data"
 FULL = Step(
@@ -241,12 +241,35 @@ def test_an_effect_taken_back_leaves_the_model_to_the_bit(bare, effect, Fn, tmp_
     assert model_text(back) == model_text(old)
 
 
+def test_a_misfit_stands_until_an_effect_is_fitted_and_again_when_it_is_taken_out(bare, tmp_path):
+    misfit = "Y: the misfit is 8 times the noise of the records."
+    built = bare.with_(notes=("Izz is as stated.",), steps=()).stepped(
+        Step(action="built", ship="a", parts="b", misfit=(misfit,))
+    )
+    assert built.notes == (misfit, "Izz is as stated.")
+    typical = pk.with_effect(built, "memory", coefficients="typical")
+    assert typical.notes == built.notes
+    fit = {"campaign": "tests", "error_before": 0.07, "error_after": 0.01, "log_odds": 9.0}
+    own = {"effect": "memory", "coefficients": {"Yv_late": -0.004}}
+    fitted = built.stepped(Step(action="effect_added", **own, **fit))
+    assert fitted.notes == ("Izz is as stated.",)
+    save_model(fitted, tmp_path / "fitted.toml")
+    assert load_model(tmp_path / "fitted.toml").notes == fitted.notes
+    back, _ = undone(
+        fitted.with_(steps=(*fitted.steps[:-1], replace(fitted.steps[-1], before=BACK)))
+    )
+    assert back.notes == built.notes
+
+
+BACK = Before()
+
+
 def test_effects_are_undone_from_the_last_to_the_first(bare):
     more = pk.with_effect(
         bare, ("memory", "froude_linear", "asymmetry"), coefficients="typical", Fn=(0.1, 0.2)
     )
     more = pk.without_effect(more, "asymmetry")
-    assert last_added(more.steps) == 2
+    assert added(more.steps)[-1] == 2
     back, effect = undone(more)
     assert effect == "froude_linear"
     back, effect = undone(back)
