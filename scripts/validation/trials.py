@@ -16,7 +16,8 @@ from scripts.validation.sailed import turns
 PAPER = {"sources": ("sea_trial_identification",), "nature": "measured", "part": "prediction"}
 ESTIMATES = (
     "The paper prints nine derivatives, which it identified from this ship's trials; propeller, "
-    "rudder and resistance are estimates from the particulars, not tuned to the trial ([bulk_carrier.md](bulk_carrier.md)). Its own "
+    "rudder and resistance are estimates from the particulars, not tuned to the trial "
+    "([bulk_carrier.md](bulk_carrier.md)). Its own "
     "simulation differs by 1.34 % in tactical diameter and 12.7 % in advance."
 )
 
