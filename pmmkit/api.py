@@ -273,19 +273,40 @@ def _without_thrust(reduction: Reduction, table: DerivativeTable) -> DerivativeT
 
 
 def _not_shown(reduction: Reduction) -> list[str]:
-    """Terms of a third-order hull that a structure lacks because the runs do not show them.
+    """Terms of a third-order hull that a structure lacks and the runs do not show.
 
-    What the runs chose is no statement on the ship: to leave a coupling out would be to say that it
-    is zero.
+    They are estimated, whatever the structure's name: to leave a coupling out would be to say that
+    it is zero. Terms that the runs show and that were not asked for are left out, and told
+    (`models.standing`).
     """
     usual = structures()[_THIRD_ORDER].derivatives
-    chosen = structures()[reduction.table.provenance["structure"]] if reduction.because else None
+    chosen = structures().get(reduction.table.provenance["structure"])
     if chosen is None or not set(chosen.derivatives) < set(usual):
         return []
-    return [name for name in usual if name not in chosen.derivatives]
+    lacking = [name for name in usual if name not in chosen.derivatives]
+    if reduction.because or not _coupled(reduction):
+        return lacking
+    return []
+
+
+def _coupled(reduction: Reduction) -> bool:
+    """Whether the ship both drifts and yaws in some run."""
+    sizes = np.array(
+        [
+            [
+                np.linalg.norm(row.design["Y"][:, row.names["Y"].index(name)])
+                for name in ("Yv", "Yr")
+            ]
+            for row in reduction.rows
+            if "Y" in row.design and {"Yv", "Yr"} <= set(row.names["Y"])
+        ]
+    )
+    return bool(len(sizes)) and bool((sizes > BOTH * sizes.max(axis=0)).all(axis=1).any())
 
 
 _THIRD_ORDER: Final = "abkowitz3"
+BOTH: Final = 0.1
+"""A run drifts, or yaws, where it does so by more than this share of the run that does it most."""
 
 
 def _rolling(stated: Model, reduction: Reduction, table: DerivativeTable) -> Model:

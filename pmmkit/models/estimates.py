@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Final
 
@@ -24,8 +26,10 @@ from pmmkit.empirical import (
     rudder_values,
     wetted_surface,
 )
+from pmmkit.models.hull import hull_table
 from pmmkit.models.model import Model, Part
 from pmmkit.models.particulars import PROPELLER_ERRORS, RUDDER_ERRORS, propeller_values
+from pmmkit.models.standing import any_across
 from pmmkit.models.step import Step
 from pmmkit.ship import Ship, Water, viscosity
 from pmmkit.tables import DerivativeTable, from_values
@@ -35,6 +39,8 @@ RESISTANCE_ERROR: Final = 0.25
 """Share by which a resistance from friction, form factor 1.2 and little more may be wrong."""
 FROUDE: Final = 0.2
 """For the resistance of a table over all speeds."""
+COUPLINGS: Final = ("Yvvr", "Yvrr", "Nvvr", "Nvrr")
+"""Terms of sway and yaw together."""
 SURGE: Final = "yoshimura-masumoto"
 """The method whose surge terms stand in all models."""
 
@@ -260,6 +266,43 @@ def estimated_table(like: DerivativeTable) -> DerivativeTable:
         method=f"empirical: {guess.source}",
     )
     return converted(made, target)
+
+
+@lru_cache(maxsize=64)
+def with_open_couplings(model: Model) -> Model:
+    """A model of which bands are made: terms that nobody asked for are open, not zero.
+
+    Parameters
+    ----------
+    model : Model
+        Any.
+
+    Returns
+    -------
+    Model
+        Where nothing of side force and moment goes with sway and yaw together (`standing`), the
+        terms of `COUPLINGS` are zero with the size of their estimate as standard uncertainty; else
+        the model itself.
+
+    Examples
+    --------
+    >>> from pmmkit.models.store import load_model
+    >>> ship = load_model("s175-3dof")
+    >>> with_open_couplings(ship) is ship
+    True
+    """
+    turns = HULL in model.parts and any_across(model, lambda v, r: v or r)
+    if not turns or any_across(model, lambda v, r: v and r):
+        return model
+    guess = estimated_table(hull_table(model))
+    std = {name: float(np.mean(np.abs(guess[name]))) for name in COUPLINGS if name in guess}
+    hull = model.parts[HULL]
+    opened = replace(
+        hull,
+        values=MappingProxyType({**hull.values, **dict.fromkeys(std, 0.0)}),
+        std=MappingProxyType({**hull.std, **std}),
+    )
+    return model.with_(parts=MappingProxyType({**model.parts, HULL: opened}))
 
 
 def _surge(guess: Estimate, ship: Ship) -> tuple[dict[str, float], dict[str, float]]:

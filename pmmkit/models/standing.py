@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
+import numpy as np
+
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects.hull import HULL
 from pmmkit.models.model import FN_TOLERANCE, Model, Part
@@ -190,14 +192,15 @@ def standing(model: Model, speed: float) -> Standing:
 
 
 def any_across(model: Model, which: Callable[[int, int], object]) -> bool:
-    """Whether the hull's side force and moment have such a term, by powers of v and r; other parts
-    that hold some of them have any."""
+    """Whether the hull's side force and moment have such a term, by powers of v and r, that is not
+    zero; other parts that hold some of them have any."""
     others = any(
         name != HULL and "Y" in part.known.outputs and not (part.known.roles or part.known.needs)
         for name, part in model.parts.items()
     )
     hull = model.parts.get(HULL)
-    terms = [] if hull is None else [parse_derivative(name) for name in hull.values]
+    there = {} if hull is None else hull.values
+    terms = [parse_derivative(name) for name, value in there.items() if np.any(value)]
     return others or any(
         which(x.count("v"), x.count("r")) for x in terms if x.channel in ("Y", "N")
     )

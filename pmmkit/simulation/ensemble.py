@@ -24,6 +24,7 @@ from pmmkit.executors import Workers, each, opened
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.models.astern import reversed_by_bucket
+from pmmkit.models.estimates import with_open_couplings
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.standing import Standing, standing
 from pmmkit.numerics import Array
@@ -359,7 +360,7 @@ def batch_of(
         rudder_lag=rudder_lag,
         revolutions=revolutions,
     )
-    loaded = ship_for(chosen, loaded, speed, settings, extrapolate=extrapolate)
+    loaded = with_open_couplings(ship_for(chosen, loaded, speed, settings, extrapolate=extrapolate))
     conditions = Conditions(**around)
     pace = speed / loaded.ship.L
     plan = chosen.plan(

@@ -149,8 +149,10 @@ def _faults_of_entry(manoeuvre: Manoeuvre) -> Iterator[str]:
         yield "a setting comes twice"
     around = list(manoeuvre.around())
     takes = list(signature(manoeuvre.orders).parameters)[1:]
-    if set(takes) != {*names, *around}:
-        yield f"its function takes {', '.join(takes)}; declared are {', '.join([*names, *around])}"
+    ordered = [setting.name for setting in manoeuvre.settings if not setting.engine]
+    if set(takes) != {*ordered, *around}:
+        declared = ", ".join([*ordered, *around])
+        yield f"its function takes {', '.join(takes)}; declared are {declared}"
     for setting in manoeuvre.settings:
         yield from _faults_of_setting(manoeuvre, setting)
 
@@ -188,7 +190,7 @@ def _faults_of_plan(manoeuvre: Manoeuvre, settings: Mapping[str, Any]) -> Iterat
             yield f"the probe {probe} looks at phases that there are not"
     for setting in manoeuvre.settings:
         for value in (0.1, 1.0, min(setting.below, 90.0) * (1 - 1e-9)):
-            if setting.problem(value) is None:
+            if setting.problem(value) is None and not setting.engine:
                 yield from _refused_badly(manoeuvre, given | {setting.name: value}, setting.name)
 
 

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+import pmmkit as pk
 from pmmkit.api import model_of
 from pmmkit.errors import CampaignError
+from pmmkit.models.estimates import COUPLINGS
+from pmmkit.models.standing import standing
 from pmmkit.reduction import reduce_campaign
 from tests.support import second_tank
 
@@ -47,15 +50,33 @@ def test_drift_sway_and_yaw_alone_leave_the_coupling_out_and_say_so(tanker):
 
 @pytest.mark.slow
 def test_what_the_runs_do_not_show_is_estimated_in_the_model_and_not_left_out(tanker):
-    """Whoever lets the runs choose does not say that a coupling is zero."""
+    """Whichever structure is named: no name says that a coupling is zero."""
     made = only(tanker, *ROOT_TESTS)
-    chosen, asked = (model_of(reduced(made, name)) for name in ("auto", "abkowitz3"))
-    for name in ("Yvvr", "Yvrr", "Nvvr", "Nvrr"):
-        own, other = (each.part("hull_polynomial") for each in (chosen, asked))
-        assert own.source_of(name).startswith("empirical")
-        assert own.values[name] == pytest.approx(other.values[name], rel=0.01)
-        assert own.std[name] > 0
-    assert "Yvvr" not in model_of(reduced(made, "cubic")).part("hull_polynomial").values
+    asked, *others = (model_of(reduced(made, name)) for name in ("abkowitz3", "auto", "cubic"))
+    for name in COUPLINGS:
+        for each in others:
+            own, other = (each.part("hull_polynomial") for each in (each, asked))
+            assert own.source_of(name).startswith("empirical")
+            assert own.values[name] == pytest.approx(other.values[name], rel=0.01)
+            assert own.std[name] > 0
+
+
+@pytest.mark.slow
+def test_couplings_that_runs_show_and_nobody_asked_for_are_open_in_bands(tanker):
+    """They are zero, which the standing tells, and differ among ships by what estimates are."""
+    model = model_of(reduced(tanker, "cubic"))
+    assert not set(COUPLINGS) & set(model.part("hull_polynomial").values)
+    speed = model.ship.speed(model.Fn[0], model.water.g)
+    assert standing(model, speed).uncoupled
+    many = pk.monte_carlo(model, speed=speed, n=200, rudder_deg=35.0)
+    assert set(COUPLINGS) <= set(many.names)
+    assert many.standing.uncoupled
+    full = model_of(reduced(tanker, "abkowitz3"))
+    truth = pk.simulate(full, speed=speed, rudder_deg=35.0).metrics["tactical_diameter_L"]
+    low, high = many.interval("tactical_diameter_L")
+    assert low < truth < high
+    found = pk.simulate(model, speed=speed, rudder_deg=35.0).metrics["tactical_diameter_L"]
+    assert many.nominal["tactical_diameter_L"] == pytest.approx(found, rel=1e-6)
 
 
 def test_drift_alone_determines_no_structure(tanker):
