@@ -65,17 +65,7 @@ def errors_in_percent(runs: Sequence[CaptiveRun]) -> pd.DataFrame:
     std = data["standard_uncertainty"]
     own = COVERAGE * np.sqrt((std.sel(source=list(OF_MEASUREMENT)) ** 2).sum("source"))
     table = rows_of(data.assign(U_D=own, floor=COVERAGE * std.sel(source="floor", drop=True)))
-    D, S, U_V = (table[name] for name in ("measured", "predicted", "uncertainty"))
-    size = D.where(D.abs() > np.hypot(table["U_D"], table["floor"]))
-    told = table.assign(
-        D=D,
-        S=S,
-        E_percent=100 * (D - S) / size,
-        U_D_percent=100 * table["U_D"] / size.abs(),
-        U_V_percent=100 * U_V / size.abs(),
-        within=(D - S).abs() <= U_V,
-    )
-    return told[[*_COLUMNS]]
+    return _in_percent(table, np.hypot(table["U_D"], table["floor"]))[[*_COLUMNS]]
 
 
 def measures_in_percent(manoeuvres: Sequence[Manoeuvre]) -> pd.DataFrame:
@@ -104,14 +94,18 @@ def measures_in_percent(manoeuvres: Sequence[Manoeuvre]) -> pd.DataFrame:
     if not found:
         return pd.DataFrame(columns=[*_MEASURES])
     table = pd.DataFrame(found)
-    D = table["measured"]
-    size = D.where(D.abs() > table["U_D"])
-    told = table.assign(
+    return _in_percent(table, table["U_D"])[[*_MEASURES]]
+
+
+def _in_percent(table: pd.DataFrame, least: pd.Series) -> pd.DataFrame:
+    """A table with measured and predicted as D and S, and in per cent of a D larger than `least`."""
+    D, S, U_V = (table[name] for name in ("measured", "predicted", "uncertainty"))
+    size = D.where(D.abs() > least)
+    return table.assign(
         D=D,
-        S=table["predicted"],
-        E_percent=-100 * table["error"] / size,
+        S=S,
+        E_percent=100 * (D - S) / size,
         U_D_percent=100 * table["U_D"] / size.abs(),
-        U_V_percent=100 * table["uncertainty"] / size.abs(),
-        within=table["error"].abs() <= table["uncertainty"],
+        U_V_percent=100 * U_V / size.abs(),
+        within=(D - S).abs() <= U_V,
     )
-    return told[[*_MEASURES]]

@@ -137,7 +137,6 @@ def imo_verdicts(
     draws = _Draws(n=n, spread=spread, seed=seed, known=known)
     sided_draws = replace(draws, n=n if known else 0)
     tests = sided_tests(loaded)
-    warned = standing(loaded, speed)
     found: list[Verdict] = []
     for side in (1.0, -1.0):
         for manoeuvre, starboard, pairs in tests:
@@ -145,10 +144,9 @@ def imo_verdicts(
             track = simulate(loaded, manoeuvre, speed=speed, **settings, **given)
             many = _many(loaded, manoeuvre, speed, sided_draws, settings, given)
             for metric, item in pairs:
-                verdict = verdict_of(
-                    metric, item, track, (*track_conditions(track, full_speed), *warned.sentences)
-                )
-                if many is not None and not warned.forced:
+                said = (*track_conditions(track, full_speed), *track.standing.sentences)
+                verdict = verdict_of(metric, item, track, said)
+                if many is not None and not track.standing.forced:
                     probability = many.probability(verdict.metric, verdict.limit)
                     verdict = replace(verdict, probability=probability)
                 found.append(verdict)
