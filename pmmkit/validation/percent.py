@@ -98,7 +98,7 @@ def measures_in_percent(manoeuvres: Sequence[Manoeuvre]) -> pd.DataFrame:
 
 
 def _in_percent(table: pd.DataFrame, least: pd.Series) -> pd.DataFrame:
-    """A table with measured and predicted as D and S, and in per cent of a D larger than `least`."""
+    """A table with its measured as D and predicted as S, in per cent of a D above `least`."""
     D, S, U_V = (table[name] for name in ("measured", "predicted", "uncertainty"))
     size = D.where(D.abs() > least)
     return table.assign(
