@@ -30,6 +30,11 @@ UNCOUPLED: Final = (
     "which is not zero. How she turns is a first look, not a verdict."
 )
 """Of S175 the tactical diameter is 3.49 L with a `cubic` hull of her tests, 4.36 L with hers."""
+COUPLED: Final = (
+    "The terms of sway and yaw together in side force and moment are estimates from particulars: "
+    "how she turns is a first look, not a verdict."
+)
+"""Of a little hull the tactical diameter is 3.2 L without them and 5.2 L with estimates."""
 REVERSED: Final = (
     "Nobody states what the engine does in a stop: it is assumed, and so are the stop's figures. "
     "`pmmkit uncertainty --manoeuvre stopping` gives their range."
@@ -51,6 +56,8 @@ class Standing:
         Whether all derivatives of the hull's side force and moment are estimates.
     uncoupled : bool
         Whether nothing of the hull's side force and moment goes with sway and yaw together.
+    coupled : bool
+        Whether what goes with both is estimated, of a hull of which other terms are not.
     estimated : tuple of str
         Among propulsion and steering, what goes by values that nobody measured.
     reversed : bool
@@ -64,6 +71,7 @@ class Standing:
     forced: str = ""
     hull: bool = False
     uncoupled: bool = False
+    coupled: bool = False
     estimated: tuple[str, ...] = ()
     reversed: bool = False
     Fn: float = 0.0
@@ -98,6 +106,7 @@ class Standing:
                 self.forced,
                 GUESSED if self.hull else "",
                 UNCOUPLED if self.uncoupled else "",
+                COUPLED if self.coupled else "",
                 self._parts,
                 self._range,
             )
@@ -141,6 +150,7 @@ class Standing:
             "usable": not self.forced,
             "hull_estimated": self.hull,
             "uncoupled": self.uncoupled,
+            "couplings_estimated": self.coupled,
             "estimated": list(self.estimated),
             "engine_assumed": self.reversed,
             "Fn": self.Fn,
@@ -173,9 +183,12 @@ def standing(model: Model, speed: float) -> Standing:
     """
     hull = model.parts.get(HULL)
     across = [] if hull is None else [hull.source_of(x) for x in hull.values if x[0] in "YN"]
+    guessed = bool(across) and all(source.startswith(EMPIRICAL) for source in across)
+    both = [] if hull is None else [hull.source_of(x) for x in hull.values if _together(x)]
     return Standing(
         forced=model.not_usable,
-        hull=bool(across) and all(source.startswith(EMPIRICAL) for source in across),
+        hull=guessed,
+        coupled=not guessed and bool(both) and all(x.startswith(EMPIRICAL) for x in both),
         uncoupled=bool(across) and not any_across(model, lambda v, r: v and r),
         estimated=tuple(
             role
@@ -189,6 +202,12 @@ def standing(model: Model, speed: float) -> Standing:
         Fn=model.ship.froude(speed, model.water.g),
         tested=tuple(model.Fn),
     )
+
+
+def _together(name: str) -> bool:
+    """Whether a term of side force or moment goes with sway and yaw."""
+    term = parse_derivative(name)
+    return name[0] in "YN" and bool(term.count("v") and term.count("r"))
 
 
 def any_across(model: Model, which: Callable[[int, int], object]) -> bool:

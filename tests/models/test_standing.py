@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import pmmkit as pk
 from pmmkit.cli import main
+from pmmkit.models.estimates import COUPLINGS
 from pmmkit.models.particulars import parts_from_particulars
 from pmmkit.models.revise import with_part_of
 from pmmkit.models.standing import Standing, standing
@@ -99,6 +100,19 @@ def test_a_hull_without_couplings_is_no_ground_for_a_verdict_on_turns():
     assert any("no term of sway and yaw together" in text for text in track.notes)
     assert {item.words for item in imo_turning(track)} == {"not settled"}
     assert not any(standing(pk.load_model(name), 3.0).uncoupled for name in pk.ships())
+
+
+def test_estimated_couplings_of_a_measured_hull_are_no_ground_either():
+    hull = SHIP.parts["hull_polynomial"]
+    empirical = dict.fromkeys(COUPLINGS, "empirical: somebody's formula")
+    part = replace(hull, sources={**hull.sources, **empirical})
+    model = SHIP.with_(parts={**SHIP.parts, "hull_polynomial": part})
+    found = standing(model, 9.0)
+    assert (found.coupled, found.uncoupled, found.hull) == (True, False, False)
+    (said,) = found.unsettled
+    assert said.startswith("The terms of sway and yaw together")
+    one = replace(hull, sources={**hull.sources, "Yvvr": "empirical: somebody's formula"})
+    assert not standing(SHIP.with_(parts={**SHIP.parts, "hull_polynomial": one}), 9.0).coupled
 
 
 def test_drawings_and_open_water_of_the_same_ship_do_not_vary():
