@@ -14,6 +14,7 @@ from pmmkit.equations.prepared import Numbers, values_at
 from pmmkit.errors import DataError, ModelError, Problem, Remedy, setting
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS, place_name
+from pmmkit.models.particulars import TOGETHER
 from pmmkit.numerics import Array
 from pmmkit.simulation.froude import Follow
 
@@ -188,7 +189,7 @@ def spread_of(
             origin=f"{100 * spread:g} % of each derivative, independent",
             speeds=len(speeds),
         )
-    alone = _independent(model, values)
+    alone = _of_estimates(model, values)
     if model.covariance is None:
         if alone is None:
             raise ModelError(
@@ -254,7 +255,17 @@ def _alike(means: Array, std: Array) -> Array:
     return np.concatenate([np.diag(row) for row in side * std])
 
 
-def _independent(model: Model, values: Sequence[Numbers]) -> Spread | None:
+def _together(names: Sequence[str]) -> Array:
+    """Root of the correlation of estimates, of which few depend on each other."""
+    correlation = np.eye(len(names))
+    for pair, size in TOGETHER.items():
+        if all(name in names for name in pair):
+            one, other = (names.index(name) for name in pair)
+            correlation[one, other] = correlation[other, one] = size
+    return np.asarray(np.linalg.cholesky(correlation), dtype=np.float64)
+
+
+def _of_estimates(model: Model, values: Sequence[Numbers]) -> Spread | None:
     """Values with an uncertainty of their own, such as estimates from particulars."""
     named, means, stds = [], [], []
     for effect, part in model.parts.items():
@@ -270,7 +281,7 @@ def _independent(model: Model, values: Sequence[Numbers]) -> Spread | None:
     return Spread(
         names=tuple(named),
         mean=np.array(means).T.ravel(),
-        root=_alike(np.array(means).T, np.array(stds).T),
+        root=_alike(np.array(means).T, np.array(stds).T) @ _together(named),
         origin=f"{len(named)} estimates with the spread that they have among ships",
         speeds=len(values),
     )
