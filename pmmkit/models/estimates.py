@@ -37,9 +37,11 @@ from pmmkit.ship import Ship, Water, viscosity
 from pmmkit.tables import DerivativeTable, from_values
 from pmmkit.tables.convert import converted, to_system
 
-RESISTANCE_ERROR: Final = StandardError(0.25, ships=(), why="naval architects' first estimates")
-"""How far a resistance from friction, form factor 1.2 and little more may be off. The models of
-KVLCC2, KCS (7 m) and Esso Osaka and the ship S175 lie 10 % off; surface and weather are more."""
+RESISTANCE_ERROR: Final = StandardError(
+    0.25, ships=(), why="four tests at their scale lie 10 % off, surface and waves are more"
+)
+"""How far a resistance from friction, form factor 1.2 and little more may be off. The tests are of
+KVLCC2 and KCS at 7 m, Esso Osaka at 3 m, and S175."""
 FROUDE: Final = 0.2
 """For the resistance of a table over all speeds."""
 SURGE: Final = "yoshimura-masumoto"

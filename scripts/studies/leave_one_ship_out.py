@@ -92,8 +92,8 @@ TWICE: Final = (
 HSVA_SPEED: Final = 1.18
 RULES: Final[Mapping[str, Callable[[int], float]]] = {
     "deviation alone": lambda _: 1.0,
-    "of the next ship, as in the package": lambda n: math.sqrt(1.0 + 1.0 / n),
-    "Student, each value by itself": lambda n: float(stats.t.ppf(0.975, n) / stats.norm.ppf(0.975)),
+    "next ship, as in the package": lambda n: math.sqrt(1.0 + 1.0 / n),
+    "Student": lambda n: float(stats.t.ppf(0.975, n) / stats.norm.ppf(0.975)),
 }
 """What the deviation of n ships is multiplied by for one more."""
 
@@ -359,7 +359,7 @@ def share(rows: list[Row]) -> str:
     held, n = sum(row.held for row in rows), len(rows)
     known = stats.binomtest(held, n).proportion_ci(0.95, method="exact")
     return (
-        f"{held} of {n}, {100 * held / n:.0f} % ({100 * known.low:.0f} to {100 * known.high:.0f})"
+        f"{held} of {n}, {100 * held / n:.3g} % ({100 * known.low:.0f} to {100 * known.high:.0f})"
     )
 
 
@@ -475,10 +475,8 @@ def main() -> None:
     parser.add_argument("--write", action="store_true", help="the table into docs/estimates.md")
     options = parser.parse_args()
     found = {"the package's own": everything(options.ships, None)}
-    found |= {
-        f"of the others: {name}": everything(options.ships, rule) for name, rule in RULES.items()
-    }
-    fair = found[f"of the others: {list(RULES)[1]}"]
+    found |= {f"others', {name}": everything(options.ships, rule) for name, rule in RULES.items()}
+    fair = found[f"others', {list(RULES)[1]}"]
     text = f"{counts(found)}\n\n{by_ship(found)}\n\n{figures(fair)}"
     print(text)
     for name, size in lent().items():
