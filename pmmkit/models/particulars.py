@@ -75,6 +75,7 @@ DAMPED: Final = (0.05, 0.03)
 WAKE: Final = MappingProxyType({"wake": "mmg"})
 """The form of a wake of which nobody says how it grows with drift: one whose growth can vary."""
 GROWTH: Final = ("C1", "C2_positive", "C2_negative")
+"""What says how a wake of that form grows."""
 UNTOLD: Final = "not stated: usual growth in drift"
 """Where the growth of a stated propeller's wake comes from: no ground to call her an estimate."""
 USUAL_LENGTH: Final = 200.0

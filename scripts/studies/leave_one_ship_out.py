@@ -31,6 +31,7 @@ from pmmkit.models.particulars import (
     DRAWN,
     PROPELLER_ERRORS,
     RUDDER_ERRORS,
+    WAKE_GROWTH,
     parts_from_particulars,
     propeller_diameter,
     rudder_area,
@@ -123,7 +124,7 @@ def deviations() -> Mapping[str, Mapping[str, tuple[float, float]]]:
     for ship, name in SOURCES.items():
         model = pk.load_model(name)
         own = {SCREW: dict(model.values(SCREW)), BLADE: dict(model.values(BLADE))}
-        if "tau" in own[SCREW] and name == "s175-3dof":
+        if ship in WAKE_GROWTH.ships and "C2_positive" not in own[SCREW]:
             grown = own[SCREW]["tau"] * CROSS**2 / (1.0 - own[SCREW]["wp"])
             growth = 1.0 + grown / (1.0 - math.exp(-2.0 * CROSS))
             own[SCREW] |= {"C2_positive": growth, "C2_negative": growth}

@@ -132,7 +132,7 @@ def regression(ship: str) -> tuple[Published, ...]:
         nature="measured",
         how="Yoshimura and Masumoto (2012), added masses by Zhou (1983), from the particulars",
         within=0.75,
-        why="Regressions over other hulls. Their standard errors, by which models carry them: "
+        why="Regressions over other hulls. So far the ships behind their standard errors lie off: "
         + ", ".join(f"{name} {100 * method.error_of(name).share:.0f} %" for name in values)
         + ".",
     )
