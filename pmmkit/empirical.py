@@ -15,7 +15,7 @@ from typing import Final
 from pmmkit.bibliography import cite
 from pmmkit.conventions import Convention
 from pmmkit.errors import UnknownNameError
-from pmmkit.presentation import WIDE
+from pmmkit.presentation import WIDE, listed
 from pmmkit.ship import Ship
 
 
@@ -28,7 +28,7 @@ class Estimate:
     values : mapping of str to float
         Derivatives by name.
     std : mapping of str to float
-        Standard uncertainty of each, as far as ships lie from the formula (`Method.error_of`).
+        Standard uncertainty of each, by how far ships lie from the formula (`Method.error_of`).
     convention : Convention
         What they mean.
     source : str
@@ -206,27 +206,60 @@ def ratios(ship: Ship) -> dict[str, float]:
     return {"CB": ship.block, "L/B": ship.L / ship.B, "d/B": ship.d / ship.B}
 
 
+LIBRARY: Final = ("KVLCC2", "KCS", "S175")
+"""Ships of the library whose whole hull was measured."""
+
+
 @dataclass(frozen=True)
 class StandardError:
-    """How far ships lie from a regression: a share of its value, or a number of its own.
+    """How far a ship may lie from a regression, by how far other ships do.
 
     Parameters
     ----------
     share : float
-        Standard deviation over the value.
+        Root mean square of what the ships lie off, over the value.
     number : float
-        Standard deviation in the system of the method, where the value may be near zero.
-    source : str
-        What it was found from.
+        The same in the system of the method, where the value may be near zero.
+    ships : tuple of str
+        The ships; empty where the size is assumed.
+    why : str
+        On what ground it is assumed.
+
+    Notes
+    -----
+    The next ship lies off by sqrt(1 + 1/n) of the deviation of n ships, the standard error of
+    prediction of a new observation (any textbook of regression): so few ships say little of how
+    far others lie. docs/estimates.md has what a study makes of that factor.
+
+    Examples
+    --------
+    >>> round(StandardError(0.2).of(-2.0), 3), StandardError(0.2, ships=(), why="usual").of(-2.0)
+    (0.462, 0.4)
     """
 
     share: float = 0.0
     number: float = 0.0
-    source: str = "KVLCC2, KCS and S175 of the library"
+    ships: tuple[str, ...] = LIBRARY
+    why: str = ""
 
     def of(self, value: float) -> float:
         """Standard deviation of a value."""
-        return max(self.share * abs(value), self.number)
+        return self.widened * max(self.share * abs(value), self.number)
+
+    @property
+    def widened(self) -> float:
+        """By what a new ship lies further off than the ships do."""
+        return math.sqrt(1.0 + 1.0 / len(self.ships)) if self.ships else 1.0
+
+    @property
+    def source(self) -> str:
+        """What it was found from."""
+        return f"{listed(self.ships)} of the library" if self.ships else f"assumed: {self.why}"
+
+    @property
+    def words(self) -> str:
+        """The deviation of the ships, as a page tells it."""
+        return f"{100 * self.share:.0f} %" if self.share else f"{self.number:g}"
 
 
 @dataclass(frozen=True)
@@ -259,18 +292,18 @@ class Method:
         return self.errors.get(name, UNSEEN)
 
 
-def shares(**of: float) -> dict[str, StandardError]:
-    """Standard errors as shares of the values, by name."""
-    return {name: StandardError(share) for name, share in of.items()}
+def shares(*ships: str, **of: float) -> dict[str, StandardError]:
+    """Deviations of ships as shares of the values, by name."""
+    return {name: StandardError(share, ships=ships or LIBRARY) for name, share in of.items()}
 
 
-def _numbers(**numbers: float) -> dict[str, StandardError]:
-    return {name: StandardError(number=number) for name, number in numbers.items()}
+def _numbers(*ships: str, **numbers: float) -> dict[str, StandardError]:
+    return {name: StandardError(number=x, ships=ships or LIBRARY) for name, x in numbers.items()}
 
 
-UNSEEN: Final = StandardError(0.5, source="assumed: no ship of the library has it")
+UNSEEN: Final = StandardError(0.5, ships=(), why="no ship of the library has it")
 _CLARKE: Final = "clarke_gedling_hine_1983"
-_CLARKE_MASS: Final = shares(Yvdot=0.15, Yrdot=0.3, Nvdot=0.3, Nrdot=0.15)
+_CLARKE_MASS: Final = shares(Yvdot=0.15, Nrdot=0.15) | shares("S175", Yrdot=0.3, Nvdot=0.3)
 _ZHOU: Final = "zhou_1983"
 _ZHOU_MASS: Final = shares(Xudot=0.45, Yvdot=0.05, Nrdot=0.1)
 _SLENDER: Final = shares(Yv=0.2, Yr=0.15, Nv=0.2, Nr=0.1)
@@ -323,7 +356,8 @@ METHODS: Final[Mapping[str, Method]] = MappingProxyType(
             _ZHOU_MASS
             | _SLENDER
             | shares(Xvr=0.15, Yvvv=0.2, Yvrr=0.1, Nvvr=0.35, Nrrr=0.3)
-            | _numbers(Xvv=0.03, Xrr=0.012, Xvvvv=0.6, Yvvr=1.0, Yrrr=0.07, Nvvv=0.19, Nvrr=0.1),
+            | _numbers(Xvv=0.03, Xrr=0.012, Yvvr=1.0, Yrrr=0.07, Nvvv=0.19, Nvrr=0.1)
+            | _numbers("KVLCC2", "KCS", Xvvvv=0.6),
             _UNREAD,
             (("CB", 0.51, 0.65), ("L/B", 2.6, 7.1), ("d/B", 0.25, 0.46)),
         ),
@@ -358,7 +392,7 @@ def estimate(ship: Ship, method: str) -> Estimate:
     >>> ship = Ship(name="b", L=175., B=25.4, d=8.5, volume=21222., mass=2.2e7, Izz=3.8e10)
     >>> found = estimate(ship, "norrbin")
     >>> round(found.values["Nr"], 5), round(found.std["Nr"], 5)
-    (-0.00277, 0.00069)
+    (-0.00277, 0.0008)
     """
     if method not in METHODS:
         raise UnknownNameError(f"There is no method {method!r}; there are: {', '.join(METHODS)}.")

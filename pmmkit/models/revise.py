@@ -14,13 +14,18 @@ from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.models.changes import before_of, covariance_of
 from pmmkit.models.model import DERIVATIVE_PARTS, Model, Part, place_name
-from pmmkit.models.particulars import LENT, PROPELLER_ERRORS, RUDDER_ERRORS
+from pmmkit.models.particulars import (
+    ANOTHER,
+    ANOTHER_DRAWN,
+    DRAWN,
+    ELSEWHERE,
+    PROPELLER_ERRORS,
+    RUDDER_ERRORS,
+)
 from pmmkit.models.roles import drives, steers
 from pmmkit.models.scale import scaled
 from pmmkit.models.step import Step, Value
 
-DRAWN: Final = ("D", "kt0", "kt1", "area")
-"""What of a propeller and a rudder drawings and an open-water test say."""
 ERRORS: Final = MappingProxyType({PROPELLER.name: PROPELLER_ERRORS, RUDDER_MMG.name: RUDDER_ERRORS})
 
 
@@ -205,7 +210,7 @@ def _in_the_slipstream(old: Model, new: Model) -> Model:
 
 
 def lent(part: Part, source: str = "", *, same_ship: bool) -> Part:
-    """A part from elsewhere: with part of the uncertainty that an estimate would have.
+    """A part from elsewhere, with the uncertainty that its values have on the ship that takes it.
 
     Parameters
     ----------
@@ -217,17 +222,37 @@ def lent(part: Part, source: str = "", *, same_ship: bool) -> Part:
         Whether that is of the same ship: what drawings and an open-water test say is no other
         there, and is certain.
     """
-    known = DRAWN if same_ship else ()
-    errors = {k: x for k, x in ERRORS.get(part.effect, {}).items() if k not in known}
+    errors = ERRORS.get(part.effect, {})
+    left = {name: share_left(name, same_ship=same_ship) for name in errors}
     return replace(
         part,
         source=f"library: {source}" if source else part.source,
         sources=MappingProxyType({}) if source else part.sources,
         std=MappingProxyType(
             {
-                name: LENT * errors[name].of(value)
+                name: left[name] * errors[name].of(value)
                 for name, value in part.values.items()
-                if name in errors and isinstance(value, float)
+                if left.get(name) and isinstance(value, float)
             }
         ),
     )
+
+
+def share_left(name: str, *, same_ship: bool) -> float:
+    """Share of the error of an estimate that a value has where a ship lends it.
+
+    Parameters
+    ----------
+    name : str
+        Of a value of the propeller or the rudder.
+    same_ship : bool
+        Whether it is the same ship.
+
+    Examples
+    --------
+    >>> share_left("aH", same_ship=True), share_left("area", same_ship=True)
+    (0.5, 0.0)
+    """
+    if name in DRAWN:
+        return 0.0 if same_ship else ANOTHER_DRAWN
+    return ELSEWHERE if same_ship else ANOTHER

@@ -14,6 +14,7 @@ from pmmkit.equations.prepared import Numbers, values_at
 from pmmkit.errors import DataError, ModelError, Problem, Remedy, setting
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS, place_name
+from pmmkit.models.particulars import TOGETHER
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
 from pmmkit.simulation.froude import Follow
@@ -177,7 +178,7 @@ def spread_of(
         {place_name(effect, name): x for effect, held in own.items() for name, x in held.items()}
         for own in values
     ]
-    alone = _independent(model, values)
+    alone = _of_estimates(model, values)
     if spread is not None:
         if not 0.0 < spread < 1.0:
             raise DataError(f"spread = {spread} must lie between 0 and 1.")
@@ -266,7 +267,17 @@ def _alike(means: Array, std: Array) -> Array:
     return np.concatenate([np.diag(row) for row in side * std])
 
 
-def _independent(model: Model, values: Sequence[Numbers]) -> Spread | None:
+def _together(names: Sequence[str]) -> Array:
+    """Root of the correlation of estimates, of which few depend on each other."""
+    correlation = np.eye(len(names))
+    for pair, size in TOGETHER.items():
+        if all(name in names for name in pair):
+            one, other = (names.index(name) for name in pair)
+            correlation[one, other] = correlation[other, one] = size
+    return np.asarray(np.linalg.cholesky(correlation), dtype=np.float64)
+
+
+def _of_estimates(model: Model, values: Sequence[Numbers]) -> Spread | None:
     """Values with an uncertainty of their own, such as estimates from particulars."""
     named, means, stds = [], [], []
     for effect, part in model.parts.items():
@@ -282,7 +293,7 @@ def _independent(model: Model, values: Sequence[Numbers]) -> Spread | None:
     return Spread(
         names=tuple(named),
         mean=np.array(means).T.ravel(),
-        root=_alike(np.array(means).T, np.array(stds).T),
+        root=_alike(np.array(means).T, np.array(stds).T) @ _together(named),
         origin=f"{len(named)} estimates with the spread that they have among ships",
         speeds=len(values),
     )

@@ -6,8 +6,20 @@ from collections.abc import Sequence
 from typing import Final
 
 import pmmkit as pk
-from pmmkit.empirical import METHODS, estimate
+from pmmkit.empirical import METHODS, StandardError, estimate
+from pmmkit.models.estimates import RESISTANCE_ERROR
 from pmmkit.models.hull import hull_table
+from pmmkit.models.particulars import (
+    ANOTHER,
+    ANOTHER_DRAWN,
+    DAMPED,
+    DRAWN,
+    ELSEWHERE,
+    GROWTH,
+    PROPELLER_ERRORS,
+    SERIES_ERRORS,
+)
+from pmmkit.models.revise import ERRORS, share_left
 from pmmkit.ship_library import load_ship
 from pmmkit.tables.convert import converted
 from scripts.documentation.fences import table
@@ -28,9 +40,64 @@ def formulas() -> str:
             for guess, values in zip(guesses, there, strict=True)
         ]
         error = known.error_of(name)
-        told = f"{100 * error.share:.0f} %" if error.share else f"{error.number:g}"
-        rows.append((name, *cells, told))
-    head = ("derivative", *(f"`{name}`: formula, library" for name in SHIPS), "standard error")
+        rows.append((name, *cells, error.words, next_ship(error)))
+    ships = (f"`{name}`: formula, library" for name in SHIPS)
+    return table(("derivative", *ships, "deviation", "standard error"), rows)
+
+
+def next_ship(error: StandardError, share: float = 1.0) -> str:
+    """A share of the standard error of one more ship."""
+    size = share * error.of(1.0)
+    return "none" if not size else f"{100 * size:.0f} %" if error.share else f"{size:.2g}"
+
+
+def kinds() -> str:
+    """Which uncertainty a value has, by what it stands on."""
+    drawn = ", ".join(DRAWN)
+    growth = next_ship(PROPELLER_ERRORS[GROWTH[-1]])
+    rows = [
+        ("measured here", "covariance of the reduction or the fit", "the scatter of its runs"),
+        ("drawn or stated", "none", "a drawing, an open-water test, or who states it"),
+        (
+            "measured on this ship elsewhere",
+            f"{ELSEWHERE:g} of the error of an estimate; {drawn}: none",
+            "KVLCC2 in two laboratories",
+        ),
+        (
+            "another ship's",
+            f"{ANOTHER:g} of the error of an estimate; {drawn}: {ANOTHER_DRAWN:g} of it",
+            "√2 of the deviation of a ship; similar ships of the library",
+        ),
+        (
+            "estimated",
+            "√(1 + 1/n) of the deviation of n ships",
+            "ships of the library beside the formula, below",
+        ),
+        (
+            "not stated",
+            f"none; growth of a propeller's wake in drift: {growth}, as an estimate",
+            "values of the library are as published, without an uncertainty",
+        ),
+    ]
+    return table(("a value is", "its standard uncertainty", "where that is from"), rows)
+
+
+def provenance() -> str:
+    """The standard errors of propeller, rudder, resistance and roll damping."""
+    rows: list[Sequence[str]] = []
+    for effect, errors in ERRORS.items():
+        for name, error in errors.items():
+            lent = (next_ship(error, share_left(name, same_ship=own)) for own in (False, True))
+            rows.append((f"`{effect}.{name}`", error.words, next_ship(error), *lent, error.source))
+    for name, error in SERIES_ERRORS.items():
+        text = f"`propeller.{name}`, B series"
+        rows.append((text, error.words, next_ship(error), "", "", error.source))
+    known = RESISTANCE_ERROR
+    rows.append(("resistance", known.words, next_ship(known), "", "", known.source))
+    usual, doubt = DAMPED
+    told = f"{doubt:g} of the critical beside {usual:g}"
+    rows.append(("`roll.damping`", "", told, "", "", "assumed: usual roll damping"))
+    head = ("value", "deviation", "estimated", "another ship's", "this ship's, elsewhere", "from")
     return table(head, rows)
 
 
@@ -52,5 +119,8 @@ def scales() -> str:
     return table(head, rows)
 
 
-TABLES: Final = {"estimates.md": {"formulas": formulas}, "scale.md": {"scales": scales}}
+TABLES: Final = {
+    "estimates.md": {"formulas": formulas, "kinds": kinds, "provenance": provenance},
+    "scale.md": {"scales": scales},
+}
 """What stands between the marks of a page."""

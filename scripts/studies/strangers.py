@@ -174,9 +174,10 @@ def play(name: str, place: Path, run: Typed = typed) -> Played:
 
 
 def steering(hull: Hull) -> list[str]:
-    """The values of the true propeller and rudder, as `pmmkit model set` takes them."""
+    """The true propeller, of constant wake, and rudder, as `pmmkit model set` takes them."""
     own = hull.steering
     found = [f"propeller.{name}={value}" for name, value in zip(KT, own.kt, strict=True)]
+    found += [f"propeller.C2_{side}=1" for side in ("positive", "negative")]
     for item in fields(own):
         value = getattr(own, item.name)
         if item.name in SCREW:

@@ -259,7 +259,7 @@ def test_a_model_from_particulars_can_be_simulated_and_scaled(tmp_path, capsys):
     )
     assert status == 0
     assert len(content["estimates"]) == 6
-    assert {row["straight_line"] for row in content["estimates"]} == {"unstable", "not settled"}
+    assert {row["straight_line"] for row in content["estimates"]} == {"not settled"}
     assert "warning: yoshimura-masumoto: CB 0.80 lies outside" in words
     model = pmmkit.load_model(out / "model.toml")
     assert 2.0 < pmmkit.simulate(model, speed=7.5).metrics["tactical_diameter_L"] < 5.0

@@ -161,7 +161,7 @@ def test_every_value_of_an_estimated_model_says_that_it_is_an_estimate(method):
     assert {name: model.std[name][0] for name in hull.std} == pytest.approx(hull.std)
 
 
-@pytest.mark.parametrize(("name", "off"), [("kcs", 0.2), ("s175-3dof", 0.05)])
+@pytest.mark.parametrize(("name", "off"), [("kcs", 0.07), ("s175-3dof", 0.12)])
 def test_ships_like_those_behind_the_formulas_turn_as_their_models_do(name, off):
     model = estimated_model(load_ship(name), **PARTICULARS[name])
     speed = PARTICULARS[name]["speed"]
@@ -170,7 +170,7 @@ def test_ships_like_those_behind_the_formulas_turn_as_their_models_do(name, off)
 
 @pytest.mark.slow
 def test_a_full_ship_is_an_extrapolation_and_its_interval_holds_the_truth():
-    """KVLCC2, CB 0.81: 4.4 L where its model turns in 3.0 L, at the edge of the 95 % interval."""
+    """KVLCC2, CB 0.81: 4.2 L where its model turns in 3.0 L, at the edge of the 95 % interval."""
     model = estimated_model(load_ship("kvlcc2"), **PARTICULARS["kvlcc2"])
     assert any("CB 0.81 lies outside 0.51 to 0.65" in note for note in model.notes)
     many = monte_carlo(model, speed=7.97, n=120, executor=1, seed=1).summary(level=0.99)

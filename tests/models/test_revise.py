@@ -10,6 +10,7 @@ import pytest
 import pmmkit as pk
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.models import model_text
+from pmmkit.models.particulars import parts_from_particulars
 from pmmkit.models.revise import with_part_of, with_stated
 from pmmkit.models.store import model_from
 from pmmkit.presentation import WIDE
@@ -34,12 +35,14 @@ def test_a_value_over_froude_numbers_is_stated_at_all():
     assert made.part("hull_polynomial").values["Yv"] == (-0.3, -0.3)
 
 
-def test_a_lent_propeller_is_scaled_and_keeps_part_of_its_doubt():
+def test_a_lent_propeller_is_scaled_and_no_nearer_than_an_estimate():
     model = pk.load_model("kvlcc2-l7")
     made = with_part_of(model, "propeller", pk.load_model("kcs"), "stock propeller")
     part = made.part("propeller")
     assert part.values["D"] == pytest.approx(7.9 * 7.0 / 230.0, rel=1e-3)
-    assert 0.0 < part.std["wp"] < 0.2 * part.values["wp"]
+    guess, _ = parts_from_particulars(model.ship, {}, {})
+    assert part.std["wp"] > guess.std["wp"]
+    assert 0.0 < part.std["D"] < guess.std["D"]
     before = model.part("rudder_mmg").values["eta"]
     grown = part.values["D"] / model.part("propeller").values["D"]
     assert made.part("rudder_mmg").values["eta"] == pytest.approx(before * grown)
