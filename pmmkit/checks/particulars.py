@@ -12,6 +12,7 @@ from pmmkit.campaigns.open_water import open_water
 from pmmkit.checks.expected import round_factor
 from pmmkit.checks.finding import Check, CheckFinding, figure
 from pmmkit.models.stated_parts import OPEN_WATER
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -91,7 +92,7 @@ def examine_ship(campaign: Campaign, _summaries: Sequence[Summary]) -> Iterator[
                 check="particulars",
                 severity="warning",
                 message=f"Nobody states {item.name}, which the forces of a balance hold: it is "
-                f"taken as {figure(getattr(ship, item.name))} ± {figure(item.std)} m, and "
+                f"taken as {figure(getattr(ship, item.name))} ± {figure(WIDE * item.std)} m (95 %), and "
                 f"the derivatives' intervals with it.",
                 remedy=f"State {item.name} under [ship] as the model was ballasted [m].",
                 numbers={item.name: getattr(ship, item.name), "std": item.std},

@@ -39,7 +39,7 @@ from pmmkit.models.particulars import (
 from pmmkit.ship import Ship
 from pmmkit.tables.convert import converted
 from scripts.documentation.fences import DOCS, page, table
-from scripts.studies.bulk_carrier import TRIAL, TURNS, WATER, bulk_carrier
+from scripts.studies.bulk_carrier import NAME, TRIAL, TURNS
 from scripts.validation.measurements import HSVA, kept
 
 METHOD: Final = "yoshimura-masumoto"
@@ -302,9 +302,9 @@ def rows_of(name: str, what: str, ships: int, rule: Callable[[int], float] | Non
 def measured(ships: int, rule: Callable[[int], float] | None) -> list[Row]:
     """Turns of a bulk carrier at sea, and HSVA's zigzags with a model of KVLCC2."""
     rows = []
-    carrier = bulk_carrier().ship
+    carrier = pk.load_model(NAME).ship
     parts = {part.effect: part for part in parts_from_particulars(carrier, {}, {})}
-    model = whole(carrier, TRIAL, parts, WATER)
+    model = whole(carrier, TRIAL, parts, pk.load_model(NAME).water)
     if rule is not None:
         model = with_errors(model, stated(), rule)
     for side in (35, -35):

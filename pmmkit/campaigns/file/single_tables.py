@@ -114,7 +114,7 @@ class ShipEntry(Entry):
         "point to which Izz refers", "midship"
     )
     xG: float | None = said(
-        "centre of gravity forward of midship [m]; if absent 0, of a balance's forces ± 0.02 L",
+        "centre of gravity forward of midship [m]; if absent 0, of a balance's forces ± 0.04 L",
         None,
     )
     zG: float | None = said("centre of gravity below the origin [m]", None)
