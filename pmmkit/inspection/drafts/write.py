@@ -214,7 +214,8 @@ def _ship(draft: Draft, todo: Todo) -> list[str]:
             "# volume = ...                   # TODO displaced volume [m³]",
             "# mass = ...                     # TODO mass as tested [kg]",
             "# Izz = ...                      # TODO yaw inertia about midship [kg m²]",
-            "# xG = 0.0                       # TODO centre of gravity forward of midship [m]",
+            "# xG = 0.0                       # TODO centre of gravity forward of midship [m]; if "
+            "absent 0 ± 0.04 L where a balance weighs the model",
             *(_ROLL if any("K" in entry.look.known for entry in draft.runs) else ()),
         ]
     todo.add("[water] rho: the density of the water [kg/m³].")
