@@ -92,8 +92,8 @@ def examine_ship(campaign: Campaign, _summaries: Sequence[Summary]) -> Iterator[
                 check="particulars",
                 severity="warning",
                 message=f"Nobody states {item.name}, which the forces of a balance hold: it is "
-                f"taken as {figure(getattr(ship, item.name))} ± {figure(WIDE * item.std)} m (95 %), and "
-                f"the derivatives' intervals with it.",
+                f"taken as {figure(getattr(ship, item.name))} ± {figure(WIDE * item.std)} m "
+                f"(95 %), and the derivatives' intervals with it.",
                 remedy=f"State {item.name} under [ship] as the model was ballasted [m].",
                 numbers={item.name: getattr(ship, item.name), "std": item.std},
             )

@@ -21,7 +21,7 @@ from pmmkit.models.astern import ESTIMATED, knows_astern, reversed_by_bucket
 from pmmkit.models.standing import any_across, standing
 from pmmkit.models.straight import HELD, held_straight
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
-from pmmkit.simulation.machinery import as_it_reverses
+from pmmkit.simulation.machinery import as_it_reverses, of_a_model
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.plan import Plan
@@ -201,6 +201,8 @@ def simulate(
     more += [HELD] if chosen.held_straight else []
     if chosen.held_straight or chosen.reverses:
         more += [] if knows_astern(stated) or not knows_astern(loaded) else [ESTIMATED]
+    heavy = of_a_model(stated, speed) if chosen.reverses else ""
+    more += [heavy] if heavy else []
     stands = standing(loaded, speed)
     return replace(track, notes=(*track.notes, *more, *stands.sentences), standing=stands)
 

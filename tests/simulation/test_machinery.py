@@ -16,6 +16,7 @@ from pmmkit.effects.four_quadrant import b4_70
 from pmmkit.errors import DataError
 from pmmkit.metrics import criteria
 from pmmkit.models import Part
+from pmmkit.models.astern import DEDUCTION
 from pmmkit.simulation import machinery
 from pmmkit.simulation.imo import judged
 from pmmkit.simulation.machinery import ENGINE, as_it_reverses, measured_astern, reached, torque_of
@@ -72,7 +73,7 @@ def test_what_is_stated_of_the_engine_is_not_assumed():
     verdict = stop(astern_tanker(), astern=-0.8, reversal=60.0)
     engine = verdict.full_astern
     assert (engine.turns, engine.measured, engine.torque, engine.assumed) == (-0.8, False, None, "")
-    assert verdict.passed
+    assert verdict.value < verdict.limit
     assert "of the approach's revolutions, reached 60 s after the order" in str(verdict)
     assert "Assumed" not in str(verdict)
 
@@ -117,7 +118,7 @@ def test_less_torque_never_stops_a_ship_sooner():
     # with torque enough nothing is left but the lag of the governor, a fifth of a ship length, and
     # the thrust deduction that is assumed with an engine
     lost = pk.simulate(
-        astern_tanker().with_values("four_quadrant_propeller", t_astern=0.15),
+        astern_tanker().with_values("four_quadrant_propeller", t_astern=DEDUCTION),
         "stopping",
         speed=SPEED,
         reversal_s=100.0,
@@ -138,8 +139,9 @@ def test_the_limited_torque_is_not_exceeded_along_the_stop():
     inflow, tip = (1.0 - wake) * track.u, 0.7 * np.pi * track.n * own["D"]
     twist = np.array([b4_70(x, PITCH)[1] for x in np.arctan2(inflow, tip)])
     torque = 0.5 * model.water.rho * (inflow**2 + tip**2) * np.pi / 4.0 * own["D"] ** 3 * twist
-    share = 0.3 - ENGINE["friction"].mean  # the rest turns the engine itself
-    assert -torque[late].min() == pytest.approx(share * torque_of(model, SPEED), rel=0.03)
+    # the friction takes the rest, and less of it while the shaft is slow
+    least, most = (x * torque_of(model, SPEED) for x in (0.3 - ENGINE["friction"].mean, 0.3))
+    assert least < -torque[late].min() < most
 
 
 @pytest.mark.slow
@@ -180,7 +182,9 @@ def test_the_engine_waits_until_the_water_drives_the_shaft_no_faster_than_starti
     square = 0.5 * model.water.rho * (inflow**2 + tip**2) * np.pi / 4.0 * own["D"] ** 3
     torque = square * b4_70(np.arctan2(inflow, tip), PITCH)[1]
     drag = ENGINE["friction"].mean * np.tanh(track.n[at] / n0 / machinery.FADING)
-    assert -torque / torque_of(model, SPEED) == pytest.approx(drag, rel=0.2)
+    spin = machinery.SPIN * model.ship.L / SPEED / n0  # over the torque of the approach
+    fall = (track.n[at + 1] - track.n[at - 1]) / (track.t[at + 1] - track.t[at - 1])
+    assert -spin * fall == pytest.approx(torque / torque_of(model, SPEED) + drag, abs=0.005)
 
 
 def test_a_ship_that_states_all_or_turns_ahead_stops_as_she_is():
@@ -223,18 +227,30 @@ def test_what_is_assumed_stands_beside_every_stop():
 def test_a_verdict_by_assumptions_is_settled_where_nearly_all_of_them_agree(monkeypatch):
     """The limit is moved through the band of one ship: met, not settled, not met."""
     (metric, item) = next(pair for pair in criteria() if pair[1].name == "track_reach")
-    many = pk.monte_carlo("kvlcc2", "stopping", speed=SPEED, n=200)
+    many = pk.monte_carlo("s175-3dof", "stopping", speed=9.0, n=200)
     low, high = many.interval("track_reach_L")
     found = []
     for limit in (high, 0.5 * (low + high), low):
         monkeypatch.setattr(
             judged, "criteria", lambda limit=limit: ((metric, replace(item, limit=limit)),)
         )
-        found.append(pk.imo_verdicts("kvlcc2", SPEED, n=200)[-1])
+        found.append(pk.imo_verdicts("s175-3dof", 9.0, n=200)[-1])
     assert [verdict.passed for verdict in found] == [True, None, False]
     assert [verdict.settled for verdict in found] == [True, False, True]
     assert "of such ships meet the limit" in " ".join(found[1].unsettled)
     assert found[1].probability == many.probability("track_reach_L", 0.5 * (low + high))
+
+
+def test_a_ship_with_the_resistance_of_her_model_is_not_settled():
+    """KVLCC2 at full scale has her model's; S175 has a ship's."""
+    assert machinery.of_a_model(pk.load_model("s175-3dof"), 9.0) == ""
+    heavy = machinery.of_a_model(pk.load_model("kvlcc2"), SPEED)
+    assert "2.1 times" in heavy
+    track = pk.simulate("kvlcc2", "stopping", speed=SPEED, compiled=False)
+    assert heavy in track.notes
+    verdict = pk.imo_verdicts("kvlcc2", SPEED, n=100)[-1]
+    assert heavy in verdict.unsettled
+    assert verdict.passed is None
 
 
 def test_without_draws_a_stop_by_assumptions_is_not_settled():

@@ -351,7 +351,7 @@ def test_measures_of_a_turn_lie_within_their_uncertainty(many, turn, name):
 def test_measures_of_a_stop_lie_within_their_uncertainty(many, stop, name):
     values = [trials[1].metrics[name] for trials in many]
     stds = [trials[1].std[name] for trials in many]
-    assert within(values, stop.metrics[name], stds) >= 0.88
+    assert within(values, stop.metrics[name], stds) >= 0.85  # 34 of 40: 99 of 100 such tests
     assert np.mean(stds) < 7.0
 
 

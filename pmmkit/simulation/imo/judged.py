@@ -22,7 +22,7 @@ from pmmkit.simulation.imo.verdict import (
     turning_conditions,
     verdict_of,
 )
-from pmmkit.simulation.machinery import FullAstern, assumed, reached
+from pmmkit.simulation.machinery import FullAstern, assumed, of_a_model, reached
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.simulate import REVERSAL, ship_for, simulate, steering
 from pmmkit.simulation.track import Track
@@ -282,7 +282,11 @@ def _stopping(
     if many is not None and not track.standing.forced:
         share = many.probability(verdict.metric, verdict.limit)
         verdict = replace(verdict, probability=share)
-    return _by_probability(verdict) if guessed else verdict
+    verdict = _by_probability(verdict) if guessed else verdict
+    heavy = of_a_model(model, speed)
+    if heavy:
+        verdict = replace(verdict, passed=None, unsettled=(*verdict.unsettled, heavy))
+    return verdict
 
 
 def _by_probability(verdict: Verdict) -> Verdict:

@@ -136,7 +136,7 @@ MANOEUVRES: Final = (
         name="stopping",
         title="crash stop",
         settings=(
-            replace(TURNS, default=-0.7, text=f"{TURNS.text}; {PUMPS}", std=0.1),
+            replace(TURNS, default=-0.7, text=f"{TURNS.text}; {PUMPS}", std=0.08),
             replace(rudder_setting(0.0), takes="angle"),
             Setting(
                 name="reversal_s",
