@@ -246,9 +246,9 @@ def as_it_reverses(
     -------
     Model
         With an estimate of its propeller astern where it knows it ahead alone
-        (`models.astern.as_it_stops`), and with a part ``shaft`` by `ENGINE` where it has no engine,
-        none is stated and the propeller is to turn astern. The model itself where it says all, or
-        where a bucket turns its thrust.
+        (`models.astern.as_it_stops`), a thrust deduction astern where it has none, and with a part
+        ``shaft`` by `ENGINE` where it has no engine, none is stated and the propeller is to turn
+        astern. The model itself where it says all, or where a bucket turns its thrust.
 
     Raises
     ------
@@ -278,7 +278,10 @@ def as_it_reverses(
     ordered = reversal_s is not None and torque is None
     if turning is None or turns >= 0.0:
         return model
-    if own or ordered or reversed_by_bucket(turning):
+    if reversed_by_bucket(turning):
+        return turning
+    turning = _with_deduction(turning)
+    if own or ordered:
         return turning
     if torque is None and not _torque(turning, speed, extrapolate=extrapolate) > 0.0:
         return turning
@@ -309,17 +312,24 @@ def _with_engine(
     }
     if torque:
         values["astern_share"] = torque / most
-    made = _with_shaft(model, values, {name: over[name] * ENGINE[name].std for name in drawn})
-    blades = made.parts.get(FOUR_QUADRANT_PROPELLER.name)
+    return _with_shaft(model, values, {name: over[name] * ENGINE[name].std for name in drawn})
+
+
+@lru_cache(maxsize=64)
+def _with_deduction(model: Model) -> Model:
+    """A model with a thrust deduction astern, which is assumed where nobody states it."""
+    blades = model.parts.get(FOUR_QUADRANT_PROPELLER.name)
     if blades is None or "t_astern" in blades.values:
-        return made
+        return model
     losing = replace(
         blades,
         values=MappingProxyType({**blades.values, "t_astern": DEDUCTION}),
         std=MappingProxyType({**blades.std, "t_astern": DEDUCTION_STD}),
         sources=MappingProxyType({**blades.sources, "t_astern": ASSUMED}),
     )
-    return made.with_(parts=MappingProxyType({**made.parts, FOUR_QUADRANT_PROPELLER.name: losing}))
+    return model.with_(
+        parts=MappingProxyType({**model.parts, FOUR_QUADRANT_PROPELLER.name: losing})
+    )
 
 
 def assumed(model: Model, turns: Setting | None = None) -> str:

@@ -40,9 +40,11 @@ def cell(found: list[Verdict]) -> str:
     if not found or math.isnan(found[0].value):
         return "-"
     unit = "°" if found[0].unit == "deg" else ""
-    texts = [f"{item.value:.2f}{unit}" + ("" if item.passed else " ✗") for item in found]
+    marks = {True: "", False: " ✗", None: " ?"}
+    texts = [f"{item.value:.2f}{unit}{marks[item.passed]}" for item in found]
     engine = found[0].full_astern
-    texts = [f"{x} (estimated)" for x in texts] if engine and engine.assumed else texts
+    if engine and engine.assumed:
+        texts = [f"{text} ({engine.low:.1f} to {engine.high:.1f})" for text in texts]
     limit = f" (≤ {found[0].limit:.3g}°)" if "10_10" in found[0].criterion else ""
     return " / ".join(texts) + limit
 
@@ -56,7 +58,7 @@ def main() -> None:
         model = pk.load_model(name)
         if length is not None:
             model = pk.scaled(model, length)
-        found = pk.imo_verdicts(model, speed, n=0)
+        found = pk.imo_verdicts(model, speed)
         rows.append(
             [f"{name}, {speed:g} m/s"]
             + [cell([item for item in found if item.criterion == key]) for key in COLUMNS]

@@ -12,8 +12,8 @@ from scipy.interpolate import CubicSpline
 from pmmkit import equations as kernel
 from pmmkit.errors import DataError, PmmkitError, UnknownNameError
 from pmmkit.models import Part, load_model, scaled
-from pmmkit.models.astern import as_it_stops
 from pmmkit.simulation import simulate, spiral_curve, stability
+from pmmkit.simulation.machinery import as_it_reverses
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
 
 SHIP = load_model("s175-3dof")
@@ -374,8 +374,9 @@ def test_a_ship_without_thrust_coasts_as_the_closed_form_says():
 def test_time_and_way_of_a_straight_stop_are_quadratures_over_the_speed(name, turns):
     """With the propeller steady astern, time is ∫du/u̇ and way ∫u du/u̇, from u₁ to 0."""
     speed = SPEEDS[name]
-    ready = kernel.prepare(as_it_stops(load_model(name)), speed)
-    track = simulate(name, "stopping", speed=speed, turns=turns, reversal_s=20.0, rtol=1e-10)
+    given = {"turns": turns, "reversal_s": 20.0}
+    ready = kernel.prepare(as_it_reverses(load_model(name), speed, **given), speed)
+    track = simulate(name, "stopping", speed=speed, rtol=1e-10, **given)
     n = turns * ready.self_propulsion()
     first = int(np.argmax(np.abs(track.n - n) < 1e-12 * abs(n)))
     assert 0 < first < len(track) - 20
