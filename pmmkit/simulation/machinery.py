@@ -349,11 +349,11 @@ def assumed(model: Model, turns: Setting | None = None) -> str:
     <BLANKLINE>
     """
     shaft, blades = model.parts.get(SHAFT.name), model.parts.get(FOUR_QUADRANT_PROPELLER.name)
-    told = (
-        []
-        if turns is None
-        else [_told("revolutions astern", turns.default or 0.0, turns.std, f" of {OF_TURNS}")]
-    )
+    told = []
+    if turns is not None:
+        what, sign = ("of the pumps", -1.0) if reversed_by_bucket(model) else ("astern", 1.0)
+        mean = sign * (turns.default or 0.0)
+        told.append(_told(f"revolutions {what}", mean, turns.std, f" of {OF_TURNS}"))
     if shaft is not None and shaft.source.startswith(ASSUMED):
         told += [
             _told(item.text, item.mean, item.std, f" of {item.of}")

@@ -257,8 +257,9 @@ def _stopping(
     track = simulate(model, criterion.manoeuvre, speed=speed, **settings, **given)
     bucket = reversed_by_bucket(ship)
     turns = next(item for item in stopping.settings if item.name == "turns")
-    guessed = assumed(ship, None if turns.name in given or bucket else turns)
-    wanted = draws.n if guessed or draws.known else 0
+    guessed = assumed(ship, None if turns.name in given else turns)
+    differs = guessed or draws.known or any(part.std for part in ship.parts.values())
+    wanted = draws.n if differs else 0
     many = _many(model, criterion.manoeuvre, speed, replace(draws, n=wanted), settings, given)
     said = (*track_conditions(track, full_speed), LARGE, *track.standing.sentences)
     verdict = verdict_of(metric, criterion, track, said)
