@@ -20,7 +20,7 @@ BUCKET: Final = "bucket"
 """What an effect asks for whose thrust a bucket turns astern."""
 DEDUCTION, DEDUCTION_STD = 0.22, 0.1
 """Thrust deduction astern where nobody measured it, and how ships differ in it: van Berlekom and
-Goddard (1972) have 0.22 for a tanker in all quadrants; Artyszuk (2003) calls such data scarce."""
+Goddard (1972) have 0.22 for a tanker in all quadrants, and such data are scarce."""
 
 
 def knows_astern(model: Model) -> bool:
