@@ -125,7 +125,7 @@ def bands_of(
             tracks += [simulate(other, manoeuvre, compiled=compiled, **own)] * count
             continue
         batch = batch_of(other, manoeuvre, **own)
-        drawn = spread_of(other, speed, spread, extrapolate=extrapolate, fn=batch.fn)
+        drawn = spread_of(batch.model, speed, spread, extrapolate=extrapolate, fn=batch.fn)
         tracks += [
             found
             for values in drawn.draw(seed, 0, count)
