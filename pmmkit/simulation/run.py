@@ -35,6 +35,11 @@ FASTEST: Final = 10.0
 """A ship beyond so many times its approach speed has left what the model describes."""
 ROOM: Final = 400
 """Steps for which there is room at first."""
+MANY: Final = 10_000
+"""Steps beyond which a manoeuvre that began interpreted is compiled."""
+MOST: Final = 400 * 4**5
+"""Steps of a manoeuvre: some hundreds are usual, ten thousand with a tolerance of 1e-11. A ship that
+trembles, as some that are drawn from wide spreads do, would take millions."""
 INSTANT: Final = 1e9
 """Rate of a control that follows its order at once."""
 
@@ -232,6 +237,7 @@ def run_plan(
     ModelError
         If the mass matrix is not positive or no revolutions hold the speed.
     """
+    asked = fast
     if fast is None:
         fast = _INTERPRETED[ready.structure] >= ENOUGH
     functions = ready.functions(fast=fast)
@@ -252,9 +258,11 @@ def run_plan(
             )
         except (OverflowError, ZeroDivisionError, ValueError):
             status, kept, n0 = Status.unbound, 0, math.nan
-        if status != Status.no_room:
+        if status != Status.no_room or room >= MOST:
             break
         room *= 4
+        if asked is None and not fast and room > MANY:
+            return run_plan(ready, plan, gear, rtol=rtol, fast=True, revolutions=revolutions)
     if not fast:
         _INTERPRETED[ready.structure] += kept
     if status != Status.done:

@@ -23,6 +23,10 @@ CHUNK: Final = 10_000
 """Ships whose constants are held at a time."""
 
 
+KEEPS: Final = 0.9
+"""A value whose standard uncertainty is a larger share of it may have the other sign."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Spread:
     """Values that differ between ships: a mean and a root of their covariance.
@@ -34,7 +38,8 @@ class Spread:
     mean : array (speeds m,)
         Their values at each speed, all names of one speed after another.
     root : array (speeds m, q)
-        ``root @ root.T`` is the covariance.
+        ``root @ root.T`` is the covariance, of the logarithm times the mean where a value differs
+        by factors.
     origin : str
         Where it comes from, in words.
     speeds : int
@@ -81,7 +86,17 @@ class Spread:
         start = first - first // CHUNK * CHUNK
         normal = np.concatenate(blocks)[start : start + count]
         drawn: Array = self.mean + np.einsum("ij,kj->ik", normal, self.root)
+        own = self._by_factors
+        drawn[:, own] = self.mean[own] * np.exp(drawn[:, own] / self.mean[own] - 1.0)
         return drawn
+
+    @property
+    def _by_factors(self) -> Array:
+        """Which values (m,) differ by factors (lognormal, the value as median): those of propeller,
+        rudder and engine, which keep their sign, as a diameter does."""
+        parts = np.tile(["." in name for name in self.names], self.speeds).astype(bool)
+        std = np.sqrt(np.einsum("ij,ij->i", self.root, self.root))
+        return np.asarray(parts & (std < KEEPS * np.abs(self.mean)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

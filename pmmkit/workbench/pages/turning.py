@@ -82,7 +82,7 @@ def sailed_page(
     page = track_page(track)
     if band and (rivals or model.covariance is not None):
         among = [(item.model, item.odds) for item in rivals]
-        how = {"speed": speed, "n": SHIPS, "compiled": False, **settings}
+        how = {"speed": speed, "n": SHIPS, **settings}
         try:
             found = bands_of(model, manoeuvre, among=among, **how)
             page["band"] = {**_band(found), "rivals": [list(item.effects) for item in rivals]}
