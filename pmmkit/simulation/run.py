@@ -38,7 +38,7 @@ ROOM: Final = 400
 MANY: Final = 10_000
 """Steps beyond which a manoeuvre that began interpreted is compiled."""
 MOST: Final = 400 * 4**5
-"""Steps of a manoeuvre: some hundreds are usual, ten thousand with a tolerance of 1e-11. A ship that
+"""Steps of a manoeuvre: hundreds are usual, ten thousand with a tolerance of 1e-11. A ship that
 trembles, as some that are drawn from wide spreads do, would take millions."""
 INSTANT: Final = 1e9
 """Rate of a control that follows its order at once."""
