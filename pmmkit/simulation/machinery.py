@@ -390,7 +390,7 @@ def of_a_model(model: Model, speed: float) -> str:
         return ""
     if model.convention.surge == "delta-u" or model.convention.system not in PRIMES:
         return ""
-    own = np.mean(hull.values["Xuu"])
+    own = float(np.mean(hull.values["Xuu"]))
     usual, _ = resistance_derivative(ship, model.water, speed, model.convention)
     return HEAVY.format(own / usual) if own / usual > HEAVIER else ""
 

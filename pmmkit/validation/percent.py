@@ -65,7 +65,8 @@ def errors_in_percent(runs: Sequence[CaptiveRun]) -> pd.DataFrame:
     std = data["standard_uncertainty"]
     own = COVERAGE * np.sqrt((std.sel(source=list(OF_MEASUREMENT)) ** 2).sum("source"))
     table = rows_of(data.assign(U_D=own, floor=COVERAGE * std.sel(source="floor", drop=True)))
-    return _in_percent(table, np.hypot(table["U_D"], table["floor"]))[[*_COLUMNS]]
+    least = (table["U_D"] ** 2 + table["floor"] ** 2) ** 0.5
+    return _in_percent(table, least)[[*_COLUMNS]]
 
 
 def measures_in_percent(manoeuvres: Sequence[Manoeuvre]) -> pd.DataFrame:
