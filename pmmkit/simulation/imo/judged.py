@@ -129,8 +129,8 @@ def imo_verdicts(
     Examples
     --------
     >>> found = imo_verdicts("kcs", 12.35)
-    >>> sum(bool(verdict.passed) for verdict in found), len(found)
-    (13, 13)
+    >>> sum(bool(verdict.passed) for verdict in found), len(found), found[-1].words
+    (12, 13, 'not settled')
     """
     loaded = model if isinstance(model, Model) else load_model(model)
     known = spread is not None or loaded.covariance is not None
