@@ -230,7 +230,7 @@ FIGURES: tuple[Published, ...] = (
         how="Yoshimura and Masumoto (2012), from the particulars",
         std=of_ships(LINEAR, lambda ship: estimated(ship).std),
         within=0.75,
-        why="Regressions over other hulls. Their standard errors, by which models carry them: "
+        why="Regressions over other hulls. So far the three ships lie off (root mean square): "
         + ", ".join(f"{x} {100 * METHODS[FORMULAS].error_of(x).share:.0f} %" for x in LINEAR)
         + ".",
     ),
