@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -183,12 +183,12 @@ def standing(model: Model, speed: float) -> Standing:
     """
     hull = model.parts.get(HULL)
     across = [] if hull is None else [hull.source_of(x) for x in hull.values if x[0] in "YN"]
-    guessed = bool(across) and all(source.startswith(EMPIRICAL) for source in across)
     both = [] if hull is None else [hull.source_of(x) for x in hull.values if _together(x)]
+    guessed = _empirical(across)
     return Standing(
         forced=model.not_usable,
         hull=guessed,
-        coupled=not guessed and bool(both) and all(x.startswith(EMPIRICAL) for x in both),
+        coupled=not guessed and _empirical(both),
         uncoupled=bool(across) and not any_across(model, lambda v, r: v and r),
         estimated=tuple(
             role
@@ -202,6 +202,11 @@ def standing(model: Model, speed: float) -> Standing:
         Fn=model.ship.froude(speed, model.water.g),
         tested=tuple(model.Fn),
     )
+
+
+def _empirical(sources: Sequence[str]) -> bool:
+    """Whether there are sources, and all are of estimates."""
+    return bool(sources) and all(source.startswith(EMPIRICAL) for source in sources)
 
 
 def _together(name: str) -> bool:

@@ -446,8 +446,12 @@ def monte_carlo(
     batch = batch_of(model, manoeuvre, speed=speed, **settings)
     loaded = batch.model
     unstated = _unstated(manoeuvre_of(manoeuvre), settings)
-    batches = [batch_of(model, manoeuvre, speed=speed, **settings | own) for own in unstated]
     differ = tuple(unstated[0])
+    batches = (
+        [batch_of(model, manoeuvre, speed=speed, **settings | own) for own in unstated]
+        if differ
+        else [batch]
+    )
     drawn = spread_of(
         loaded, speed, spread, extrapolate=batch.extrapolate, fn=batch.fn, beside=differ
     )

@@ -283,8 +283,6 @@ def as_it_reverses(
     turning = _with_deduction(turning)
     if own or ordered:
         return turning
-    if torque is None and not _torque(turning, speed, extrapolate=extrapolate) > 0.0:
-        return turning
     return _with_engine(turning, speed, torque, reversal_s is not None, extrapolate)
 
 
@@ -292,15 +290,17 @@ def as_it_reverses(
 def _with_engine(
     model: Model, speed: float, torque: float | None, at_once: bool, extrapolate: bool
 ) -> Model:
-    """A model with an assumed engine; its torque may be stated, and it may be reversed at once."""
-    approach = torque_of(model, speed, extrapolate=extrapolate)
+    """A model with an assumed engine; its torque may be stated, and it may be reversed at once. The
+    model itself where nothing is stated and nothing says the torque."""
+    approach = _torque(model, speed, extrapolate=extrapolate)
+    if not approach > 0.0:
+        if torque is None:
+            return model
+        raise _unknown_torque(model)
     n = prepare(model, speed, extrapolate=extrapolate).self_propulsion()
     over = {"astern_share": 1.0, "reverse_below": n, "friction": approach}
-    drawn = [
-        name
-        for name in over
-        if not (name == "astern_share" and torque) and not (name == "reverse_below" and at_once)
-    ]
+    stated = {"astern_share": torque, "reverse_below": at_once}
+    drawn = [name for name in over if not stated.get(name)]
     values = {name: over[name] * ENGINE[name].mean for name in drawn}
     most = max(torque or 1.0, 1.0)
     pace = speed / model.ship.L
@@ -423,12 +423,16 @@ def torque_of(model: Model, speed: float, **settings: Any) -> float:
     """
     torque = _torque(model, speed, **settings)
     if not torque > 0.0:
-        knowing = [item.name for item in catalogue().values() if "torque" in item.outputs]
-        raise DataError(
-            f"Model {model.name!r} does not know the torque of its propulsion, so it cannot be "
-            f"limited. Leave the limit out, or give a part {' or '.join(knowing)} with its torque."
-        )
+        raise _unknown_torque(model)
     return torque
+
+
+def _unknown_torque(model: Model) -> DataError:
+    knowing = [item.name for item in catalogue().values() if "torque" in item.outputs]
+    return DataError(
+        f"Model {model.name!r} does not know the torque of its propulsion, so it cannot be "
+        f"limited. Leave the limit out, or give a part {' or '.join(knowing)} with its torque."
+    )
 
 
 def _torque(model: Model, speed: float, **settings: Any) -> float:

@@ -295,8 +295,10 @@ def _by_probability(verdict: Verdict) -> Verdict:
     share = verdict.probability
     if share is not None and not SURE <= share <= 1.0 - SURE:
         return verdict
-    met = "how many such ships meet the limit was not asked"
-    if share is not None:
-        met = f"{100 * share:.0f} % of such ships meet the limit"
-    why = f"{STOPPED} {met[0].upper()}{met[1:]}."
+    met = (
+        "How many such ships meet the limit was not asked."
+        if share is None
+        else f"{100 * share:.0f} % of such ships meet the limit."
+    )
+    why = f"{STOPPED} {met}"
     return replace(verdict, passed=None, unsettled=(*verdict.unsettled, why))
