@@ -1,5 +1,12 @@
 """Inference that knows nothing of ships: linear Gaussian evidence, random effects, mixtures."""
 
+from pmmkit.inference.least_squares import (
+    RANK_TOLERANCE,
+    LeastSquares,
+    dependent,
+    least_squares,
+    optional_columns,
+)
 from pmmkit.inference.left_out import of_others, of_others_by_hat
 from pmmkit.inference.mixture import half_width
 from pmmkit.inference.normal import Normal, Taken, chance_of, integrated_out, log_normal
@@ -16,6 +23,8 @@ from pmmkit.inference.restricted import Restricted
 
 __all__ = [
     "KINDS",
+    "RANK_TOLERANCE",
+    "LeastSquares",
     "Normal",
     "RepeatedRuns",
     "Restricted",
@@ -23,11 +32,14 @@ __all__ = [
     "Taken",
     "by_kind",
     "chance_of",
+    "dependent",
     "half_width",
     "integrated_out",
+    "least_squares",
     "log_normal",
     "of_others",
     "of_others_by_hat",
+    "optional_columns",
     "per_column",
     "repeatability",
     "run_effects",

@@ -15,6 +15,7 @@ from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.grid import best_blocks
 from pmmkit.diagnosis.captive.held_out import condition, held_out
 from pmmkit.diagnosis.captive.joint_fit import joint_fit
+from pmmkit.diagnosis.captive.least_squares import Stack, solved
 from pmmkit.diagnosis.captive.verdict import answer, taken_as_given
 from pmmkit.errors import UnknownNameError
 
@@ -24,6 +25,24 @@ HIDDEN = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0}
 @pytest.fixture(scope="module")
 def system():
     return captive_system(hidden_campaign("middle", HIDDEN, seed=5, sided="both"), BASE)
+
+
+def test_of_derivatives_that_cannot_be_told_apart_none_has_a_value():
+    """One drift angle to either side: Yv and Yvvv are one, as `reduce` says of the same runs."""
+    v = np.array([-0.1, -0.1, 0.1, 0.1])
+    white = np.column_stack([v, v**3, np.ones(4), -2.0 * v + 0.3])
+    stack = Stack(
+        plain=white,
+        white=white,
+        places={"Y": slice(0, 4)},
+        names=("Yv", "Yvvv", "Y0"),
+        unit=np.ones(3),
+        centre=np.zeros(0),
+        begin=3,
+    )
+    found = solved(stack)
+    assert found.determined.tolist() == [False, False, True]
+    assert found.solution[2] == pytest.approx(0.3)
 
 
 @pytest.mark.slow

@@ -11,7 +11,9 @@ from scipy.stats import multivariate_normal
 from pmmkit.inference import (
     Normal,
     chance_of,
+    dependent,
     integrated_out,
+    least_squares,
     log_normal,
     of_others,
     of_others_by_hat,
@@ -171,3 +173,23 @@ def test_what_the_others_do_not_determine_is_said(rows):
     inverse, determined = of_others(Q)
     assert not determined
     np.testing.assert_allclose(inverse @ Q, np.zeros_like(Q), atol=1e-9)
+
+
+@settings(max_examples=30)
+@given(seed=st.integers(0, 10_000), copies=st.integers(0, 3))
+def test_a_triangle_tells_what_pivoted_least_squares_tells(seed, copies):
+    """Combinations of one or two columns put in at any place: all that take part, and no other."""
+    rng = np.random.default_rng(seed)
+    columns = rng.normal(size=(20, 4))
+    tied = set()
+    for _ in range(copies):
+        a, b = rng.choice(4, 2, replace=False)
+        columns = np.column_stack([columns, 2.0 * columns[:, a] - columns[:, b]])
+        tied |= {int(a), int(b), columns.shape[1] - 1}
+    order = rng.permutation(columns.shape[1])
+    columns = (columns / np.linalg.norm(columns, axis=0))[:, order]
+    truth = np.array([place not in tied for place in order.tolist()])
+    np.testing.assert_array_equal(~dependent(np.linalg.qr(columns, mode="r")), truth)
+    names = [str(place) for place in range(columns.shape[1])]
+    found = least_squares(names, columns, rng.normal(size=20))
+    np.testing.assert_array_equal(found.determined, truth)

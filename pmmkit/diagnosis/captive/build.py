@@ -30,6 +30,7 @@ from pmmkit.diagnosis.captive.system import (
 )
 from pmmkit.inference import (
     KINDS,
+    RANK_TOLERANCE,
     Normal,
     RepeatedRuns,
     Restricted,
@@ -248,7 +249,7 @@ def fitted(base: Base, channels: Sequence[Channel], views: Sequence[View]) -> Ba
         white = whitened(c, np.column_stack([c.design, c.y]), own, ROUGH)
         size = np.linalg.norm(white[:, :-1], axis=0)
         size = np.where(size > 0, size, 1.0)
-        found = np.linalg.lstsq(white[:, :-1] / size, white[:, -1], rcond=1e-10)[0] / size
+        found = np.linalg.lstsq(white[:, :-1] / size, white[:, -1], rcond=RANK_TOLERANCE)[0] / size
         values |= dict(zip(base.names[c.name], found.tolist(), strict=True))
     return replace(base, values=values)
 
@@ -368,7 +369,7 @@ def _projection(c: Channel, floor: Array, own: Array, scatter: Array) -> Project
     below = np.zeros((q, p + q))
     below[:, p:] = np.eye(q)
     Q, R, _ = _pivoted(np.vstack([np.column_stack([design, white[:, p:]]), below]))
-    rank = int(np.sum(np.abs(np.diagonal(R)) > 1e-9 * abs(R[0, 0])))
+    rank = int(np.sum(np.abs(np.diagonal(R)) > RANK_TOLERANCE * abs(R[0, 0])))
     return Projection(
         channel=c,
         own=own,

@@ -26,6 +26,7 @@ from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.hull import HULL
+from pmmkit.inference import RANK_TOLERANCE
 from pmmkit.models import load_model, scaled
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View
@@ -198,7 +199,7 @@ def _projector(columns: Array) -> Any:
     """What is left of vectors outside the span of columns."""
     size = np.linalg.norm(columns, axis=0)
     U, s, _ = np.linalg.svd(columns[:, size > 0] / size[size > 0], full_matrices=False)
-    Q = U[:, s > 1e-9 * s.max(initial=0.0)]
+    Q = U[:, s > RANK_TOLERANCE * s.max(initial=0.0)]
     return lambda x: x - Q @ (Q.T @ x)
 
 
