@@ -16,7 +16,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.system import FEATURES
 from pmmkit.diagnosis.captive.verdict import RIVALS
-from pmmkit.diagnosis.evidence import HIDES, SHOWS
+from pmmkit.diagnosis.evidence import SHOWS, could_hide
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.test_planning.ground import Asked, Ground, ground_of
@@ -404,7 +404,7 @@ def sights(ground: Ground, state: Known | Iterable[str]) -> tuple[Sight, ...]:
                 family=candidate.family,
                 signal=signal,
                 shown=shown,
-                hides=math.sqrt(HIDES / signal) if signal > 1e-6 else math.inf,
+                hides=could_hide(signal),
                 twins=tuple(twins) if shown else (),
                 why="" if shown else _why(possible[i], plain[i], candidate),
             )

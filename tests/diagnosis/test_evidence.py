@@ -12,7 +12,7 @@ from scipy.stats import multivariate_normal
 
 from pmmkit.diagnosis.captive import evidence
 from pmmkit.diagnosis.captive.evidence import Sets, gate, ranked_sets, sets_of
-from pmmkit.diagnosis.evidence import PRICE
+from pmmkit.diagnosis.evidence import PRICE, could_hide, mimics
 from pmmkit.inference import Normal
 
 ROWS = 40
@@ -138,3 +138,23 @@ def test_the_chance_is_never_zero_and_never_above_one(measured):
     system, *_ = measured
     assert gate(system, 1e9, draws=99) == pytest.approx(1 / 100)
     assert gate(system, -1e9, draws=99) == 1.0
+
+
+def test_a_mimic_reproduces_the_square_of_the_correlation():
+    """Of a signature, by a column at the cosine .8 and by one at .6; .36 is none."""
+    columns = np.array([[1.0, 0.0, 0.0], [0.8, 0.6, 0.0], [0.6, 0.0, 0.8], [1.0, 0.0, 0.0]]).T
+    G = columns.T @ columns
+    others = {"near": np.array([1]), "far": np.array([2]), "both": np.array([1, 2])}
+    found = mimics(G, G[:, 0], 1.0, others)
+    assert found["near"] == pytest.approx(0.64)
+    assert "far" not in found
+    # Of the plane of both the normal is (-.48, .64, .36) over its length.
+    assert found["both"] == pytest.approx(1.0 - 0.48**2 / (0.48**2 + 0.64**2 + 0.36**2))
+    assert list(found) == ["both", "near"]
+
+
+def test_what_nothing_shows_may_be_of_any_size():
+    assert could_hide(0.0) == math.inf
+    assert could_hide(1e-9) == math.inf
+    assert could_hide(15.0) == pytest.approx(1.0)
+    assert could_hide(1500.0) == pytest.approx(0.1)

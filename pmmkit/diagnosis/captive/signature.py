@@ -24,6 +24,7 @@ from pmmkit.campaigns.test_kinds.steady import (
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.evidence import MIMICS
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.hull import HULL
 from pmmkit.inference import RANK_TOLERANCE
@@ -44,8 +45,6 @@ SAMPLES: Final = 96
 ORDERS: Final = 3
 LEAST: Final = 0.01
 """Share of a channel's force below which an effect is not said to act there."""
-MIMICS: Final = 0.6
-"""Share of a signature from which another effect is called its mimic."""
 SAME: Final = 1e-6
 """Runs whose harmonics differ by no more are alike; the first stands for them."""
 ABSORBED: Final = 1e-3
