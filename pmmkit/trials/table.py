@@ -195,9 +195,9 @@ class Trial(Described):
 
     def _measures(self) -> Grid:
         """The measures that a trial tells beside their limits; `rows` has all."""
-        limits = {row["measure"]: row for row in self.rows()}
+        limits = {verdict.metric: verdict for verdict in self.verdicts}
         rows = [
-            [*self._cells(name), *_limit(limits.get(f"{name}_L", limits[name]))]
+            [*self._cells(name), *_limit(limits.get(f"{name}_L", limits.get(name)))]
             for name in told("trial", in_metres(self.metrics))
         ]
         head = ["measure", "value", "std", "in L", "limit", ""]
@@ -259,12 +259,8 @@ class Trial(Described):
         return pd.DataFrame({name: getattr(self, name) for name in names})
 
 
-def _limit(row: Mapping[str, Any]) -> list[str]:
-    if not math.isfinite(row["limit"]):
-        return ["", ""]
-    unit = " L" if row["unit"] == "L" else "°"
-    word = {True: "met", False: "NOT met", None: "not judged"}[row["passed"]]
-    return [f"{row['limit']:.4g}{unit}", word]
+def _limit(verdict: Verdict | None) -> list[str]:
+    return ["", ""] if verdict is None else [verdict.row()[3], verdict.words]
 
 
 class Measures:
