@@ -212,3 +212,10 @@ def test_a_trial_and_a_simulation_name_one_manoeuvre_alike():
         if item.criterion == "first_overshoot_10_10" and item.side == "starboard"
     ]
     assert trial.manoeuvre == zigzag.manoeuvre == "zigzag 10/10, to starboard"
+
+
+def test_a_small_uncertainty_of_a_trial_is_not_told_as_none():
+    trial = replace(sailed(tanker(*FULL)), speed_std=2e-4)
+    trial = replace(trial, std=dict.fromkeys(trial.metrics, 0.0026))
+    assert "approach 8.00000 ± 0.00039 m/s" in trial._headline()
+    assert {row[2] for row in trial._measures().groups[0].rows} <= {"0.0026 m", "0.0026 s", "–"}
