@@ -118,7 +118,8 @@ def test_a_motion_that_grows_without_bound_is_drawn_as_far_as_it_is_one():
         name="lost", run=Run(id="lost", test="turning", settings=Settings(speed=1.0),
                              kind="history", loader=None),
         t=t, delta=still["y"], measured={**still, "u": np.ones_like(t)},
-        predicted={**still, "u": fast}, std={**still, "u": np.ones_like(t)}, predicted_std={**still, "u": still["y"]},
+        predicted={**still, "u": fast}, std={**still, "u": np.ones_like(t)},
+        predicted_std={**still, "u": still["y"]},
         force={}, Fn=0.1, force_std={}, force_predicted={}, window=math.nan, window_errors={},
     )  # fmt: skip
     shown = record_page(record, 1.0, 0.0)["motion"]
