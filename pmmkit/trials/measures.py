@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.presentation import number
 from pmmkit.trials.circle import Circle
 from pmmkit.trials.local import crossing, local, way_along
 from pmmkit.trials.noise import straight_line
@@ -193,7 +194,7 @@ def of_stopping(path: Path, order: Order, notes: list[str]) -> Measures:
     surge = pace[:, 0] * np.cos(heading) + pace[:, 1] * np.sin(heading)
     still = np.flatnonzero(surge <= 0.0)
     if not len(still):
-        left = f"{surge[-1]:.2f} m/s" if len(surge) else "way on"
+        left = f"{number(surge[-1], 2)} m/s" if len(surge) else "way on"
         notes.append(f"The record ends before the ship stops: she still makes {left}.")
         for name in ("head_reach", "track_reach", "lateral_deviation"):
             found.add(name, math.nan, math.nan)
