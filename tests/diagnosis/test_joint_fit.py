@@ -12,7 +12,6 @@ from pmmkit.diagnosis import diagnose_captive
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.conditioning import condition_on
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.evidence import evidence_at
 from pmmkit.diagnosis.captive.grid import best_blocks
 from pmmkit.diagnosis.captive.held_out import condition, held_out
 from pmmkit.diagnosis.captive.joint_fit import joint_fit
@@ -30,11 +29,10 @@ def system():
 @pytest.mark.slow
 def test_evidence_beside_a_known_effect_is_that_of_both_less_that_of_the_known(system):
     known, other = (best_blocks(system, name)[0] for name in ("fault_misalignment", "memory"))
-    both = evidence_at(system, np.concatenate([known.places, other.places]))
-    alone = evidence_at(system, known.places)
-    assert evidence_at(condition_on(system, [known]), other.places) == pytest.approx(
-        both - alone, rel=1e-8
-    )
+    both = system.normal.only(np.concatenate([known.places, other.places])).log_evidence
+    alone = system.normal.only(known.places).log_evidence
+    beside = condition_on(system, [known]).normal.only(other.places)
+    assert beside.log_evidence == pytest.approx(both - alone, rel=1e-8)
 
 
 @pytest.mark.slow
@@ -42,9 +40,9 @@ def test_the_data_left_beside_a_known_effect_are_those_of_a_larger_covariance(sy
     """z'(I + S S')⁻¹z of the whitened data, from the products alone."""
     (known,) = best_blocks(system, "yaw_sway_coupling")
     own = known.places
-    G, b = system.gram[np.ix_(own, own)], system.score[own]
-    expected = system.square - b @ np.linalg.solve(G + np.eye(len(own)), b)
-    assert condition_on(system, [known]).square == pytest.approx(expected, rel=1e-12)
+    G, b = system.normal.information[np.ix_(own, own)], system.normal.score[own]
+    expected = system.normal.square - b @ np.linalg.solve(G + np.eye(len(own)), b)
+    assert condition_on(system, [known]).normal.square == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_condition_left_out_is_predicted_as_by_a_fit_without_its_runs(system):

@@ -28,7 +28,15 @@ from pmmkit.diagnosis.captive.system import (
     run_columns,
     term_columns,
 )
-from pmmkit.inference import KINDS, RepeatedRuns, Restricted, by_kind, repeatability, run_effects
+from pmmkit.inference import (
+    KINDS,
+    Normal,
+    RepeatedRuns,
+    Restricted,
+    by_kind,
+    repeatability,
+    run_effects,
+)
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places
 from pmmkit.observations.views import View
@@ -143,14 +151,11 @@ def build(
         channels=channels,
         scatter=scatter,
         blocks=(*layout.blocks, *beside),
-        gram=gram,
-        score=score,
-        square=square,
+        normal=Normal(information=gram, score=score, centre=centre, square=square),
         rows=rows,
         floor=floor,
         floor_columns=layout.floor,
         prior=prior,
-        centre=centre,
         pieces=tuple(pieces),
         features=features,
     )

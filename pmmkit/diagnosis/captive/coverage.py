@@ -93,7 +93,7 @@ def _signal(system: System, block: Block) -> float:
     a = _at_usual_size(block)
     if block.drawn:
         return block.drawn.square_of(a)
-    return float(a @ system.gram[block.columns, block.columns] @ a)
+    return float(a @ system.normal.information[block.columns, block.columns] @ a)
 
 
 def _signature(system: System, block: Block) -> list[Array]:
@@ -144,8 +144,10 @@ def _mimics(
     for name, (_, other) in others.items():
         if name == block.candidate.name or wide(other):
             continue
-        G = system.gram[other.columns, other.columns]
-        products = block.drawn.across if block.drawn else system.gram[:, block.columns]
+        G = system.normal.information[other.columns, other.columns]
+        products = (
+            block.drawn.across if block.drawn else system.normal.information[:, block.columns]
+        )
         cross = products[other.columns] @ a
         share = float(cross @ np.linalg.lstsq(G, cross, rcond=1e-9)[0]) / signal
         if share >= MIMICS:

@@ -181,7 +181,7 @@ def held_out_errors(
 def _signal(seen: Screen, name: str, a: Array) -> float:
     """Information on an effect at some size."""
     at = seen.columns[name]
-    return float(a @ seen.gram[np.ix_(at, at)] @ a)
+    return float(a @ seen.normal.information[np.ix_(at, at)] @ a)
 
 
 def coverage_of(
@@ -197,8 +197,8 @@ def coverage_of(
         mimics = {}
         for other in every:
             at = seen.columns[other.name]
-            cross = seen.gram[np.ix_(at, own)] @ a
-            part = np.linalg.lstsq(seen.gram[np.ix_(at, at)], cross, rcond=1e-9)[0]
+            cross = seen.normal.information[np.ix_(at, own)] @ a
+            part = np.linalg.lstsq(seen.normal.information[np.ix_(at, at)], cross, rcond=1e-9)[0]
             share = float(cross @ part) / strength
             if other is not item and strength > 1.0 and share >= MIMICS:
                 mimics[other.name] = min(share, 1.0)
