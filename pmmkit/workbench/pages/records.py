@@ -8,7 +8,6 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.diagnosis.captive.held_out import settings_in_words
 from pmmkit.numerics import Array
 from pmmkit.validation.free_running import FORCE_UNITS, FreeRun
 from pmmkit.workbench.pages.numbers import short
@@ -64,7 +63,7 @@ def record_page(record: FreeRun, length: float, floor: float) -> dict[str, Any]:
         "run": record.name,
         "test": record.run.test,
         "title": kind_of(record.run.test).title,
-        "words": settings_in_words(record.run),
+        "words": record.run.setting,
         "source": record.run.source,
         "t": short(record.t[kept]),
         "delta": short(DEGREES * record.delta[kept]),
