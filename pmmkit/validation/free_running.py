@@ -116,6 +116,16 @@ class FreeRun:
             **{name: self._motion_error(name) for name in MOTIONS},
         }
 
+    def doubt(self, name: str) -> Array:
+        """Expanded uncertainty of a motion as predicted less as measured, array (n,) [SI].
+
+        Parameters
+        ----------
+        name : str
+            Key of `measured`.
+        """
+        return COVERAGE * np.hypot(self.std[name], self.predicted_std[name])
+
     def _force_error(self, name: str, floor: float) -> ChannelError:
         force = self.force[name]
         return ChannelError.of_samples(
@@ -125,11 +135,7 @@ class FreeRun:
         )
 
     def _motion_error(self, name: str) -> ChannelError:
-        m, p = self.measured, self.predicted
-
-        def doubt(of: str) -> Array:
-            return COVERAGE * np.hypot(self.std[of], self.predicted_std[of])
-
+        m, p, doubt = self.measured, self.predicted, self.doubt
         if name == "position":
             error = np.stack([p[x] - m[x] for x in "xy"])
             gone = np.stack([m[x] - m[x][0] for x in "xy"])

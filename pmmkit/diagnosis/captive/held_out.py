@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, Literal
@@ -265,13 +266,25 @@ def _groups(system: System, stack: Stack) -> dict[str, list[tuple[str, View, Pla
     """Channel, view and rows by condition."""
     found: dict[str, list[tuple[str, View, Places]]] = {}
     runs = {view.run.id: view.run for view in system.views}
-    named = {run.id: condition(own[0]) for own in repeats(tuple(runs.values())) for run in own}
+    named = conditions(tuple(runs.values()))
     for c in system.channels:
         for i, rows in zip(c.views, c.rows, strict=True):
             view = system.views[i]
             begin = stack.places[c.name].start
             at = np.arange(begin + rows.start, begin + rows.stop)
             found.setdefault(named[view.run.id], []).append((c.name, view, at))
+    return found
+
+
+def conditions(runs: Sequence[Run]) -> dict[str, str]:
+    """The condition of each run; two that the digits of words do not tell apart by their runs."""
+    groups = repeats(runs)
+    often = Counter(condition(own[0]) for own in groups)
+    found: dict[str, str] = {}
+    for own in groups:
+        name = condition(own[0])
+        name = f"{name} ({own[0].id})" if often[name] > 1 else name
+        found |= {run.id: name for run in own}
     return found
 
 
@@ -283,30 +296,4 @@ def condition(run: Run) -> str:
     run : Run
         A captive run.
     """
-    return f"{run.test.replace('_', ' ')}, {settings_in_words(run)}"
-
-
-def settings_in_words(run: Run) -> str:
-    """What a run was set to, without the kind of test.
-
-    Parameters
-    ----------
-    run : Run
-        A captive run.
-    """
-    s = run.settings
-    parts = [f"{s.speed:.3g} m/s"]
-    for name, value, unit in (
-        ("drift", np.degrees(s.drift), "°"),
-        ("heel", np.degrees(s.heel), "°"),
-        ("rudder", np.degrees(s.rudder), "°"),
-        ("yaw", np.degrees(s.yaw_amplitude or 0.0), "°"),
-        ("rudder swing", np.degrees(s.rudder_amplitude or 0.0), "°"),
-        ("sway", s.amplitude or 0.0, " m"),
-        ("period", s.period or 0.0, " s"),
-        ("yaw rate", np.degrees(s.yaw_rate or 0.0), "°/s"),
-        ("propeller", s.propeller_rps or 0.0, "/s"),
-    ):
-        if value:
-            parts.append(f"{name} {value:.3g}{unit}")
-    return ", ".join(parts)
+    return f"{run.test.replace('_', ' ')}, {run.setting}"
