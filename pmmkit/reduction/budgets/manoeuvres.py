@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pmmkit.errors import DataError
+from pmmkit.inference import root
 from pmmkit.metrics import in_lengths, main_of
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
 from pmmkit.reduction.budgets.budget import Budget, Result, Source, beside
-from pmmkit.reduction.budgets.derivatives import derivative_budget, root
+from pmmkit.reduction.budgets.derivatives import derivative_budget
 from pmmkit.simulation.imo.judged import sided_tests
 from pmmkit.simulation.sensitivity import Sensitivities, sensitivities
 from pmmkit.tables import DerivativeTable
@@ -158,7 +159,7 @@ def _untested(found: Sensitivities, slopes: Array, tested: set[str]) -> list[Sou
             gum="B",
             acts="bias",
             tested=False,
-            factors=root(found.covariance[np.ix_(places, places)]) @ slopes[places],
+            factors=root(found.covariance[np.ix_(places, places)]).T @ slopes[places],
         )
         for part, places in parts.items()
     ]
