@@ -244,7 +244,8 @@ def displaced(at: Array, steps: Array, order: Literal[2, 4] = 2) -> Array:
     array (k order, m)
     """
     places, _ = _STENCILS[order]
-    found: Array = at + np.einsum("p,km->kpm", places, steps).reshape(-1, len(at))
+    apart = np.einsum("p,km->kpm", places, steps)
+    found: Array = at + apart.reshape(order * len(steps), len(at))
     return found
 
 
@@ -270,6 +271,6 @@ def differences(results: Array, order: Literal[2, 4] = 2) -> Array:
     array([12.,  4.])
     """
     _, weights = _STENCILS[order]
-    apart = results.reshape(-1, order, *results.shape[1:])
+    apart = results.reshape(len(results) // order, order, *results.shape[1:])
     found: Array = np.tensordot(apart, weights, axes=(1, 0))
     return found

@@ -32,7 +32,7 @@ from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.progress import Progress
 from pmmkit.simulation.froude import Follow, FroudeRange, froude_range, prepared
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
-from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_plan, run_ships, settings_for
 from pmmkit.simulation.simulate import (
@@ -445,13 +445,8 @@ def monte_carlo(
         raise DataError(f"n = {n} must be a positive whole number.")
     batch = batch_of(model, manoeuvre, speed=speed, **settings)
     loaded = batch.model
-    unstated = _unstated(manoeuvre_of(manoeuvre), settings)
-    differ = tuple(unstated[0])
-    batches = (
-        [batch_of(model, manoeuvre, speed=speed, **settings | own) for own in unstated]
-        if differ
-        else [batch]
-    )
+    differ = tuple(item.name for item in unstated(manoeuvre_of(manoeuvre), settings))
+    batches = strata(model, manoeuvre, speed=speed, **settings) if differ else [batch]
     drawn = spread_of(
         loaded, speed, spread, extrapolate=batch.extrapolate, fn=batch.fn, beside=differ
     )
@@ -468,11 +463,10 @@ def monte_carlo(
     with opened(executor) as ready:
         sent = isinstance(ready, Executor)
         size = SENT if sent else CHUNK
-        ends = [place * n // len(batches) for place in range(len(batches) + 1)]
         pieces = [
-            (own, start, min(size, end - start))
-            for own, (first, end) in zip(batches, pairwise(ends), strict=True)
-            for start in range(first, end, size)
+            (own, start, min(size, first + count - start))
+            for own, first, count in shared_out(batches, n)
+            for start in range(first, first + count, size)
         ]
         sail = partial(_drawn, drawn, seed)
         for place, (metrics, status) in each(
@@ -506,16 +500,33 @@ def monte_carlo(
     )
 
 
-def _unstated(manoeuvre: Manoeuvre, settings: Mapping[str, Any]) -> list[dict[str, float]]:
-    """Settings in which ships differ and that nobody states: the middle of each equal share."""
+def unstated(manoeuvre: Manoeuvre, settings: Mapping[str, Any]) -> list[Setting]:
+    """Settings in which ships differ and that nobody states."""
+    return [item for item in manoeuvre.settings if item.std and settings.get(item.name) is None]
+
+
+def strata(
+    model: Model | str | Path, manoeuvre: str | Manoeuvre, *, speed: float, **settings: Any
+) -> list[Batch]:
+    """Batches of ships that differ in what nobody states: each at the middle of an equal share."""
     free = {
         item.name: NormalDist(item.default or 0.0, item.std)
-        for item in manoeuvre.settings
-        if item.std and settings.get(item.name) is None
+        for item in unstated(manoeuvre_of(manoeuvre), settings)
     }
     shares = [(place + 0.5) / STRATA for place in range(STRATA)]
     values = product(*([own.inv_cdf(share) for share in shares] for own in free.values()))
-    return [dict(zip(free, row, strict=True)) for row in values]
+    return [
+        batch_of(model, manoeuvre, speed=speed, **settings, **dict(zip(free, row, strict=True)))
+        for row in values
+    ]
+
+
+def shared_out(batches: Sequence[Batch], n: int) -> list[tuple[Batch, int, int]]:
+    """Each batch with the number of its first ship and of its ships, of n in all."""
+    ends = [place * n // len(batches) for place in range(len(batches) + 1)]
+    return [
+        (own, first, end - first) for own, (first, end) in zip(batches, pairwise(ends), strict=True)
+    ]
 
 
 def _drawn(drawn: Drawn | Draws, seed: int, piece: tuple[Batch, int, int], **how: Any) -> Sailed:
