@@ -516,7 +516,7 @@ def strata(
     shares = [(place + 0.5) / STRATA for place in range(STRATA)]
     values = product(*([own.inv_cdf(share) for share in shares] for own in free.values()))
     return [
-        batch_of(model, manoeuvre, speed=speed, **settings, **dict(zip(free, row, strict=True)))
+        batch_of(model, manoeuvre, speed=speed, **(settings | dict(zip(free, row, strict=True))))
         for row in values
     ]
 

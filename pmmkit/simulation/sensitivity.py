@@ -279,7 +279,7 @@ def _of_a_setting(
     step = STEP * (abs(item.default or 0.0) or item.std)
     found: list[dict[str, float]] = []
     for (x,) in displaced(np.array([item.default or 0.0]), np.array([[step]]), 4):
-        batch = batch_of(model, manoeuvre, **settings, **{item.name: float(x)})
+        batch = batch_of(model, manoeuvre, **(settings | {item.name: float(x)}))
         metrics, _ = batch.run((), np.zeros((1, 0)), executor=1)
         found.append({name: float(own[0]) for name, own in metrics.items()})
     return {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, overload
 
 import numpy as np
 
@@ -158,6 +158,30 @@ class Draws:
         order = np.random.default_rng(seed).permutation(len(self.values))
         rows: Array = self.values[order[np.arange(first, first + count) % len(order)]]
         return rows
+
+
+@overload
+def spread_of(
+    model: Model,
+    speed: float,
+    spread: float | None = None,
+    *,
+    extrapolate: bool = False,
+    fn: Follow = "approach",
+    beside: Sequence[str] = (),
+) -> Spread: ...
+
+
+@overload
+def spread_of(
+    model: Model,
+    speed: float,
+    spread: float | Draws | None,
+    *,
+    extrapolate: bool = False,
+    fn: Follow = "approach",
+    beside: Sequence[str] = (),
+) -> Spread | Draws: ...
 
 
 def spread_of(
