@@ -9,9 +9,9 @@ import numpy as np
 
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.diagnosis.captive.held_out import settings_in_words
+from pmmkit.inference import COVERAGE
 from pmmkit.numerics import Array
 from pmmkit.validation.free_running import FORCE_UNITS, FreeRun
-from pmmkit.validation.uncertainty import COVERAGE
 from pmmkit.workbench.pages.numbers import short
 
 DEGREES: Final = math.degrees(1.0)
