@@ -43,7 +43,7 @@ from pmmkit.simulation.simulate import (
     gear_of,
     ship_for,
 )
-from pmmkit.simulation.spread import CHUNK, Draws, spread_of
+from pmmkit.simulation.spread import CHUNK, Draws, in_kind, spread_of
 from pmmkit.simulation.spread import Spread as Drawn
 
 if TYPE_CHECKING:
@@ -56,6 +56,8 @@ SENT: Final = 2500
 """Ships that are sent at a time, some 0.1 s of work."""
 STRATA: Final = 10
 """Equal shares of the ships, each with one value of a setting that nobody states."""
+ROUNDING: Final = 1e-12
+"""Differences of a metric, in whatever unit, below which they are of arithmetic."""
 SHOWN: Final = 3
 """Metrics that are drawn as distributions where none are named."""
 
@@ -71,7 +73,7 @@ class Ensemble(Described):
     nominal : mapping of str to float
         The same for the model as it stands.
     names : tuple of str
-        Derivatives that differ.
+        Derivatives, values of other parts and settings that differ.
     failed : int
         Ships whose motion grows without bound or whose mass matrix is not positive.
     speed, Fn : float
@@ -190,8 +192,8 @@ class Ensemble(Described):
             Section(
                 paragraphs=[
                     f"Fn {self.Fn:.3f}; {self.scale}",
-                    f"{counted(len(self.names), 'derivative')} drawn from {self.origin}, seed "
-                    f"{self.seed}",
+                    f"{counted(len(self.names), in_kind(self.names))} drawn from {self.origin}, "
+                    f"seed {self.seed}",
                     *([self.tested.words] if self.tested else []),
                     *self.standing.sentences,
                 ]
@@ -202,7 +204,7 @@ class Ensemble(Described):
 
 def _differs(values: Array) -> bool:
     there = values[np.isfinite(values)]
-    return len(there) > 1 and float(np.ptp(there)) > 0.0
+    return len(there) > 1 and float(np.ptp(there)) > ROUNDING
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

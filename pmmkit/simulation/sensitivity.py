@@ -23,7 +23,7 @@ from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.simulation.ensemble import Batch, batch_of, unstated
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting
-from pmmkit.simulation.spread import is_uncertain, spread_of
+from pmmkit.simulation.spread import in_kind, is_uncertain, spread_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -142,16 +142,17 @@ class Sensitivities(Described):
             title=f"What decides {metric}, which is {number(self.nominal[metric])} {unit}".rstrip(),
             tables=[
                 Grid(
-                    head=["derivative", *shares, "% per %"],
+                    head=[in_kind(self.names), *shares, "% per %"],
                     groups=[Group(rows=rows)],
-                    caption=_listed(len(rows), len(self.names)),
+                    caption=_listed(len(rows), self.names),
                 )
             ],
         )
 
     def _headline(self) -> str:
         return (
-            f"{counted(len(self.slopes), 'metric')} over {counted(len(self.names), 'derivative')}"
+            f"{counted(len(self.slopes), 'metric')} over "
+            f"{counted(len(self.names), in_kind(self.names))}"
         )
 
     def _sections(self) -> Sequence[Section]:
@@ -182,9 +183,10 @@ class Sensitivities(Described):
         return self.covariance
 
 
-def _listed(shown: int, known: int) -> str:
+def _listed(shown: int, known: Sequence[str]) -> str:
     """What a table leaves out."""
-    return "" if shown == known else f"The first {shown} of {counted(known, 'derivative')}."
+    count = counted(len(known), in_kind(known))
+    return "" if shown == len(known) else f"The first {shown} of {count}."
 
 
 def sensitivities(
@@ -342,7 +344,8 @@ class SobolIndices(Described):
 
     def _headline(self) -> str:
         return (
-            f"{counted(len(self.total), 'metric')} over {counted(len(self.names), 'derivative')}, "
+            f"{counted(len(self.total), 'metric')} over "
+            f"{counted(len(self.names), in_kind(self.names))}, "
             f"from {counted(self.ships, 'ship')}"
         )
 
@@ -352,15 +355,13 @@ class SobolIndices(Described):
             [str(name), f"{100 * row['first']:.1f} %", f"{100 * row['total']:.1f} %"]
             for name, row in self.table(metric).head(LISTED).iterrows()
         ]
-        head = ["derivative", "alone", "with all others"]
+        head = [in_kind(self.names), "alone", "with all others"]
         return [
             Section(
                 title=f"Shares of the variance of {metric}",
                 tables=[
                     Grid(
-                        head=head,
-                        groups=[Group(rows=rows)],
-                        caption=_listed(len(rows), len(self.names)),
+                        head=head, groups=[Group(rows=rows)], caption=_listed(len(rows), self.names)
                     )
                 ],
             ),

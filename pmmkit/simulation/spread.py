@@ -302,6 +302,17 @@ def is_uncertain(model: Model) -> bool:
     return model.covariance is not None or any(part.std for part in model.parts.values())
 
 
+def in_kind(names: Sequence[str]) -> str:
+    """What names are of, in a word: derivatives, or values of a ship where there are others.
+
+    Examples
+    --------
+    >>> in_kind(("Yv", "Nrrr")), in_kind(("Yv", "shaft.friction")), in_kind(("turns",))
+    ('derivative', 'value', 'value')
+    """
+    return "derivative" if all(name[0] in "XYNK" for name in names) else "value"
+
+
 def _fitting(draws: Draws, model: Model, speed: float, *, extrapolate: bool, fn: Follow) -> Draws:
     """The draws, if the model has all that they are of."""
     if fn == "instant" and known_speeds(model, speed):
