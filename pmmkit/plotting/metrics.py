@@ -196,7 +196,7 @@ def importance(
             if shares
             else f"change of the {words} per 1 % of each value [%]"
         )
-        figure.supxlabel(what, size=axis.xaxis.label.get_size())  # as wide as the whole figure
+        figure.supxlabel(what, size=axis.xaxis.label.get_fontsize())  # as wide as the whole figure
     return figure
 
 

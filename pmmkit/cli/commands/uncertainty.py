@@ -111,7 +111,7 @@ def uncertainty(
     )
     curved = []
     if found.covariance is not None:
-        straight, sailed = found.std(chosen), float(summary.loc[chosen, "std"])
+        straight, sailed = found.std(chosen), float(summary["std"].to_dict()[chosen])
         if abs(straight - sailed) > CURVED * sailed:
             curved = [
                 f"To first order, as these shares are, the standard deviation is "
