@@ -1,4 +1,4 @@
-"""Inference that knows nothing of ships: linear Gaussian evidence, random effects, mixtures."""
+"""Inference that knows nothing of ships: evidence, random effects, filters, propagation, sparsity."""
 
 from pmmkit.inference.least_squares import (
     RANK_TOLERANCE,
@@ -10,6 +10,15 @@ from pmmkit.inference.least_squares import (
 from pmmkit.inference.left_out import of_others, of_others_by_hat
 from pmmkit.inference.mixture import half_width
 from pmmkit.inference.normal import Normal, Taken, chance_of, integrated_out, log_normal
+from pmmkit.inference.propagation import (
+    COVERAGE,
+    Propagated,
+    axes,
+    differences,
+    displaced,
+    root,
+    std_along,
+)
 from pmmkit.inference.random_effects import (
     KINDS,
     RepeatedRuns,
@@ -22,17 +31,22 @@ from pmmkit.inference.random_effects import (
 from pmmkit.inference.restricted import Restricted
 
 __all__ = [
+    "COVERAGE",
     "KINDS",
     "RANK_TOLERANCE",
     "LeastSquares",
     "Normal",
+    "Propagated",
     "RepeatedRuns",
     "Restricted",
     "RunEffects",
     "Taken",
+    "axes",
     "by_kind",
     "chance_of",
     "dependent",
+    "differences",
+    "displaced",
     "half_width",
     "integrated_out",
     "least_squares",
@@ -42,5 +56,7 @@ __all__ = [
     "optional_columns",
     "per_column",
     "repeatability",
+    "root",
     "run_effects",
+    "std_along",
 ]

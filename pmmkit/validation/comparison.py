@@ -13,6 +13,7 @@ from pmmkit.campaigns.motion.inertia import Rig, rig_of
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.inference import COVERAGE
 from pmmkit.metrics import in_metres, in_words, told
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
@@ -38,7 +39,7 @@ from pmmkit.validation.misfit import (
     statements_of,
 )
 from pmmkit.validation.statistics import STATISTICS, ChannelError, statistics, together
-from pmmkit.validation.uncertainty import COVERAGE, SHARES, rms_of
+from pmmkit.validation.uncertainty import SHARES, rms_of
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -71,11 +71,11 @@ def moved(fit: Fit) -> dict[str, float]:
     return {name: x for name, x in zip(numbers.values, change, strict=True) if x != 0.0}
 
 
-def _uncertain(fit: Fit) -> dict[str, float]:
-    """Standard deviation of each value of the model by a fit."""
-    numbers = fit.place.question.numbers
-    variance = np.einsum("ij,jk,ik->i", numbers.T, fit.covariance, numbers.T)
-    return dict(zip(numbers.values, np.sqrt(np.maximum(variance, 0.0)).tolist(), strict=True))
+def _unknown(fit: Fit) -> Array:
+    """Covariance of the values of the model by a fit."""
+    T = fit.place.question.numbers.T
+    whole: Array = T @ fit.covariance @ T.T
+    return whole
 
 
 def model_of(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> Model:
@@ -97,7 +97,9 @@ def model_of(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: floa
     change = {name: x for name, x in moved(fit).items() if name not in OUTSIDE}
     numbers = values_at(made, speed, extrapolate=True)
     at = places(made, list(change))
-    std = _uncertain(fit)
+    whole = _unknown(fit)
+    deviations = np.sqrt(np.maximum(np.diagonal(whole), 0.0)).tolist()
+    std = dict(zip(fit.place.question.numbers.values, deviations, strict=True))
     for (effect, name), (place, x) in zip(at, change.items(), strict=True):
         own = made.parts[effect].values.get(name)
         known, unsure = made.parts[effect].known.parameter(name), std[place]
@@ -107,13 +109,12 @@ def model_of(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: floa
         else:
             one = _within(known, float(numbers[effect][name]) + x, unsure)
             made = made.with_values(effect, **{name: one})
-    return _with_covariance(made, fit)
+    return _with_covariance(made, fit, whole)
 
 
-def _with_covariance(model: Model, fit: Fit) -> Model:
+def _with_covariance(model: Model, fit: Fit, whole: Array) -> Model:
     """A model with what a fit leaves unknown of its values."""
     numbers = fit.place.question.numbers
-    whole = numbers.T @ fit.covariance @ numbers.T.T
     moves = [
         i for i, name in enumerate(numbers.values) if name not in OUTSIDE and whole[i, i] > 0.0
     ]
