@@ -18,8 +18,9 @@ from pmmkit.equations.compilation import compiled
 from pmmkit.equations.layouts import Constant, InputField, OverGround, State
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import Binding, bound, driven
-from pmmkit.identification.filters import STEP, first_state, kind_of
+from pmmkit.identification.filters import STEP, first_state
 from pmmkit.identification.lack import Lack, Piece, lack_of
+from pmmkit.identification.passes import kind_of
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.identification.starts import first_states

@@ -1,5 +1,16 @@
-"""Inference that knows nothing of ships: sizes of random effects, and intervals of mixtures."""
+"""Inference that knows nothing of ships.
 
+Sizes of random effects, intervals of mixtures, Kalman filters and tests of their innovations.
+"""
+
+from pmmkit.inference.information_filter import InformationRoot
+from pmmkit.inference.innovations import (
+    LAGS,
+    Consistency,
+    Innovations,
+    autocorrelation,
+    innovation_tests,
+)
 from pmmkit.inference.mixture import half_width
 from pmmkit.inference.random_effects import (
     KINDS,
@@ -14,11 +25,17 @@ from pmmkit.inference.restricted import Restricted
 
 __all__ = [
     "KINDS",
+    "LAGS",
+    "Consistency",
+    "InformationRoot",
+    "Innovations",
     "RepeatedRuns",
     "Restricted",
     "RunEffects",
+    "autocorrelation",
     "by_kind",
     "half_width",
+    "innovation_tests",
     "per_column",
     "repeatability",
     "run_effects",
