@@ -73,7 +73,7 @@ ENTRIES: Final = (
     "windows",
     "pushed",
     "along",
-    "take_in",
+    "shown",
     "steered",
 )
 """Functions that are called from outside the module."""

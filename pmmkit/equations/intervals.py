@@ -246,3 +246,17 @@ def along(states: Array, inputs: Array, more: Array, k: Array, out: Array) -> No
         )
         for i in range(NS):
             out[t, i] = rate[i]
+
+
+def shown(states: Array, inputs: Array, kinds: Places, k: Array, out: Array) -> None:
+    """What channels should show at every instant."""
+    y, h = np.zeros(NS), np.zeros(NS)
+    for q in range(len(kinds)):
+        if kinds[q] < NS:
+            out[:, q] = states[:, kinds[q]]
+            continue
+        for t in range(len(states)):
+            heeled(inputs[t], inputs[t], 0.0, k)
+            for i in range(NS):
+                y[i] = states[t, i]
+            out[t, q] = expected(kinds[q], y, k, h)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class InformationRoot:
         whole = np.vstack([self.root, np.column_stack([design, rows])])
         return InformationRoot(root=triangle(whole)[: len(self.root)])
 
-    @property
+    @cached_property
     def _inverse(self) -> Array:
         """R⁻¹ (p, p)."""
         return np.asarray(np.linalg.inv(self.root[:, :-1]))
