@@ -114,32 +114,50 @@ def advance(
             y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j])
 
 
-def transition(system: System, t: int, z: Array, change: Array, y: Array) -> int:
-    """States at instant t into `y`, from those at the one before.
+def lost_at(y: Array) -> bool:
+    """Whether states are beyond all bounds."""
+    total = 0.0
+    for i in range(NS):
+        total += math.fabs(y[i])
+    return not total < 1e12
+
+
+def transition(system: System, t: int, points: Array, changes: Array) -> int:
+    """Carry the states of points, a row each, from instant t - 1 to t.
 
     Gives 0; where they are lost, one more than the `Status` that says how.
     """
     times, inputs, base, starts, places, slopes, longest, _, k, work = system
-    if constants(base, starts, places, slopes, change, k) != 0:
-        return Status.mass + 1
-    for i in range(NS):
-        y[i] = z[i]
-    advance(y, inputs[t - 1], inputs[t], times[t] - times[t - 1], longest, k, work)
-    for i in range(NS):
-        if not math.fabs(y[i]) < 1e12:
+    start, stop, time, y = inputs[t - 1], inputs[t], times[t] - times[t - 1], work[5]
+    for p in range(len(points)):
+        if constants(base, starts, places, slopes, changes[p], k) != 0:
+            return Status.mass + 1
+        for i in range(NS):
+            y[i] = points[p, i]
+        advance(y, start, stop, time, longest, k, work)
+        if lost_at(y):
             return Status.unbound + 1
+        for i in range(NS):
+            points[p, i] = y[i]
     return 0
 
 
 def linearised(
     system: System, t: int, z: Array, change: Array, y: Array, A: Array, B: Array
 ) -> int:
-    """As `transition`, with the slopes over states and values."""
-    lost = transition(system, t, z, change, y)
-    if lost != 0:
-        return lost
+    """States at instant t from those at t - 1, with the slopes over states and values.
+
+    Gives what `transition` gives.
+    """
     times, inputs, base, starts, places, slopes, longest, steps, k, work = system
     start, stop, time, moved = inputs[t - 1], inputs[t], times[t] - times[t - 1], work[5]
+    if constants(base, starts, places, slopes, change, k) != 0:
+        return Status.mass + 1
+    for i in range(NS):
+        y[i] = z[i]
+    advance(y, start, stop, time, longest, k, work)
+    if lost_at(y):
+        return Status.unbound + 1
     for j in range(NS):
         if j == State.x or j == State.y:
             for i in range(NS):
@@ -168,16 +186,17 @@ def linearised(
 
 def at_instant(system: System, t: int, change: Array) -> None:
     """Constants and heel as they are at an instant."""
-    _, inputs, base, starts, places, slopes, _, _, k, _ = system
-    constants(base, starts, places, slopes, change, k)
-    heeled(inputs[t], inputs[t], 0.0, k)
+    start, k = system[1][t], system[8]
+    constants(system[2], system[3], system[4], system[5], change, k)
+    heeled(start, start, 0.0, k)
 
 
 def sensed(system: System, kind: int, z: Array, h: Array) -> float:
     """What a channel should show, and its slopes over states and values."""
-    _, _, _, starts, places, slopes, _, _, k, _ = system
+    k = system[8]
     shown = expected(kind, z, k, h)
-    drifted(kind, z, k, h, starts, places, slopes)
+    if kind >= NS:
+        drifted(z, k, h, system[3], system[4], system[5])
     return shown
 
 

@@ -52,12 +52,8 @@ def expected(kind: int, z: Array, k: Array, h: Array) -> float:
     return float(shown)
 
 
-def drifted(
-    kind: int, z: Array, k: Array, h: Array, starts: Places, places: Places, slopes: Array
-) -> None:
-    """Slopes of a channel over the parameters that are a current: it adds to the velocity."""
-    if kind < NS:
-        return
+def drifted(z: Array, k: Array, h: Array, starts: Places, places: Places, slopes: Array) -> None:
+    """Slopes of a velocity over ground over the parameters that are a current: it adds to it."""
     ahead, aside = math.cos(z[State.psi]), math.sin(z[State.psi])
     across = h[State.v] / upright(z, k)
     north, east = h[State.u] * ahead - across * aside, h[State.u] * aside + across * ahead

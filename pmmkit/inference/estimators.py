@@ -24,14 +24,15 @@ NS = 6
 """Stands for the number of states of a system."""
 
 
-def transition(system: Any, t: int, z: Array, change: Array, y: Array) -> int:
-    """Stands for a system: fills `y` with the states at instant t that follow those of `z` at t - 1
-    while the values are off by `change`; not 0 where they are lost."""
+def transition(system: Any, t: int, points: Array, changes: Array) -> int:
+    """Stands for a system: carries the states of points, a row each, from instant t - 1 to t while
+    the values are off by `changes`; not 0 where they are lost."""
     raise NotImplementedError
 
 
 def linearised(system: Any, t: int, z: Array, change: Array, y: Array, A: Array, B: Array) -> int:
-    """Stands for a system: as `transition`, with the slopes over states and values."""
+    """Stands for a system: fills `y` with the states at instant t that follow those of `z` at t - 1
+    while the values are off by `change`, and A, B with their slopes; not 0 where they are lost."""
     raise NotImplementedError
 
 
@@ -137,11 +138,15 @@ def wander(P: Array, B: Array, noise: Array) -> None:
         if noise[j] == 0.0:
             continue
         P[NS + j, NS + j] += noise[j]
+        half, third = noise[j] / 2.0, noise[j] / 3.0
         for i in range(NS):
-            P[i, NS + j] += 0.5 * B[i, j] * noise[j]
+            P[i, NS + j] += B[i, j] * half
             P[NS + j, i] = P[i, NS + j]
-            for l in range(NS):
-                P[i, l] += B[i, j] * B[l, j] * noise[j] / 3.0
+            for l in range(i + 1):
+                P[i, l] += B[i, j] * B[l, j] * third
+    for i in range(NS):
+        for l in range(i):
+            P[l, i] = P[i, l]
 
 
 def correct(
@@ -420,7 +425,7 @@ def unscented(
     """Unscented Kalman filter with 2n equally weighted points; as `extended`."""
     N, n = len(times), len(z)
     m = n - NS
-    points, y = np.zeros((2 * n, n)), np.zeros(NS)
+    points, changes = np.zeros((2 * n, n)), np.zeros((2 * n, m))
     change, keep, noise = np.zeros(m), np.ones(m), np.zeros(m)
     A, B, L, scale = np.zeros((NS, n)), np.zeros((NS, m)), np.zeros((n, n)), np.zeros(n)
     Q, work = np.zeros((NS, NS)), np.zeros((3, n))
@@ -437,14 +442,11 @@ def unscented(
                     points[2 * p + 1, i] = z[i] - shift
             for p in range(2 * n):
                 for j in range(m):
-                    change[j] = halfway(points[p, NS + j], keep[j]) - about[j]
-                lost = transition(system, t, points[p], change, y)
-                if lost != 0:
-                    return lost
-                for i in range(NS):
-                    points[p, i] = y[i]
-                for j in range(m):
+                    changes[p, j] = halfway(points[p, NS + j], keep[j]) - about[j]
                     points[p, NS + j] *= keep[j]
+            lost = transition(system, t, points, changes)
+            if lost != 0:
+                return lost
             for i in range(n):
                 total = 0.0
                 for p in range(2 * n):

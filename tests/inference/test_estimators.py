@@ -35,14 +35,15 @@ def module_of(F, push):
         ahead = expm(time * np.block([[F, push], [np.zeros((m, size + m))]]))
         return ahead[:size, :size], ahead[:size, size:]
 
-    def transition(system, t, z, change, y):
+    def transition(system, t, points, changes):
         A, B = slopes(system[t] - system[t - 1])
-        y[:] = A @ z[:size] + B @ (change + 0.3)
+        points[:, :size] = points[:, :size] @ A.T + (changes + 0.3) @ B.T
         return 0
 
     def linearised(system, t, z, change, y, A, B):
         A[:], B[:] = slopes(system[t] - system[t - 1])
-        return transition(system, t, z, change, y)
+        y[:] = A @ z[:size] + B @ (change + 0.3)
+        return 0
 
     def sensed(system, kind, z, h):
         h[:] = 0.0
