@@ -1,7 +1,4 @@
-"""Inference that knows nothing of ships.
-
-Sizes of random effects, intervals of mixtures, Kalman filters and tests of their innovations.
-"""
+"""Inference that knows nothing of ships: random effects, mixtures, Kalman filters and smoother."""
 
 from pmmkit.inference.information_filter import InformationRoot
 from pmmkit.inference.innovations import (
