@@ -1,4 +1,4 @@
-"""Inference that knows nothing of ships: random effects, mixtures, Kalman filters and smoother."""
+"""Inference that knows nothing of ships: evidence, random effects, mixtures, Kalman filters."""
 
 from pmmkit.inference.information_filter import InformationRoot
 from pmmkit.inference.innovations import (
@@ -8,7 +8,16 @@ from pmmkit.inference.innovations import (
     autocorrelation,
     innovation_tests,
 )
+from pmmkit.inference.least_squares import (
+    RANK_TOLERANCE,
+    LeastSquares,
+    dependent,
+    least_squares,
+    optional_columns,
+)
+from pmmkit.inference.left_out import of_others, of_others_by_hat
 from pmmkit.inference.mixture import half_width
+from pmmkit.inference.normal import Normal, Taken, chance_of, integrated_out, log_normal
 from pmmkit.inference.random_effects import (
     KINDS,
     RepeatedRuns,
@@ -23,16 +32,28 @@ from pmmkit.inference.restricted import Restricted
 __all__ = [
     "KINDS",
     "LAGS",
+    "RANK_TOLERANCE",
     "Consistency",
     "InformationRoot",
     "Innovations",
+    "LeastSquares",
+    "Normal",
     "RepeatedRuns",
     "Restricted",
     "RunEffects",
+    "Taken",
     "autocorrelation",
     "by_kind",
+    "chance_of",
+    "dependent",
     "half_width",
     "innovation_tests",
+    "integrated_out",
+    "least_squares",
+    "log_normal",
+    "of_others",
+    "of_others_by_hat",
+    "optional_columns",
     "per_column",
     "repeatability",
     "run_effects",

@@ -13,6 +13,7 @@ from pmmkit.campaigns.run import Run
 from pmmkit.diagnosis.captive.least_squares import Stack, solved, stacked
 from pmmkit.diagnosis.captive.noise_level import LeftOut, expected_errors
 from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.inference import of_others
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 from pmmkit.observations.views import View
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Kind = Literal["error", "force", "level"]
-ALONE: Final = 1e-6
-"""A condition whose rows have less than this to do with all others cannot be predicted."""
 CHANGED: Final = 0.02
 """Share by which an error must change to count as changed."""
 
@@ -208,8 +207,8 @@ def held_out(system: System, effects: Sequence[Block] = (), *, with_level: bool 
     for number, own in enumerate(groups.values()):
         rows = np.concatenate([at for _, _, at in own])
         Q = found.Q[rows]
-        inverse = _of_others(Q)
-        if inverse is None:
+        inverse, determined = of_others(Q)
+        if not determined:
             continue
         change = np.linalg.solve(found.R, Q.T @ inverse @ residual[rows]) / found.size
         solution = found.solution - change
@@ -250,19 +249,6 @@ def held_out(system: System, effects: Sequence[Block] = (), *, with_level: bool 
         spread=spread,
         tests=tuple(own[0][1].run.test for own in groups.values()),
     )
-
-
-def _of_others(Q: Array) -> Array | None:
-    """Inverse of ``I - Q Q'``, rows by rows; None where the other rows do not determine these.
-
-    Of a setting that was repeated often there are more rows than columns: then by Woodbury.
-    """
-    many = len(Q) > Q.shape[1]
-    inner = np.eye(min(Q.shape)) - (Q.T @ Q if many else Q @ Q.T)
-    if np.linalg.eigvalsh(inner)[0] < ALONE:
-        return None
-    inverse = np.asarray(np.linalg.inv(inner), float)
-    return np.eye(len(Q)) + Q @ inverse @ Q.T if many else inverse
 
 
 def _weights(rows: int) -> Array:

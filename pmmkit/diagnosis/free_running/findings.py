@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.evidence import HIDES, MIMICS, SHOWS, Visible
+from pmmkit.diagnosis.evidence import SHOWS, Visible, could_hide, mimics
 from pmmkit.diagnosis.findings import Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.fits import Fit
@@ -181,7 +181,7 @@ def held_out_errors(
 def _signal(seen: Screen, name: str, a: Array) -> float:
     """Information on an effect at some size."""
     at = seen.columns[name]
-    return float(a @ seen.gram[np.ix_(at, at)] @ a)
+    return float(a @ seen.normal.information[np.ix_(at, at)] @ a)
 
 
 def coverage_of(
@@ -193,15 +193,9 @@ def coverage_of(
     found = []
     for item in every:
         own, a = seen.columns[item.name], usual[item.name]
-        strength = max(signal[item.name], 1e-6)
-        mimics = {}
-        for other in every:
-            at = seen.columns[other.name]
-            cross = seen.gram[np.ix_(at, own)] @ a
-            part = np.linalg.lstsq(seen.gram[np.ix_(at, at)], cross, rcond=1e-9)[0]
-            share = float(cross @ part) / strength
-            if other is not item and strength > 1.0 and share >= MIMICS:
-                mimics[other.name] = min(share, 1.0)
+        strength = signal[item.name]
+        others = {name: at for name, at in seen.columns.items() if name != item.name}
+        across = seen.normal.information[:, own] @ a
         shown = strength >= SHOWS
         found.append(
             Visible(
@@ -209,10 +203,12 @@ def coverage_of(
                 family=item.family,
                 signal=strength,
                 without_a_run=min(_signal(x, item.name, a) for x in fewer),
-                hides=math.sqrt(HIDES / strength),
+                hides=could_hide(strength),
                 shown=shown,
                 why="" if shown else _why(strength),
-                mimics=dict(sorted(mimics.items(), key=lambda x: -x[1])),
+                mimics=mimics(seen.normal.information, across, strength, others)
+                if strength > 1.0
+                else {},
             )
         )
     return tuple(sorted(found, key=lambda item: -item.signal))
