@@ -1,5 +1,13 @@
-"""Inference that knows nothing of ships: evidence, random effects, filters, propagation, sparsity."""
+"""Inference that knows nothing of ships: evidence, errors, filters, propagation, sparsity."""
 
+from pmmkit.inference.information_filter import InformationRoot
+from pmmkit.inference.innovations import (
+    LAGS,
+    Consistency,
+    Innovations,
+    autocorrelation,
+    innovation_tests,
+)
 from pmmkit.inference.least_squares import (
     RANK_TOLERANCE,
     LeastSquares,
@@ -33,7 +41,11 @@ from pmmkit.inference.restricted import Restricted
 __all__ = [
     "COVERAGE",
     "KINDS",
+    "LAGS",
     "RANK_TOLERANCE",
+    "Consistency",
+    "InformationRoot",
+    "Innovations",
     "LeastSquares",
     "Normal",
     "Propagated",
@@ -41,6 +53,7 @@ __all__ = [
     "Restricted",
     "RunEffects",
     "Taken",
+    "autocorrelation",
     "axes",
     "by_kind",
     "chance_of",
@@ -48,6 +61,7 @@ __all__ = [
     "differences",
     "displaced",
     "half_width",
+    "innovation_tests",
     "integrated_out",
     "least_squares",
     "log_normal",
