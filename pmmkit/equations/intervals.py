@@ -23,21 +23,11 @@ from numpy.typing import NDArray
 
 from pmmkit.equations.layouts import Constant, InputField, State, Status
 from pmmkit.equations.sensors import drifted, expected, turned_back
-from pmmkit.equations.stand_ins import NS
+from pmmkit.equations.stand_ins import NS, complete, rates
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 System = tuple[Array, Array, Array, Places, Places, Array, float, Array, Array, Array]
-
-
-def rates(y: Array, delta: float, revolutions: float, bucket: float, k: Array, out: Array) -> None:
-    """Stands for the equations of a structure: fills `out` with the rates of the states."""
-    raise NotImplementedError
-
-
-def complete(k: Array) -> int:
-    """Stands for the function of `engine`: fills in the inverse of the mass matrix."""
-    raise NotImplementedError
 
 
 def constants(

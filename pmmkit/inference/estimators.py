@@ -2,11 +2,10 @@
 
 The state of a filter is ``z``: NS states x of the system, whose rates are known, then m values θ,
 which may wander and may forget (an Ornstein-Uhlenbeck process each). What is a system stands in
-five functions that whoever makes a module of this file gives: `transition`, `linearised`,
-`at_instant`, `sensed` and `innovation`; what they need comes through `system`, which nothing here
-looks into. `pmmkit.equations` writes this file below the equations of a ship, where it runs
-compiled; taken as it is, with functions of Python, it runs as Python. The theory stands in
-docs/theory/filters.md.
+five functions that whoever makes a module of this file gives (`pmmkit.inference.system`); what they
+need comes through `system`, which nothing here looks into. `pmmkit.equations` writes this file below
+the equations of a ship, where it runs compiled; taken as it is, with functions of Python, it runs as
+Python. The theory stands in docs/theory/filters.md.
 """
 
 from __future__ import annotations
@@ -17,38 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.inference.system import at_instant, innovation, linearised, sensed, transition
+
 Array = NDArray[np.float64]
 Kinds = NDArray[np.int64]
 
 NS = 6
 """Stands for the number of states of a system."""
-
-
-def transition(system: Any, t: int, points: Array, changes: Array) -> int:
-    """Stands for a system: carries the states of points, a row each, from instant t - 1 to t while
-    the values are off by `changes`; not 0 where they are lost."""
-    raise NotImplementedError
-
-
-def linearised(system: Any, t: int, z: Array, change: Array, y: Array, A: Array, B: Array) -> int:
-    """Stands for a system: fills `y` with the states at instant t that follow those of `z` at t - 1
-    while the values are off by `change`, and A, B with their slopes; not 0 where they are lost."""
-    raise NotImplementedError
-
-
-def at_instant(system: Any, t: int, change: Array) -> None:
-    """Stands for a system: readies its sensors for an instant."""
-    raise NotImplementedError
-
-
-def sensed(system: Any, kind: int, z: Array, h: Array) -> float:
-    """Stands for a system: what a sensor should show, its slopes over states and values in `h`."""
-    raise NotImplementedError
-
-
-def innovation(difference: float, kind: int) -> float:
-    """Stands for a system: measured less expected, of an angle the short way round."""
-    raise NotImplementedError
 
 
 def scatter(A: Array, diffusion: Array, time: float, Q: Array) -> None:
