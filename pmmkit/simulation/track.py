@@ -65,7 +65,7 @@ class Track(Described):
     scale : str
         At which scale and propulsion point the track is.
     notes : tuple of str
-        What a reader must know.
+        What a reader must know beside what `standing` says.
     orders : tuple of float
         Instants of the orders [s].
     settings : mapping
@@ -170,7 +170,7 @@ class Track(Described):
         ]
         missing = [name for name in in_lengths(self.metrics) if not np.isfinite(self.metrics[name])]
         points = [f"The track does not show: {', '.join(missing)}"] if missing else []
-        points += [note for note in self.notes if note not in self.standing.sentences]
+        points += self.notes
         return [
             Section(paragraphs=told),
             *([Section(title="Metrics", tables=[self._metrics()])] if self.metrics else []),

@@ -176,7 +176,7 @@ def track_page(track: Track) -> dict[str, Any]:
             }
             for item in judged
         ],
-        "notes": list(track.notes),
+        "notes": [*track.notes, *track.standing.remarks],
         "unsettled": list(track.standing.unsettled),
     }
 
