@@ -108,7 +108,7 @@ def turn_histories(tracks: Sequence[History], names: Sequence[str] | None = None
             axes[0].plot(time, speed / approach, **look)
             axes[1].plot(time, track.r * length / approach, **look)
             axes[2].plot(time, np.degrees(np.arctan2(-track.v, track.u)), **look)
-            axes[3].plot(time, np.degrees(np.unwrap(track.psi)), **look)
+            axes[3].plot(time, np.degrees(track.psi), **look)
             axes[4].plot(time, np.degrees(track.delta), **look)
             axes[5].plot(time, track.n, **look)
         axes[0].set_title("speed over approach speed U / U₀ [-]")

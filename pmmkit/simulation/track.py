@@ -48,7 +48,7 @@ class Track(Described):
     t : array (m,)
         Time from the rudder order [s].
     x, y, psi : array (m,)
-        Path along and to starboard of the approach [m], heading [rad].
+        Path along and to starboard of the approach [m], heading without jumps of 2π [rad].
     u, v, r, p, phi : array (m,)
         Velocities in ship axes [m/s, rad/s], heel [rad].
     delta, n : array (m,)

@@ -23,7 +23,7 @@ from pmmkit.trials.measures import of_stopping, of_turning, of_zigzag
 from pmmkit.trials.orders import Order, astern_order, held_until, rudder_orders
 from pmmkit.trials.path import path_of
 from pmmkit.trials.record import Record, read_record
-from pmmkit.trials.surroundings import noise_of, true_wind
+from pmmkit.trials.surroundings import mean_wind, noise_of
 from pmmkit.trials.table import Trial
 from pmmkit.trials.verdicts import verdicts_of
 
@@ -308,7 +308,7 @@ def _trial(
         found.add("heel_steady_deg", math.degrees(heel.steady), math.degrees(heel.steady_std))
         notes += [heel.words] if heel.words else []
     metrics, std = found.frozen()
-    wind = true_wind(record, path)
+    wind = mean_wind(record, path.half)
     around = trial_conditions(
         campaign, speed=approach.speed, wind=None if wind is None else wind.speed, current=current
     )

@@ -485,6 +485,18 @@ def test_a_crossing_within_a_gap_is_told_and_costs_certainty(turn, tmp_path):
 
 
 @pytest.mark.slow
+def test_a_crossing_in_a_long_gap_lies_where_the_heading_leads(turn, tmp_path):
+    """Two minutes, of which 180° are passed in the middle: not just before the end."""
+    columns = recorded(turn, Logger())
+    at = int(120 + turn.metrics["time_180"])
+    torn = write_campaign(tmp_path, {"T": (TURN, rows_left_out(columns, range(at - 60, at + 60)))})
+    trial = evaluate(torn["T"], torn)
+    assert trial.metrics["time_180"] == pytest.approx(turn.metrics["time_180"], abs=3.0)
+    off = abs(trial.metrics["tactical_diameter"] - turn.metrics["tactical_diameter"])
+    assert off < 3 * trial.std["tactical_diameter"]
+
+
+@pytest.mark.slow
 def test_jumps_steps_and_averaged_headings(turn, tmp_path):
     columns = recorded(turn, Logger())
     columns["lat"][300] += 2e-3
