@@ -101,13 +101,14 @@ def turn_histories(tracks: Sequence[History], names: Sequence[str] | None = None
         figure = style.canvas(5.4)
         axes = figure.subplots(2, 3, sharex=True).ravel()
         for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
-            speed = np.hypot(track.u, track.v)
+            level = track.v * np.cos(np.nan_to_num(track.phi))
+            speed = np.hypot(track.u, level)
             approach, length = track.speed, track.L
             look = {"color": style.colour(number), "ls": style.dash(number), "label": name}
             time = track.t * approach / length
             axes[0].plot(time, speed / approach, **look)
             axes[1].plot(time, track.r * length / approach, **look)
-            axes[2].plot(time, np.degrees(np.arctan2(-track.v, track.u)), **look)
+            axes[2].plot(time, np.degrees(np.arctan2(-level, track.u)), **look)
             axes[3].plot(time, np.degrees(track.psi), **look)
             axes[4].plot(time, np.degrees(track.delta), **look)
             axes[5].plot(time, track.n, **look)

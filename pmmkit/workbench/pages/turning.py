@@ -155,7 +155,7 @@ def track_page(track: Track) -> dict[str, Any]:
         "psi": short(np.degrees(track.psi[kept])),
         "delta": short(np.degrees(track.delta[kept])),
         "r": short(np.degrees(track.r[kept])),
-        "speed": short(np.hypot(track.u[kept], track.v[kept])),
+        "speed": short(np.hypot(track.u, track.v * np.cos(track.phi))[kept]),
         "metrics": [
             {
                 "name": name,
