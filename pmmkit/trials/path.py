@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmmkit.campaigns.over_ground import half_window, velocity
+from pmmkit.campaigns.over_ground import half_window, in_ship_axes, velocity
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.signals.local import local
@@ -110,6 +110,13 @@ class Path:
         """Smoothed velocity through the water along and across the approach [m/s], at an instant
         or at several."""
         return velocity(self.t, self.x, self.y, at, self.half if half is None else 0.5 * half)
+
+    def motion(self, phi: Array) -> tuple[Array, Array, Array]:
+        """Surge, sway [m/s] and yaw rate [rad/s] through the water at all instants; heel that is
+        not known counts as none."""
+        heading = local(self.t, self.psi, self.t, self.half)
+        u, v = in_ship_axes(*self.velocity(self.t), heading.value, np.nan_to_num(phi))
+        return u, v, heading.slope
 
     def variance(self, at: float, across: bool) -> float:
         """Variance of the way from the order along or across the approach [m²]."""

@@ -113,7 +113,7 @@ def trials_page(manoeuvres: Sequence[Manoeuvre], length: float) -> dict[str, lis
         trial = item.trial
         after = np.flatnonzero(trial.t >= 0.0)
         kept = after[_evenly(len(after))]
-        found.setdefault(trial.test, []).append(
+        found.setdefault(trial.manoeuvre, []).append(
             {
                 "run": trial.run,
                 "Fn": short(item.track.Fn),
