@@ -178,9 +178,9 @@ def _true_wind(
     if not {"wind_speed", "wind_direction"} <= set(columns):
         return None
     fresh = columns["fresh"] != 0.0
-    places = (part[fresh] for part in (t, columns["x"], columns["y"]))
     half = half_window(t, model.ship.L, max(run.settings.speed, 1e-9))
-    north, east = velocity(*places, t, half)
-    felt = (columns[name] for name in ("wind_speed", "wind_direction"))
-    speed, direction = true_wind(columns["psi"], *felt, north, east)
+    north, east = velocity(t[fresh], columns["x"][fresh], columns["y"][fresh], t, half)
+    speed, direction = true_wind(
+        columns["psi"], columns["wind_speed"], columns["wind_direction"], north, east
+    )
     return _filled(t, speed), _filled(t, direction)

@@ -116,9 +116,12 @@ class Track(Described):
         >>> turn.at(turn.t > 58.0).t
         array([59., 60.])
         """
-        values: dict[str, Any] = {item.name: getattr(self, item.name) for item in fields(self)}
-        arrays = {name: x[places] for name, x in values.items() if isinstance(x, np.ndarray)}
-        return replace(self, **arrays)
+        kept: dict[str, Any] = {}
+        for item in fields(self):
+            values = getattr(self, item.name)
+            if isinstance(values, np.ndarray):
+                kept[item.name] = values[places]
+        return replace(self, **kept)
 
     @property
     def ordered(self) -> Self:
