@@ -50,13 +50,23 @@ class Wind:
 class Trial(Track):
     """A turning circle, zigzag or stop as it was measured: a `Track` with its uncertainties.
 
-    The track holds the approach too. Its path is that without the current, its heading counts from
-    that of the approach, its speed is that through the water as far as the current is known, and
-    its velocities are slopes of parabolas through the fixes. Metrics are named as those of
-    `simulate`; NaN where the record does not show them.
-
     Parameters
     ----------
+    t, x, y, psi : array (n,)
+        Time from the order, negative in the approach [s]; path of midship along and to starboard
+        of the approach without the current [m], heading from that of the approach [rad].
+    u, v, r : array (n,)
+        Velocities through the water, by parabolas through the fixes [m/s, rad/s].
+    p, phi, delta, n : array (n,)
+        Of a `Track`; NaN where they were not recorded.
+    speed : float
+        Of the approach through the water, as far as the current is known [m/s].
+    rudder_deg : float
+        Ordered rudder as it was reached, positive to starboard [deg].
+    metrics : mapping of str to float
+        Numbers by the names that `simulate` gives them; NaN where the record does not show them.
+    name, manoeuvre, L, Fn, scale, notes, orders, settings, tested, standing
+        Of a `Track`.
     run : str
         Id of the run.
     speed_std : float
