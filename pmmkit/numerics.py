@@ -137,6 +137,25 @@ def root_of(covariance: Array) -> Array:
     return root
 
 
+def unwrapped(psi: Array) -> Array:
+    """An angle without jumps of 2π [rad]; what is not known stays NaN and is passed over.
+
+    Parameters
+    ----------
+    psi : array (n,)
+        Angle [rad].
+
+    Examples
+    --------
+    >>> unwrapped(np.radians([350.0, np.nan, 10.0, 30.0])) * 180.0 / np.pi
+    array([350.,  nan, 370., 390.])
+    """
+    there = np.isfinite(psi)
+    found: Array = np.array(psi, float)
+    found[there] = np.unwrap(found[there])
+    return found
+
+
 def turned(psi: Array) -> Array:
     """Change of heading in the sense of the turn as a whole, never going back [rad].
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Run
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, unwrapped
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -163,7 +163,7 @@ def usable(
         kept = _running(t, np.asarray(data["n"].values, float), kept, cuts)
     if not len(kept):
         return Usable(segments=(), cuts=tuple(cuts))
-    time, heading = t[kept], np.unwrap(psi[kept])
+    time, heading = t[kept], unwrapped(psi[kept])
     if gap is None:
         gap = max(GAP, SLOW * float(np.median(np.diff(time)))) if len(time) > 1 else GAP
     fresh = fresh_samples(x[kept], y[kept])

@@ -9,6 +9,7 @@ import numpy as np
 
 from pmmkit.campaigns.motion.counted import whole_series
 from pmmkit.campaigns.motion.kinematics import displacement_phase
+from pmmkit.campaigns.over_ground import over_ground
 from pmmkit.checks.finding import Check, CheckFinding, figure
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
@@ -53,7 +54,7 @@ def carriage_facts(run: Run, data: xr.Dataset, t: Array) -> dict[str, float]:
         facts = {"carriage": float(np.mean(column["U_carriage"][kept]))}
         if {"u", "v"} <= set(column) and not run.kind_of_test.surges:
             psi = column["psi"] if "psi" in column else _heading(run, data, t, kept)
-            ahead = column["u"] * np.cos(psi) - column["v"] * np.sin(psi)
+            ahead, _ = over_ground(column["u"], column["v"], psi)
             facts["hull_ahead"] = float(np.mean(ahead[kept]))
     except DataError:
         return {}

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.over_ground import in_ship_axes
 from pmmkit.campaigns.segments import (
     HEADING_JUMP,
     fresh_samples,
@@ -22,7 +23,7 @@ from pmmkit.campaigns.segments import (
 )
 from pmmkit.checks.finding import Check, CheckFinding, Severity, figure
 from pmmkit.checks.track import rate_facts
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, unwrapped
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -84,7 +85,7 @@ def record_facts(run: Run, campaign: Campaign, data: xr.Dataset, t: Array) -> Ma
         return facts
     t = t[good]
     column = {name: part[good] for name, part in column.items()}
-    column["psi"] = np.unwrap(column["psi"])
+    column["psi"] = unwrapped(column["psi"])
     facts |= _held(t, column["x"], column["y"])
     jumps = position_jumps(t, column["x"], column["y"], jump_limit(run.settings.speed))
     facts |= {"jumps": float(len(jumps)), "jump": max((jump.size for jump in jumps), default=0.0)}
@@ -166,7 +167,8 @@ def _sway(t: Array, column: Mapping[str, Array]) -> Mapping[str, float]:
     middle = slice(half, -half)
     span = t[2 * half :] - t[: -2 * half]
     north, east = ((part[2 * half :] - part[: -2 * half]) / span for part in (x, y))
-    across = -north * np.sin(psi[middle]) + east * np.cos(psi[middle])
+    phi = column["phi"][middle] if "phi" in column else 0.0
+    _, across = in_ship_axes(north, east, psi[middle], phi)
     miss, rate = v[middle] - across, r[middle]
     if float(np.ptp(rate)) == 0:
         return {}

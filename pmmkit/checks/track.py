@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.over_ground import over_ground
 from pmmkit.checks.positions import position_facts
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, unwrapped
 from pmmkit.signals.noise import white_noise
 
 if TYPE_CHECKING:
@@ -82,9 +83,7 @@ def velocity_facts(
     >>> facts["earth"] < 1e-4, facts["body"] > 0.5
     (True, True)
     """
-    level = v if phi is None else v * np.cos(phi)
-    ahead = u * np.cos(psi) - level * np.sin(psi)
-    across = u * np.sin(psi) + level * np.cos(psi)
+    ahead, across = over_ground(u, v, psi, 0.0 if phi is None else phi)
     start, stop = _stretches(t)
     span = t[stop] - t[start]
     noise = _noise_of_rates((x, y), (u, v), span, int(stop[0] - start[0])) if white else 0.0
@@ -176,7 +175,7 @@ def _slope(truth: Array, found: Array) -> float:
 def free_facts(data: xr.Dataset, t: Array) -> Mapping[str, float]:
     """Facts of a free-running record: positions, velocities, yaw rate, rudder."""
     column = _columns(data)
-    psi = np.unwrap(column["psi"]) if "psi" in column else None
+    psi = unwrapped(column["psi"]) if "psi" in column else None
     facts: dict[str, float] = {}
     if {"x", "y"} <= set(column):
         names = [name for name in ("x", "y", "lat", "lon", "sog") if name in column]
@@ -210,7 +209,7 @@ def motion_facts(run: Run, data: xr.Dataset, t: Array) -> Mapping[str, float]:
     column = _columns(data)
     facts: dict[str, float] = {}
     if "psi" in column and "r" in column and np.ptp(column["psi"]) > 1e-3:
-        facts |= _named("r", rate_facts(t, np.unwrap(column["psi"]), column["r"]))
+        facts |= _named("r", rate_facts(t, unwrapped(column["psi"]), column["r"]))
     if "y" in column and {"u", "v"} <= set(column) and run.dynamic:
         psi = column.get("psi", np.full(len(t), run.settings.drift))
         x = column.get("x", np.zeros(len(t)))

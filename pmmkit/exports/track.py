@@ -134,6 +134,8 @@ def _metrics(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         return {}
     content = {name: value for name, value in content.items() if name.isidentifier()}
+    if isinstance(content.get("standing"), dict):
+        content["standing"] = content["standing"].get("sentences")
     texts = {
         name: printable("; ".join(value))
         for name, value in content.items()

@@ -12,7 +12,6 @@ from pmmkit.plotting.histories import zigzag
 from pmmkit.plotting.turns import trajectory
 from pmmkit.simulation.track import Track
 from pmmkit.trials import Trial
-from pmmkit.trials.track import track_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,13 +38,13 @@ def overlays(sailed: Sequence[Sailed], *, other: str) -> dict[str, Figure]:
         ``turning_circles`` and ``zigzag``, as far as there are such tests.
     """
     found: dict[str, Figure] = {}
-    turns = _each_side([item for item in sailed if kind_of(item[0].test) is TURNING])
+    turns = _each_side([item for item in sailed if kind_of(item[0].manoeuvre) is TURNING])
     if turns:
         found["turning_circles"] = trajectory(*_tracks(turns, other))
-    weaves = [item for item in sailed if kind_of(item[0].test).switches]
+    weaves = [item for item in sailed if kind_of(item[0].manoeuvre).switches]
     if weaves:
         worst = max(weaves, key=_off)
-        found[worst[0].test] = zigzag(*_tracks([worst], other))
+        found[worst[0].manoeuvre] = zigzag(*_tracks([worst], other))
     return found
 
 
@@ -65,6 +64,6 @@ def _tracks(items: Sequence[Sailed], other: str) -> tuple[list[Track], list[str]
     tracks: list[Track] = []
     names: list[str] = []
     for trial, track in items:
-        tracks += [track_of(trial), track]
+        tracks += [trial.ordered, track.ordered]
         names += [f"{trial.run}, measured", f"{trial.run}, {other}"]
     return tracks, names

@@ -9,6 +9,7 @@ from typing import Final, Literal
 
 import numpy as np
 
+from pmmkit.campaigns.over_ground import half_window, true_wind, velocity
 from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.segments import GAP, usable
 from pmmkit.channels import did_you_mean
@@ -74,8 +75,9 @@ def free_records(
 
     Notes
     -----
-    A campaign's wind is relative, at midship. The true wind over ground follows with heading and
-    velocity: those of the columns u, v, else those of the positions.
+    A campaign's wind is relative, at midship. The true wind over ground follows with the heading
+    and the velocity over ground, which is that of the positions: columns u and v are through the
+    water.
     """
     data = run.data
     run = run.with_(loader=lambda: data)
@@ -121,7 +123,7 @@ def _record(
     rate = math.radians(steering(model).get("rate_deg_s", math.inf))
     if rudder == "ordered" or (rudder == "auto" and _steps(t, delta, rate)):
         delta = rate_limited(t, delta, rate)
-    blowing = _true_wind(t, columns) if wind else None
+    blowing = _true_wind(run, model, t, columns) if wind else None
     driven = None if model.rolls or not roll else _roll(t, columns)
     sea = run.settings
     return FreeRecord(
@@ -169,20 +171,16 @@ def _steps(t: Array, delta: Array, rate: float) -> bool:
     return bool(np.max(moved, initial=0.0) > FASTER * rate)
 
 
-def _true_wind(t: Array, columns: Mapping[str, Array]) -> tuple[Array, Array] | None:
+def _true_wind(
+    run: Run, model: Model, t: Array, columns: Mapping[str, Array]
+) -> tuple[Array, Array] | None:
     """Speed of the true wind over ground [m/s], and where it comes from, from north [rad]."""
-    if not {"wind_speed", "wind_direction", "psi"} <= set(columns):
+    if not {"wind_speed", "wind_direction"} <= set(columns):
         return None
-    psi = columns["psi"]
-    ahead, aside = np.cos(psi), np.sin(psi)
-    if {"u", "v"} <= set(columns):
-        level = columns["v"] * np.cos(_filled(t, columns["phi"]) if "phi" in columns else 0.0)
-        north = columns["u"] * ahead - level * aside
-        east = columns["u"] * aside + level * ahead
-    else:
-        north, east = (np.gradient(columns[name], t) for name in ("x", "y"))
-    size, way = columns["wind_speed"], columns["wind_direction"] + psi
-    over_north, over_east = north - size * np.cos(way), east - size * np.sin(way)
-    speed = np.hypot(over_north, over_east)
-    direction = np.unwrap(np.arctan2(-over_east, -over_north))
+    fresh = columns["fresh"] != 0.0
+    half = half_window(t, model.ship.L, max(run.settings.speed, 1e-9))
+    north, east = velocity(t[fresh], columns["x"][fresh], columns["y"][fresh], t, half)
+    speed, direction = true_wind(
+        columns["psi"], columns["wind_speed"], columns["wind_direction"], north, east
+    )
     return _filled(t, speed), _filled(t, direction)

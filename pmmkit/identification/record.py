@@ -14,6 +14,7 @@ from pmmkit.equations.layouts import NO_SEA, InputField, OverGround, State
 from pmmkit.equations.prepared import Conditions
 from pmmkit.errors import DataError, Problem, Remedy, Way
 from pmmkit.numerics import Array
+from pmmkit.signals.noise import white_noise
 
 KINDS: Final[Mapping[str, OverGround]] = {
     "xdot": OverGround.north,
@@ -207,23 +208,6 @@ def title_of(records: Sequence[FreeRecord]) -> str:
     return titles.pop() if len(titles) == 1 else ""
 
 
-def noise_of(values: Array) -> float:
-    """Standard deviation of white noise on a smooth signal, from its third differences.
-
-    Examples
-    --------
-    >>> t = np.linspace(0, 10, 2000)
-    >>> noise = np.random.default_rng(0).normal(size=2000)
-    >>> bool(abs(noise_of(np.sin(t) + 0.1 * noise) - 0.1) < 0.01)
-    True
-    """
-    third = np.diff(values, n=3)
-    third = third[np.isfinite(third)]
-    if len(third) < 10:
-        return math.nan
-    return float(1.4826 * np.median(np.abs(third - np.median(third))) / math.sqrt(20.0))
-
-
 def sensors_of(records: Sequence[FreeRecord], given: Mapping[str, float]) -> dict[str, float]:
     """Standard deviation of each channel: as given, else from its own noise.
 
@@ -241,7 +225,9 @@ def sensors_of(records: Sequence[FreeRecord], given: Mapping[str, float]) -> dic
         if name in given:
             found[name] = float(given[name])
             continue
-        noises = [noise_of(record.measured[name]) for record in records if name in record.measured]
+        noises = [
+            white_noise(record.measured[name]) for record in records if name in record.measured
+        ]
         spans = [
             float(np.nanmax(x) - np.nanmin(x))
             for record in records

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.over_ground import in_ship_axes
 from pmmkit.identification.record import FreeRecord
 from pmmkit.numerics import Array
 
@@ -43,7 +43,7 @@ def first_states(
             for name, x in record.measured.items()
             if (line := _line(record.t[rows] - record.t[at], x[rows])) is not None
         }
-        found[w] = _start(lines, states, default)
+        found[w] = _start(lines, states, default, record.current)
     return found
 
 
@@ -55,8 +55,10 @@ def _line(t: Array, values: Array) -> Array | None:
     return np.array([0.0, values[there][0]]) if there.any() else None
 
 
-def _start(lines: Mapping[str, Array], states: Sequence[str], default: Array) -> Array:
-    """States from slopes and starts of the channels."""
+def _start(
+    lines: Mapping[str, Array], states: Sequence[str], default: Array, current: tuple[float, float]
+) -> Array:
+    """States from slopes and starts of the channels; velocities are through the water."""
     found = default.copy()
     place = {name: i for i, name in enumerate(states)}
     for name, i in place.items():
@@ -65,7 +67,6 @@ def _start(lines: Mapping[str, Array], states: Sequence[str], default: Array) ->
     if "psi" in lines and "r" not in lines:
         found[place["r"]] = lines["psi"][0]
     if {"x", "y", "psi"} <= set(lines) and "u" not in lines:
-        psi, north, east = lines["psi"][1], lines["x"][0], lines["y"][0]
-        found[place["u"]] = north * math.cos(psi) + east * math.sin(psi)
-        found[place["v"]] = east * math.cos(psi) - north * math.sin(psi)
+        north, east = lines["x"][0] - current[0], lines["y"][0] - current[1]
+        found[place["u"]], found[place["v"]] = in_ship_axes(north, east, lines["psi"][1])
     return found

@@ -114,11 +114,16 @@ class Standing:
         )
 
     @property
-    def sentences(self) -> tuple[str, ...]:
-        """What a reader of a number must know, a sentence each."""
+    def remarks(self) -> tuple[str, ...]:
+        """What a reader must know beside that, a sentence each."""
         fast = TOO_FAST.format(self.Fn, FASTEST) if self.hull and self.Fn > FASTEST else ""
         stop = REVERSED if self.reversed else ""
-        return (*self.unsettled, *(text for text in (stop, fast) if text))
+        return tuple(text for text in (stop, fast) if text)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What a reader of a number must know, a sentence each."""
+        return (*self.unsettled, *self.remarks)
 
     @property
     def _parts(self) -> str:

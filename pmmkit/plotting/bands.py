@@ -66,7 +66,7 @@ def band_histories(band: Band) -> Figure:
     """
     track = band.track
     panels = (
-        ("heading ψ [deg]", "psi", np.degrees(np.unwrap(track.psi)), np.degrees(1.0)),
+        ("heading ψ [deg]", "psi", np.degrees(track.psi), np.degrees(1.0)),
         ("rudder δ [deg]", "delta", np.degrees(track.delta), np.degrees(1.0)),
         ("yaw rate r [deg/s]", "r", np.degrees(track.r), np.degrees(1.0)),
         ("surge velocity u [m/s]", "u", track.u, 1.0),

@@ -30,7 +30,7 @@ class History(Protocol):
 
     @property
     def psi(self) -> Array:
-        """Heading [rad]."""
+        """Heading without jumps of 2π [rad]."""
 
     @property
     def u(self) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 
 from pmmkit.errors import DataError
 from pmmkit.escaping import figure_text
+from pmmkit.metrics import IN_LENGTHS, in_words
 from pmmkit.numerics import Array, turned
 from pmmkit.plotting import style
 from pmmkit.plotting.bands import PALE, Band
@@ -101,14 +102,15 @@ def turn_histories(tracks: Sequence[History], names: Sequence[str] | None = None
         figure = style.canvas(5.4)
         axes = figure.subplots(2, 3, sharex=True).ravel()
         for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
-            speed = np.hypot(track.u, track.v)
+            level = track.v * np.cos(np.nan_to_num(track.phi))
+            speed = np.hypot(track.u, level)
             approach, length = track.speed, track.L
             look = {"color": style.colour(number), "ls": style.dash(number), "label": name}
             time = track.t * approach / length
             axes[0].plot(time, speed / approach, **look)
             axes[1].plot(time, track.r * length / approach, **look)
-            axes[2].plot(time, np.degrees(np.arctan2(-track.v, track.u)), **look)
-            axes[3].plot(time, np.degrees(np.unwrap(track.psi)), **look)
+            axes[2].plot(time, np.degrees(np.arctan2(-level, track.u)), **look)
+            axes[3].plot(time, np.degrees(track.psi), **look)
             axes[4].plot(time, np.degrees(track.delta), **look)
             axes[5].plot(time, track.n, **look)
         axes[0].set_title("speed over approach speed U / U₀ [-]")
@@ -142,11 +144,10 @@ def _path(axis: Axes, track: History, number: int, name: str) -> None:
         outline = np.array([aside[index], ahead[index]]) + _outline(track.psi[index])
         axis.fill(*outline.T, facecolor=colour, edgecolor="none", alpha=0.35, zorder=1.8)
     for angle, face in ((np.pi / 2, colour), (np.pi, "white")):
-        index = int(np.searchsorted(reached, angle))
-        if index < len(reached):
+        if angle <= reached[-1]:
             axis.plot(
-                aside[index],
-                ahead[index],
+                np.interp(angle, reached, aside),
+                np.interp(angle, reached, ahead),
                 marker=style.marker(number),
                 ls="",
                 ms=6,
@@ -197,28 +198,30 @@ def _outline(heading: float) -> Array:
 
 def _measures(axis: Axes, track: History, intervals: Mapping[str, tuple[float, float]]) -> None:
     """Advance, transfer and tactical diameter as dimension lines, clear of the ship's outlines."""
-    length, reached = track.L, turned(track.psi)
-    quarter, half = np.searchsorted(reached, [np.pi / 2, np.pi])
-    if half >= len(reached):
+    names = ("advance", "transfer", "tactical_diameter")
+    found = {name: track.metrics.get(name + IN_LENGTHS, np.nan) for name in names}
+    if not np.isfinite(list(found.values())).all():
         return
-    aside, ahead = track.y / length, track.x / length
-    side = 1.0 if aside[half] >= 0 else -1.0
+    ahead, reached = track.x / track.L, turned(track.psi)
+    side = 1.0 if track.psi[-1] >= track.psi[0] else -1.0
+    quarter = (side * found["transfer"], found["advance"])
+    half = (side * found["tactical_diameter"], float(np.interp(np.pi, reached, ahead)))
     beyond = -_CLEAR * side
     above = float(ahead.max()) + _CLEAR
     below = min(float(ahead.min()), 0.0) - _CLEAR
     lines = (
-        ("advance", (beyond, 0.0), (beyond, ahead[quarter]), abs(ahead[quarter])),
-        ("transfer", (0.0, above), (aside[quarter], above), abs(aside[quarter])),
-        ("tactical diameter", (0.0, below), (aside[half], below), abs(aside[half])),
+        ("advance", (beyond, 0.0), (beyond, quarter[1])),
+        ("transfer", (0.0, above), (quarter[0], above)),
+        ("tactical_diameter", (0.0, below), (half[0], below)),
     )
-    guide(axis, (aside[quarter], ahead[quarter]), (beyond, ahead[quarter]))
+    guide(axis, quarter, (beyond, quarter[1]))
     guide(axis, (0.0, 0.0), (beyond, 0.0))
     guide(axis, (0.0, ahead[0]), (0.0, above))
-    guide(axis, (aside[quarter], ahead[quarter]), (aside[quarter], above))
+    guide(axis, quarter, (quarter[0], above))
     guide(axis, (0.0, 0.0), (0.0, below))
-    guide(axis, (aside[half], ahead[half]), (aside[half], below))
-    for name, start, end, value in lines:
-        low, high = intervals.get(f"{name.replace(' ', '_')}_L", (np.nan, np.nan))
+    guide(axis, half, (half[0], below))
+    for name, start, end in lines:
+        low, high = intervals.get(name + IN_LENGTHS, (np.nan, np.nan))
         around = f" ({low:.2f} to {high:.2f})" if np.isfinite(low) else ""
-        text = f"{name} {value:.2f} L{around}"
+        text = f"{in_words(name)} {found[name]:.2f} L{around}"
         dimension(axis, start, end, text, upright=name == "advance")

@@ -139,7 +139,11 @@ def turning_section(turns: Turns) -> Section:
         "not show, and what was assumed:",
     ]
     notes = dict.fromkeys(
-        [*turns.failed, *turns.notes, *(note for track in turns.tracks for note in track.notes)]
+        [
+            *turns.failed,
+            *turns.notes,
+            *(text for track in turns.tracks for text in (*track.notes, *track.standing.sentences)),
+        ]
     )
     pictures = [
         drawn(

@@ -162,8 +162,7 @@ def superposed(
         raise DataError("Give motions at rising headings from 0 to 180° and at rising speeds.")
     step = sea.Tp / _SAMPLES
     t = np.arange(track.t[0], track.t[-1], step)
-    path = {name: np.interp(t, track.t, getattr(track, name)) for name in ("x", "y", "phi")}
-    path["psi"] = np.interp(t, track.t, np.unwrap(track.psi))
+    path = {name: np.interp(t, track.t, getattr(track, name)) for name in ("x", "y", "psi", "phi")}
     pace = np.interp(t, track.t, np.hypot(track.u, track.v))
     omega, amplitude, phase = _components(found, sea, seed)
     transfer = _at(found, omega)

@@ -182,7 +182,22 @@ def _correlation(x: Array, dof: Array) -> Array:
 
 
 def white_noise(values: Array) -> float:
-    """Standard deviation of what changes from sample to sample, from third differences.
+    """Standard deviation of white noise on a smooth record, from its third differences.
+
+    Parameters
+    ----------
+    values : array (n,)
+        Equally spaced samples; NaN where there is none.
+
+    Returns
+    -------
+    float
+        NaN of fewer than ten third differences.
+
+    Notes
+    -----
+    1.4826 times the median of their distances from their median, over the root of 20: the sum of
+    the squares of 1, 3, 3 and 1.
 
     Examples
     --------
@@ -190,7 +205,8 @@ def white_noise(values: Array) -> float:
     >>> abs(white_noise(np.arange(4000.0) ** 2 * 1e-3 + noise) - 1) < 0.05
     True
     """
-    if len(values) < 8:
-        return 0.0
     third = np.diff(values, 3)
-    return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20.0))
+    third = third[np.isfinite(third)]
+    if len(third) < 10:
+        return float("nan")
+    return float(1.4826 * np.median(np.abs(third - np.median(third))) / np.sqrt(20.0))

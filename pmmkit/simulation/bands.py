@@ -194,21 +194,13 @@ def _over_time(track: Track, tracks: list[Track]) -> tuple[dict[str, Array], dic
     low, high = {}, {}
     for channel in DRAWN:
         rows = np.stack(
-            [
-                np.interp(track.t, other.t, _unwound(other, channel), right=np.nan)
-                for other in tracks
-            ]
+            [np.interp(track.t, other.t, getattr(other, channel), right=np.nan) for other in tracks]
         )
         enough = np.isfinite(rows).mean(axis=0) >= LEAST
         ends = np.full((2, len(track.t)), np.nan)
         ends[:, enough] = np.nanquantile(rows[:, enough], [0.025, 0.975], axis=0)
         low[channel], high[channel] = ends
     return low, high
-
-
-def _unwound(track: Track, channel: str) -> Array:
-    values: Array = getattr(track, channel)
-    return np.unwrap(values) if channel == "psi" else values
 
 
 def _about(track: Track, tracks: list[Track]) -> tuple[Array, Array]:

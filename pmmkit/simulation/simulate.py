@@ -203,8 +203,7 @@ def simulate(
         more += [] if knows_astern(stated) or not knows_astern(loaded) else [ESTIMATED]
     heavy = of_a_model(stated, speed) if chosen.reverses else ""
     more += [heavy] if heavy else []
-    stands = standing(loaded, speed)
-    return replace(track, notes=(*track.notes, *more, *stands.sentences), standing=stands)
+    return replace(track, notes=(*track.notes, *more), standing=standing(loaded, speed))
 
 
 def ship_for(

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.errors import UnknownNameError
 from pmmkit.metrics import IN_LENGTHS, METRICS, Metric, in_lengths, unit_of
@@ -41,18 +42,18 @@ CHANNELS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Track(Described):
-    """A free-running history of the midship point, SI and radians.
+    """A free-running history of the midship point, simulated or measured, SI and radians.
 
     Parameters
     ----------
     t : array (m,)
-        Time from the rudder order [s].
+        Time from the first order [s]; negative in the approach, where that was recorded.
     x, y, psi : array (m,)
-        Path along and to starboard of the approach [m], heading [rad].
+        Path along and to starboard of the approach [m], heading without jumps of 2π [rad].
     u, v, r, p, phi : array (m,)
-        Velocities in ship axes [m/s, rad/s], heel [rad].
+        Velocities through the water in ship axes [m/s, rad/s], heel [rad].
     delta, n : array (m,)
-        Rudder angle [rad], propeller revolutions per second.
+        Rudder angle [rad], propeller revolutions per second. What was not measured is NaN.
     name, manoeuvre : str
         Of the ship or model; ``turning`` and so on.
     L, speed, Fn : float
@@ -65,7 +66,7 @@ class Track(Described):
     scale : str
         At which scale and propulsion point the track is.
     notes : tuple of str
-        What a reader must know.
+        What a reader must know beside what `standing` says.
     orders : tuple of float
         Instants of the orders [s].
     settings : mapping
@@ -104,6 +105,49 @@ class Track(Described):
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def at(self, places: NDArray[np.bool_] | slice) -> Self:
+        """The track at some of its instants.
+
+        Examples
+        --------
+        >>> from pmmkit.simulation import simulate
+        >>> turn = simulate("kcs", speed=12.35, duration=60.0, dt=1.0)
+        >>> turn.at(turn.t > 58.0).t
+        array([59., 60.])
+        """
+        kept: dict[str, Any] = {}
+        for item in fields(self):
+            values = getattr(self, item.name)
+            if isinstance(values, np.ndarray):
+                kept[item.name] = values[places]
+        return replace(self, **kept)
+
+    @property
+    def ordered(self) -> Self:
+        """The track from the order on, without the approach that a measured one may have."""
+        return self.at(self.t >= 0.0)
+
+    def resized(self, L: float, speed: float) -> Self:
+        """The track of a ship of another length [m] and approach speed [m/s], the same in ship
+        lengths."""
+        length, pace = L / self.L, speed / self.speed
+        time = length / pace
+        return replace(
+            self,
+            L=L,
+            speed=speed,
+            t=self.t * time,
+            x=self.x * length,
+            y=self.y * length,
+            u=self.u * pace,
+            v=self.v * pace,
+            r=self.r / time,
+            p=self.p / time,
+            n=self.n / time,
+            orders=tuple(t * time for t in self.orders),
+            metrics=scaled(self.metrics, length, pace),
+        )
 
     def to_xarray(self) -> xr.Dataset:
         """The channels over t, with units, and the metrics as attributes."""
@@ -170,7 +214,7 @@ class Track(Described):
         ]
         missing = [name for name in in_lengths(self.metrics) if not np.isfinite(self.metrics[name])]
         points = [f"The track does not show: {', '.join(missing)}"] if missing else []
-        points += [note for note in self.notes if note not in self.standing.sentences]
+        points += self.notes
         return [
             Section(paragraphs=told),
             *([Section(title="Metrics", tables=[self._metrics()])] if self.metrics else []),
@@ -208,6 +252,19 @@ class Track(Described):
             return manoeuvre_of(self.manoeuvre)
         except UnknownNameError:
             return None
+
+
+def scaled(values: Mapping[str, float], length: float, pace: float) -> Mapping[str, float]:
+    """Numbers of a manoeuvre of which lengths and speeds are so many times as large.
+
+    Examples
+    --------
+    >>> scaled({"advance": 3.0, "advance_L": 3.0, "time_90": 1.0}, 4.0, 2.0)
+    {'advance': 12.0, 'advance_L': 3.0, 'time_90': 2.0}
+    """
+    time = length / pace
+    factors = {"m": length, "s": time, "deg/s": 1.0 / time, "m/s": pace}
+    return {name: x * factors.get(unit_of(name), 1.0) for name, x in values.items()}
 
 
 def _unit(name: str, known: tuple[Metric, ...]) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
@@ -13,6 +12,7 @@ from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError
 from pmmkit.escaping import figure_text
 from pmmkit.plotting import style
+from pmmkit.plotting.history import History
 from pmmkit.plotting.marks import dimension, guide, open_mark
 
 if TYPE_CHECKING:
@@ -27,35 +27,17 @@ _FORE: Final = 1.5
 """Ship lengths of the approach that are shown."""
 
 
-class _Trial(Protocol):
+class _Trial(History, Protocol):
     """What is drawn of a `Trial`."""
 
     @property
     def run(self) -> str: ...
 
     @property
-    def test(self) -> str: ...
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def L(self) -> float: ...
-
-    @property
-    def speed(self) -> float: ...
+    def manoeuvre(self) -> str: ...
 
     @property
     def heading_deg(self) -> float: ...
-
-    @property
-    def rudder_deg(self) -> float: ...
-
-    @property
-    def orders(self) -> tuple[float, ...]: ...
-
-    @property
-    def metrics(self) -> Mapping[str, float]: ...
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]: ...
@@ -64,25 +46,10 @@ class _Trial(Protocol):
     def current(self) -> Current | None: ...
 
     @property
-    def t(self) -> Array: ...
-
-    @property
-    def x(self) -> Array: ...
-
-    @property
-    def y(self) -> Array: ...
-
-    @property
-    def psi(self) -> Array: ...
-
-    @property
     def x_ground(self) -> Array: ...
 
     @property
     def y_ground(self) -> Array: ...
-
-    @property
-    def delta(self) -> Array: ...
 
 
 def trial_figure(trial: _Trial) -> Figure:
@@ -97,7 +64,7 @@ def trial_figure(trial: _Trial) -> Figure:
     -------
     Figure
     """
-    return trial_zigzag(trial) if kind_of(trial.test).switches else trial_path(trial)
+    return trial_zigzag(trial) if kind_of(trial.manoeuvre).switches else trial_path(trial)
 
 
 def trial_path(trial: _Trial) -> Figure:
@@ -122,9 +89,9 @@ def trial_path(trial: _Trial) -> Figure:
         If the record holds nothing after the order.
     """
     shown = (trial.t > 0) | (trial.x > -_FORE * trial.L)
-    if trial.test != TURNING.name:
+    if trial.manoeuvre != TURNING.name:
         shown &= trial.t > -60.0
-    if trial.test == STOPPING.name and math.isfinite(trial.metrics["time_to_stop"]):
+    if trial.manoeuvre == STOPPING.name and math.isfinite(trial.metrics["time_to_stop"]):
         shown &= trial.t <= trial.metrics["time_to_stop"]
     if np.count_nonzero(shown) < 2:
         raise DataError("The record holds nothing to draw after the order.")
@@ -146,7 +113,7 @@ def trial_path(trial: _Trial) -> Figure:
             label="current removed" if removed else "as measured, over ground",
         )
         axis.plot(0.0, 0.0, ls="", marker="o", ms=5, color=style.colour(0), label="order", zorder=4)
-        if trial.test == TURNING.name:
+        if trial.manoeuvre == TURNING.name:
             _turn_lines(axis, trial)
         else:
             _stop_lines(axis, trial)
@@ -222,12 +189,11 @@ def _in_lengths(
 
 def _title(trial: _Trial) -> str:
     """What the run is, and each limit beside its value."""
-    rudder = "" if trial.test == STOPPING.name else f" {abs(trial.rudder_deg):.0f}°"
-    if trial.test == TURNING.name:
+    rudder = "" if trial.manoeuvre == STOPPING.name else f" {abs(trial.rudder_deg):.0f}°"
+    if trial.manoeuvre == TURNING.name:
         rudder += " to starboard" if trial.rudder_deg > 0 else " to port"
-    lines = [
-        f"{figure_text(f'{trial.name}, {trial.run}')}: {trial.test}{rudder}, {trial.speed:.2f} m/s"
-    ]
+    who = figure_text(f"{trial.name}, {trial.run}")
+    lines = [f"{who}: {trial.manoeuvre}{rudder}, {trial.speed:.2f} m/s"]
     words = []
     for item in trial.verdicts:
         unit = " L" if item.unit == "L" else "°"

@@ -23,7 +23,7 @@ from pmmkit.trials.measures import of_stopping, of_turning, of_zigzag
 from pmmkit.trials.orders import Order, astern_order, held_until, rudder_orders
 from pmmkit.trials.path import path_of
 from pmmkit.trials.record import Record, read_record
-from pmmkit.trials.surroundings import noise_of, true_wind
+from pmmkit.trials.surroundings import mean_wind, noise_of
 from pmmkit.trials.table import Trial
 from pmmkit.trials.verdicts import verdicts_of
 
@@ -296,10 +296,11 @@ def _trial(
         )
     level = math.degrees(part.orders[0].level)
     switch = run.settings.switch if run.settings.switch is not None else run.settings.rudder
+    reversals: list[float] = []
     if run.kind_of_test is TURNING:
         found = of_turning(path, part.orders[0], part.circle, notes)
     elif run.kind_of_test is ZIGZAG:
-        found, _ = of_zigzag(path, part.orders, abs(switch), notes)
+        found, reversals = of_zigzag(path, part.orders, abs(switch), notes)
     else:
         found = of_stopping(path, part.orders[0], notes)
     if part.heel is not None:
@@ -308,17 +309,21 @@ def _trial(
         found.add("heel_steady_deg", math.degrees(heel.steady), math.degrees(heel.steady_std))
         notes += [heel.words] if heel.words else []
     metrics, std = found.frozen()
-    wind = true_wind(record, path)
+    wind = mean_wind(record, path.half)
+    unknown = np.full(len(record.t), math.nan)
+    delta, n, phi, p = (record.others.get(name, unknown) for name in ("delta", "n", "phi", "p"))
+    u, v, r = path.motion(phi)
     around = trial_conditions(
         campaign, speed=approach.speed, wind=None if wind is None else wind.speed, current=current
     )
     ahead, engine = _engine(part, found.values.get("time_to_stop", math.nan))
     return Trial(
         run=run.id,
-        test=run.test,
+        manoeuvre=run.test,
         name=ship.name,
         L=ship.L,
         speed=approach.speed,
+        Fn=ship.froude(approach.speed, campaign.water.g),
         speed_std=approach.speed_std,
         heading_deg=math.degrees(approach.heading) % 360.0,
         rudder_deg=level,
@@ -326,6 +331,9 @@ def _trial(
         orders=tuple(one.t - part.orders[0].t for one in part.orders),
         metrics=metrics,
         std=std,
+        scale=f"as measured, L = {ship.L:.4g} m",
+        settings=_settings(run, level, switch),
+        reversals=tuple(reversals),
         rudder_rate_deg=_rudder_rate(part.orders) if run.kind_of_test.turns_rudder else math.nan,
         verdicts=verdicts_of(
             run.test,
@@ -350,7 +358,20 @@ def _trial(
         x=path.x,
         y=path.y,
         psi=path.psi,
+        u=u,
+        v=v,
+        r=r,
+        p=p,
+        phi=phi,
+        delta=delta,
+        n=n,
         x_ground=path.x_ground,
         y_ground=path.y_ground,
-        delta=record.others.get("delta", np.full(len(record.t), np.nan)),
     )
+
+
+def _settings(run: Run, level: float, switch: float) -> Mapping[str, float]:
+    """Settings of the manoeuvre by the names that `simulate` has for them."""
+    kind = run.kind_of_test
+    found = {"rudder_deg": level} if kind.turns_rudder else {}
+    return found | ({"switch_deg": abs(math.degrees(switch))} if kind.switches else {})

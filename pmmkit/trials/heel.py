@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.numerics import Array
-from pmmkit.trials.local import local
+from pmmkit.signals.local import local
 
 SMOOTH: Final = 0.05
 """Half of the window in which heel is smoothed, in ship lengths over the speed."""
@@ -83,8 +83,8 @@ def heel_of_turn(
         return None
     upright = float(phi[before].mean()) if np.count_nonzero(before) >= 5 else 0.0
     heel, own = phi[turning] - upright, t[turning]
-    found = [local(own, heel, at, SMOOTH * pace) for at in own.tolist()]
-    most = max(found, key=lambda item: abs(item.value))
+    found = local(own, heel, own, SMOOTH * pace)
+    most = int(np.argmax(np.abs(found.value)))
     # Third differences hold the noise alone: 20 is the sum of their squared weights.
     noise = math.sqrt(float(np.mean(np.diff(heel, 3) ** 2)) / 20.0)
     turned = side * (psi[turning] - np.interp(order, t, psi))
@@ -102,8 +102,8 @@ def heel_of_turn(
             std = math.hypot(float(means.std(ddof=1)) / math.sqrt(len(means)), 0.5 * change)
     return Heel(
         upright=upright,
-        largest=abs(most.value),
-        largest_std=noise * math.sqrt(most.leverage),
+        largest=abs(float(found.value[most])),
+        largest_std=noise * math.sqrt(found.leverage[most]),
         steady=steady,
         steady_std=std,
     )

@@ -9,9 +9,10 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.campaigns.over_ground import in_ship_axes
 from pmmkit.presentation import number
+from pmmkit.signals.local import crossing, local, way_along
 from pmmkit.trials.circle import Circle
-from pmmkit.trials.local import crossing, local, way_along
 from pmmkit.trials.noise import straight_line
 from pmmkit.trials.orders import Order
 from pmmkit.trials.path import Path
@@ -128,12 +129,7 @@ def of_zigzag(
         inside = np.flatnonzero((path.t >= begin) & (path.t <= end))
         peak = math.nan
         if len(inside) > 3:
-            smooth = np.array(
-                [
-                    side * local(path.t, path.psi, float(path.t[one]), path.half).value
-                    for one in inside
-                ]
-            )
+            smooth = side * local(path.t, path.psi, path.t[inside], path.half).value
             top = int(np.argmax(smooth))
             if top < len(smooth) - 2 or count < len(ends) - 1:
                 peak = float(smooth[top])
@@ -189,9 +185,8 @@ def of_stopping(path: Path, order: Order, notes: list[str]) -> Measures:
     found = Measures(path.L)
     half = max(3.0 * path.half, 10.0 * path.step)
     at = np.arange(half, float(path.t[-1]), path.step)
-    pace = np.array([path.velocity(float(one), half) for one in at]).reshape(-1, 2)
     heading = np.interp(at, path.t, path.psi)
-    surge = pace[:, 0] * np.cos(heading) + pace[:, 1] * np.sin(heading)
+    surge, _ = in_ship_axes(*path.velocity(at, half), heading)
     still = np.flatnonzero(surge <= 0.0)
     if not len(still):
         left = f"{number(surge[-1], 2)} m/s" if len(surge) else "way on"

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from pmmkit.campaigns.over_ground import half_window, in_ship_axes, velocity
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
+from pmmkit.signals.local import local
 from pmmkit.signals.noise import white_noise
 from pmmkit.trials.current import Current
-from pmmkit.trials.local import local
 from pmmkit.trials.noise import PositionNoise, straight_line
 from pmmkit.trials.orders import Order
 from pmmkit.trials.record import GAP, Record
@@ -27,8 +29,6 @@ SHORTEST: Final = 0.25
 """Ship lengths below which an approach is not made shorter."""
 AT_THE_END: Final = 4.0
 """Error of a parabola's slope at its end over that of a straight line, for even white noise."""
-SMOOTHED: Final = 0.15
-"""Half of the window of local fits in ship lengths over the approach speed, at least 3 samples."""
 FEW: Final = 5
 
 
@@ -106,10 +106,17 @@ class Path:
             local(self.t, self.y, at, self.half).value,
         )
 
-    def velocity(self, at: float, half: float | None = None) -> tuple[float, float]:
-        """Smoothed velocity through the water along and across the approach [m/s]."""
-        window = 2.0 * self.half if half is None else half
-        return local(self.t, self.x, at, window).slope, local(self.t, self.y, at, window).slope
+    def velocity(self, at: ArrayLike, half: float | None = None) -> tuple[Any, Any]:
+        """Smoothed velocity through the water along and across the approach [m/s], at an instant
+        or at several."""
+        return velocity(self.t, self.x, self.y, at, self.half if half is None else 0.5 * half)
+
+    def motion(self, phi: Array) -> tuple[Array, Array, Array]:
+        """Surge, sway [m/s] and yaw rate [rad/s] through the water at all instants; heel that is
+        not known counts as none."""
+        heading = local(self.t, self.psi, self.t, self.half)
+        u, v = in_ship_axes(*self.velocity(self.t), heading.value, np.nan_to_num(phi))
+        return u, v, heading.slope
 
     def variance(self, at: float, across: bool) -> float:
         """Variance of the way from the order along or across the approach [m²]."""
@@ -169,7 +176,7 @@ def path_of(
     psi_noise = white_noise(record.psi)
     approach = _approach(record, order, drift, L=L, speed=speed, current=current, noise=noise)
     heading = approach.heading
-    half = max(SMOOTHED * L / speed, 3.0 * record.step)
+    half = half_window(t, L, speed)
     since = t - order.t
     ground = _turned(record.x, record.y, heading)
     water = _turned(record.x - drift[0] * since, record.y - drift[1] * since, heading)

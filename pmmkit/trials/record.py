@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pmmkit.checks.positions import digits, position_jumps
 from pmmkit.errors import DataError, Problem
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, unwrapped
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Run
@@ -174,7 +174,7 @@ def _without_spikes(columns: dict[str, Array], notes: list[str]) -> dict[str, Ar
 
 def _continued(t: Array, psi: Array, step: float) -> Array:
     """Heading without jumps of 2π; across a gap the yaw rate about it decides."""
-    out = np.unwrap(psi)
+    out = unwrapped(psi)
     for place in np.flatnonzero(np.diff(t) > GAP * step):
         sides = [slice(max(place - 10, 0), place + 1), slice(place + 1, place + 12)]
         rates = [np.polyfit(t[side], out[side], 1)[0] for side in sides if len(t[side]) > 3]

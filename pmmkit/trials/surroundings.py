@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.campaigns.over_ground import true_wind, velocity
 from pmmkit.signals.noise import white_noise
 from pmmkit.trials.circle import Circle
 from pmmkit.trials.noise import PositionNoise
-from pmmkit.trials.path import Path
 from pmmkit.trials.record import Record
 from pmmkit.trials.table import Wind
 
@@ -54,29 +54,24 @@ def noise_of(
     return PositionNoise(fast=fast, origin="what changes from fix to fix")
 
 
-def true_wind(record: Record, path: Path) -> Wind | None:
+def mean_wind(record: Record, half: float) -> Wind | None:
     """Mean true wind from the relative one, the heading and the velocity over ground.
 
     Parameters
     ----------
     record : Record
         With wind_speed and wind_direction; None without.
-    path : Path
-        Its times from the order.
+    half : float
+        Half of the window in which places are smoothed [s].
     """
-    speed, angle = (record.others.get(name) for name in ("wind_speed", "wind_direction"))
-    if speed is None or angle is None:
+    felt = [record.others.get(name) for name in ("wind_speed", "wind_direction")]
+    if felt[0] is None or felt[1] is None:
         return None
-    at = np.linspace(path.t[0], path.t[-1], 41)
-    north, east = (
-        np.interp(path.t, at[1:-1], np.gradient(np.interp(at, path.t, part), at)[1:-1])
-        for part in (record.x, record.y)
-    )
-    toward = record.psi + angle + np.pi
-    blowing = np.stack([speed * np.cos(toward) + north, speed * np.sin(toward) + east])
-    mean = blowing.mean(axis=1)
+    north, east = velocity(record.t, record.x, record.y, record.t, half)
+    speed, direction = true_wind(record.psi, felt[0], felt[1], north, east)
+    mean = np.nanmean(speed * np.exp(1j * direction))
     return Wind(
-        speed=float(np.hypot(*mean)),
-        direction_deg=math.degrees(math.atan2(-mean[1], -mean[0])) % 360.0,
-        spread=float(np.std(np.hypot(*blowing))),
+        speed=float(np.abs(mean)),
+        direction_deg=math.degrees(np.angle(mean)) % 360.0,
+        spread=float(np.nanstd(speed)),
     )

@@ -4,25 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from pmmkit.campaigns.test_kinds.free_running import STOPPING
 from pmmkit.metrics import IN_LENGTHS, in_metres, in_words, metric_of, told, unit_of
 from pmmkit.numerics import Array
-from pmmkit.presentation import (
-    ABSENT,
-    WIDE,
-    Described,
-    Grid,
-    Group,
-    Section,
-    number,
-    with_uncertainty,
-)
+from pmmkit.presentation import ABSENT, WIDE, Grid, Group, Section, number, with_uncertainty
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import Condition
+from pmmkit.simulation.track import Track, scaled
 from pmmkit.trials.current import Current
 from pmmkit.trials.noise import PositionNoise
 
@@ -55,30 +47,40 @@ class Wind:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Trial(Described):
-    """A turning circle, zigzag or stop as it was measured.
+class Trial(Track):
+    """A turning circle, zigzag or stop as it was measured: a `Track` with its uncertainties.
 
     Parameters
     ----------
-    run, test : str
-        Id of the run; ``turning``, ``zigzag`` or ``stopping``.
-    name : str
-        Of the ship.
-    L, speed, speed_std : float
-        Ship length [m]; approach speed through the water as far as the current is known, and its
-        standard uncertainty [m/s].
-    heading_deg, rudder_deg : float
-        Of the approach; ordered rudder as it was reached, positive to starboard [deg].
+    t, x, y, psi : array (n,)
+        Time from the order, negative in the approach [s]; path of midship along and to starboard
+        of the approach without the current [m], heading from that of the approach [rad].
+    u, v, r : array (n,)
+        Velocities through the water, by parabolas through the fixes [m/s, rad/s].
+    p, phi, delta, n : array (n,)
+        Of a `Track`; NaN where they were not recorded.
+    speed : float
+        Of the approach through the water, as far as the current is known [m/s].
+    rudder_deg : float
+        Ordered rudder as it was reached, positive to starboard [deg].
+    metrics : mapping of str to float
+        Numbers by the names that `simulate` gives them; NaN where the record does not show them.
+    name, manoeuvre, L, Fn, scale, notes, orders, settings, tested, standing
+        Of a `Track`.
+    run : str
+        Id of the run.
+    speed_std : float
+        Standard uncertainty of the approach speed [m/s].
+    heading_deg : float
+        Of the approach [deg].
     order : float
         Instant of the order on the clock of the record [s].
-    orders : tuple of float
-        Instants of all orders, from the first [s].
     rudder_rate_deg : float
         At which the rudder was laid [deg/s]; NaN where the record holds orders and no angles.
-    metrics, std : mapping of str to float
-        Numbers by the names that `simulate` gives them, and their standard uncertainties;
-        lengths in metres, and with ``_L`` in ship lengths. NaN where the record does not show
-        them.
+    reversals : tuple of float
+        Heading at each reversal of a zigzag, to the side that the ship turned to [deg].
+    std : mapping of str to float
+        Standard uncertainties of the metrics.
     verdicts : tuple of Verdict
         Criteria of IMO MSC.137(76) that the run is judged by.
     conditions : tuple of Condition
@@ -95,32 +97,17 @@ class Trial(Described):
         Mean true wind.
     noise : PositionNoise
         Of the fixes.
-    notes : tuple of str
-        What a reader must know.
-    t : array (n,)
-        Time from the order [s].
-    x, y, psi : array (n,)
-        Path of midship along and to starboard of the approach without the current [m], heading
-        from that of the approach [rad].
     x_ground, y_ground : array (n,)
         The path as measured [m].
-    delta : array (n,)
-        Rudder angle; NaN where it was not recorded [rad].
     """
 
     run: str
-    test: str
-    name: str
-    L: float
-    speed: float
     speed_std: float
     heading_deg: float
-    rudder_deg: float
     order: float
-    orders: tuple[float, ...]
-    metrics: Mapping[str, float]
     std: Mapping[str, float]
     rudder_rate_deg: float = math.nan
+    reversals: tuple[float, ...] = ()
     verdicts: tuple[Verdict, ...] = ()
     conditions: tuple[Condition, ...] = ()
     revolutions: float = math.nan
@@ -129,14 +116,22 @@ class Trial(Described):
     turned_deg: float = math.nan
     wind: Wind | None = None
     noise: PositionNoise = field(default_factory=lambda: PositionNoise(fast=0.0))
-    notes: tuple[str, ...] = ()
-    t: Array = field(repr=False)
-    x: Array = field(repr=False)
-    y: Array = field(repr=False)
-    psi: Array = field(repr=False)
-    x_ground: Array = field(repr=False)
-    y_ground: Array = field(repr=False)
-    delta: Array = field(repr=False)
+    x_ground: Array
+    y_ground: Array
+
+    def resized(self, L: float, speed: float) -> Self:
+        """As of a track, with the uncertainties and the path as measured."""
+        length, pace = L / self.L, speed / self.speed
+        time = length / pace
+        return replace(
+            super().resized(L, speed),
+            speed_std=self.speed_std * pace,
+            order=self.order * time,
+            rudder_rate_deg=self.rudder_rate_deg / time,
+            std=scaled(self.std, length, pace),
+            x_ground=self.x_ground * length,
+            y_ground=self.y_ground * length,
+        )
 
     def plot(self) -> Figure:
         """The path with its measures; of a zigzag the heading and the rudder over time.
@@ -159,7 +154,7 @@ class Trial(Described):
             found.append(
                 {
                     "run": self.run,
-                    "test": self.test,
+                    "test": self.manoeuvre,
                     "measure": name,
                     "value": value,
                     "std": self.std.get(name, math.nan),
@@ -172,12 +167,13 @@ class Trial(Described):
         return found
 
     def _headline(self) -> str:
-        rudder = "" if self.test == STOPPING.name else f", rudder {self.rudder_deg:+.1f}°"
+        rudder = "" if self.manoeuvre == STOPPING.name else f", rudder {self.rudder_deg:+.1f}°"
         approach = f"{self.speed:.2f}"
-        if self.speed_std > 0.0:
+        if math.isfinite(self.speed_std) and self.speed_std > 0.0:
             approach = with_uncertainty(self.speed, WIDE * self.speed_std, "plus-minus")
         return (
-            f"{self.run}: {self.test}{rudder}, approach {approach} m/s on {self.heading_deg:05.1f}°"
+            f"{self.run}: {self.manoeuvre}{rudder}, approach {approach} m/s on "
+            f"{self.heading_deg:05.1f}°"
         )
 
     def _sections(self) -> Sequence[Section]:
@@ -239,7 +235,7 @@ class Trial(Described):
         """As plain data: what ``pmmkit trial --json`` prints of a run."""
         return {
             "run": self.run,
-            "test": self.test,
+            "test": self.manoeuvre,
             "L": self.L,
             "speed": self.speed,
             "speed_std": self.speed_std,

@@ -22,7 +22,6 @@ from pmmkit.observations.whitening import FLOOR
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number, percent
 from pmmkit.progress import Progress
 from pmmkit.ship import Ship, Water
-from pmmkit.trials.track import track_of
 from pmmkit.validation.captive import CaptiveRun, compare_captive
 from pmmkit.validation.dataset import of_harmonics, of_samples, rows_of
 from pmmkit.validation.free_running import FORCE_UNITS, MOTIONS, FreeRun, compare_free
@@ -142,7 +141,7 @@ class Comparison(Described):
         if not self.captive and not self.free:
             item = self.manoeuvres[0]
             names = (f"{item.trial.run}, measured", f"{item.trial.run}, submitted")
-            return trajectory([track_of(item.trial), item.track], names)
+            return trajectory([item.trial.ordered, item.track.ordered], names)
         if self.captive:
             found = self.cells()
             titles = {cell.test: kind_of(cell.test).title for cell in found}

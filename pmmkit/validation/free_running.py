@@ -35,7 +35,7 @@ from pmmkit.simulation import Track
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre as Orders
 from pmmkit.simulation.manoeuvres.zigzag import executed_at
 from pmmkit.simulation.simulate import simulate, steering
-from pmmkit.trials import Trial, evaluate
+from pmmkit.trials import evaluate
 from pmmkit.trials.current import mean_current
 from pmmkit.trials.evaluate import JUDGED
 from pmmkit.validation.manoeuvre import Manoeuvre
@@ -366,12 +366,5 @@ def _sailed(
 
     executed = None
     if run.kind_of_test.switches and len(trial.orders) > 1:
-        executed = sailed(executed_at(reversals(trial)))
+        executed = sailed(executed_at(trial.reversals))
     return Manoeuvre(run=run, trial=trial, track=sailed(run.test), executed=executed)
-
-
-def reversals(trial: Trial) -> list[float]:
-    """Headings at which the rudder of a zigzag was laid over, to the side that she turned [deg]."""
-    side = math.copysign(1.0, trial.rudder_deg)
-    headings = np.interp(trial.orders[1:], trial.t, trial.psi).tolist()
-    return [math.degrees(side * (-1.0) ** i * psi) for i, psi in enumerate(headings)]

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import Any
 
 from pmmkit.campaigns.run import Run
@@ -26,21 +24,20 @@ class Manoeuvre:
     trial : Trial
         Measured.
     track : Track
-        Predicted: simulated by a model with the ship's own steering, or submitted.
+        Predicted: simulated by a model with the ship's own steering, or the trial of a submission.
     executed : Track, optional
         Simulated with each execute of a zigzag at the heading of the run, late as it was.
-    submitted_run : str
-        Id of the run of a submission; empty of a model.
-    std : mapping of str to float
-        Standard uncertainties of the measures of a submission; empty of a model, which states none.
     """
 
     run: Run
     trial: Trial
     track: Track
     executed: Track | None = None
-    submitted_run: str = ""
-    std: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def submitted_run(self) -> str:
+        """Id of the run of a submission; empty of a model."""
+        return self.track.run if isinstance(self.track, Trial) else ""
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a measure that both have: measured, predicted, error (predicted less measured),
@@ -73,4 +70,5 @@ class Manoeuvre:
         return found
 
     def _std(self, name: str) -> float:
-        return self.std.get(name, math.nan) if self.submitted_run else 0.0
+        """Standard uncertainty of a predicted measure: a model states none."""
+        return self.track.std.get(name, math.nan) if isinstance(self.track, Trial) else 0.0

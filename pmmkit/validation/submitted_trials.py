@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import replace
 from typing import Final
 
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError, PmmkitError
-from pmmkit.metrics import unit_of
-from pmmkit.trials import Trial
 from pmmkit.trials.evaluate import JUDGED, evaluate
-from pmmkit.trials.track import track_of
 from pmmkit.validation.manoeuvre import Manoeuvre
 
 _FROUDE: Final = 0.05
@@ -58,16 +53,8 @@ def compare_trials(
         except PmmkitError as error:
             notes.append(f"{run.id} is left out: {error}")
             continue
-        there = resized(theirs, measured.L, measured.speed)
-        found.append(
-            Manoeuvre(
-                run=run,
-                trial=measured,
-                track=track_of(there),
-                submitted_run=other.id,
-                std=there.std,
-            )
-        )
+        there = theirs.resized(measured.L, measured.speed)
+        found.append(Manoeuvre(run=run, trial=measured, track=there))
     if not found:
         raise DataError(
             [
@@ -79,41 +66,6 @@ def compare_trials(
     if alone:
         notes.append(f"Without a counterpart in the submission: {', '.join(alone)}.")
     return tuple(found), tuple(notes)
-
-
-def resized(trial: Trial, L: float, speed: float) -> Trial:
-    """A trial at another length and approach speed, the same in ship lengths.
-
-    Parameters
-    ----------
-    trial : Trial
-        As it was evaluated.
-    L, speed : float
-        Ship length [m] and approach speed [m/s].
-    """
-    length, pace = L / trial.L, speed / trial.speed
-    time = length / pace
-    per_unit = {"m": length, "s": time, "deg/s": 1.0 / time, "m/s": pace}
-
-    def scaled(values: Mapping[str, float]) -> dict[str, float]:
-        return {name: x * per_unit.get(unit_of(name), 1.0) for name, x in values.items()}
-
-    return replace(
-        trial,
-        L=L,
-        speed=speed,
-        speed_std=trial.speed_std * pace,
-        order=trial.order * time,
-        orders=tuple(t * time for t in trial.orders),
-        rudder_rate_deg=trial.rudder_rate_deg / time,
-        metrics=scaled(trial.metrics),
-        std=scaled(trial.std),
-        t=trial.t * time,
-        x=trial.x * length,
-        y=trial.y * length,
-        x_ground=trial.x_ground * length,
-        y_ground=trial.y_ground * length,
-    )
 
 
 def _counterpart(run: Run, ours: Campaign, theirs: Campaign) -> Run | None:

@@ -14,6 +14,7 @@ from pmmkit import Run
 from pmmkit.campaigns.segments import usable
 from pmmkit.campaigns.settings import Settings
 from pmmkit.checks import examine
+from pmmkit.checks.track import free_facts
 from pmmkit.errors import CampaignError
 
 SPEED, STEP = 0.9, 0.1
@@ -152,6 +153,16 @@ def test_a_wrapped_heading_is_no_jump_and_comes_unwrapped():
     assert said(found(free(values)), "headings") == []
     (part,) = usable(free(values)).segments
     np.testing.assert_allclose(part.data["psi"], columns()["psi"], atol=1e-9)
+
+
+def test_a_sample_without_heading_does_not_cost_those_after_it():
+    values = columns()
+    t = values["t"]
+    whole = free_facts(free(values).data, t)
+    values["psi"][len(t) // 10] = np.nan
+    holed = free_facts(free(values).data, t)
+    for name in ("r_slope", "swung"):
+        assert holed[name] == pytest.approx(whole[name], rel=1e-3)
 
 
 def test_velocities_that_are_late_and_turned_with_the_present_heading():

@@ -183,6 +183,21 @@ def test_trajectory_in_ship_lengths_marks_advance_and_diameter(track):
     assert f"tactical diameter {track.metrics['tactical_diameter_L']:.2f} L" in words
 
 
+@pytest.mark.parametrize("dt", [None, 20.0])
+def test_a_figure_tells_the_measures_of_its_track(dt):
+    """However far its samples lie apart: transfer is 1.27 L, and 1.42 L at the sample after."""
+    turn = pmmkit.simulate("kvlcc2", speed=7.97, dt=dt, compiled=False)
+    axis = figures.trajectory([turn]).axes[0]
+    words = {text.get_text() for text in axis.texts}
+    for name in ("advance", "transfer", "tactical diameter"):
+        assert f"{name} {turn.metrics[name.replace(' ', '_') + '_L']:.2f} L" in words
+    quarter, half = axis.lines[1], axis.lines[2]
+    most = 0.002 if dt is None else 0.05
+    for line, names in ((quarter, ("transfer_L", "advance_L")), (half, ("tactical_diameter_L",))):
+        for at, name in zip((line.get_xdata()[0], line.get_ydata()[0]), names, strict=False):
+            assert at == pytest.approx(turn.metrics[name], abs=most)
+
+
 def test_outlines_of_the_ship_are_one_length_long(track):
     figure = figures.trajectory([track])
     for patch in figure.axes[0].patches:

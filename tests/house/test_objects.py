@@ -32,6 +32,7 @@ from pmmkit.seakeeping import (
     operability,
     superposed,
 )
+from pmmkit.simulation.track import CHANNELS
 from pmmkit.trials import Trial, Wind
 
 ROOT = Path(__file__).parents[2]
@@ -113,7 +114,8 @@ def trial():
     path = np.arange(5.0)
     return Trial(
         run="T1",
-        test="turning",
+        manoeuvre="turning",
+        Fn=0.142,
         name="tanker",
         L=320.0,
         speed=7.97,
@@ -137,7 +139,7 @@ def trial():
         verdicts=(pk.imo_turning(track())[0],),
         wind=Wind(speed=5.0, direction_deg=270.0, spread=1.2),
         notes=("fixes jump",),
-        **dict.fromkeys(("t", "x", "y", "psi", "x_ground", "y_ground", "delta"), path),
+        **dict.fromkeys(("t", *CHANNELS, "x_ground", "y_ground"), path),
     )
 
 

@@ -21,8 +21,9 @@ from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification import Prior, prior_of
 from pmmkit.identification.binding import bound
 from pmmkit.identification.filters import kalman
-from pmmkit.identification.record import noise_of, sensors_of
+from pmmkit.identification.record import sensors_of
 from pmmkit.models import Part, load_model
+from pmmkit.signals.noise import white_noise
 
 TANKER, SPEED = load_model("kvlcc2-l7"), 1.179
 LINER = load_model("s175")
@@ -434,7 +435,7 @@ def test_noise_is_told_from_the_record():
     clean = sailed(sensors=dict.fromkeys(SENSORS, 0.0))
     for name, std in sensors_of([clean], {}).items():
         assert 5e-5 < std / np.ptp(clean.measured[name]) < 2e-3, name
-    assert noise_of(record.measured["r"]) == pytest.approx(SENSORS["r"], rel=0.1)
+    assert white_noise(record.measured["r"]) == pytest.approx(SENSORS["r"], rel=0.1)
     short = record.cut(0.0, 0.5)
     with pytest.raises(DataError, match=r"noise of u .*sensors="):
         sensors_of([short.only(["u"])], {})

@@ -11,9 +11,11 @@ import xarray as xr
 
 import pmmkit as pk
 from pmmkit import FreeRecord, Run, free_records
+from pmmkit.campaigns.over_ground import over_ground, true_wind
 from pmmkit.campaigns.settings import Settings
 from pmmkit.errors import DataError
 from pmmkit.identification.record import rate_limited
+from pmmkit.identification.starts import first_states
 from pmmkit.models import load_model
 
 TANKER, LINER, SPEED = load_model("kvlcc2-l7"), load_model("s175"), 1.179
@@ -146,23 +148,39 @@ def anemometer(values, drift=0.0):
 
 def test_the_wind_over_ground_comes_from_that_over_the_deck():
     values = columns()
-    (record,) = free_records(run_of(values | anemometer(values)), TANKER)
-    assert record.wind_speed == pytest.approx(4.0, rel=1e-9)
-    turned = np.degrees(record.wind_direction) % 360.0
-    assert turned == pytest.approx(130.0, rel=1e-9)
+    felt = anemometer(values)
+    own = over_ground(values["u"], values["v"], values["psi"])
+    speed, direction = true_wind(values["psi"], *felt.values(), *own)
+    assert speed == pytest.approx(4.0, rel=1e-9)
+    assert np.degrees(direction) == pytest.approx(130.0, rel=1e-9)
+    (record,) = free_records(run_of(values | felt), TANKER)
+    assert record.wind_speed == pytest.approx(4.0, rel=1e-3)
+    assert np.degrees(record.wind_direction) == pytest.approx(130.0, abs=0.05)
     np.testing.assert_array_equal(record.inputs[:, 3], record.wind_speed)
     assert np.all(record.calm().inputs[:, 3:5] == 0.0)
 
 
-def test_without_velocities_the_positions_give_that_of_the_deck():
-    """In a current they are the better ones: they are over ground."""
+@pytest.mark.parametrize("absent", [(), ("u", "v")])
+def test_the_positions_give_the_velocity_of_the_deck(absent):
+    """In a current they alone are over ground: u and v are through the water."""
     values = columns(current_speed=0.5, current_direction_deg=40.0)
     drift = 0.5 * np.exp(1j * math.radians(40.0))
-    bare = without(values | anemometer(values, drift), "u", "v")
-    (record,) = free_records(run_of(bare), TANKER)
-    assert record.wind_speed[5:-5] == pytest.approx(4.0, rel=5e-3)
-    turned = np.degrees(record.wind_direction[5:-5]) % 360.0
-    assert turned == pytest.approx(130.0, abs=0.5)
+    seen = without(values | anemometer(values, drift), *absent)
+    (record,) = free_records(run_of(seen), TANKER)
+    assert record.wind_speed == pytest.approx(4.0, rel=1e-3)
+    assert np.degrees(record.wind_direction) == pytest.approx(130.0, abs=0.05)
+
+
+def test_the_wind_goes_on_after_a_sample_without_it():
+    """It veers all along, and one sample has no direction."""
+    values = columns()
+    veers = values | anemometer(values)
+    veers["wind_direction"] = veers["wind_direction"] + 0.02 * values["t"]
+    whole = free_records(run_of(veers), TANKER)[0].wind_direction
+    veers["wind_direction"] = np.where(np.arange(len(whole)) == 99, np.nan, veers["wind_direction"])
+    holed = free_records(run_of(veers), TANKER)[0].wind_direction
+    np.testing.assert_allclose(np.delete(holed, 99), np.delete(whole, 99), rtol=1e-12)
+    assert holed[99] == pytest.approx(whole[98:101].mean(), abs=1e-3)
 
 
 def test_a_wind_may_be_left_out():
@@ -285,3 +303,15 @@ def test_a_model_on_a_lake_has_wind_and_stale_positions(osaka):
     for record in records:
         assert np.isfinite(record.inputs).all()
         assert np.all(np.diff(record.t) > 0)
+
+
+def test_windows_start_with_velocities_through_the_water():
+    """Of a record of positions and heading in a current that is known."""
+    values = columns(current_speed=0.3, current_direction_deg=40.0)
+    current = (0.3 * math.cos(math.radians(40.0)), 0.3 * math.sin(math.radians(40.0)))
+    (record,) = free_records(run_of(without(values, "u", "v")), TANKER)
+    begins = np.array([0, 300, len(record)])
+    states = ("x", "y", "psi", "u", "v", "r")
+    found = first_states(record.with_(current=current), begins, states, np.zeros(6), 0.5)
+    for name, x in zip(states[3:], found.T[3:], strict=True):
+        np.testing.assert_allclose(x, values[name][begins[:-1]], atol=0.01)

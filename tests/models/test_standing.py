@@ -42,7 +42,7 @@ def test_a_guessed_propeller_and_rudder_are_no_ground_for_a_verdict(guessed):
     track = pk.simulate(guessed, speed=9.0)
     (said,) = track.standing.unsettled
     assert said.startswith("Propulsion and steering are estimates")
-    assert said in track.notes
+    assert said in track.standing.sentences
     for item in imo_turning(track):
         assert (item.passed, item.words) == (None, "not settled")
         assert said in item.conditions
@@ -72,7 +72,7 @@ def test_a_turn_beyond_the_tests_says_so_wherever_it_is_told(tmp_path, capsys):
     model = SHIP.with_(Fn=(slow, fast)).with_values("hull_polynomial", **many)
     track = pk.simulate(model, speed=1.4 * 9.0, extrapolate=True)
     assert track.standing.outside == pytest.approx(0.4)
-    assert any("40 % above what was tested" in text for text in track.notes)
+    assert any("40 % above what was tested" in text for text in track.standing.sentences)
     assert {item.words for item in imo_turning(track)} == {"not settled"}
     pk.save_model(model, tmp_path / "model.toml")
     command = ["simulate", str(tmp_path / "model.toml"), "--speed", "12.6", "--extrapolate"]
@@ -97,7 +97,7 @@ def test_a_hull_without_couplings_is_no_ground_for_a_verdict_on_turns():
     track = pk.simulate(bare, speed=9.0)
     whole = pk.simulate(SHIP, speed=9.0)
     assert track.metrics["tactical_diameter_L"] < 0.85 * whole.metrics["tactical_diameter_L"]
-    assert any("no term of sway and yaw together" in text for text in track.notes)
+    assert any("no term of sway and yaw together" in text for text in track.standing.sentences)
     assert {item.words for item in imo_turning(track)} == {"not settled"}
     assert not any(standing(pk.load_model(name), 3.0).uncoupled for name in pk.ships())
 
@@ -143,3 +143,10 @@ def test_a_speed_between_is_inside_and_one_beyond_is_out_by_its_share(low, span,
         assert found == pytest.approx(share)
     elif -0.019 < share < 0.019:
         assert found == 0.0
+
+
+def test_what_a_track_stands_on_is_told_once():
+    track = pk.simulate("kvlcc2", "stopping", speed=7.97, compiled=False)
+    assert track.standing.remarks
+    assert not set(track.standing.sentences) & set(track.notes)
+    assert all(str(track).count(text) == 1 for text in track.standing.sentences)

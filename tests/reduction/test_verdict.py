@@ -193,7 +193,7 @@ def test_force_marks_the_model_for_ever(forced, tmp_path):
 
 def test_whatever_sails_it_says_so_and_no_limit_is_settled(forced):
     track = pk.simulate(forced, speed=9.0, rudder_deg=20, extrapolate=True, compiled=False)
-    assert track.standing.forced in track.notes
+    assert track.standing.forced in track.standing.sentences
     assert ODD in track.standing.forced
     found = imo_turning(track)
     assert {item.passed for item in found} == {None}

@@ -18,6 +18,7 @@ from pmmkit.signals import (
     trapezoid_harmonics,
     whole_cycles,
 )
+from pmmkit.signals.noise import white_noise
 
 
 def ar1(shape, rho, seed):
@@ -157,3 +158,12 @@ def test_frequency_is_found_near_the_nominal_one():
     found, std = estimate_frequency(t, record, 0.51)
     assert abs(found - true) < 4 * std
     assert std < 1e-3
+
+
+def test_white_noise_passes_over_what_is_missing_and_says_where_it_cannot_be_told():
+    noise = np.random.default_rng(4).normal(size=4000)
+    values = 1e-3 * np.arange(4000.0) ** 2 + 0.3 * noise
+    holed = np.where(np.arange(4000) % 50 == 7, np.nan, values)
+    assert white_noise(holed) == pytest.approx(0.3, rel=0.05)
+    assert np.isnan(white_noise(values[:12]))
+    assert np.isfinite(white_noise(values[:13]))

@@ -209,7 +209,7 @@ def test_there_is_one_stop_by_command_verdict_and_draws(given):
 def test_what_is_assumed_stands_beside_every_stop():
     track = pk.simulate("kvlcc2", "stopping", speed=SPEED, compiled=False)
     assert track.standing.reversed
-    assert any("Nobody states what the engine does" in text for text in track.notes)
+    assert any("Nobody states what the engine does" in text for text in track.standing.remarks)
     verdict = stop("kvlcc2")
     words = verdict.full_astern.words
     assert "largest torque astern" in words

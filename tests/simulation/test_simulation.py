@@ -344,6 +344,18 @@ def test_a_small_rudder_turns_as_the_linear_theory_says():
     assert track.metrics["steady_drift_deg"] == pytest.approx(math.degrees(-v * size), rel=1e-5)
 
 
+def test_drift_and_speed_of_a_heeled_turn_are_those_of_its_path():
+    """The sway of a ship that heels by 2.8° leans out of the plane in which her path is seen."""
+    track = simulate("s175", speed=9.0, duration=1500.0, dt=0.05, rtol=1e-10)
+    ahead, aside = (np.gradient(x, track.t, edge_order=2)[-9] for x in (track.x, track.y))
+    course = math.atan2(aside, ahead)
+    drift = (track.psi[-9] - course + math.pi) % (2 * math.pi) - math.pi
+    found = track.metrics
+    assert found["heel_steady_deg"] > 2.0
+    assert found["steady_drift_deg"] == pytest.approx(math.degrees(drift), rel=2e-5)
+    assert found["speed_ratio"] == pytest.approx(math.hypot(ahead, aside) / 9.0, rel=2e-5)
+
+
 @pytest.mark.parametrize("name", ["s175", "s175-3dof"])
 def test_turns_to_both_sides_give_the_same_positive_numbers(name):
     starboard, port = simulate(name, speed=9.0), simulate(name, speed=9.0, rudder_deg=-35.0)

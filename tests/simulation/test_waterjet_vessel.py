@@ -58,7 +58,7 @@ def test_pumps_do_not_turn_astern_where_a_bucket_does():
 
 def test_who_sails_a_guessed_hull_is_told():
     turn = pk.simulate(VESSEL, speed=TURNING_SPEED, rudder_deg=30.0, compiled=False)
-    assert GUESSED in turn.notes
+    assert GUESSED in turn.standing.sentences
     verdicts = pk.imo_verdicts(VESSEL, TURNING_SPEED, n=0, compiled=False, reversal=15.0)
     assert all(GUESSED in verdict.conditions for verdict in verdicts)
     engine = verdicts[-1].full_astern

@@ -50,25 +50,16 @@ def tanker(draught, block, **changes):
 def sailed(model, rudder_deg=35.0, speed=SPEED):
     """A turning circle as a trial that was measured without any error."""
     track = pk.simulate(model, "turning", speed=speed, rudder_deg=rudder_deg, compiled=False)
-    names = ("t", "x", "y", "psi", "delta")
-    paths = {name: getattr(track, name) for name in names}
     return Trial(
         run="T1",
-        test="turning",
-        name=model.name,
-        L=track.L,
-        speed=speed,
         speed_std=0.0,
         heading_deg=0.0,
-        rudder_deg=rudder_deg,
         order=0.0,
-        orders=(0.0,),
-        metrics=track.metrics,
         std=dict.fromkeys(track.metrics, 0.05),
         verdicts=tuple(replace(x, unsettled=()) for x in imo_turning(track)),
         x_ground=track.x,
         y_ground=track.y,
-        **paths,
+        **vars(track),
     )
 
 

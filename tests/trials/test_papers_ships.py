@@ -114,7 +114,7 @@ def test_what_the_patrol_vessel_estimates_is_what_the_formulas_give():
 def test_who_sails_them_is_told_what_is_estimated(model, speed, hull, estimated):
     found = standing(model, speed)
     assert (found.hull, found.estimated) == (hull, estimated)
-    told = pk.simulate(model, speed=speed, rudder_deg=30, compiled=False).notes
+    told = pk.simulate(model, speed=speed, rudder_deg=30, compiled=False).standing.sentences
     assert set(found.sentences) <= set(told)
     driven = any(text.startswith("Propulsion and steering are estimates") for text in told)
     assert driven == bool(estimated)

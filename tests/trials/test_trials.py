@@ -485,6 +485,18 @@ def test_a_crossing_within_a_gap_is_told_and_costs_certainty(turn, tmp_path):
 
 
 @pytest.mark.slow
+def test_a_crossing_in_a_long_gap_lies_where_the_heading_leads(turn, tmp_path):
+    """Two minutes, of which 180° are passed in the middle: not just before the end."""
+    columns = recorded(turn, Logger())
+    at = int(120 + turn.metrics["time_180"])
+    torn = write_campaign(tmp_path, {"T": (TURN, rows_left_out(columns, range(at - 60, at + 60)))})
+    trial = evaluate(torn["T"], torn)
+    assert trial.metrics["time_180"] == pytest.approx(turn.metrics["time_180"], abs=3.0)
+    off = abs(trial.metrics["tactical_diameter"] - turn.metrics["tactical_diameter"])
+    assert off < 3 * trial.std["tactical_diameter"]
+
+
+@pytest.mark.slow
 def test_jumps_steps_and_averaged_headings(turn, tmp_path):
     columns = recorded(turn, Logger())
     columns["lat"][300] += 2e-3
@@ -824,13 +836,65 @@ def test_requests_of_the_command_that_make_no_sense(folder, tmp_path, capsys, ar
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("manoeuvre", ["turn", "zigzag"])
+def test_a_trial_is_a_track_with_the_velocities_of_the_ship(manoeuvre, request, tmp_path):
+    """Fixes that are off by 0.4 m each second leave 0.28 m/s in differences of neighbours."""
+    track = request.getfixturevalue(manoeuvre)
+    head = TURN if manoeuvre == "turn" else ZIGZAG
+    columns = recorded(track, Logger(digits=8))
+    campaign = write_campaign(tmp_path, {"T": (head, columns)})
+    trial = evaluate(campaign["T"], campaign, current=mean_velocity(CURRENT))
+    assert trial.t[0] < -100.0
+    after = trial.ordered
+    assert (after.t[0] >= 0.0, len(after.x_ground)) == (True, len(after))
+    for name, bound in (("u", 0.05), ("v", 0.05), ("r", 5e-4)):
+        off = getattr(after, name) - np.interp(after.t, track.t, getattr(track, name))
+        assert math.sqrt(np.mean(off**2)) < bound
+    assert np.isnan(after.phi).all()
+    assert after.settings["rudder_deg"] == pytest.approx(track.rudder_deg, abs=0.1)
+
+
+def mean_velocity(current):
+    speed, to = current[0], math.radians(current[1])
+    return speed * math.cos(to), speed * math.sin(to)
+
+
+@pytest.mark.slow
+def test_reversals_are_headings_without_the_noise_of_a_sample(zigzag, tmp_path):
+    """The rudder is laid over at 10°; a compass is off by 0.2° in each sample."""
+    found = []
+    for seed in range(8):
+        columns = recorded(zigzag, Logger(seed=seed))
+        campaign = write_campaign(tmp_path / str(seed), {"Z": (ZIGZAG, columns)})
+        found.append(evaluate(campaign["Z"], campaign).reversals)
+    off = np.array(found) - 10.0
+    assert off.shape == (8, 4)
+    assert math.sqrt(np.mean(off**2)) < 0.12
+
+
+@pytest.mark.slow
+def test_a_trial_of_another_size_is_the_same_in_ship_lengths(many):
+    trial = many[0][0]
+    small = trial.resized(0.02 * trial.L, math.sqrt(0.02) * trial.speed)
+    for name in ("advance_L", "tactical_diameter_L", "speed_ratio", "steady_drift_deg"):
+        assert small.metrics[name] == trial.metrics[name]
+        assert small.std[name] == trial.std[name]
+    assert small.metrics["advance"] == pytest.approx(0.02 * trial.metrics["advance"])
+    assert small.std["time_90"] == pytest.approx(math.sqrt(0.02) * trial.std["time_90"])
+    np.testing.assert_allclose(small.r * small.t[-1], trial.r * trial.t[-1], rtol=1e-12)
+    back = small.resized(trial.L, trial.speed)
+    for name in ("t", "x", "y", "u", "v", "r", "x_ground"):
+        np.testing.assert_allclose(getattr(back, name), getattr(trial, name), rtol=1e-12)
+
+
+@pytest.mark.slow
 def test_figures_show_both_paths(many):
     for trial in many[0]:
         figure = trial.plot()
         (axis,) = figure.axes
         assert "IMO at most" in axis.get_title(loc="left")
         labels = axis.get_legend_handles_labels()[1]
-        if trial.test != "zigzag":
+        if trial.manoeuvre != "zigzag":
             assert {"as measured, over ground", "current removed"} <= set(labels)
             assert axis.get_aspect() == 1.0
     alone = replace(many[0][0], current=None)

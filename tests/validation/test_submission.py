@@ -206,21 +206,14 @@ def manoeuvre(test, rudder, track):
     """A trial that went just as a simulation did, and the simulation."""
     trial = Trial(
         run="T",
-        test=test,
-        name="ship",
-        L=track.L,
-        speed=track.speed,
         speed_std=0.0,
         heading_deg=0.0,
-        rudder_deg=rudder,
         order=0.0,
-        orders=track.orders,
-        metrics=dict(track.metrics),
         std={},
         noise=None,
-        **{name: getattr(track, name) for name in ("t", "x", "y", "psi", "delta")},
         x_ground=track.x,
         y_ground=track.y,
+        **vars(track) | {"manoeuvre": test, "rudder_deg": rudder},
     )
     return trial, track
 

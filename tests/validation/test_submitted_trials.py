@@ -17,7 +17,6 @@ from pmmkit.cli import main
 from pmmkit.errors import DataError
 from pmmkit.trials import evaluate_trials
 from pmmkit.validation.percent import measures_in_percent
-from pmmkit.validation.submitted_trials import resized
 
 SPEED = 1.18
 LARGE = 320.0 / 7.0
@@ -113,7 +112,7 @@ def test_the_uncertainty_is_that_of_both(turn):
 
 def test_a_trial_of_another_size_is_the_same_in_ship_lengths(turn):
     (trial,) = evaluate_trials(sailed("D", turn))
-    large = resized(trial, 320.0, 8.0)
+    large = trial.resized(320.0, 8.0)
     for name, value in trial.metrics.items():
         if name.endswith("_L"):
             assert large.metrics[name] == value

@@ -216,7 +216,7 @@ def test_measured_tracks_are_those_of_the_trials_at_the_scale_of_the_ship(sailed
     assert {name: len(found) for name, found in page.items()} == {"turning": 4, "zigzag": 6}
     for item in sailed.manoeuvres:
         trial = item.trial
-        drawn = next(x for x in page[trial.test] if x["run"] == trial.run)
+        drawn = next(x for x in page[trial.manoeuvre] if x["run"] == trial.run)
         assert drawn["t"][0] >= 0.0
         assert drawn["t"][-1] == pytest.approx(2.0 * trial.t[-1], rel=1e-3)
         assert drawn["x"][-1] == pytest.approx(trial.x[-1] / length, rel=1e-3, abs=1e-3)

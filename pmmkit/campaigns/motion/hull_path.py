@@ -12,10 +12,11 @@ import numpy as np
 
 from pmmkit.campaigns.motion.kinematics import displacement_phase
 from pmmkit.campaigns.motion.nominal import require_settings
+from pmmkit.campaigns.over_ground import over_ground
 from pmmkit.campaigns.run import Kind, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, unwrapped
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,7 +61,7 @@ def hull_path(
     times = values["t"]
     recorded = {name: values[name] for name in PLACE if name in values}
     if "psi" in recorded:
-        recorded["psi"] = np.unwrap(recorded["psi"])
+        recorded["psi"] = unwrapped(recorded["psi"])
     if set(needed) <= set(recorded):
         return recorded, "as recorded"
     theta = _phase(run, values) if run.dynamic else np.zeros_like(times)
@@ -142,12 +143,11 @@ def recorded_in(
     if "psi" not in path and "psi" in needed:
         raise _problem(run.id, "the file named by motion has neither psi nor r.", "Map one.")
     if "psi" in path:
-        path["psi"] = np.unwrap(path["psi"])
+        path["psi"] = unwrapped(path["psi"])
     if {"u", "v", "psi"} <= set(path) and not {"x", "y"} & set(path):
-        cosine, sine = np.cos(path["psi"]), np.sin(path["psi"])
-        u, v = path["u"], path["v"]
-        path["x"] = _integral(own, u * cosine - v * sine - run.settings.speed)
-        path["y"] = _integral(own, u * sine + v * cosine)
+        along, across = over_ground(path["u"], path["v"], path["psi"])
+        path["x"] = _integral(own, along - run.settings.speed)
+        path["y"] = _integral(own, across)
     missing = [name for name in needed if name not in path]
     if missing:
         raise _problem(

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmmkit.campaigns.motion.nominal import (
     as_times,
@@ -25,7 +25,7 @@ from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.test_kinds.kind import TankMotion, ship_axes
 from pmmkit.effects.state import State
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, unwrapped
 from pmmkit.signals import FourierBasis
 
 if TYPE_CHECKING:
@@ -279,15 +279,9 @@ def _channels(
             continue
         good = np.isfinite(values)
         if good.any():
-            found[name] = _unwrapped(values, good) if name == "psi" else values
+            found[name] = unwrapped(values) if name == "psi" else values
     if problems:
         raise CampaignError(problems)
-    return found
-
-
-def _unwrapped(values: Array, good: NDArray[np.bool_]) -> Array:
-    found = values.copy()
-    found[good] = np.unwrap(values[good])
     return found
 
 

@@ -72,6 +72,7 @@ def estimate(
     found = {item: empirical.estimate(ship, item) for item in empirical.METHODS}
     track = simulate(model, "turning", speed=service)
     turn = track.metrics
+    warnings = [*track.notes, *track.standing.sentences]
     straight = {item: empirical.straight_line(guess, ship) for item, guess in found.items()}
     rows = [_row(item, guess, straight[item]) for item, guess in found.items()]
     write_results(
@@ -95,7 +96,7 @@ def estimate(
         f"Turning circle at {service:g} m/s by {method}: advance {fixed(turn['advance_L'], 2)} L, "
         f"tactical diameter {fixed(turn['tactical_diameter_L'], 2)} L.",
         *(f"warning: {method}: {text}." for text in found[method].notes),
-        *(f"warning: {text}" for text in track.notes),
+        *(f"warning: {text}" for text in warnings),
         f"Model: {path}",
     ]
     return Outcome(
@@ -104,7 +105,7 @@ def estimate(
             "model": path,
             "estimates": rows,
             "turning": dict(turn),
-            "warnings": [*found[method].notes, *track.notes],
+            "warnings": [*found[method].notes, *warnings],
         },
         lines=lines,
     )

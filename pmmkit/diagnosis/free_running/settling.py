@@ -12,10 +12,11 @@ import numpy as np
 from pmmkit.diagnosis.free_running.information import Forces, scaled, whitened
 from pmmkit.diagnosis.free_running.slopes import Sheet, channels_of, sheets_of
 from pmmkit.diagnosis.free_running.windows import Stretch, of_instants, sailed
-from pmmkit.identification.record import FreeRecord, noise_of
+from pmmkit.identification.record import FreeRecord
 from pmmkit.inference import InformationRoot
 from pmmkit.models import Model
 from pmmkit.numerics import Array
+from pmmkit.signals.noise import white_noise
 
 AGILE: Final = Forces(shares=np.full(4, 0.03), memory=1.0)
 """Unknown forces that follow any ship, so that its sensors alone say how it went."""
@@ -222,7 +223,7 @@ def first_sensors(
     """Noise of each channel: as given, else from third differences."""
     found = {}
     for name in dict.fromkeys(name for record in records for name in record.measured):
-        noises = [noise_of(item.measured[name]) for item in records if name in item.measured]
+        noises = [white_noise(item.measured[name]) for item in records if name in item.measured]
         told = [x for x in noises if math.isfinite(x)]
         least = finest(name, records[0].speed, L)
         found[name] = given.get(name) or max(float(np.median(told)) if told else 0.0, least)

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.campaigns.motion.inertia import Rig, rig_of
+from pmmkit.campaigns.over_ground import over_ground
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.effects.state import State
 from pmmkit.errors import CampaignError, DataError, Problem
@@ -153,8 +154,7 @@ def cycle_of(result: Result) -> dict[str, Array]:
     moved = {name: basis @ x for name, x in result.motion.items()}
     psi = result.run.settings.drift + _integral(moved["r"], omega)
     u, v = moved["u"], moved["v"]
-    ahead = u * np.cos(psi) - v * np.sin(psi)
-    aside = u * np.sin(psi) + v * np.cos(psi)
+    ahead, aside = over_ground(u, v, psi)
     x = ahead.mean() * t + _integral(ahead, omega)
     y = aside.mean() * t + _integral(aside, omega)
     forces = {name: basis @ x for name, x in known.items()}

@@ -16,7 +16,7 @@ from pmmkit.campaigns.test_kinds.kind import RUDDER, YAW, TestKind
 from pmmkit.campaigns.test_kinds.oscillating import HARMONIC_RUDDER
 from pmmkit.campaigns.test_kinds.registry import held_too, kind_of, kind_with
 from pmmkit.errors import DataError
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, unwrapped
 from pmmkit.presentation import WIDE
 from pmmkit.signals import at_speed, design_matrix, estimate_frequency
 from pmmkit.signals.record import FEWEST
@@ -362,7 +362,7 @@ def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Mov
             if kind in (ZIGZAG, TURNING, PULL_OUT):
                 settings["rudder_deg"] = (_tidy(side * math.degrees(held), 0), "recorded delta")
             if kind is ZIGZAG and "psi" in channels:
-                settings |= _switch(np.unwrap(channels["psi"]), long)
+                settings |= _switch(unwrapped(channels["psi"]), long)
     if "n" in channels:
         settings |= _held({"n": channels["n"]})
     found = settings | _approach(t, channels, begun)

@@ -135,7 +135,7 @@ def form_of_trials(
     speeds = [item.speed for item in trials]
     speed = sum(speeds) / len(speeds)
     turns = [item.revolutions for item in trials if math.isfinite(item.revolutions)]
-    circles = [item for item in trials if item.test == TURNING.name]
+    circles = [item for item in trials if item.manoeuvre == TURNING.name]
     rudders = [f"{item.rudder_deg:+.1f}° ({item.run})" for item in circles]
     groups: Groups = (
         ("", head_entries(said)),
@@ -187,13 +187,13 @@ def _with_most_rudder(trials: Sequence[Trial]) -> list[Trial]:
     """All runs but turning circles with less rudder than others to the same side."""
     most: dict[bool, float] = {}
     for item in trials:
-        if item.test == TURNING.name:
+        if item.manoeuvre == TURNING.name:
             side = item.rudder_deg < 0.0
             most[side] = max(most.get(side, 0.0), abs(item.rudder_deg))
     return [
         item
         for item in trials
-        if item.test != TURNING.name
+        if item.manoeuvre != TURNING.name
         or abs(item.rudder_deg) > most[item.rudder_deg < 0.0] - SAME_RUDDER
     ]
 

@@ -41,17 +41,18 @@ def turning_circle(pace: float, *, rudder_deg: float, duration: float | None, wi
     }
 
     def measure(a: ProbeResults) -> dict[str, Any]:
-        u, v = a.at("steady", "u"), a.at("steady", "v")
         rolls = "phi" in a.states
         upright = cos(a.at("steady", "phi")) if rolls else 1.0
+        # In the horizontal plane, as the path shows them.
+        u, v = a.at("steady", "u"), a.at("steady", "v") * upright
         turn = side * a.at("steady", "r") * upright
         found = {
             "advance": a.at("quarter", "x"),
             "transfer": side * a.at("quarter", "y"),
             "tactical_diameter": side * a.at("half", "y"),
             "steady_diameter": chosen(
-                turn * WIDEST * a.L > 2.0 * hypot(u, v * upright),
-                2.0 * hypot(u, v * upright) / larger(turn, 1e-300),
+                turn * WIDEST * a.L > 2.0 * hypot(u, v),
+                2.0 * hypot(u, v) / larger(turn, 1e-300),
                 math.nan,
             ),
             "time_90": a.t("quarter"),

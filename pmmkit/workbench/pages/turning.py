@@ -113,7 +113,7 @@ def trials_page(manoeuvres: Sequence[Manoeuvre], length: float) -> dict[str, lis
         trial = item.trial
         after = np.flatnonzero(trial.t >= 0.0)
         kept = after[_evenly(len(after))]
-        found.setdefault(trial.test, []).append(
+        found.setdefault(trial.manoeuvre, []).append(
             {
                 "run": trial.run,
                 "Fn": short(item.track.Fn),
@@ -155,7 +155,7 @@ def track_page(track: Track) -> dict[str, Any]:
         "psi": short(np.degrees(track.psi[kept])),
         "delta": short(np.degrees(track.delta[kept])),
         "r": short(np.degrees(track.r[kept])),
-        "speed": short(np.hypot(track.u[kept], track.v[kept])),
+        "speed": short(np.hypot(track.u, track.v * np.cos(track.phi))[kept]),
         "metrics": [
             {
                 "name": name,
@@ -176,7 +176,7 @@ def track_page(track: Track) -> dict[str, Any]:
             }
             for item in judged
         ],
-        "notes": list(track.notes),
+        "notes": [*track.notes, *track.standing.remarks],
         "unsettled": list(track.standing.unsettled),
     }
 

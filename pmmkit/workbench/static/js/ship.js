@@ -122,7 +122,7 @@ function draw(root, asked, found, trials) {
     el("div", { class: "plot" }, time.root),
     el("p", { class: "legend" }, key("c-model", t("heading")), key("c-rudder", t("rudder")), near ? key("c-measured", `${t("heading")}, ${t("measured")}`) : null,
       near ? key("c-rudder dashed", `${t("rudder")}, ${t("measured")}`) : null),
-    found.notes.filter((text) => !found.unsettled.includes(text)).map((text) => el("p", { class: "soft small" }, text)));
+    found.notes.map((text) => el("p", { class: "soft small" }, text)));
 }
 
 // Whose band it is: ships of the model, or of all sets that the tests accept.
