@@ -57,10 +57,10 @@ def gain(run: Observed, value: float) -> Columns:
 
 
 def point(run: Observed, value: float) -> Columns:
-    """Moments about a point one ship length forward of the one stated."""
+    """Moments about a point one ship length forward of the one stated: N - x Y."""
     del value
     shown = run.expected
-    return one({"N": run.ship.L * shown["Y"]}) if {"Y", "N"} <= set(shown) else {}
+    return one({"N": -run.ship.L * shown["Y"]}) if {"Y", "N"} <= set(shown) else {}
 
 
 def point_of_the_model(vessel: Vessel) -> Mapping[str, Move]:
