@@ -215,9 +215,9 @@ def settled(findings: Sequence[CheckFinding]) -> list[CheckFinding]:
     causes = {item.cause for item in findings if item.cause}
     slips = {x.cause for x in findings if x.severity == "error" and x.cause and len(x.runs) > 1}
     gone = set()
-    if causes and "moment point" not in causes:
+    if causes and "fault_moment_point" not in causes:
         gone.add(("moment reference", "warning"))
-    if slips and not causes & {"moment point", "inertia"}:
+    if slips and not causes & {"fault_moment_point", "fault_inertia"}:
         gone |= {("moment reference", "warning"), ("inertia", "error")}
     return [x for x in findings if (x.check, x.severity) not in gone]
 
