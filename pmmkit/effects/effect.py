@@ -249,7 +249,8 @@ class Effect(Described):
         )
 
     def _sections(self) -> list[Section]:
-        told = [self.summary, f"Source: {self.source}." if self.source else "", self.asked]
+        source = f"Source: {self.source}." if self.source else ""
+        told = [self.summary, source, self.asked, self.suspected]
         if self.check:
             told.append(f"To be sure: {self.check}.")
         tables = []
@@ -282,6 +283,12 @@ class Effect(Described):
         asked = " and ".join(where for where, reason in places if not reason)
         why = [f"Not in {where}: {reason}." for where, reason in places if reason]
         return " ".join([f"Asked in {asked or 'no tests'}.", *why])
+
+    @property
+    def suspected(self) -> str:
+        """As what the checks of captive tests ask for it, in words; empty where they do not."""
+        names = ", ".join(dict.fromkeys(form.name for form in self.suspects))
+        return f"The checks of captive tests suspect: {names}." if names else ""
 
     def parameter_table(self) -> tuple[list[str], list[list[str]]]:
         """The heads and rows that say what its parameters are, in cells of text."""

@@ -111,6 +111,7 @@ class Observed(Protocol):
     """Captive records and the forces of the water on the model, as faults see them.
 
     One run, or several one after another: what is told of a run is then told of each sample (n,).
+    Faults that the checks suspect act on several; others may ask for one number.
     """
 
     @property

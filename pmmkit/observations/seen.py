@@ -133,7 +133,7 @@ class Seen:
         """Harmonics of predicted forces, each times a factor."""
         expected = {name: self._expected[name] for name in channels or self._expected}
         count = max(map(len, expected.values()), default=1)
-        factors = factor(np.arange((count - 1) // 2 + 1), np.asarray(self.omega))
+        factors = factor(np.arange((count - 1) // 2 + 1.0), np.asarray(self.omega))
         return {
             name: self.view.pick(times_factors(harmonics, factors))
             for name, harmonics in expected.items()

@@ -163,3 +163,70 @@ def test_a_fault_of_one_s_own_is_found_by_the_checks_without_being_told():
     assert "the gauge of Y feels" in finding.message
     assert "a weight at two places" in finding.remedy
     assert finding.numbers["value"] == pytest.approx(0.8, abs=0.15)
+
+
+ALL = tuple(dict.fromkeys(plan.test for plan in plans("small")))
+
+
+def spoiled_by(make, size, tests, seed=6):
+    """A campaign of the tank with its usual noise, some kinds of its runs spoiled by hand."""
+    made = hidden_campaign("small", {}, noise="standard", seed=seed)
+    clean = spoiled.each(made, made.runs, spoiled.keep_without_roll)
+
+    def shown(run, data):
+        plan, t = PLANS[run.id], data["t"].values
+        faulty, true = make(plan, t, size), forces(motion_of(plan, t))
+        return {name: data[name].values + faulty[name] - true[name] for name in CHANNELS}
+
+    return spoiled.each(clean, tuple(run for run in clean.runs if run.test in tests), shown)
+
+
+def with_drift(campaign, finding):
+    """The drift that the runs had."""
+    more = np.radians(finding.numbers["value"])
+    runs = tuple(run for run in campaign.runs if run.id in finding.runs)
+    return spoiled.set_(campaign, runs, drift=lambda run: run.settings.drift + more)
+
+
+def with_amplitudes(campaign, finding):
+    """The amplitudes that the runs had."""
+    times = finding.numbers["value"]
+    swung = tuple(run for run in campaign.runs if run.dynamic)
+    return spoiled.set_(
+        campaign,
+        swung,
+        amplitude=lambda run: run.settings.amplitude and times * run.settings.amplitude,
+        yaw_amplitude=lambda run: run.settings.yaw_amplitude and times * run.settings.yaw_amplitude,
+    )
+
+
+def with_moment_point(campaign, finding):
+    """The point to which the moments refer."""
+    return campaign.with_(moment_reference_x=finding.numbers["x"])
+
+
+def with_scale(campaign, finding):
+    """The side force less its gain."""
+    runs = tuple(run for run in campaign.runs if run.id in finding.runs)
+    return spoiled.each(campaign, runs, spoiled.factor("Y", 1.0 / finding.numbers["value"]))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("make", "size", "tests", "check", "mended", "value"),
+    [
+        (misaligned, 4.0, ("yaw_drift",), "agreement", with_drift, 4.0),
+        (misaligned, -6.0, ALL, "agreement", with_drift, -6.0),
+        (longer_strokes, 0.1, ALL, "agreement", with_amplitudes, 1.1),
+        (moments_about_a_point, 0.06, ALL, "moment reference", with_moment_point, 0.06 * 4.861111),
+        (larger_side_force, 0.2, ("yaw_drift",), "agreement", with_scale, 1.2),
+    ],
+)
+def test_what_the_checks_propose_mends_the_campaign(make, size, tests, check, mended, value):
+    campaign = spoiled_by(make, size, tests)
+    said = [item for item in examine(campaign) if item.severity != "info"]
+    finding = next(item for item in said if item.check == check)
+    found = finding.numbers["x" if check == "moment reference" else "value"]
+    assert found == pytest.approx(value, rel=0.2)
+    again = [item for item in examine(mended(campaign, finding)) if item.severity != "info"]
+    assert [str(item) for item in again] == []

@@ -121,7 +121,7 @@ class Records:
 
     def filtered(self, factor: Factor, *channels: str) -> dict[str, Array]:
         """Forces with each harmonic times a factor."""
-        gain = factor(np.arange(PHASES // 2 + 1)[None, :], self.group.omega[:, None])
+        gain = factor(np.arange(PHASES // 2 + 1.0)[None, :], self.group.omega[:, None])
         found = {}
         for name in channels or CHANNELS:
             force = self.forces[name]

@@ -100,23 +100,24 @@ WITH_SWAY: Final = 1.0
 
 def phase(run: Observed, at: Mapping[str, float]) -> Forces:
     """Rams out of step: sway follows the acceleration across the tank, ψ̇ U with v̇."""
-    if not run.yaws or run.omega == 0.0 or (run.sways and at["combined"] == YAW_ALONE):
+    omega = float(run.omega)
+    if not run.yaws or omega == 0.0 or (run.sways and at["combined"] == YAW_ALONE):
         return {}
-    m, lead = run.motion, math.radians(at["phase"]) / run.omega
+    m, lead = run.motion, math.radians(at["phase"]) / omega
     swing = m.v - np.mean(m.v)
     across = m.vdot + run.speed * m.r
-    rate = run.speed * m.rdot - run.omega**2 * swing
+    rate = run.speed * m.rdot - omega**2 * swing
     return run.along(m.with_(v=m.v + lead * across, vdot=m.vdot + lead * rate))
 
 
 def carriage(run: Observed, at: Mapping[str, float]) -> Forces:
     """The carriage faster than stated by a share, at one speed."""
-    speed, faster = at["speed"], 1.0 + at["share"]
-    if speed == 0.0 or abs(run.speed / speed - 1) > 0.02:
+    stated, one, faster = float(run.speed), at["speed"], 1.0 + at["share"]
+    if one == 0.0 or abs(stated / one - 1) > 0.02:
         return {}
     m = run.motion
     v = m.v if run.sways else m.v * faster
-    return run.along(m.with_(u=m.u * faster, v=v), speed=run.speed * faster)
+    return run.along(m.with_(u=m.u * faster, v=v), speed=stated * faster)
 
 
 def carriage_surge(run: Observed, at: Mapping[str, float]) -> Forces:
@@ -125,7 +126,7 @@ def carriage_surge(run: Observed, at: Mapping[str, float]) -> Forces:
     Pure yaw has u = Uc/cos ψ where the sway carriage follows the path; where the mean speed is
     held instead, part of that swing is missing, and of its acceleration with it.
     """
-    if not run.yaws or run.omega == 0.0:
+    if not run.yaws or float(run.omega) == 0.0:
         return {}
     m, share = run.motion, at["share"]
     return run.along(m.with_(u=m.u - share * (m.u - np.mean(m.u)), udot=m.udot * (1 - share)))
@@ -133,7 +134,7 @@ def carriage_surge(run: Observed, at: Mapping[str, float]) -> Forces:
 
 def start(run: Observed, at: Mapping[str, float]) -> Forces:
     """A force of the start that dies away, over its size; decay in L/U."""
-    if run.omega == 0.0:
+    if float(run.omega) == 0.0:
         return {}
     fading = at["share"] * np.exp(-run.t * run.speed / (at["decay"] * run.ship.L))
     return beside(run, dict.fromkeys(run.forces, fading))
@@ -146,7 +147,7 @@ def resonance(run: Observed, at: Mapping[str, float]) -> Forces:
     said, for damping decides there.
     """
     share, own = at["share"], 2.0 * math.pi * at["frequency"]
-    if run.omega == 0.0:
+    if float(run.omega) == 0.0:
         return {}
 
     def factor(n: Array, omega: Array) -> NDArray[np.complex128]:
@@ -158,7 +159,7 @@ def resonance(run: Observed, at: Mapping[str, float]) -> Forces:
 
 def laminar(run: Observed, at: Mapping[str, float]) -> Forces:
     """A share of the resistance that is missing up to a speed, where the flow stays laminar."""
-    if run.speed > 1.02 * at["speed"]:
+    if float(run.speed) > 1.02 * at["speed"]:
         return {}
     unit = 0.5 * run.water.rho * run.ship.L**2 * run.motion.speed**2 * 1e-4
     return beside(run, {"X": at["X"] * unit})

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.effects.effect import Parameter
 from pmmkit.effects.faults.fault import ITTC_CAPTIVE, fault, size
@@ -34,13 +35,22 @@ def late(run: Observed, at: Mapping[str, float]) -> Forces:
 
 
 def _delay(seconds: float, phase: float) -> Factor:
-    return lambda n, omega: np.exp(-1j * (n * omega * seconds + n * phase))
+    def factor(n: Array, omega: Array) -> NDArray[np.complex128]:
+        angle = n * omega * seconds + n * phase
+        return np.asarray(np.cos(angle) - 1j * np.sin(angle), np.complex128)
+
+    return factor
 
 
 def filtered(run: Observed, at: Mapping[str, float]) -> Forces:
     """A one-pole filter of a corner frequency [Hz] on the forces."""
     share, pole = at["share"], 2.0 * math.pi * at["corner"]
-    return run.filtered(lambda n, omega: 1.0 + share * (1.0 / (1.0 + 1j * n * omega / pole) - 1.0))
+
+    def factor(n: Array, omega: Array) -> NDArray[np.complex128]:
+        whole = 1.0 / (1.0 + 1j * n * omega / pole)
+        return np.asarray(1.0 + share * (whole - 1.0), np.complex128)
+
+    return run.filtered(factor)
 
 
 def _own_lag(channel: str) -> Suspect:
