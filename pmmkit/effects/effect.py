@@ -199,6 +199,9 @@ class Effect(Described):
         show. The columns of the diagnosis are its slope, the suspects of the checks its values.
     suspects : tuple of Suspect
         Of kind fault: as what the checks of captive tests ask for it.
+    own_checks : tuple of str
+        Of kind fault: checks of captive tests that look for it by themselves, and know it by signs
+        that other faults would give too.
     each_run : bool
         Of kind fault: whether each run and channel draws a size of its own.
     check : str
@@ -234,6 +237,7 @@ class Effect(Described):
     moves: Callable[[Vessel], Mapping[str, Move]] | None = None
     acts: Acts | None = None
     suspects: tuple[Suspect, ...] = ()
+    own_checks: tuple[str, ...] = ()
     each_run: bool = False
     check: str = ""
     excites: tuple[str, ...] = ()

@@ -22,7 +22,6 @@ from pmmkit.diagnosis.free_running.candidates import asked_in_free_running
 from pmmkit.diagnosis.free_running.candidates import candidate_of as free_candidate
 from pmmkit.effects.catalogue import arguments_of, catalogue
 from pmmkit.effects.effect import BY_SPEED, KINDS, Effect, unit_is_known
-from pmmkit.effects.faults.fault import shown_by
 from pmmkit.effects.primitives import over_arrays
 from pmmkit.effects.seen import EXCITES, OUTSIDE
 from pmmkit.equations import Prepared, prepare
@@ -35,9 +34,8 @@ from pmmkit.models import Model, Part, load_model, scaled
 from pmmkit.models.edit import with_effect, without_effect
 from pmmkit.models.roles import parts_of
 from pmmkit.models.vessel import Sailing
-from pmmkit.numerics import Array
-from pmmkit.observations.seen import Seen
 from pmmkit.ship_library import ships
+from pmmkit.testing.faults import acts_on_records, declared_fault
 
 _FROUDE: Final = 0.142
 """Froude number at which models are tried."""
@@ -298,28 +296,13 @@ def _of_freed(effect: Effect) -> Iterator[str]:
             yield "it moves nothing"
 
 
-def _of_fault(effect: Effect) -> Iterator[str]:
-    if effect.acts is None and not effect.not_captive:
-        yield "it does not act on records"
-    if not (effect.coefficients or effect.suspects):
-        yield "it has no size, and the checks do not suspect it"
-    known = {item.name for item in effect.parameters}
-    for form in effect.suspects:
-        named = {form.unknown, *(name for value in form.grid for name in form.at(value))} - {""}
-        lost = sorted(named - known)
-        if lost:
-            yield f"it is suspected by {', '.join(lost)}, which are none of its parameters"
-    if effect.roles:
-        yield "a fault has no role in a model"
-
-
 _OF_KIND: Final[Mapping[str, Callable[[Effect], Iterator[str]]]] = {
     "force": _of_part,
     "mass": _of_part,
     "state": _of_part,
     "terms": _of_terms,
     "freed": _of_freed,
-    "fault": _of_fault,
+    "fault": declared_fault,
 }
 
 
@@ -532,35 +515,7 @@ def _compiled(case: _Case) -> Iterator[str]:
 
 
 def _on_records(case: _Case) -> Iterator[str]:
-    """A fault shows forces in their form; nothing at zero, and in proportion where it says so."""
-    effect = case.effect
-    if effect.acts is None or not effect.coefficients:
-        return
-    views, base = standard_tests()
-    speeds = sorted({view.speed for view in views})
-    for view, value in product(views, captive_candidate(effect, speeds).grid):
-        run = Seen(view, base)
-        at = {effect.nonlinear.name: value} if effect.nonlinear else {}
-        for item in effect.coefficients:
-            none, once, twice = (
-                shown_by(effect, run, {**at, item.name: times * item.step}) for times in (0, 1, 2)
-            )
-            for channel, shown in once.items():
-                true = run.forces[channel]
-                if shown.shape != true.shape:
-                    yield f"what it shows of {channel} has the shape {shown.shape}"
-                    continue
-                change, size = shown - true, float(np.abs(true).max())
-                if not _alike(none.get(channel, true), true, size):
-                    yield f"it shows something of {channel} where {item.name} is zero"
-                elif item.step == 1.0 and not _alike(twice[channel] - true, 2.0 * change, size):
-                    yield f"it is not in proportion to {item.name}: state a step"
-
-
-def _alike(one: Array, other: Array, size: float) -> bool:
-    """Whether forces are the same but for rounding; what is not finite is told elsewhere."""
-    finite = np.isfinite(one) & np.isfinite(other)
-    return bool(np.allclose(one[finite], other[finite], rtol=1e-9, atol=1e-9 * size))
+    return acts_on_records(case.effect)
 
 
 def _captive(case: _Case) -> Iterator[str]:

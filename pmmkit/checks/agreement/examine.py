@@ -231,7 +231,7 @@ def _at_odds(
         remedy="Look at its record and its settings; compare the derivatives with and without it, "
         'and exclude it (action = "exclude") if it is at fault.',
         numbers={"missed": float(missed.max())},
-        cause=best.suspect.cause if best.gain > 0 else "",
+        cause=best.suspect.cause if best.gain > 0 and not best.suspect.slip else "",
     )
 
 

@@ -14,7 +14,7 @@ from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.columns import TermTable, channels_of_terms
 from pmmkit.diagnosis.captive.drawn import Drawn, OwnColumns
-from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.faults.alignment import MISALIGNMENT
 from pmmkit.effects.faults.fault import slopes
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places
@@ -203,9 +203,8 @@ def run_columns(
     """What each run draws for itself, at size one: offset, gain, degree of drift, and each of the
     k harmonics, which its pieces have in common (n, 3 + k)."""
     harmonics = max(view.rows for view in views)
-    fault = effect_of("fault_misalignment")
     turned = {
-        i: slopes(fault, Seen(view, base), {}, ["turned"])
+        i: slopes(MISALIGNMENT, Seen(view, base), {}, ["turned"])
         for i, view in enumerate(views)
         if view.run.settings.drift and not view.run.kind_of_test.swings_hull
     }

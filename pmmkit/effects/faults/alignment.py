@@ -62,41 +62,43 @@ def rudder_column_off(vessel: Vessel) -> Mapping[str, Move]:
     return {"angle": Move(values=unit, typical=0.5)}
 
 
-EFFECTS: Final = (
-    fault(
-        "fault_misalignment",
-        "alignment",
-        "The model stands turned on the carriage.",
-        turned,
-        (size("turned", "deg", 0.26, "angle of the model, bow to starboard", step=DEGREES),),
-        check="turn the model by 180° and repeat static drift",
-        suspects=(
-            Suspect(
-                name="drift",
-                says=lambda value: (
-                    f"the model stood turned by {value:+.1f}° against the drift angle that is "
-                    f"stated"
-                ),
-                remedy="Correct drift_deg (and the kind of test), or look at the mount.",
-                at=lambda value: {"turned": value},
-                grid=both_signs(ANGLES),
-                continuous=True,
+MISALIGNMENT: Final = fault(
+    "fault_misalignment",
+    "alignment",
+    "The model stands turned on the carriage.",
+    turned,
+    (size("turned", "deg", 0.26, "angle of the model, bow to starboard", step=DEGREES),),
+    check="turn the model by 180° and repeat static drift",
+    suspects=(
+        Suspect(
+            name="drift",
+            says=lambda value: (
+                f"the model stood turned by {value:+.1f}° against the drift angle that is stated"
             ),
-            Suspect(
-                name="drift as set",
-                says=lambda value: (
-                    f"in runs with a drift angle the model stood turned by {value:+.1f}° "
-                    f"against the drift that is stated"
-                ),
-                remedy="Correct drift_deg of these runs, or look at the turntable.",
-                at=lambda value: {"turned": value},
-                grid=both_signs(ANGLES),
-                continuous=True,
-                applies=lambda kind: kind.drifts,
-                scope="all",
+            remedy="Correct drift_deg (and the kind of test), or look at the mount.",
+            at=lambda value: {"turned": value},
+            grid=both_signs(ANGLES),
+            continuous=True,
+        ),
+        Suspect(
+            name="drift as set",
+            says=lambda value: (
+                f"in runs with a drift angle the model stood turned by {value:+.1f}° "
+                f"against the drift that is stated"
             ),
+            remedy="Correct drift_deg of these runs, or look at the turntable.",
+            at=lambda value: {"turned": value},
+            grid=both_signs(ANGLES),
+            continuous=True,
+            applies=lambda kind: kind.drifts,
+            scope="all",
         ),
     ),
+)
+
+
+EFFECTS: Final = (
+    MISALIGNMENT,
     fault(
         "current",
         "alignment",

@@ -221,6 +221,7 @@ EFFECTS: Final = (
         (size("x over L", "-", 0.01, "the point forward of the one stated"),),
         check="a weight at a known lever",
         moves=point_of_the_model,
+        own_checks=("moment reference",),
         suspects=(
             Suspect(
                 name="moment point",
@@ -244,6 +245,7 @@ EFFECTS: Final = (
         (size("mass share", "-", 0.02, "of the mass"),),
         check="oscillate the dry model; weigh it",
         moves=inertia_of_the_model,
+        own_checks=("inertia",),
         suspects=(
             Suspect(
                 name="mass",
