@@ -10,6 +10,7 @@ import pytest
 
 from pmmkit import Effect, Parameter, register_effect
 from pmmkit.checks import examine, summarise
+from pmmkit.checks.agreement.records import Records
 from pmmkit.checks.agreement.rows import CHANNELS, PHASES, groups_of, phases
 from pmmkit.checks.agreement.suspects import suspects
 from pmmkit.effects.catalogue import catalogue, forget_effect
@@ -68,13 +69,18 @@ def by_hand(group, make, size):
     return np.stack(found) / group.units[:, None, :]
 
 
+def valued(runs, derivatives):
+    """The forces that the derivatives give."""
+    return Records(group=runs, histories=runs.histories(), value=derivatives)
+
+
 @pytest.mark.parametrize("name", TRIED)
 def test_a_suspect_is_what_a_faulty_laboratory_writes_down(name, group):
     runs, derivatives = group
     make, value, size = TRIED[name]
     (suspect,) = [item for item in suspects() if item.name == name]
-    base = runs.histories()
-    found = (suspect.histories(runs, value, base) - base) @ derivatives
+    told = Records(group=runs, histories=runs.histories())
+    found = (suspect.histories(told, value) - told.histories) @ derivatives
     expected = by_hand(runs, make, size)
     touched = [suspect.concerns(item.run) for item in runs.summaries]
     assert any(touched)
@@ -84,7 +90,7 @@ def test_a_suspect_is_what_a_faulty_laboratory_writes_down(name, group):
 def test_a_mass_of_unknown_size_is_one_left_in_the_forces(group):
     runs, derivatives = group
     (suspect,) = [item for item in suspects() if item.name == "mass"]
-    column = suspect.column(runs, runs.histories(), derivatives, 1.0)
+    column = suspect.column(valued(runs, derivatives), 1.0)
     expected = by_hand(runs, weight_left_in, suspect.spread(1.0))
     expected = runs.design(expected[..., None])[..., 0]
     np.testing.assert_allclose(column, expected, atol=1e-9 * np.ptp(expected))
@@ -93,7 +99,7 @@ def test_a_mass_of_unknown_size_is_one_left_in_the_forces(group):
 def test_clocks_of_their_own_shift_as_the_rate_of_the_forces(group):
     runs, derivatives = group
     (suspect,) = [item for item in suspects() if item.name == "clocks"]
-    column = suspect.column(runs, runs.histories(), derivatives, 0.4)
+    column = suspect.column(valued(runs, derivatives), 0.4)
     expected = 4000.0 * by_hand(runs, late, 1e-4)
     expected = runs.design(expected[..., None])[..., 0]
     np.testing.assert_allclose(column, expected, atol=1e-3 * np.ptp(expected))
@@ -102,13 +108,13 @@ def test_clocks_of_their_own_shift_as_the_rate_of_the_forces(group):
 @pytest.mark.parametrize("suspect", suspects(), ids=lambda item: item.name)
 def test_every_suspect_says_what_is_wrong_at_all_its_values(suspect, group):
     runs, derivatives = group
-    base = runs.histories()
+    told = Records(group=runs, histories=runs.histories())
     for value in suspect.grid:
         assert suspect.says(value)
         if suspect.unknown:
-            found = suspect.column(runs, base, derivatives, value)
+            found = suspect.column(valued(runs, derivatives), value)
         else:
-            found = (suspect.histories(runs, value, base) - base) @ derivatives
+            found = (suspect.histories(told, value) - told.histories) @ derivatives
         assert np.isfinite(found).all()
         assert np.any(found) or not any(suspect.concerns(item.run) for item in runs.summaries)
         untouched = [k for k, name in enumerate(CHANNELS) if name not in suspect.channels]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from pmmkit.campaigns.motion.nominal import has_nominal
 from pmmkit.checks.agreement.posterior import Agreement, evidence, log_density
+from pmmkit.checks.agreement.records import Records
 from pmmkit.checks.agreement.suspects import Suspected, record_of
 from pmmkit.checks.agreement.usual import MAIN
 from pmmkit.checks.summary import Summary
@@ -66,21 +67,22 @@ def of_one(found: Agreement, place: int, suspects: Iterable[Suspected]) -> list[
     white = [found.white.whitener[place, c][known[c]] for c in range(3)]
     rows = np.concatenate([found.white.rows[place, c][known[c]] for c in range(3)])
     noise = np.diag(np.concatenate([np.full(known[c].sum(), found.excess[c]) for c in range(3)]))
-    base = group.histories()
+    told = Records(group=group, histories=group.histories())
+    valued = replace(told, value=mean)
 
     def over(harmonics: Array) -> Array:
         return np.concatenate([white[c] @ harmonics[c] for c in range(3)])
 
     def judged(suspect: Suspected, value: float) -> tuple[float, float]:
-        design = over(group.design(suspect.histories(group, value, base))[0])
+        design = over(group.design(suspect.histories(told, value))[0])
         rest, spread = rows - design @ mean, noise + design @ covariance @ design.T
         if suspect.unknown:
-            along = over(suspect.column(group, base, mean, value)[0])
+            along = over(suspect.column(valued, value)[0])
             spread = spread + np.outer(along, along)
         left = float(rest @ np.linalg.solve(spread, rest)) / max(len(rest), 1)
         return log_density(rest, spread), left
 
-    design = over(group.design(base)[0])
+    design = over(group.design(told.histories)[0])
     rest, spread = rows - design @ mean, design @ covariance @ design.T
     none = np.logaddexp.reduce(
         [math.log(chance) + log_density(rest, times**2 * noise + spread) for times, chance in TAILS]
@@ -99,16 +101,17 @@ def of_all(
 ) -> list[Answer]:
     """What may be wrong with all runs at all speeds, the best explanation first."""
     groups = [found.group for found in agreements]
-    base = [group.histories() for group in groups]
+    told = [Records(group=group, histories=group.histories()) for group in groups]
+    valued = [replace(own, value=found.value) for own, found in zip(told, agreements, strict=True)]
 
     def judged(suspect: Suspected, value: float) -> tuple[float, float]:
         gains, left = [], []
         for place, (found, group) in enumerate(zip(agreements, groups, strict=True)):
-            design = group.design(suspect.histories(group, value, base[place]))
+            design = group.design(suspect.histories(told[place], value))
             mean, covariance = group.usual.mean, group.usual.covariance
             scatter = None
             if suspect.unknown:
-                column = suspect.column(group, base[place], found.value, value)
+                column = suspect.column(valued[place], value)
                 if suspect.each_run:
                     scatter = column
                 else:
@@ -125,10 +128,10 @@ def of_all(
             left.append(misfit)
         return sum(gains) / (len(gains) if suspect.by_size else 1), max(left)
 
-    nothing = [
-        evidence(found, group.design(own), group.usual.mean, group.usual.covariance, which)[0]
-        for found, group, own, which in zip(agreements, groups, base, kept, strict=True)
-    ]
+    nothing = []
+    for found, own, which in zip(agreements, told, kept, strict=True):
+        usual, design = found.group.usual, found.group.design(own.histories)
+        nothing.append(evidence(found, design, usual.mean, usual.covariance, which)[0])
     asked = [
         suspect
         for suspect in suspects

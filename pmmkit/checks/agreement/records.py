@@ -20,8 +20,8 @@ from pmmkit.ship import Ship, Water
 class Records:
     """All runs of a group; `effects.seen.Observed` says what each word is.
 
-    Forces are histories by channel, (n, 32) with values of the parameters, and without them what
-    each parameter multiplies, (n, 32, p) [N, N m].
+    Forces are histories by channel, (n, 32) with values of the parameters [N, N m], and without
+    them what each parameter multiplies, (n, 32, p), over ½ρL²U² of the run [-, m].
 
     Parameters
     ----------
@@ -135,21 +135,31 @@ class Records:
         out = others.copy()
         for k, name in enumerate(CHANNELS):
             if name in forces:
-                out[:, :, k] = forces[name] / self._unit(k, forces[name].ndim)
+                out[:, :, k] = _over(forces[name], self._unit(k, forces[name].ndim))
         return out
 
     def _by_channel(self, histories: Array) -> Mapping[str, Array]:
         shown = histories if self.value is None else histories @ self.value
         return MappingProxyType(
             {
-                name: shown[:, :, k] * self._unit(k, shown.ndim - 1)
+                name: _times(shown[:, :, k], self._unit(k, shown.ndim - 1))
                 for k, name in enumerate(CHANNELS)
             }
         )
 
-    def _unit(self, channel: int, dimensions: int) -> Array:
-        """Unit of a channel in each run [N, N m]."""
+    def _unit(self, channel: int, dimensions: int) -> float | Array:
+        """Unit of a channel over the one in which the group has it, in each run."""
+        if self.value is None:
+            return self.ship.L if CHANNELS[channel] == "N" else 1.0
         return self.group.units[:, channel].reshape(-1, *(1,) * (dimensions - 1))
+
+
+def _times(force: Array, unit: float | Array) -> Array:
+    return force if isinstance(unit, float) and unit == 1.0 else force * unit
+
+
+def _over(force: Array, unit: float | Array) -> Array:
+    return force if isinstance(unit, float) and unit == 1.0 else force / unit
 
 
 def _each(of_runs: object) -> Array:

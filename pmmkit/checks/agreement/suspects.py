@@ -40,24 +40,23 @@ class Suspected(Suspect):
         """Whether it can be asked of a run."""
         return bool(run.test) and self.applies(run.kind_of_test)
 
-    def histories(self, group: Group, value: float, base: Array) -> Array:
-        """What each parameter would multiply in the records, (n, 32, 3, p); `base` if nothing."""
+    def histories(self, records: Records, value: float) -> Array:
+        """What each parameter would multiply in the records, (n, 32, 3, p), as told if nothing."""
+        told = records.histories
         if self.unknown:
-            return base
-        records = Records(group=group, histories=base)
-        found = records.as_histories(shown_by(self.effect, records, self.at(value)), base)
-        return np.where(self._touched(group)[:, None, None, None], found, base)
+            return told
+        found = records.as_histories(shown_by(self.effect, records, self.at(value)), told)
+        return np.where(self._touched(records.group)[:, None, None, None], found, told)
 
-    def column(self, group: Group, base: Array, value: Array, size: float) -> Array:
+    def column(self, valued: Records, value: float) -> Array:
         """Harmonics (n, 3, 7) of what its unknown size multiplies, over its standard deviation."""
-        records = Records(group=group, histories=base, value=value)
-        slope = slopes(self.effect, records, self.at(size), [self.unknown])
-        shown = records.as_histories(
-            {name: self.spread(size) * own for name, (own,) in slope.items()},
-            np.zeros(base.shape[:-1]),
+        slope = slopes(self.effect, valued, self.at(value), [self.unknown])
+        shown = valued.as_histories(
+            {name: self.spread(value) * own for name, (own,) in slope.items()},
+            np.zeros(valued.histories.shape[:-1]),
         )
-        columns = group.design(shown[..., None])[..., 0]
-        return np.where(self._touched(group)[:, None, None], columns, 0.0)
+        columns = valued.group.design(shown[..., None])[..., 0]
+        return np.where(self._touched(valued.group)[:, None, None], columns, 0.0)
 
     def _touched(self, group: Group) -> Array:
         return np.array([self.concerns(item.run) for item in group.summaries])
