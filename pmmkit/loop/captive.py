@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
+from typing import Final
 
 from pmmkit.campaigns.run import Campaign
+from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
 from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
@@ -21,13 +23,25 @@ from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
 from pmmkit.executors import Workers
-from pmmkit.loop.error_fall import ErrorFall
-from pmmkit.loop.evidence import BASE, only_campaign
+from pmmkit.loop.evidence import only_campaign
+from pmmkit.loop.fall import ALL, BASE, Fall, FallRow, Told
 from pmmkit.models import Model
 from pmmkit.models.changes import before_of
 from pmmkit.models.step import Step
 from pmmkit.presentation import counted
 from pmmkit.structures import Structure
+
+FORCE: Final = "force"
+"""All channels of captive tests together, each over its rms force."""
+TOLD: Final = Told(
+    of=FORCE,
+    judged=(FORCE,),
+    left_out="conditions",
+    total="{} of the rms force",
+    how="Each condition was left out of the fit in turn, with its repeats, and predicted from all "
+    "others: root mean square of the error in newtons and in per cent of the channel's rms force, "
+    "beside what noise alone gives.",
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,15 +137,19 @@ class CaptiveTests:
 
         return cache(made)
 
-    def fall(self, steps: Sequence[Step]) -> ErrorFall:
+    def fall(self, steps: Sequence[Step]) -> Fall:
         """Held-out errors of the base and after each step."""
         blocks = self._with(steps)
         first = len(self.begun)
         names = (BASE, *(step.effect for step in steps))
-        return ErrorFall(
-            steps=names,
-            errors=tuple(self._left_out(blocks[: first + number]) for number in range(len(names))),
-        )
+        found = [self._left_out(blocks[: first + number]) for number in range(len(names))]
+        rows = [
+            row
+            for name, before, after in zip(names, [None, *found], found, strict=False)
+            for row in _fall_rows(name, self.title, after, before)
+        ]
+        mine = tuple(replace(step, campaign="") for step in steps)
+        return Fall(added=mine, rows=tuple(rows), told={self.title: TOLD})
 
     def held_out_errors(self, _steps: Sequence[Step]) -> dict[str, dict[str, float]]:
         """None: conditions of captive tests are left out in turn instead."""
@@ -190,7 +208,7 @@ class CaptiveTests:
         )
         if not taken:
             return (plain,)
-        errors = [item.share() for item in self.fall(taken).errors]
+        errors = [x / 100.0 for x in self.fall(taken).totals]
         steps = []
         brought: set[str] = set()
         for number, step in enumerate(taken):
@@ -251,6 +269,43 @@ def captive_tests(
         begun=begun,
         own=tuple(own),
     )
+
+
+def _fall_rows(
+    step: str, campaign: str, after: HeldOut, before: HeldOut | None
+) -> Iterator[FallRow]:
+    """Errors after a step: of all channels together and of each, of all kinds of test and of each.
+
+    The channels are judged together, on the scale of their forces; free-running records have no
+    such scale.
+    """
+    better = math.nan if before is None else after.better_than(before)
+    force = after.of_channel(kind="force")
+    for test in (None, *dict.fromkeys(after.tests)):
+        group, share = test or ALL, better if test is None else math.nan
+        yield FallRow(
+            step=step,
+            campaign=campaign,
+            group=group,
+            quantity=FORCE,
+            error=100.0 * after.share(test),
+            level=100.0 * after.share(test, kind="level"),
+            unit="%",
+            better=share,
+        )
+        levels = after.of_channel(test, kind="level")
+        for channel, error in after.of_channel(test).items():
+            yield FallRow(
+                step=step,
+                campaign=campaign,
+                group=group,
+                quantity=channel,
+                error=error,
+                level=levels[channel],
+                unit=CHANNEL_UNITS[channel],
+                force=force[channel],
+                better=share,
+            )
 
 
 def _finite(value: float) -> float | None:

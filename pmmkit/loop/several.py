@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
@@ -22,7 +22,7 @@ from pmmkit.errors import DataError, ModelError
 from pmmkit.executors import Workers
 from pmmkit.identification.record import FreeRecord
 from pmmkit.loop.captive import CaptiveTests, captive_tests
-from pmmkit.loop.joint_fall import JointFall
+from pmmkit.loop.fall import Fall
 from pmmkit.loop.records import FreeRecords, free_running
 from pmmkit.models import Model
 from pmmkit.models.step import Step
@@ -144,17 +144,15 @@ class SeveralCampaigns:
         """What the campaigns say together of a base with some steps."""
         return self._answer(tuple(steps), seed)[0]
 
-    def fall(self, steps: Sequence[Step]) -> JointFall:
+    def fall(self, steps: Sequence[Step]) -> Fall:
         """Errors of what is left out of each campaign, of the base and after each step."""
-        found = self.each(steps)
-        return JointFall(
+        found = {name: item.fall(asked) for name, (item, asked) in self.each(steps).items()}
+        return Fall(
             added=tuple(steps),
-            taken=MappingProxyType(
-                {name: tuple(x in asked for x in steps) for name, (_, asked) in found.items()}
+            rows=tuple(
+                replace(row, campaign=name) for name, own in found.items() for row in own.rows
             ),
-            falls=MappingProxyType(
-                {name: item.fall(asked) for name, (item, asked) in found.items()}
-            ),
+            told={name: told for name, own in found.items() for told in own.told.values()},
         )
 
     def held_out_errors(self, steps: Sequence[Step]) -> Mapping[str, Mapping[str, float]]:
