@@ -351,7 +351,7 @@ class Fall(Described):
             if place == 0 or not asked:
                 continue
             changes = [
-                f"{x.replace('_', ' ')} {100 * (errors[place] / errors[place - 1] - 1):+.0f} %"
+                f"{x.replace('_', ' ')} {100 * (errors[place] / errors[place - 1] - 1):+z.0f} %"
                 for x in self.quantities(name)
                 if (errors := self.errors(x, name))[place - 1] > 0.0
             ]
