@@ -19,6 +19,7 @@ from pmmkit.diagnosis.captive.refit import Refit, froude_numbers, places_of, ref
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.refit import Found, stepped
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
@@ -26,7 +27,6 @@ from pmmkit.executors import Workers
 from pmmkit.loop.evidence import only_campaign
 from pmmkit.loop.fall import ALL, BASE, Fall, FallRow, Told
 from pmmkit.models import Model
-from pmmkit.models.changes import before_of
 from pmmkit.models.step import Step
 from pmmkit.presentation import counted
 from pmmkit.structures import Structure
@@ -165,7 +165,17 @@ class CaptiveTests:
         """
         source, fit, found = self._sailing(self._names(steps))
         made = found.model.with_(notes=tuple(dict.fromkeys((*found.model.notes, *found.notes))))
-        return made.stepped(*self._fitted(steps, fit, self._with(steps), source, made))
+        blocks = self._with(steps)
+        plain = Step(
+            action="fitted",
+            campaign=self.campaign.title or self.campaign.ship.name,
+            count=fit.std.size,
+            Fn=froude_numbers(self.campaign),
+            faults=tuple(x.candidate.name for x in blocks if x.candidate.kind == "fault"),
+        )
+        errors = [x / 100.0 for x in self.fall(steps).totals] if steps else []
+        taken = [self._found(block, fit, made) for block in blocks[len(self.begun) :]]
+        return stepped(source, made, plain, steps, taken, errors)
 
     def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
         """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
@@ -195,48 +205,17 @@ class CaptiveTests:
     def _names(self, steps: Sequence[Step]) -> tuple[str, ...]:
         return (*self.begun, *(step.effect for step in steps))
 
-    def _fitted(
-        self, taken: Sequence[Step], fit: JointFit, blocks: Sequence[Block], old: Model, new: Model
-    ) -> tuple[Step, ...]:
-        """The steps with what the fit says of each."""
-        plain = Step(
-            action="fitted",
-            campaign=self.campaign.title or self.campaign.ship.name,
-            count=fit.std.size,
-            Fn=froude_numbers(self.campaign),
-            faults=tuple(x.candidate.name for x in blocks if x.candidate.kind == "fault"),
+    def _found(self, block: Block, fit: JointFit, made: Model) -> Found:
+        """What the fit says of an effect, and where it stands in the ship of it."""
+        c = block.candidate
+        known = catalogue().get(c.name)
+        names = list(known.typical) if c.kind == "fault" and known else c.coefficients
+        return Found(
+            coefficients=dict(zip(names, coefficients_of(block, fit)[0], strict=True)),
+            places=places_of(block, made, self.own) if c.kind == "physics" else (),
+            parameter=c.parameter,
+            value=block.value if c.parameter else None,
         )
-        if not taken:
-            return (plain,)
-        errors = [x / 100.0 for x in self.fall(taken).totals]
-        steps = []
-        brought: set[str] = set()
-        for number, step in enumerate(taken):
-            block = blocks[len(self.begun) + number]
-            c = block.candidate
-            kept = c.kind == "physics" and old.convention == new.convention
-            places = [x for x in places_of(block, new, self.own) if x not in brought]
-            brought.update(places)
-            known = catalogue().get(c.name)
-            labels = list(known.typical) if c.kind == "fault" and known else c.coefficients
-            values = dict(zip(labels, coefficients_of(block, fit)[0], strict=True))
-            steps.append(
-                replace(
-                    plain,
-                    action=step.action,
-                    effect=step.effect,
-                    coefficients={name: x for name, x in values.items() if math.isfinite(x)},
-                    system="prime" if c.kind == "physics" else "",
-                    parameter=c.parameter,
-                    value=block.value if c.parameter else None,
-                    log_odds=step.log_odds,
-                    note=step.note,
-                    error_before=_finite(errors[number]),
-                    error_after=_finite(errors[number + 1]),
-                    before=before_of(old, new, places) if kept else None,
-                )
-            )
-        return tuple(steps)
 
 
 def captive_tests(
@@ -306,7 +285,3 @@ def _fall_rows(
                 force=force[channel],
                 better=share,
             )
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -110,7 +110,10 @@ def test_a_step_that_a_campaign_is_not_asked_for_leaves_its_errors():
     assert [row[1:] for row in group.rows] == [
         *(["3", "5"], ["2", "5"], ["2", ""], ["", "6"], ["0.5", ""])
     ]
-    assert [axis.get_title(loc="left") for axis in fall.plot().axes] == ["one: heading", "two: heading"]
+    assert [axis.get_title(loc="left") for axis in fall.plot().axes] == [
+        "one: heading",
+        "two: heading",
+    ]
     page = fall_page(fall)["campaigns"]
     assert [item["title"] for item in page] == ["one", "two"]
     assert [step["step"] for step in page[1]["steps"]] == list(fall.steps)

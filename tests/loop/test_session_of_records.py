@@ -102,7 +102,16 @@ def test_the_model_has_the_effect_and_tells_how(added, found, session):
     step = made.steps[-1]
     assert (step.action, step.effect) == ("effect_added", "asymmetry")
     assert step.log_odds == found.findings[0].log_odds
-    assert "Seen in zigzags" in made.history[-1]
+    base, after = added.fall().totals
+    said = f"(seen in zigzags): error of heading {base:.3g}° to {after:.3g}°"
+    assert said in made.history[-1]
+    assert (step.error_before, step.error_after, step.error_of) == (base, after, "heading")
+    hull = made.parts["hull_polynomial"]
+    flat = SHIP.ship.d / SHIP.ship.L  # the model is made non-dimensional by Ld, the step by L²
+    values = {name: flat * hull.values[name] for name in step.coefficients}
+    assert step.coefficients == pytest.approx(values), "those of the model that it belongs to"
+    assert hull.source_of("Y0").startswith("measured: ")
+    assert hull.source_of("Yv").startswith(SHIP.parts["hull_polynomial"].source_of("Yv"))
     back, name = undone(made)
     assert name == "asymmetry"
     assert "Y0" not in back.values("hull_polynomial")

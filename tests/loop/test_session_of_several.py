@@ -178,6 +178,24 @@ def test_a_tank_and_the_sea_are_one_session(both):
 
 
 @pytest.mark.slow
+def test_what_only_the_tank_can_show_is_fitted_beside_what_both_can(both):
+    """Nothing is late in these flows: beside the coupling the memory is nothing. Without it, it
+    stood for the coupling (nine times as large), and so did the base that the sea was told."""
+    session = both.add("yaw_sway_coupling").add("memory").add("current", campaign="sea")
+    model, fall = session.model(), session.fall()
+    step = next(step for step in model.steps if step.effect == "memory")
+    errors = fall.only("tank").totals
+    assert (100 * step.error_before, 100 * step.error_after) == pytest.approx(errors[1:])
+    values, C = model.values("memory"), model.std
+    assert abs(values["Yv_late"]) < 0.001
+    assert [x.effect for x in model.steps[1:]] == ["memory", "yaw_sway_coupling", "current"]
+    before, *_, after = fall.by_campaign["sea"]
+    assert after < 0.5 * before < 2.0
+    assert "fault_misalignment" not in model.parts
+    assert set(C) >= {"Yvvr", "Nvvr"}
+
+
+@pytest.mark.slow
 def test_what_only_the_tank_can_show_reaches_the_ship(both):
     """Memory of the flow is no candidate of records: it comes as the tank measures it."""
     session = both.add("memory")
