@@ -9,49 +9,80 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from keyword import iskeyword
 from typing import Any, Final, NoReturn
 
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import primitives
 from pmmkit.numerics import ABSURD
+from pmmkit.syntax.printing import python_function
+from pmmkit.syntax.reading import expression, statements
+from pmmkit.syntax.tree import (
+    Binary,
+    Call,
+    Expression,
+    Function,
+    Name,
+    Number,
+    Return,
+    Several,
+    Unary,
+    names,
+    nodes,
+    replaced,
+)
 
-MOTION: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
-    "v": ("(v / U)", ("v", "U")),
-    "r": ("(r * L / U)", ("r", "L", "U")),
-    "u": ("(u / U)", ("u", "U")),
-    "p": ("(p * L / U)", ("p", "L", "U")),
-    "phi": ("phi", ("phi",)),
-    "d": ("delta", ("delta",)),
-    "delta": ("delta", ("delta",)),
-    "beta": ("beta", ("beta",)),
-    "Fn": ("Fn", ("Fn",)),
-    "sinkage": ("(sinkage / d)", ("sinkage", "d")),
-    "trim": ("trim", ("trim",)),
+MOTION: Final[Mapping[str, Expression]] = {
+    word: expression(text)
+    for word, text in {
+        "v": "v / U",
+        "r": "r * L / U",
+        "u": "u / U",
+        "p": "p * L / U",
+        "phi": "phi",
+        "d": "delta",
+        "delta": "delta",
+        "beta": "beta",
+        "Fn": "Fn",
+        "sinkage": "sinkage / d",
+        "trim": "trim",
+    }.items()
 }
-"""Words for the motion in the prime system: how each is written, and what it asks for."""
-FUNCTIONS: Final[Mapping[str, tuple[str, int]]] = {
-    "abs": ("fabs({0})", 1),
-    "sat": ("minimum(maximum({0}, -({1})), {1})", 2),
-    "beyond": ("({0} - minimum(maximum({0}, -({1})), {1}))", 2),
-    "min": ("minimum({0}, {1})", 2),
-    "max": ("maximum({0}, {1})", 2),
-    "sin": ("sin({0})", 1),
-    "cos": ("cos({0})", 1),
-    "tanh": ("tanh({0})", 1),
-    "exp": ("exp({0})", 1),
-    "sqrt": ("sqrt(maximum({0}, 0.0))", 1),
-    "lag": ("", 2),
+"""Words for the motion in the prime system: what each is."""
+FUNCTIONS: Final[Mapping[str, tuple[tuple[str, ...], Expression]]] = {
+    word: (tuple(arguments.split()), expression(text))
+    for word, arguments, text in (
+        ("abs", "x", "fabs(x)"),
+        ("sat", "x a", "minimum(maximum(x, -a), a)"),
+        ("beyond", "x a", "x - minimum(maximum(x, -a), a)"),
+        ("min", "x a", "minimum(x, a)"),
+        ("max", "x a", "maximum(x, a)"),
+        ("sin", "x", "sin(x)"),
+        ("cos", "x", "cos(x)"),
+        ("tanh", "x", "tanh(x)"),
+        ("exp", "x", "exp(x)"),
+        ("sqrt", "x", "sqrt(maximum(x, 0.0))"),
+        ("lag", "x T", "(x - state) * U / (T * L)"),
+    )
 }
-"""Functions with the number of their arguments. ``sat(x, a)`` is x within ±a, ``beyond(x, a)`` what
-goes beyond, ``lag(x, T)`` follows x with a lag of T in L/U."""
+"""Functions with the names of their arguments, and what they are in words of `effects.primitives`.
+``sat(x, a)`` is x within ±a, ``beyond(x, a)`` what goes beyond. ``lag(x, T)`` follows x with a lag
+of T in L/U: a state, whose rate stands here."""
 MOST: Final = 9
 """Largest power of a factor."""
 TOKENS: Final = 300
 """Words, numbers and marks of one expression."""
 DEPTH: Final = 30
 """Brackets inside each other."""
-LONGEST: Final = 20_000
-"""Characters of an expression when its powers and functions are written out."""
+LONGEST: Final = 5000
+"""Numbers, words, operators and functions of an expression when its powers and functions are
+written out."""
+_STATE: Final = "late_"
+"""What names of states begin with."""
+_BODY: Final = statements("unit = 0.5 * rho * L * L * U * U")
+_MEANT: Final = frozenset(
+    (*MOTION, *names((*MOTION.values(), *_BODY)), *FUNCTIONS, *primitives.__all__)
+)
 _TOKEN: Final = re.compile(
     r"\s*(?:(?P<number>[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)|(?P<word>[A-Za-z_]\w*)"
     r"|(?P<mark>\*\*|[*/^+(),|-])|(?P<stray>\S))"
@@ -62,6 +93,17 @@ _WORDS: Final = re.compile(r"\b(?:" + "|".join(FUNCTIONS) + r")\s*\(|\b(?:beta|F
 def is_power(word: str) -> bool:
     """Whether a word is a whole number from 1 to `MOST`."""
     return word.isdigit() and len(word) < 4 and 1 <= int(word) <= MOST
+
+
+def has_meaning(name: str, effect: str) -> bool:
+    """Whether a name means something in an expression of an effect: no coefficient can have it.
+
+    Examples
+    --------
+    >>> [word for word in ("edge", "Fn", "sat", "L", "lambda") if has_meaning(word, "keel")]
+    ['Fn', 'sat', 'L', 'lambda']
+    """
+    return name in _MEANT or iskeyword(name) or name.startswith(f"{_STATE}{effect}_")
 
 
 class NotUnderstood(ValueError):
@@ -83,31 +125,21 @@ def is_expression(text: str) -> bool:
     return _WORDS.search(text) is not None
 
 
-@dataclass(frozen=True)
-class Node:
-    """A number, a word, a function or an operation, with what it works on."""
-
-    kind: str
-    word: str
-    place: int
-    inner: tuple[Node, ...] = ()
-
-
 @dataclass(frozen=True, kw_only=True)
 class Written:
-    """A function as text, and what it asks for and gives.
+    """A function, and what it asks for and gives.
 
     Parameters
     ----------
-    source : str
-        Of a function named ``force``.
+    tree : Function
+        Named ``force``.
     outputs, states : tuple of str
         As of an `Effect`.
     words : frozenset of str
         Words of the motion that stand in it.
     """
 
-    source: str
+    tree: Function
     outputs: tuple[str, ...]
     states: tuple[str, ...]
     words: frozenset[str]
@@ -115,14 +147,19 @@ class Written:
     def function(self, name: str) -> Callable[..., Any]:
         """The function, in the words of `effects.primitives`."""
         space: dict[str, Any] = {word: getattr(primitives, word) for word in primitives.__all__}
-        exec(compile(self.source, f"<effect {name}>", "exec"), space)
+        text = "\n".join(python_function(self.tree))
+        exec(compile(text, f"<effect {name}>", "exec"), space)
         made: Callable[..., Any] = space["force"]
         return made
 
 
+_UNIT: Final = (Name("unit"), expression("unit * L"))
+"""Of forces, of moments."""
+
+
 def written(
     name: str,
-    statements: Sequence[tuple[str, str, int]],
+    said: Sequence[tuple[str, str, int]],
     coefficients: Sequence[str],
     parameters: Sequence[str],
 ) -> Written:
@@ -132,7 +169,7 @@ def written(
     ----------
     name : str
         Of the effect; its states are named after it.
-    statements : sequence of (channel, expression, place)
+    said : sequence of (channel, expression, place)
         Each a sum of terms, and each term with one coefficient as a factor. Forces are over
         ½ρL²U² (moments ½ρL³U²).
     coefficients, parameters : sequence of str
@@ -149,152 +186,163 @@ def written(
     >>> drag.function("keel")(v=0.5, U=1.0, L=4.0, rho=1000.0, a=-0.01, edge=0.25)
     (-20.0,)
     """
-    writer = _Writer(name=name, coefficients=tuple(coefficients), parameters=tuple(parameters))
-    sums: dict[str, str] = {}
-    for channel, expression, place in statements:
-        tree = _Reader(expression, place).whole()
-        _check_linear(tree, writer.coefficients)
-        own = writer.text(tree)
-        sums[channel] = f"{sums[channel]} + {own}" if channel in sums else own
-    for coefficient in coefficients:
-        if coefficient not in writer.used:
-            raise NotUnderstood(f"{coefficient} stands in no term", 0)
+    own = _Expansion(name=name, given=(*coefficients, *parameters))
+    sums: dict[str, Expression] = {}
+    for channel, text, place in said:
+        tree = _Reader(text, place).whole()
+        _check_linear(tree, coefficients)
+        grown, _ = own.of(tree)
+        sums[channel] = Binary("+", sums[channel], grown) if channel in sums else grown
     channels = [channel for channel in CHANNELS if channel in sums]
-    asked = sorted({"U", "L", "rho", *writer.asked} - {"v"})
+    forces = [Binary("*", _UNIT["NK".find(c) >= 0], sums[c]) for c in channels]
+    returned = (*forces, *own.rates)
+    asked = names((*returned, *_BODY)) - {"unit", *primitives.__all__}
+    for coefficient in coefficients:
+        if coefficient not in asked:
+            raise NotUnderstood(f"{coefficient} stands in no term", 0)
+    motion = sorted(asked - {"v", *own.states, *own.given})
     arguments = [
-        *(["v"] if "v" in writer.asked else []),
-        *asked,
-        *writer.states,
-        *(name for name in (*coefficients, *parameters) if name in writer.used),
-    ]
-    forces = [f"unit * {'L * ' if c in 'NK' else ''}({sums[c]})" for c in channels]
-    lines = [
-        f"def force({', '.join(arguments)}):",
-        "    unit = 0.5 * rho * L * L * U * U",
-        *(f"    {line}" for line in writer.lines),
-        f"    return ({', '.join([*forces, *writer.rates])},)",
+        *(["v"] if "v" in asked else []),
+        *motion,
+        *own.states,
+        *(x for x in (*coefficients, *parameters) if x in asked),
     ]
     return Written(
-        source="\n".join(lines) + "\n",
-        outputs=(*channels, *(f"{state}_rate" for state in writer.states)),
-        states=tuple(writer.states),
-        words=frozenset(writer.words),
+        tree=Function("force", tuple(arguments), (*_BODY, Return(Several(returned)))),
+        outputs=(*channels, *(f"{state}_rate" for state in own.states)),
+        states=tuple(own.states),
+        words=frozenset(own.words),
     )
 
 
 @dataclass
-class _Writer:
-    """Text of a function from trees, and what was met on the way."""
+class _Expansion:
+    """Trees in the words of `effects.primitives` from those of a text, and what was met on the way.
+
+    `given` are the names of the text's own; `words`, `states` and `rates` grow.
+    """
 
     name: str
-    coefficients: tuple[str, ...]
-    parameters: tuple[str, ...]
-    asked: set[str] = field(default_factory=set)
-    used: set[str] = field(default_factory=set)
+    given: tuple[str, ...]
     words: set[str] = field(default_factory=set)
     states: list[str] = field(default_factory=list)
-    rates: list[str] = field(default_factory=list)
-    lines: list[str] = field(default_factory=list)
+    rates: list[Expression] = field(default_factory=list)
 
-    def text(self, node: Node) -> str:
-        if node.kind == "number":
-            return repr(float(node.word))
-        if node.kind == "word":
-            return self._word(node)
-        found = self._joined(node)
-        if len(found) > LONGEST:
-            raise NotUnderstood("an expression grows too long here when written out", node.place)
-        return found
+    def of(self, tree: Expression) -> tuple[Expression, int]:
+        """A tree written out, and how many nodes it has."""
+        match tree:
+            case Name():
+                return self._word(tree)
+            case Unary(inner=inner):
+                grown, size = self.of(inner)
+                return Unary("-", grown), size + 1
+            case Binary(sign="**", left=left, right=Number(value=power), place=place):
+                grown, size = self.of(left)
+                product = grown
+                for _ in range(int(power) - 1):
+                    product = Binary("*", product, grown)
+                return product, _sized(size * int(power) + int(power) - 1, place)
+            case Binary(sign=sign, left=left, right=right, place=place):
+                (a, first), (b, second) = self.of(left), self.of(right)
+                return Binary(sign, a, b), _sized(first + second + 1, place)
+            case Call(function=Name(word=word), inner=inner, place=place):
+                return self._call(word, [self.of(item) for item in inner], place)
+        return tree, 1
 
-    def _joined(self, node: Node) -> str:
-        inner = [self.text(item) for item in node.inner]
-        if node.kind == "function":
-            if node.word == "lag":
-                return self._lag(*inner)
-            return FUNCTIONS[node.word][0].format(*inner)
-        if node.kind == "power":
-            return f"({' * '.join(inner * int(node.word))})"
-        if node.kind == "minus":
-            return f"(-{inner[0]})"
-        return f"({inner[0]} {node.word} {inner[1]})"
-
-    def _word(self, node: Node) -> str:
-        if node.word in (*self.coefficients, *self.parameters):
-            self.used.add(node.word)
-            return node.word
-        if node.word not in MOTION:
-            known = ", ".join((*MOTION, *self.coefficients, *self.parameters))
+    def _word(self, tree: Name) -> tuple[Expression, int]:
+        if tree.word in self.given:
+            return tree, 1
+        if tree.word not in MOTION:
+            known = ", ".join((*MOTION, *self.given))
             raise NotUnderstood(
-                f"{node.word!r} is unknown here; there are {known}. A coefficient gets a usual "
-                f"size ('{node.word} ~ 0.01'), a parameter its values ('{node.word} ~ [0.1, 0.2]')",
-                node.place,
+                f"{tree.word!r} is unknown here; there are {known}. A coefficient gets a usual "
+                f"size ('{tree.word} ~ 0.01'), a parameter its values "
+                f"('{tree.word} ~ [0.1, 0.2]')",
+                tree.place,
             )
-        text, asked = MOTION[node.word]
-        self.asked.update(asked)
-        self.words.add(node.word)
-        return text
+        self.words.add(tree.word)
+        meant = MOTION[tree.word]
+        return meant, sum(1 for _ in nodes(meant))
 
-    def _lag(self, follows: str, lag: str) -> str:
-        state = f"late_{self.name}_{len(self.states) + 1}"
-        self.states.append(state)
-        self.rates.append(f"({follows} - {state}) * U / (({lag}) * L)")
-        return state
+    def _call(
+        self, word: str, given: Sequence[tuple[Expression, int]], place: int
+    ) -> tuple[Expression, int]:
+        own, meaning = FUNCTIONS[word]
+        values = {name: tree for name, (tree, _) in zip(own, given, strict=True)}
+        sizes = {name: size for name, (_, size) in zip(own, given, strict=True)}
+        if word == "lag":
+            state = f"{_STATE}{self.name}_{len(self.states) + 1}"
+            self.states.append(state)
+            values["state"] = Name(state)
+        size = sum(sizes.get(x.word, 1) if isinstance(x, Name) else 1 for x in nodes(meaning))
+        _sized(size, place)
+        grown = replaced(
+            meaning, lambda node: values.get(node.word, node) if isinstance(node, Name) else node
+        )
+        if word == "lag":
+            self.rates.append(grown)
+            return values["state"], 1
+        return grown, size
 
 
-def _check_linear(tree: Node, coefficients: Sequence[str]) -> None:
+def _sized(size: int, place: int) -> int:
+    if size > LONGEST:
+        raise NotUnderstood("an expression grows too long here when written out", place)
+    return size
+
+
+def _check_linear(tree: Expression, coefficients: Sequence[str]) -> None:
     """Each term has one coefficient, as a factor."""
     for term in _terms(tree):
-        factors = list(_factors(term))
-        own = [item for item in factors if item.kind == "word" and item.word in coefficients]
-        inside = [
-            item
-            for factor in factors
-            if factor not in own
-            for item in _words_in(factor)
-            if item.word in coefficients
-        ]
-        if inside:
-            raise NotUnderstood(
-                f"{inside[0].word} is a coefficient: it multiplies a term, and stands in no "
-                f"function, power or denominator",
-                inside[0].place,
-            )
+        own, others = [], []
+        for factor, divides in _factors(term):
+            if isinstance(factor, Name) and factor.word in coefficients and not divides:
+                own.append(factor)
+            else:
+                others.append(factor)
+        for item in nodes(tuple(others)):
+            if isinstance(item, Name) and item.word in coefficients:
+                raise NotUnderstood(
+                    f"{item.word} is a coefficient: it multiplies a term, and stands in no "
+                    f"function, power or denominator",
+                    item.place,
+                )
         if len(own) != 1:
             raise NotUnderstood(
                 "each term needs one coefficient with a usual size, as in "
                 "'Y: a*v*|beta|; a ~ -0.01'",
-                own[1].place if own else term.place,
+                own[1].place if own else _place_of(term),
             )
 
 
-def _terms(node: Node) -> Iterator[Node]:
-    if node.kind == "operation" and node.word in "+-":
-        for item in node.inner:
-            yield from _terms(item)
-    elif node.kind == "minus":
-        yield from _terms(node.inner[0])
-    else:
-        yield node
+def _place_of(tree: Expression) -> int:
+    return getattr(tree, "place", 0)
 
 
-def _factors(node: Node) -> Iterator[Node]:
-    if node.kind == "operation" and node.word == "*":
-        for item in node.inner:
-            yield from _factors(item)
-    elif node.kind == "minus":
-        yield from _factors(node.inner[0])
-    elif node.kind == "operation" and node.word == "/":
-        yield from _factors(node.inner[0])
-        yield Node("function", "abs", node.place, (node.inner[1],))
-    else:
-        yield node
+def _terms(tree: Expression) -> Iterator[Expression]:
+    match tree:
+        case Binary(sign="+" | "-", left=left, right=right):
+            yield from _terms(left)
+            yield from _terms(right)
+        case Unary(inner=inner):
+            yield from _terms(inner)
+        case _:
+            yield tree
 
 
-def _words_in(node: Node) -> Iterator[Node]:
-    if node.kind == "word":
-        yield node
-    for item in node.inner:
-        yield from _words_in(item)
+def _factors(tree: Expression) -> Iterator[tuple[Expression, bool]]:
+    """The factors of a term, and whether each divides."""
+    match tree:
+        case Binary(sign="*", left=left, right=right):
+            yield from _factors(left)
+            yield from _factors(right)
+        case Binary(sign="/", left=left, right=right):
+            yield from _factors(left)
+            yield right, True
+        case Unary(inner=inner):
+            yield from _factors(inner)
+        case _:
+            yield tree, False
 
 
 class _Reader:
@@ -318,7 +366,7 @@ class _Reader:
             place = self.tokens[TOKENS][2]
             raise NotUnderstood(f"an expression has at most {TOKENS} words and marks", place)
 
-    def whole(self) -> Node:
+    def whole(self) -> Expression:
         tree = self._sum()
         if self.at < len(self.tokens):
             self._stop(f"{self.tokens[self.at][1]!r} has no meaning here")
@@ -338,21 +386,21 @@ class _Reader:
     def _stop(self, message: str) -> NoReturn:
         raise NotUnderstood(message, self._place())
 
-    def _sum(self) -> Node:
+    def _sum(self) -> Expression:
         return self._chain(self._product, "+-")
 
-    def _product(self) -> Node:
+    def _product(self) -> Expression:
         return self._chain(self._signed, "*/")
 
-    def _chain(self, inner: Callable[[], Node], marks: str) -> Node:
+    def _chain(self, inner: Callable[[], Expression], marks: str) -> Expression:
         tree = inner()
         while self._peek() and self._peek() in marks:
             mark, place = self._peek(), self._place()
             self.at += 1
-            tree = Node("operation", mark, place, (tree, inner()))
+            tree = Binary(mark, tree, inner(), place)
         return tree
 
-    def _signed(self) -> Node:
+    def _signed(self) -> Expression:
         self.depth += 1
         if self.depth > DEPTH:
             self._stop(f"at most {DEPTH} brackets and signs stand inside each other")
@@ -360,15 +408,15 @@ class _Reader:
         self.depth -= 1
         return found
 
-    def _unsigned(self) -> Node:
+    def _unsigned(self) -> Expression:
         if self._peek() in ("-", "+"):
             mark, place = self._peek(), self._place()
             self.at += 1
             inner = self._signed()
-            return Node("minus", "-", place, (inner,)) if mark == "-" else inner
+            return Unary("-", inner, place) if mark == "-" else inner
         return self._power()
 
-    def _power(self) -> Node:
+    def _power(self) -> Expression:
         tree = self._atom()
         if self._peek() not in ("^", "**"):
             return tree
@@ -377,15 +425,15 @@ class _Reader:
         if not is_power(word):
             self._stop(f"a power is a whole number from 1 to {MOST}")
         self.at += 1
-        return Node("power", word, place, (tree,))
+        return Binary("**", tree, Number(int(word)), place)
 
-    def _atom(self) -> Node:
+    def _atom(self) -> Expression:
         if self.at >= len(self.tokens):
             self._stop("a factor is missing")
         kind, word, place = self.tokens[self.at]
         self.at += 1
         if kind == "number":
-            return Node("number", word, place)
+            return Number(float(word), place)
         if word == "(":
             tree = self._sum()
             self._take(")")
@@ -393,15 +441,15 @@ class _Reader:
         if word == "|":
             tree = self._sum()
             self._take("|")
-            return Node("function", "abs", place, (tree,))
+            return Call(Name("abs", place), (tree,), place=place)
         if kind != "word":
             self.at -= 1
             self._stop(f"{word!r} has no meaning here")
         if self._peek() != "(":
-            return Node("word", word, place)
+            return Name(word, place)
         return self._called(word, place)
 
-    def _called(self, word: str, place: int) -> Node:
+    def _called(self, word: str, place: int) -> Expression:
         if word not in FUNCTIONS:
             known = ", ".join(FUNCTIONS)
             raise NotUnderstood(f"there is no function {word!r}; there are {known}", place)
@@ -411,7 +459,7 @@ class _Reader:
             self.at += 1
             inner.append(self._sum())
         self._take(")")
-        count = FUNCTIONS[word][1]
+        count = len(FUNCTIONS[word][0])
         if len(inner) != count:
             raise NotUnderstood(f"{word} takes {count} arguments, not {len(inner)}", place)
-        return Node("function", word, place, tuple(inner))
+        return Call(Name(word, place), tuple(inner), place=place)

@@ -18,6 +18,7 @@ from pmmkit.effects.expressions import (
     MOST,
     NotUnderstood,
     Written,
+    has_meaning,
     is_expression,
     is_power,
     written,
@@ -25,6 +26,7 @@ from pmmkit.effects.expressions import (
 from pmmkit.errors import DataError, Problem, UnknownNameError
 from pmmkit.escaping import printable
 from pmmkit.numerics import ABSURD
+from pmmkit.syntax.tree import Function
 from pmmkit.toml_files import read_toml
 
 FACTORS: Final = {"v": "v", "r": "r", "u": "u", "p": "p", "phi": "phi", "d": "d", "delta": "d"}
@@ -222,6 +224,9 @@ def _written(
     name: str, text: str, channels: Sequence[tuple[str, int]], given: Mapping[str, _Size]
 ) -> Written:
     """The function that expressions make."""
+    for label, size in given.items():
+        if has_meaning(label, name):
+            _stop(name, text, size.place, f"{label} has a meaning already: choose another name")
     statements = []
     for statement, start in channels:
         channel, colon, expression = statement.partition(":")
@@ -238,7 +243,7 @@ def _written(
         _stop(name, text, error.place, str(error))
 
 
-def source_of(name: str, text: str) -> str:
+def function_of_text(name: str, text: str) -> Function:
     """The function ``force`` of an effect that a text makes, as it was understood.
 
     Raises
@@ -247,7 +252,7 @@ def source_of(name: str, text: str) -> str:
         If the text cannot be read.
     """
     channels, given = _parted(name, text)
-    return _written(name, text, channels, given).source
+    return _written(name, text, channels, given).tree
 
 
 @cache

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import ast
 import dis
-import re
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from enum import EnumType, IntEnum
 from functools import cache
 from pathlib import Path
@@ -14,7 +13,7 @@ from typing import Any, Final
 
 from pmmkit.effects import primitives
 from pmmkit.effects.catalogue import effect_of
-from pmmkit.effects.grammar import source_of
+from pmmkit.effects.grammar import function_of_text
 from pmmkit.effects.hull import FACTOR_PLACES
 from pmmkit.equations import layouts
 from pmmkit.equations.layouts import (
@@ -29,6 +28,10 @@ from pmmkit.equations.layouts import (
     StepField,
 )
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, Structure, Used
+from pmmkit.inference import estimators
+from pmmkit.syntax.printing import python_function, python_lines
+from pmmkit.syntax.reading import functions, statements
+from pmmkit.syntax.tree import Binary, Call, Item, Member, Name, Node, Number, Span, replaced
 
 MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U", "beta", "Fn")
 CONTROLS: Final = ("delta", "n", "n_order", "bucket")
@@ -45,9 +48,10 @@ ESTIMATING: Final = (
     "equilibrium.py",
     "integrator.py",
     "sensors.py",
-    "covariances.py",
-    "estimators.py",
+    "intervals.py",
+    str(estimators.__file__),
 )
+"""What carries records through filters; the filters themselves know nothing of ships."""
 ENTRIES: Final = (
     "rates",
     "complete",
@@ -63,6 +67,7 @@ ENTRIES: Final = (
     "linearised",
     "correct",
     "predict",
+    "wander",
     "scatter",
     "extended",
     "smoothed",
@@ -70,7 +75,7 @@ ENTRIES: Final = (
     "windows",
     "pushed",
     "along",
-    "take_in",
+    "shown",
     "steered",
 )
 """Functions that are called from outside the module."""
@@ -136,8 +141,8 @@ def _taken_in(item: Used) -> list[str]:
     name = f"plain_{item.effect}"
     if item.text:
         words = ", ".join(primitives.__all__)
-        source = source_of(item.effect, item.text).replace("def force(", f"def {name}(", 1)
-        return [f"from {primitives.__name__} import {words}", source]
+        own = replace(function_of_text(item.effect, item.text), name=name)
+        return [f"from {primitives.__name__} import {words}", *python_function(own), ""]
     return [
         f"from {effect_of.__module__} import effect_of",
         f"{name} = effect_of({item.effect!r}).force",
@@ -189,6 +194,11 @@ def _equations(structure: Structure, *, heeled: bool) -> list[str]:
     ]
 
 
+def _rewritten(lines: Sequence[str], rule: Callable[[Node], Node]) -> list[str]:
+    """Lines in which each part of the syntax is what a rule makes of it."""
+    return python_lines(replaced(statements("\n".join(lines)), rule))
+
+
 def _rates_of_lanes(structure: Structure) -> list[str]:
     """The same equations for all lanes: what lies side by side in `y`, `k` and `out` lies so too.
 
@@ -203,9 +213,7 @@ def _rates_of_lanes(structure: Structure) -> list[str]:
         "out": LaneSlot.rate * size * lanes,
         "k": moves + len(Control) * len(LaneMove) * lanes,
     }
-    controls = ", ".join(
-        f"s[{moves + (len(LaneMove) * c + LaneMove.value) * lanes} + lane]" for c in Control
-    )
+    controls = [moves + (len(LaneMove) * c + LaneMove.value) * lanes for c in Control]
     head = [
         "",
         f"LANES, TIMES, MOVES, WIDE = {lanes}, {times}, {moves}, {begin['k']}",
@@ -220,20 +228,10 @@ def _rates_of_lanes(structure: Structure) -> list[str]:
             "",
             "@inner",
             "def rates_of_lanes(s):",
-            f"    rates({y}, {controls.replace(' + lane', '')}, {k}, {out})",
+            f"    rates({y}, {', '.join(f's[{at}]' for at in controls)}, {k}, {out})",
         ]
 
-    def own(found: re.Match[str]) -> str:
-        name, first, last = found.group("name", "first", "last")
-        at = begin[name] + lanes * int(first)
-        return f"s[{at}:{begin[name] + lanes * int(last)}]" if last else f"s[{at} + lane]"
-
-    places = re.compile(r"\b(?P<name>y|k|out)\[(?P<first>\d+)(?::(?P<last>\d+))?\]")
-    called = re.compile(rf"\b({'|'.join(_OF_LANES)})\(|\beffect_")
-    lines = [
-        called.sub(lambda found: f"lane_{found.group().removeprefix('effect_')}", line)
-        for line in (places.sub(own, x) for x in _equations(structure, heeled=structure.rolls))
-    ]
+    lines = _rewritten(_equations(structure, heeled=structure.rolls), _in_lanes(begin, lanes))
     return [
         *head,
         "exponential = lane_functions.exp",
@@ -243,9 +241,37 @@ def _rates_of_lanes(structure: Structure) -> list[str]:
         "@entry",
         "def rates_of_lanes(s):",
         f"    for lane in range({lanes}):",
-        f"        delta, revolutions, bucket = {controls}",
+        f"        delta, revolutions, bucket = {', '.join(f's[{at} + lane]' for at in controls)}",
         *(f"        {line}" for line in lines),
     ]
+
+
+def _in_lanes(begin: Mapping[str, int], lanes: int) -> Callable[[Node], Node]:
+    """What stands for lists, and for functions that have others for lanes, in a loop over lanes.
+
+    Parameters
+    ----------
+    begin : mapping of str to int
+        Where the numbers of each list begin in ``s``, which holds those of all lanes.
+    lanes : int
+        Of each number so many stand side by side.
+    """
+
+    def rule(node: Node) -> Node:
+        match node:
+            case Item(of=Name(word=word), at=Number(value=at)) if word in begin:
+                first = Number(begin[word] + lanes * int(at))
+                return Item(Name("s"), Binary("+", first, Name("lane")))
+            case Item(
+                of=Name(word=word), at=Span(low=Number(value=low), high=Number(value=high))
+            ) if word in begin:
+                ends = (Number(begin[word] + lanes * int(at)) for at in (low, high))
+                return Item(Name("s"), Span(*ends))
+            case Call(function=Name(word=word)) if word in _OF_LANES or word.startswith("effect_"):
+                return replace(node, function=Name(f"lane_{word.removeprefix('effect_')}"))
+        return node
+
+    return rule
 
 
 def _straight(structure: Structure) -> bool:
@@ -316,11 +342,13 @@ def _at_the_moment(structure: Structure, lines: Sequence[str]) -> list[str]:
         ),
     ]
 
-    def own(found: re.Match[str]) -> str:
-        place = int(found.group("place"))
-        return f"k_{place}" if place in structure.follows else found.group()
+    def own(node: Node) -> Node:
+        match node:
+            case Item(of=Name(word="k"), at=Number(value=place)) if place in structure.follows:
+                return Name(f"k_{place}")
+        return node
 
-    return following + [re.sub(r"\bk\[(?P<place>\d+)\]", own, line) for line in lines]
+    return following + _rewritten(lines, own)
 
 
 def summed(structure: Structure) -> tuple[list[str], dict[str, list[str]], dict[str, str]]:
@@ -512,52 +540,25 @@ _LAYOUTS: Final = {
 }
 
 
-class _Numbers(ast.NodeTransformer):
-    """Writes the numbers of members and the lengths of layouts for their names."""
-
-    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        self.generic_visit(node)
-        if isinstance(node.value, ast.Name) and node.value.id in _LAYOUTS:
-            return ast.Constant(int(_LAYOUTS[node.value.id][node.attr]))
-        return node
-
-    def visit_Call(self, node: ast.Call) -> ast.expr:
-        self.generic_visit(node)
-        match node:
-            case ast.Call(func=ast.Name(id="len"), args=[ast.Name(id=name)]) if name in _LAYOUTS:
-                return ast.Constant(len(_LAYOUTS[name]))
-        return node
-
-    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
-        """Where one of the terms is a number that is nothing, the other is left."""
-        self.generic_visit(node)
-        match node:
-            case ast.BinOp(left=term, op=ast.Add(), right=ast.Constant(value=int(0))):
-                return term
-        return node
+def _numbers(node: Node) -> Node:
+    """Numbers of members and lengths of layouts for their names; what adds nothing is left out."""
+    match node:
+        case Member(of=Name(word=layout), word=member) if layout in _LAYOUTS:
+            return Number(int(_LAYOUTS[layout][member]))
+        case Call(function=Name(word="len"), inner=(Name(word=layout),)) if layout in _LAYOUTS:
+            return Number(len(_LAYOUTS[layout]))
+        case Binary(sign="+", left=term, right=Number(value=int(0))):
+            return term
+    return node
 
 
 @cache
 def _functions(files: tuple[str, ...]) -> str:
     """The functions of files, decorated, the names of layouts written out as numbers."""
-    nodes = [
-        _Numbers().visit(node)
-        for name in files
-        for node in ast.parse(Path(__file__).with_name(name).read_text(encoding="utf-8")).body
-        if not (isinstance(node, ast.FunctionDef) and _stands_for_another(node))
-    ]
     parts = []
-    for node in nodes:
-        if isinstance(node, ast.FunctionDef):
-            for argument in node.args.args:
-                argument.annotation = None
-            node.returns = None
-            node.body = node.body[1:] if ast.get_docstring(node) else node.body
-            mark = "@entry" if node.name in ENTRIES else "@inner"
-            parts.append(f"{mark}\n{ast.unparse(node)}\n")
+    for name in files:
+        text = Path(__file__).parent.joinpath(name).read_text(encoding="utf-8")
+        for own in functions(text).values():
+            mark = "entry" if own.name in ENTRIES else "inner"
+            parts += [*python_function(replaced(own, _numbers), mark=mark), ""]
     return "\n".join(parts)
-
-
-def _stands_for_another(node: ast.FunctionDef) -> bool:
-    """Whether a function does nothing but raise, so that another of its name takes its place."""
-    return isinstance(node.body[-1], ast.Raise)

@@ -9,8 +9,12 @@ from __future__ import annotations
 import math
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pmmkit.equations.layouts import Control, LaneMove, LaneSlot, State, StepField
 
+Floats = list[float] | NDArray[np.float64]
 NS = 6
 LANES = 8
 TIMES = len(LaneSlot) * NS * LANES
@@ -25,14 +29,14 @@ TWICE: Final = 2.0 * math.pi
 
 
 def rates(
-    y: list[float],
-    delta: float,
-    revolutions: float,
-    bucket: float,
-    k: list[float],
-    out: list[float],
+    y: Floats, delta: float, revolutions: float, bucket: float, k: Floats, out: Floats
 ) -> None:
     """Stands for the equations of a structure: fills `out` with the rates of the states."""
+    raise NotImplementedError
+
+
+def complete(k: Floats) -> int:
+    """Stands for that of `pmmkit.equations.equilibrium`, which takes arrays when compiled."""
     raise NotImplementedError
 
 

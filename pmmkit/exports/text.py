@@ -9,6 +9,7 @@ from typing import Final
 
 from pmmkit.errors import Remedy, setting
 from pmmkit.escaping import comment, plain
+from pmmkit.syntax.words import FUNCTIONS
 from pmmkit.version import __version__
 
 WHICH_SPEED: Final = Remedy("Say at which speed [m/s], such as {}.", (setting("speed", 8),))
@@ -44,28 +45,17 @@ _TAKEN: Final = frozenset(
         "until",
         "unwind_protect",
         "while",
-        "abs",
-        "atan2",
-        "cos",
+        *(word.matlab for word in FUNCTIONS.values()),
         "error",
-        "exp",
         "inf",
         "interp1",
         "interp2",
-        "interpolate",
-        "interpolate_rows",
         "length",
-        "max",
-        "min",
         "nan",
         "nargin",
         "pi",
-        "sin",
-        "sqrt",
         "table",
-        "tanh",
         "ui",
-        "where",
         "x",
         "xdot",
     }

@@ -1,6 +1,32 @@
-"""Inference that knows nothing of ships: sizes of random effects, and intervals of mixtures."""
+"""Inference that knows nothing of ships: evidence, errors, filters, propagation, sparsity."""
 
+from pmmkit.inference.information_filter import InformationRoot
+from pmmkit.inference.innovations import (
+    LAGS,
+    Consistency,
+    Innovations,
+    autocorrelation,
+    innovation_tests,
+)
+from pmmkit.inference.least_squares import (
+    RANK_TOLERANCE,
+    LeastSquares,
+    dependent,
+    least_squares,
+    optional_columns,
+)
+from pmmkit.inference.left_out import of_others, of_others_by_hat
 from pmmkit.inference.mixture import half_width
+from pmmkit.inference.normal import Normal, Taken, chance_of, integrated_out, log_normal
+from pmmkit.inference.propagation import (
+    COVERAGE,
+    Propagated,
+    axes,
+    differences,
+    displaced,
+    root,
+    std_along,
+)
 from pmmkit.inference.random_effects import (
     KINDS,
     RepeatedRuns,
@@ -13,13 +39,38 @@ from pmmkit.inference.random_effects import (
 from pmmkit.inference.restricted import Restricted
 
 __all__ = [
+    "COVERAGE",
     "KINDS",
+    "LAGS",
+    "RANK_TOLERANCE",
+    "Consistency",
+    "InformationRoot",
+    "Innovations",
+    "LeastSquares",
+    "Normal",
+    "Propagated",
     "RepeatedRuns",
     "Restricted",
     "RunEffects",
+    "Taken",
+    "autocorrelation",
+    "axes",
     "by_kind",
+    "chance_of",
+    "dependent",
+    "differences",
+    "displaced",
     "half_width",
+    "innovation_tests",
+    "integrated_out",
+    "least_squares",
+    "log_normal",
+    "of_others",
+    "of_others_by_hat",
+    "optional_columns",
     "per_column",
     "repeatability",
+    "root",
     "run_effects",
+    "std_along",
 ]

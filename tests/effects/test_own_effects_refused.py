@@ -41,6 +41,18 @@ def test_an_absurd_text_is_refused_with_its_place(kind):
     assert line[mark.index("^")] == ABSURD[kind][int(re.search(r"character (\d+)", head)[1]) - 1]
 
 
+@pytest.mark.parametrize(
+    "word", ["v", "phi", "L", "U", "rho", "unit", "sin", "sat", "maximum", "lambda", "late_keel_1"]
+)
+def test_a_coefficient_bears_no_name_that_has_a_meaning(word):
+    """Such a one was put in the place of what it names, or ended the reading with a SyntaxError."""
+    text = f"Y: {word}*r*Fn + {word}*lag(u, 1); {word} ~ 0.1"
+    with pytest.raises(DataError, match=f"{word} has a meaning already") as caught:
+        pk.own_effect("keel", text)
+    assert f"(character {text.rindex(';') + 2})" in str(caught.value)
+    pk.own_effect("keel", text.replace(word, "late_keeling"))
+
+
 def test_what_is_usual_is_far_from_these_limits():
     inside = "(" * (DEPTH // 3) + "Fn" + ")" * (DEPTH // 3)
     text = "Y: " + " + ".join([f"a*beyond(v, 0.1)*|r|^3*{inside}"] * 6) + A

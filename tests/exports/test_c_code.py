@@ -19,8 +19,9 @@ from pmmkit.effects import primitives
 from pmmkit.equations import prepare
 from pmmkit.equations.code_generation import CARRYING, module_text
 from pmmkit.equations.compilation import interpreted
-from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, Kind, Unwritable
+from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, Kind
 from pmmkit.exports.c.program import Program
+from pmmkit.syntax.tree import Unwritable
 
 COMPILER = shutil.which("cc")
 needs_compiler = pytest.mark.skipif(COMPILER is None, reason="there is no C compiler cc")
@@ -204,6 +205,26 @@ def told(a, b):
         assert list(found) == list(known["told"](a, b))
 
 
+@needs_compiler
+def test_whole_numbers_of_c_are_those_of_python(tmp_path):
+    """Division goes by the floor, and no product or sum grows beyond C's int."""
+    text = """
+def told(a):
+    n = int(a)
+    large = 1000000 * 1000000 * a + (2147483647 + 1)
+    return n // 2, (n - 7) // 3, n // -3, -7 // 2 + a, large, 2**-1 * a, -(n > 0) + 0.5
+"""
+    program = program_of(text)
+    name = program.take("told", [DOUBLE])
+    library = loaded(program.text + called(name, [1], 7), tmp_path)
+    known: dict = {}
+    exec(text, known)
+    for a in (-8.0, -7.5, -1.0, 0.0, 1.0, 6.0, 7.0):
+        found = numbers([0.0] * 7)
+        library.call_eq_told(numbers([a]), found)
+        assert list(found) == list(known["told"](a))
+
+
 @pytest.mark.parametrize(
     ("body", "why"),
     [
@@ -211,7 +232,8 @@ def told(a, b):
         ("return a.real", "Attribute"),
         ("return open(a)", "the function open"),
         ("return unknown * a", "the name 'unknown'"),
-        ("return a % b", "Mod"),
+        ("return a % b", "%"),
+        ("return math.log(a, b)", "the function log"),
         ("for x in (a, b):\n        a = x\n    return a", "For"),
         ("for i in range(3):\n        a = i\n    return i * a", "the name 'i'"),
         ("c = vector(int(a))\n    return c[0]", "length is not known"),

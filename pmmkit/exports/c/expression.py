@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import ast
-import builtins
-import inspect
-import math
-import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import FunctionType
 from typing import Any, Final
@@ -21,40 +16,45 @@ from pmmkit.exports.c.kinds import (
     TABLE,
     Kind,
     Library,
-    Unwritable,
     identifier,
     joined,
     number,
 )
+from pmmkit.syntax.tree import (
+    Binary,
+    Call,
+    Choice,
+    Comparison,
+    Item,
+    Logic,
+    Member,
+    Name,
+    Number,
+    Span,
+    Stray,
+    Unary,
+    Unwritable,
+)
+from pmmkit.syntax.tree import Expression as Tree
+from pmmkit.syntax.words import (
+    AND,
+    ATOM,
+    CHOICE,
+    COMPARISON,
+    FUNCTIONS,
+    OPERATORS,
+    OR,
+    SIGN,
+    SUM,
+    called,
+    counted,
+    outside_value,
+    word_of,
+)
 
-_CHOICE, _OR, _AND, _COMPARISON, _SUM, _PRODUCT, _SIGN, _ATOM = range(8)
-_OPERATORS: Final[Mapping[type[ast.operator], tuple[str, int, Callable[[int, int], float]]]] = {
-    ast.Add: (" + ", _SUM, operator.add),
-    ast.Sub: (" - ", _SUM, operator.sub),
-    ast.Mult: (" * ", _PRODUCT, operator.mul),
-    ast.Div: (" / ", _PRODUCT, operator.truediv),
-}
-_COMPARISONS: Final[Mapping[type[ast.cmpop], tuple[str, Callable[[int, int], bool]]]] = {
-    ast.Eq: ("==", operator.eq),
-    ast.NotEq: ("!=", operator.ne),
-    ast.Lt: ("<", operator.lt),
-    ast.LtE: ("<=", operator.le),
-    ast.Gt: (">", operator.gt),
-    ast.GtE: (">=", operator.ge),
-}
 _LARGEST: Final = 2**31 - 1
 """Whole number that C's int is sure to hold."""
-_SAME: Final = (
-    "acos asin atan atan2 ceil cos cosh exp fabs floor hypot log pow sin sinh sqrt tan tanh"
-)
-_FUNCTIONS: Final[Mapping[Any, tuple[str, Kind]]] = {
-    **{getattr(math, name): (name, DOUBLE) for name in _SAME.split()},
-    math.isnan: ("isnan", BOOL),
-    math.isfinite: ("isfinite", BOOL),
-    abs: ("fabs", DOUBLE),
-    float: ("(double)", DOUBLE),
-    int: ("(int)", INT),
-}
+_GIVES: Final = {"fraction": DOUBLE, "whole": INT, "truth": BOOL}
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Expression:
 
     text: str
     kind: Kind
-    rank: int = _ATOM
+    rank: int = ATOM
     known: int | None = None
     count: str = ""
 
@@ -92,7 +92,7 @@ class Writer:
         self._kinds = kinds
         self._outside = outside
 
-    def of(self, node: ast.expr) -> Expression:
+    def of(self, tree: Tree) -> Expression:
         """An expression.
 
         Raises
@@ -100,43 +100,43 @@ class Writer:
         Unwritable
             If C is not written for it.
         """
-        match node:
-            case ast.Constant(value=bool() | int() | float() as value):
+        match tree:
+            case Number(value=value):
                 return _constant(value)
-            case ast.Name(id=name):
-                return self._name(name)
-            case ast.Attribute(value=ast.Name(id=name), attr=attr):
-                found = getattr(self._outside.get(name), attr, None)
+            case Name(word=word):
+                return self._name(word)
+            case Member():
+                found = outside_value(tree, self._outside)
                 if isinstance(found, int | float):
                     return _constant(found)
-            case ast.UnaryOp(op=ast.USub(), operand=operand):
-                inner = self._numeric(operand)
-                known = None if inner.known is None else -inner.known
-                return Expression(f"-{inner.within(_ATOM)}", inner.kind, _SIGN, known)
-            case ast.UnaryOp(op=ast.Not(), operand=operand):
-                return Expression(f"!{self._numeric(operand).within(_ATOM)}", BOOL, _SIGN)
-            case ast.BinOp(left=left, op=op, right=right):
-                return self._operation(left, op, right)
-            case ast.BoolOp(op=op, values=values):
-                return self._both_or_either(op, values)
-            case ast.Compare(left=left, ops=ops, comparators=others):
-                return self._comparison(left, ops, others)
-            case ast.IfExp(test=test, body=yes, orelse=no):
+                raise Unwritable("an expression that C is not written for (Attribute)")
+            case Unary(sign="not", inner=inner):
+                return Expression(f"!{self._numeric(inner).within(ATOM)}", BOOL, SIGN)
+            case Unary(sign=sign, inner=inner):
+                return self._signed(sign, self._numeric(inner))
+            case Binary(sign=sign, left=left, right=right):
+                return self._operation(sign, self._numeric(left), self._numeric(right))
+            case Logic(sign=sign, inner=inner):
+                return self._both_or_either(sign, inner)
+            case Comparison(signs=signs, inner=inner):
+                return self._comparison(signs, [self._numeric(item) for item in inner])
+            case Choice(test=test, yes=yes, no=no):
                 decided = self.of(test).known
                 if decided is not None:
                     return self.of(yes if decided else no)
                 a, b = self._numeric(yes), self._numeric(no)
-                asked = self._numeric(test).within(_OR)
-                text = f"{asked} ? {a.within(_OR)} : {b.within(_OR)}"
-                return Expression(text, joined(a.kind, b.kind), _CHOICE)
-            case ast.Subscript(value=value, slice=place):
-                return self._item(self.of(value), place)
-            case ast.Call():
-                return self._call(node)
-        raise Unwritable(f"an expression that C is not written for ({type(node).__name__})")
+                asked = self._numeric(test).within(OR)
+                text = f"{asked} ? {a.within(OR)} : {b.within(OR)}"
+                return Expression(text, joined(a.kind, b.kind), CHOICE)
+            case Item(of=whole, at=at):
+                return self._item(self.of(whole), at)
+            case Call():
+                return self._call(tree)
+        kind = tree.kind if isinstance(tree, Stray) else type(tree).__name__
+        raise Unwritable(f"an expression that C is not written for ({kind})")
 
-    def _numeric(self, node: ast.expr) -> Expression:
-        found = self.of(node)
+    def _numeric(self, tree: Tree) -> Expression:
+        found = self.of(tree)
         if not found.kind.is_number:
             raise Unwritable("a list where a number is wanted")
         return found
@@ -158,28 +158,36 @@ class Writer:
                 return Expression(text, TABLE if flat else GRID, count=str(len(rows[0])))
         raise Unwritable(f"the name {name!r}, of which C knows nothing")
 
-    def _operation(self, left: ast.expr, op: ast.operator, right: ast.expr) -> Expression:
-        a, b = self._numeric(left), self._numeric(right)
+    def _signed(self, sign: str, inner: Expression) -> Expression:
+        if sign == "+":
+            return inner
+        kind = INT if inner.kind == BOOL else inner.kind
+        known = None if inner.known is None else -inner.known
+        return Expression(f"-{inner.within(ATOM)}", kind, SIGN, known)
+
+    def _operation(self, sign: str, a: Expression, b: Expression) -> Expression:
         whole = DOUBLE not in (a.kind, b.kind)
-        if isinstance(op, ast.Pow):
+        if sign == "**":
             return Expression(f"pow({a.text}, {b.text})", DOUBLE)
-        if isinstance(op, ast.FloorDiv) and whole and b.known is not None and b.known > 0:
-            return Expression(f"{a.within(_PRODUCT)} / {b.within(_SIGN)}", INT, _PRODUCT)
-        if type(op) not in _OPERATORS:
-            raise Unwritable(f"an operator that C is not written for ({type(op).__name__})")
-        sign, rank, compute = _OPERATORS[type(op)]
-        first = a.within(rank)
-        if isinstance(op, ast.Div) and whole:
-            first = f"(double){a.within(_ATOM)}"
-        kind = DOUBLE if isinstance(op, ast.Div) or not whole else INT
+        if sign == "//" and whole and b.known != 0:
+            return Expression(f"floored({a.text}, {b.text})", INT)
+        own = OPERATORS[sign]
+        if not own.c:
+            raise Unwritable(f"an operator that C is not written for ({sign})")
+        kind = INT if whole and sign != "/" else DOUBLE
         known = None
         if kind == INT and a.known is not None and b.known is not None:
-            known = int(compute(a.known, b.known))
-        return Expression(f"{first}{sign}{b.within(rank + 1)}", kind, rank, known)
+            known = int(own.compute(a.known, b.known))
+            if abs(known) > _LARGEST:
+                return _constant(known)
+        first = a.within(own.rank)
+        if sign == "/" and whole:
+            first = f"(double){a.within(ATOM)}"
+        return Expression(f"{first}{own.c}{b.within(own.rank + 1)}", kind, own.rank, known)
 
-    def _both_or_either(self, op: ast.boolop, values: list[ast.expr]) -> Expression:
-        rank, sign = (_AND, " && ") if isinstance(op, ast.And) else (_OR, " || ")
-        settles = int(isinstance(op, ast.Or))
+    def _both_or_either(self, sign: str, values: tuple[Tree, ...]) -> Expression:
+        own = OPERATORS[sign]
+        settles = int(sign == "or")
         parts = []
         for item in values:
             found = self._numeric(item)
@@ -193,23 +201,16 @@ class Writer:
         if not parts or parts[0].known is not None:
             known = parts[0].known if parts else 1 - settles
             return Expression(str(known), BOOL, known=known)
-        return Expression(sign.join(item.within(rank + 1) for item in parts), BOOL, rank)
+        return Expression(own.c.join(x.within(own.rank + 1) for x in parts), BOOL, own.rank)
 
-    def _comparison(
-        self, left: ast.expr, ops: list[ast.cmpop], others: list[ast.expr]
-    ) -> Expression:
-        if not all(type(op) in _COMPARISONS for op in ops):
-            raise Unwritable("a comparison that C is not written for")
-        items = [self._numeric(item) for item in (left, *others)]
-        texts = [item.within(_SUM) for item in items]
-        parts = [
-            f"{texts[i]} {_COMPARISONS[type(op)][0]} {texts[i + 1]}" for i, op in enumerate(ops)
-        ]
-        rank = _COMPARISON if len(parts) == 1 else _AND
-        return Expression(" && ".join(parts), BOOL, rank, _decided(ops, items))
+    def _comparison(self, signs: tuple[str, ...], items: list[Expression]) -> Expression:
+        texts = [item.within(SUM) for item in items]
+        parts = [f"{texts[i]}{OPERATORS[sign].c}{texts[i + 1]}" for i, sign in enumerate(signs)]
+        rank = COMPARISON if len(parts) == 1 else AND
+        return Expression(OPERATORS["and"].c.join(parts), BOOL, rank, _decided(signs, items))
 
-    def _item(self, whole: Expression, place: ast.expr) -> Expression:
-        if isinstance(place, ast.Slice):
+    def _item(self, whole: Expression, place: Tree) -> Expression:
+        if isinstance(place, Span):
             return self._slice(whole, place)
         at = self._numeric(place)
         if at.kind == DOUBLE or (at.known is not None and at.known < 0):
@@ -220,50 +221,41 @@ class Writer:
             raise Unwritable("a place in what is no list")
         return Expression(f"{whole.text}[{at.text}]", DOUBLE)
 
-    def _slice(self, whole: Expression, place: ast.Slice) -> Expression:
-        if whole.kind != LIST or place.lower is None or place.upper is None or place.step:
+    def _slice(self, whole: Expression, place: Span) -> Expression:
+        if whole.kind != LIST or place.low is None or place.high is None:
             raise Unwritable("a part of a list that has no two ends")
-        low, high = self._numeric(place.lower), self._numeric(place.upper)
+        low, high = self._numeric(place.low), self._numeric(place.high)
         if low.known is None or high.known is None:
             raise Unwritable("a part of a list whose length is not known beforehand")
         return Expression(f"{whole.text} + {low.known}", TABLE, count=str(high.known - low.known))
 
-    def _call(self, node: ast.Call) -> Expression:
-        name, function = self._called(node.func)
-        given = [self.of(item) for item in node.args]
+    def _call(self, tree: Call) -> Expression:
+        name, function = called(tree, self._outside)
         if isinstance(function, FunctionType):
-            return self._own_call(name, function, given, node.keywords)
+            return self._own_call(name, function, tree)
+        given = [self.of(item) for item in tree.inner]
         if function is len and len(given) == 1 and given[0].count and given[0].kind == TABLE:
             count = given[0].count
             return Expression(count, INT, known=int(count) if count.isdecimal() else None)
-        if function in (max, min) and len(given) > 1 and all(x.kind.is_number for x in given):
-            word = "larger" if function is max else "smaller"
+        word = word_of(function)
+        if (
+            word is None
+            or tree.named
+            or not counted(word, len(given))
+            or not all(x.kind.is_number for x in given)
+        ):
+            raise Unwritable(f"the function {name}, which C is not written for")
+        spelled = FUNCTIONS[word]
+        if spelled.count:
+            text = f"{spelled.c}({', '.join(item.text for item in given)})"
+        else:
             text = given[0].text
             for item in given[1:]:
-                text = f"{word}({text}, {item.text})"
-            return Expression(text, DOUBLE)
-        if function in _FUNCTIONS and all(x.kind.is_number for x in given):
-            word, kind = _FUNCTIONS[function]
-            inside = ", ".join(item.text for item in given)
-            return Expression(f"{word}({inside})", kind)
-        raise Unwritable(f"the function {name}, which C is not written for")
+                text = f"{spelled.c}({text}, {item.text})"
+        return Expression(text, _GIVES[spelled.gives])
 
-    def _called(self, func: ast.expr) -> tuple[str, Any]:
-        match func:
-            case ast.Name(id=name):
-                return name, self._outside.get(name, getattr(builtins, name, None))
-            case ast.Attribute(value=ast.Name(id=name), attr=attr):
-                return attr, getattr(self._outside.get(name), attr, None)
-        raise Unwritable("a call of something else than a function by its name")
-
-    def _own_call(
-        self,
-        name: str,
-        function: FunctionType,
-        given: list[Expression],
-        keywords: list[ast.keyword],
-    ) -> Expression:
-        values = self._bound(function, given, keywords)
+    def _own_call(self, name: str, function: FunctionType, tree: Call) -> Expression:
+        values = [self.of(item) for item in self._program.arguments(function, name, tree)]
         kinds = tuple(item.kind for item in values)
         own, returned = self._program.function(function, kinds, name)
         texts = [
@@ -273,32 +265,15 @@ class Writer:
         ]
         return Expression(f"{own}({', '.join(texts)})", returned)
 
-    def _bound(
-        self, function: Callable[..., Any], given: list[Expression], keywords: list[ast.keyword]
-    ) -> list[Expression]:
-        """The arguments of a call in the order of the function, defaults filled in."""
-        named = {item.arg: self.of(item.value) for item in keywords if item.arg is not None}
-        values = []
-        for place, (own, parameter) in enumerate(inspect.signature(function).parameters.items()):
-            if place < len(given):
-                values.append(given[place])
-            elif own in named:
-                values.append(named[own])
-            elif isinstance(parameter.default, int | float):
-                values.append(_constant(parameter.default))
-            else:
-                raise Unwritable("a call that leaves an argument out")
-        return values
 
-
-def _decided(ops: Sequence[ast.cmpop], items: Sequence[Expression]) -> int | None:
+def _decided(signs: tuple[str, ...], items: list[Expression]) -> int | None:
     """What a comparison of known whole numbers gives."""
     known = [item.known for item in items]
     found = True
-    for op, first, second in zip(ops, known[:-1], known[1:], strict=True):
+    for sign, first, second in zip(signs, known[:-1], known[1:], strict=True):
         if first is None or second is None:
             return None
-        found = found and _COMPARISONS[type(op)][1](first, second)
+        found = found and OPERATORS[sign].compute(first, second)
     return int(found)
 
 
@@ -307,5 +282,5 @@ def _constant(value: float) -> Expression:
         value = float(value)
     text = number(value)
     kind = BOOL if isinstance(value, bool) else INT if isinstance(value, int) else DOUBLE
-    rank = _SIGN if text.startswith("-") else _ATOM
+    rank = SIGN if text.startswith("-") else ATOM
     return Expression(text, kind, rank, int(value) if kind == INT else None)

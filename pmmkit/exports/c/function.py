@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Any
 
 from pmmkit.exports.c.expression import Expression, Writer
 from pmmkit.exports.c.kinds import (
@@ -15,12 +14,30 @@ from pmmkit.exports.c.kinds import (
     NOTHING,
     Kind,
     Library,
-    Unwritable,
     identifier,
     joined,
 )
-
-_OPERATORS: Final = {ast.Add: "+=", ast.Sub: "-=", ast.Mult: "*=", ast.Div: "/="}
+from pmmkit.syntax.tree import (
+    Assign,
+    Call,
+    Change,
+    Do,
+    For,
+    Function,
+    If,
+    Item,
+    Jump,
+    Name,
+    Return,
+    Several,
+    Statement,
+    Stray,
+    Unwritable,
+    While,
+    names,
+    nodes,
+)
+from pmmkit.syntax.tree import Expression as Tree
 
 
 class Body:
@@ -33,7 +50,7 @@ class Body:
     ----------
     program : Library
         That holds the functions that this one calls.
-    tree : FunctionDef
+    tree : Function
         The function.
     arguments : mapping of str to Kind
         Its arguments in their order.
@@ -44,20 +61,12 @@ class Body:
     def __init__(
         self,
         program: Library,
-        tree: ast.FunctionDef,
+        tree: Function,
         arguments: Mapping[str, Kind],
         outside: Mapping[str, Any],
     ) -> None:
         self.returned = NOTHING
-        self._read = {
-            node.id
-            for node in ast.walk(tree)
-            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)
-        } | {
-            node.target.id
-            for node in ast.walk(tree)
-            if isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name)
-        }
+        self._read = _read(tree)
         self._arguments = dict(arguments)
         self._kinds = dict(arguments)
         self._vectors: dict[str, int] = {}
@@ -79,44 +88,41 @@ class Body:
                 lines.append(f"{kind.text} {', '.join(mine[first : first + 8])};")
         return lines
 
-    def _block(self, block: Sequence[ast.stmt]) -> list[str]:
+    def _block(self, block: Sequence[Statement]) -> list[str]:
         return [line for statement in block for line in self._statement(statement)]
 
-    def _inner(self, block: Sequence[ast.stmt]) -> list[str]:
+    def _inner(self, block: Sequence[Statement]) -> list[str]:
         return [f"    {line}" for line in self._block(block)]
 
-    def _statement(self, node: ast.stmt) -> list[str]:
+    def _statement(self, node: Statement) -> list[str]:
         match node:
-            case ast.Expr(value=ast.Constant()) | ast.Pass():
+            case Jump(word="pass"):
                 return []
-            case ast.Expr(value=ast.Call() as call):
+            case Jump(word=word):
+                return [f"{word};"]
+            case Do(value=Call() as call):
                 return [f"{self._expressions.of(call).text};"]
-            case ast.Assign(targets=[target], value=value):
+            case Assign(target=target, value=value):
                 return self._assigned(target, value)
-            case ast.AugAssign(target=target, op=op, value=value) if type(op) in _OPERATORS:
-                return self._changed(target, op, value)
-            case ast.If(test=test, body=yes, orelse=no):
+            case Change(target=target, sign="+" | "-" | "*" | "/" as sign, value=value):
+                return self._changed(target, sign, value)
+            case If(test=test, yes=yes, no=no):
                 return self._branches(test, yes, no)
-            case ast.While(test=test, body=body, orelse=[]):
+            case While(test=test, body=body, otherwise=()):
                 return [f"while ({self._expressions.of(test).text}) {{", *self._inner(body), "}"]
-            case ast.For(
-                target=ast.Name(id=name),
-                iter=ast.Call(func=ast.Name(id="range"), args=limits),
+            case For(
+                target=Name(word=name),
+                over=Call(function=Name(word="range"), inner=limits, named=()),
                 body=body,
-                orelse=[],
+                otherwise=(),
             ):
                 return self._loop(name, limits, body)
-            case ast.Break():
-                return ["break;"]
-            case ast.Continue():
-                return ["continue;"]
-            case ast.Return(value=value):
+            case Return(value=value):
                 return self._return(value)
-        raise Unwritable(f"a statement that C is not written for ({type(node).__name__})")
+        kind = node.kind if isinstance(node, Stray) else type(node).__name__
+        raise Unwritable(f"a statement that C is not written for ({kind})")
 
-    def _branches(
-        self, test: ast.expr, yes: Sequence[ast.stmt], no: Sequence[ast.stmt]
-    ) -> list[str]:
+    def _branches(self, test: Tree, yes: Sequence[Statement], no: Sequence[Statement]) -> list[str]:
         asked = self._expressions.of(test)
         if asked.known is not None:
             return self._block(yes if asked.known else no)
@@ -125,7 +131,7 @@ class Body:
             lines += ["} else {", *self._inner(no)]
         return [*lines, "}"]
 
-    def _loop(self, name: str, limits: Sequence[ast.expr], body: Sequence[ast.stmt]) -> list[str]:
+    def _loop(self, name: str, limits: Sequence[Tree], body: Sequence[Statement]) -> list[str]:
         ends = [self._expressions.of(item) for item in limits]
         if any(item.kind != INT for item in ends) or len(ends) > 2:
             raise Unwritable("a loop over something else than whole numbers in ascending order")
@@ -141,15 +147,15 @@ class Body:
         limit = last if not bound else f"{own}_end"
         return [f"for (int {own} = {first}{bound}; {own} < {limit}; {own}++) {{", *inner, "}"]
 
-    def _return(self, value: ast.expr | None) -> list[str]:
+    def _return(self, value: Tree | None) -> list[str]:
         if value is None:
             return ["return;"]
-        if isinstance(value, ast.Tuple) and len(value.elts) > 1:
-            items = [self._expressions.of(item) for item in value.elts]
+        if isinstance(value, Several) and len(value.inner) > 1:
+            items = [self._expressions.of(item) for item in value.inner]
             self._returns(self._program.tuple_of(len(items)))
             texts = ", ".join(self._number(item) for item in items)
             return [f"return (struct numbers_{len(items)}){{{texts}}};"]
-        only = value.elts[0] if isinstance(value, ast.Tuple) else value
+        only = value.inner[0] if isinstance(value, Several) else value
         found = self._expressions.of(only)
         self._returns(found.kind)
         return [f"return {found.text};"]
@@ -163,21 +169,21 @@ class Body:
             raise Unwritable("a list among numbers")
         return value.text
 
-    def _assigned(self, target: ast.expr, value: ast.expr) -> list[str]:
-        if isinstance(target, ast.Tuple):
-            return self._several(target.elts, value)
-        if isinstance(target, ast.Name):
-            if target.id not in self._read and not _calls(value):
+    def _assigned(self, target: Tree, value: Tree) -> list[str]:
+        if isinstance(target, Several):
+            return self._several(target.inner, value)
+        if isinstance(target, Name):
+            if target.word not in self._read and not _calls(value):
                 return []
-            if self._vector(target.id, value):
+            if self._vector(target.word, value):
                 return []
         found = self._expressions.of(value)
         return [f"{self._place(target, found)} = {found.text};"]
 
-    def _vector(self, name: str, value: ast.expr) -> bool:
+    def _vector(self, name: str, value: Tree) -> bool:
         """Whether a name is given room for numbers."""
         match value:
-            case ast.Call(func=ast.Name(id="vector"), args=[size]):
+            case Call(function=Name(word="vector"), inner=(size,)):
                 found = self._expressions.of(size)
                 if found.known is None or self._vectors.get(name, found.known) != found.known:
                     raise Unwritable("a list whose length is not known beforehand")
@@ -186,13 +192,13 @@ class Body:
                 return True
         return False
 
-    def _place(self, target: ast.expr, found: Expression) -> str:
-        if isinstance(target, ast.Name):
-            self._named(target.id, found.kind)
-            return identifier(target.id)
-        if isinstance(target, ast.Subscript):
+    def _place(self, target: Tree, found: Expression) -> str:
+        if isinstance(target, Name):
+            self._named(target.word, found.kind)
+            return identifier(target.word)
+        if isinstance(target, Item):
             place = self._expressions.of(target)
-            if self._expressions.of(target.value).kind != LIST or not found.kind.is_number:
+            if self._expressions.of(target.of).kind != LIST or not found.kind.is_number:
                 raise Unwritable("a value put where there is no place for it")
             return place.text
         raise Unwritable("an assignment to something else than a name or a place in a list")
@@ -205,13 +211,13 @@ class Body:
         if name in self._arguments and self._kinds[name] != known:
             raise Unwritable("an argument that becomes a fraction")
 
-    def _several(self, targets: Sequence[ast.expr], value: ast.expr) -> list[str]:
-        if isinstance(value, ast.Call):
+    def _several(self, targets: Sequence[Tree], value: Tree) -> list[str]:
+        if isinstance(value, Call):
             return self._unpacked(targets, value)
-        if not isinstance(value, ast.Tuple) or len(value.elts) != len(targets):
+        if not isinstance(value, Several) or len(value.inner) != len(targets):
             raise Unwritable("values that are not as many as their names")
-        pairs = list(zip(targets, value.elts, strict=True))
-        if not _entangled(targets, value.elts):
+        pairs = list(zip(targets, value.inner, strict=True))
+        if not _entangled(targets, value.inner):
             return [line for target, item in pairs for line in self._assigned(target, item)]
         self._count += 1
         lines, after = [], []
@@ -222,7 +228,7 @@ class Body:
             after.append(f"{self._place(target, found)} = {held};")
         return ["{", *(f"    {line}" for line in (*lines, *after)), "}"]
 
-    def _unpacked(self, targets: Sequence[ast.expr], call: ast.Call) -> list[str]:
+    def _unpacked(self, targets: Sequence[Tree], call: Call) -> list[str]:
         found = self._expressions.of(call)
         if len(targets) == 1 and found.kind.is_number:
             return [f"{self._place(targets[0], found)} = {found.text};"]
@@ -234,31 +240,50 @@ class Body:
         places = [
             f"{self._place(target, one)} = {held}.v{place};"
             for place, target in enumerate(targets)
-            if not isinstance(target, ast.Name) or target.id in self._read
+            if not isinstance(target, Name) or target.word in self._read
         ]
         first = f"const {found.kind.text} {held} = {found.text};"
         return ["{", *(f"    {line}" for line in (first, *places)), "}"]
 
-    def _changed(self, target: ast.expr, op: ast.operator, value: ast.expr) -> list[str]:
+    def _changed(self, target: Tree, sign: str, value: Tree) -> list[str]:
         found = self._expressions.of(value)
-        if isinstance(op, ast.Div) and found.kind != DOUBLE:
+        if sign == "/" and found.kind != DOUBLE:
             found = Expression(f"(double)({found.text})", DOUBLE)
-        return [f"{self._place(target, found)} {_OPERATORS[type(op)]} {found.text};"]
+        return [f"{self._place(target, found)} {sign}= {found.text};"]
 
 
-def _calls(value: ast.expr) -> bool:
-    return any(isinstance(node, ast.Call) for node in ast.walk(value))
+def _read(tree: Function) -> frozenset[str]:
+    """Names whose values are looked at: all but those that are only put there."""
+    found: frozenset[str] = frozenset()
+    for node in nodes(tree):
+        match node:
+            case Assign(target=target, value=value):
+                found |= names(value) | _places(target)
+            case Change(target=target, value=value):
+                found |= names((target, value))
+            case Do(value=value) | While(test=value) | If(test=value) | For(over=value):
+                found |= names(value)
+            case Return(value=value):
+                found |= names(value)
+    return found
 
 
-def _names(node: ast.AST) -> set[str]:
-    return {item.id for item in ast.walk(node) if isinstance(item, ast.Name)}
+def _places(target: Tree) -> frozenset[str]:
+    """Names that say where a value is put."""
+    if isinstance(target, Several):
+        return frozenset().union(*map(_places, target.inner))
+    return names(target) if isinstance(target, Item) else frozenset()
 
 
-def _entangled(targets: Sequence[ast.expr], values: Sequence[ast.expr]) -> bool:
+def _calls(value: Tree) -> bool:
+    return any(isinstance(node, Call) for node in nodes(value))
+
+
+def _entangled(targets: Sequence[Tree], values: Sequence[Tree]) -> bool:
     """Whether a value reads what an earlier one of the same assignment has changed."""
     changed: set[str] = set()
     for target, value in zip(targets, values, strict=True):
-        if changed & _names(value):
+        if changed & names(value):
             return True
-        changed |= _names(target.value if isinstance(target, ast.Subscript) else target)
+        changed |= names(target.of if isinstance(target, Item) else target)
     return False

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from types import FunctionType
 from typing import Any, Final, Literal, Protocol
 
+from pmmkit.syntax.tree import Call, Expression, Unwritable
+
 Name = Literal["bool", "int", "double", "list", "table", "grid", "tuple", "nothing"]
-
-
-class Unwritable(Exception):
-    """What a function does that C is not written for here."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +60,9 @@ class Library(Protocol):
     ) -> tuple[str, Kind]:
         """Name in C and kind of what is returned, of a function for arguments of some kinds."""
 
+    def arguments(self, function: FunctionType, alias: str, tree: Call) -> tuple[Expression, ...]:
+        """What a call gives each argument of a function."""
+
     def table(self, value: Sequence[Any], alias: str) -> str:
         """The name in C of numbers that stand in a module."""
 
@@ -75,7 +76,7 @@ _KEYWORDS: Final = frozenset(
         *("enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "register"),
         *("restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch"),
         *("typedef", "union", "unsigned", "void", "volatile", "while"),
-        *("NAN", "INFINITY", "NULL", "larger", "smaller"),
+        *("NAN", "INFINITY", "NULL", "larger", "smaller", "floored"),
     )
 )
 """Words of C, and of the head of a program, that no name may be."""

@@ -7,8 +7,6 @@ the integrator and every effect that can be compiled can be written.
 
 from __future__ import annotations
 
-import ast
-import inspect
 import textwrap
 from collections.abc import Sequence
 from types import FunctionType, ModuleType
@@ -16,7 +14,10 @@ from typing import Any, Final
 
 from pmmkit.escaping import comment
 from pmmkit.exports.c.function import Body
-from pmmkit.exports.c.kinds import NOTHING, Kind, Unwritable, identifier, number
+from pmmkit.exports.c.kinds import NOTHING, Kind, identifier, number
+from pmmkit.syntax.reading import function_of, functions
+from pmmkit.syntax.tree import Call, Expression, Function, Unwritable
+from pmmkit.syntax.words import bound
 
 PREFIX: Final = "eq_"
 """Of all translated functions, so that none has the name of one of C's."""
@@ -24,6 +25,7 @@ _WIDTH: Final = 100
 _HEAD: Final = """\
 static double larger(double a, double b) { return b > a ? b : a; }
 static double smaller(double a, double b) { return b < a ? b : a; }
+static int floored(int a, int b) { return a / b - (a % b != 0 && (a % b < 0) != (b < 0)); }
 """
 
 
@@ -39,9 +41,7 @@ class Program:
     """
 
     def __init__(self, text: str, module: ModuleType) -> None:
-        self._trees = {
-            node.name: node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)
-        }
+        self._trees = functions(text)
         self._own = vars(module)
         self._done: dict[tuple[Any, tuple[Kind, ...]], tuple[str, Kind]] = {}
         self._under_way: set[tuple[Any, tuple[Kind, ...]]] = set()
@@ -99,12 +99,12 @@ class Program:
         if key not in self._done:
             self._under_way.add(key)
             tree, outside = self._tree(function, alias), function.__globals__
-            names = [item.arg for item in tree.args.args]
-            if len(names) != len(kinds) or tree.args.kwonlyargs or tree.args.vararg:
+            names = tree.arguments
+            if len(names) != len(kinds) or not tree.plain:
                 raise Unwritable("arguments of a form that C has not")
             body = Body(self, tree, dict(zip(names, kinds, strict=True)), outside)
             name = self._free(f"{PREFIX}{identifier(alias).lstrip('_')}")
-            told = comment((ast.get_docstring(tree) or "").split("\n\n")[0], "//")
+            told = comment(tree.told.split("\n\n")[0], "//")
             arguments = ", ".join(map(_argument, names, kinds)) or "void"
             lines = [
                 f"static {body.returned.text} {name}({arguments})",
@@ -119,17 +119,15 @@ class Program:
             self._done[key] = name, body.returned
         return self._done[key]
 
-    def _tree(self, function: FunctionType, alias: str) -> ast.FunctionDef:
+    def arguments(self, function: FunctionType, alias: str, tree: Call) -> tuple[Expression, ...]:
+        """What a call gives each argument of a function."""
+        return bound(self._tree(function, alias), function, tree)
+
+    def _tree(self, function: FunctionType, alias: str) -> Function:
         for name in (alias, function.__name__):
             if function.__globals__ is self._own and name in self._trees:
                 return self._trees[name]
-        try:
-            node = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
-        except (OSError, TypeError, SyntaxError) as error:
-            raise Unwritable("a function whose source text is not there") from error
-        if not isinstance(node, ast.FunctionDef) or function.__closure__:
-            raise Unwritable("a function inside another")
-        return node
+        return function_of(function)
 
     def _free(self, name: str) -> str:
         found, count = name, 1

@@ -12,13 +12,14 @@ from pmmkit.equations.compilation import interpreted
 from pmmkit.equations.layouts import Constant, Control, GearField
 from pmmkit.errors import ModelError, Problem
 from pmmkit.escaping import comment
-from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, Kind, Unwritable, number
+from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, Kind, number
 from pmmkit.exports.c.program import Program
 from pmmkit.exports.fmu.variables import BEGIN, GEAR, Table
 from pmmkit.exports.text import written_by
 from pmmkit.models import Model
 from pmmkit.simulation.run import LONGEST_STEP
 from pmmkit.simulation.simulate import RTOL
+from pmmkit.syntax.tree import Unwritable
 
 _MOMENT: Final = (LIST, DOUBLE, DOUBLE, DOUBLE, LIST, LIST)
 _FUNCTIONS: Final[dict[str, tuple[Kind, ...]]] = {

@@ -9,8 +9,8 @@ from typing import Any, Final
 from pmmkit.conventions import CHANNELS, Convention, Derivative, parse_derivative
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations.structure import POLYNOMIALS
-from pmmkit.exports.matlab.transcribe import Line
-from pmmkit.exports.text import number
+from pmmkit.exports.matlab.transcribe import Line, line
+from pmmkit.syntax.tree import Number
 
 Values = Mapping[str, Mapping[str, Any]]
 _FACTORS: Final = {
@@ -26,8 +26,8 @@ _FACTORS: Final = {
     "|p|": "abs(p_p)",
     "|d|": "abs(delta_p)",
 }
-_FORCE_UNITS: Final = {"prime": "0.5*rho*L^2", "prime-d": "0.5*rho*L*d", "bis": "rho*g*volume"}
-_MASS_UNITS: Final = {"prime": "0.5*rho*L^3", "prime-d": "0.5*rho*L^2*d", "bis": "rho*volume"}
+_FORCE_UNITS: Final = {"prime": "0.5*rho*L**2", "prime-d": "0.5*rho*L*d", "bis": "rho*g*volume"}
+_MASS_UNITS: Final = {"prime": "0.5*rho*L**3", "prime-d": "0.5*rho*L**2*d", "bis": "rho*volume"}
 _INERTIA: Final = {
     "udot": ("kg", "kg m"),
     "vdot": ("kg", "kg m"),
@@ -74,23 +74,25 @@ def hull_lines(values: Values, convention: Convention, *, rolls: bool) -> list[L
             if effect_of(effect).parameter(name) is None:
                 terms[name] = terms.get(name, 0.0) + value
     bis = convention.system == "bis"
-    reference, square = ("sqrt(g*L)", "1") if bis else ("U", "U^2")
+    reference, square = ("sqrt(g*L)", "1") if bis else ("U", "U**2")
     if convention.U == "carriage" and not bis:
-        reference, square = "U0", "U0^2"
+        reference, square = "U0", "U0**2"
     surge = "(u - U0)" if convention.surge == "delta-u" else "u"
     sway = "-v" if convention.sway == "beta" else "v"
     rudder = "-delta" if convention.rudder_positive == "port" else "delta"
-    lines = [Line(target=variable(name), text=number(value)) for name, value in terms.items()]
+    lines = [
+        Line(target=variable(name), value=Number(float(value))) for name, value in terms.items()
+    ]
     lines += [
-        Line(target="U_p", text=reference, note="speed that makes non-dimensional (m/s)"),
-        Line(target="u_p", text=f"{surge}/U_p"),
-        Line(target="v_p", text=f"{sway}/U_p"),
-        Line(target="r_p", text="r*L/U_p"),
-        Line(target="p_p", text="p*L/U_p"),
-        Line(target="delta_p", text=rudder),
-        Line(
-            target="unit",
-            text=_FORCE_UNITS[convention.system] + ("" if bis else f"*{square}"),
+        line("U_p", reference, note="speed that makes non-dimensional (m/s)"),
+        line("u_p", f"{surge}/U_p"),
+        line("v_p", f"{sway}/U_p"),
+        line("r_p", "r*L/U_p"),
+        line("p_p", "p*L/U_p"),
+        line("delta_p", rudder),
+        line(
+            "unit",
+            _FORCE_UNITS[convention.system] + ("" if bis else f"*{square}"),
             note="of forces (N), times L of moments",
         ),
     ]
@@ -98,7 +100,7 @@ def hull_lines(values: Values, convention: Convention, *, rolls: bool) -> list[L
         mine = [parse_derivative(name) for name in terms if name[0] == channel]
         total = " + ".join(_product(item, convention) for item in mine) or "0"
         arm = "" if channel in "XY" else "*L"
-        lines.append(Line(target=channel, text=f"unit{arm}*({total})"))
+        lines.append(line(channel, f"unit{arm}*({total})"))
     return lines
 
 
@@ -107,11 +109,11 @@ def _product(derivative: Derivative, convention: Convention) -> str:
     factors = derivative.factors
     name = variable(derivative.name)
     if convention.surge == "constant" and factors == ("u", "u"):
-        return f"{name}*(U/U_p)^2" if convention.system == "bis" else name
+        return f"{name}*(U/U_p)**2" if convention.system == "bis" else name
     parts = [name]
     for factor, equal in groupby(item for item in factors if item != "0"):
         count = len(list(equal))
-        parts.append(_FACTORS[factor] + (f"^{count}" if count > 1 else ""))
+        parts.append(_FACTORS[factor] + (f"**{count}" if count > 1 else ""))
     return "*".join(parts)
 
 
@@ -125,7 +127,7 @@ def mass_lines(added: Mapping[str, float], convention: Convention) -> list[Line]
     convention : Convention
         What they mean.
     """
-    lines = [Line(target="mass_unit", text=_MASS_UNITS[convention.system], note="kg")]
+    lines = [line("mass_unit", _MASS_UNITS[convention.system], note="kg")]
     for name, value in added.items():
         if name == "lx":
             continue
@@ -134,10 +136,10 @@ def mass_lines(added: Mapping[str, float], convention: Convention) -> list[Line]
         moment = derivative.channel not in "XY"
         power = derivative.length_power - 1 + moment
         lines.append(
-            Line(
-                target=variable(name),
-                text=f"{number(-value if turned else value)}*mass_unit"
-                + ("" if not power else "*L" if power == 1 else f"*L^{power}"),
+            line(
+                variable(name),
+                f"{float(-value if turned else value)!r}*mass_unit"
+                + ("" if not power else "*L" if power == 1 else f"*L**{power}"),
                 note=_INERTIA[derivative.factors[0]][moment],
             )
         )
@@ -175,43 +177,41 @@ def motion_lines(
         return f"(mass - {variable(name)})" if separate and name in added else "mass"
 
     lines = [
-        Line(target="X", text=f"X + {moving('Yvdot')}*v*r + mass*xG*r^2"),
-        Line(target="Y", text=f"Y - {moving('Xudot')}*u*r"),
-        Line(target="N", text="N - mass*xG*u*r"),
-        Line(target="m11", text=f"mass{share('Xudot')}"),
-        Line(target="m22", text=f"mass{share('Yvdot')}"),
-        Line(target="m23", text=f"mass*xG{share('Yrdot')}"),
-        Line(target="m32", text=f"mass*xG{share('Nvdot')}"),
-        Line(target="m33", text=f"Izz{share('Nrdot')}"),
-        Line(target="u_dot", text="X/m11"),
+        line("X", f"X + {moving('Yvdot')}*v*r + mass*xG*r**2"),
+        line("Y", f"Y - {moving('Xudot')}*u*r"),
+        line("N", "N - mass*xG*u*r"),
+        line("m11", f"mass{share('Xudot')}"),
+        line("m22", f"mass{share('Yvdot')}"),
+        line("m23", f"mass*xG{share('Yrdot')}"),
+        line("m32", f"mass*xG{share('Nvdot')}"),
+        line("m33", f"Izz{share('Nrdot')}"),
+        line("u_dot", "X/m11"),
     ]
     if not rolls:
         return [
             *lines,
-            Line(target="detM", text="m22*m33 - m23*m32"),
-            Line(target="v_dot", text="(m33*Y - m23*N)/detM"),
-            Line(target="r_dot", text="(m22*N - m32*Y)/detM"),
+            line("detM", "m22*m33 - m23*m32"),
+            line("v_dot", "(m33*Y - m23*N)/detM"),
+            line("r_dot", "(m22*N - m32*Y)/detM"),
         ]
     lever = separate and {"Xudot", "lx"} <= set(added)
     return [
-        Line(target="K", text=f"K + (mass*zG{' - Xudot*lx*L' if lever else ''})*u*r"),
+        line("K", f"K + (mass*zG{' - Xudot*lx*L' if lever else ''})*u*r"),
         *lines,
-        Line(target="m24", text=f"-mass*zG{share('Ypdot')}"),
-        Line(target="m34", text=f"0{share('Npdot')}"),
-        Line(target="m42", text=f"-mass*zG{share('Kvdot')}"),
-        Line(target="m43", text=f"0{share('Krdot')}"),
-        Line(target="m44", text=f"Ixx{share('Kpdot')}"),
-        Line(target="c1", text="m33*m44 - m34*m43"),
-        Line(target="c2", text="m24*m43 - m23*m44"),
-        Line(target="c3", text="m23*m34 - m24*m33"),
-        Line(target="detM", text="m22*c1 + m32*c2 + m42*c3"),
-        Line(target="v_dot", text="(c1*Y + c2*N + c3*K)/detM"),
-        Line(
-            target="r_dot",
-            text="((m34*m42 - m32*m44)*Y + (m22*m44 - m24*m42)*N + (m24*m32 - m22*m34)*K)/detM",
+        line("m24", f"-mass*zG{share('Ypdot')}"),
+        line("m34", f"0{share('Npdot')}"),
+        line("m42", f"-mass*zG{share('Kvdot')}"),
+        line("m43", f"0{share('Krdot')}"),
+        line("m44", f"Ixx{share('Kpdot')}"),
+        line("c1", "m33*m44 - m34*m43"),
+        line("c2", "m24*m43 - m23*m44"),
+        line("c3", "m23*m34 - m24*m33"),
+        line("detM", "m22*c1 + m32*c2 + m42*c3"),
+        line("v_dot", "(c1*Y + c2*N + c3*K)/detM"),
+        line(
+            "r_dot", "((m34*m42 - m32*m44)*Y + (m22*m44 - m24*m42)*N + (m24*m32 - m22*m34)*K)/detM"
         ),
-        Line(
-            target="p_dot",
-            text="((m32*m43 - m33*m42)*Y + (m23*m42 - m22*m43)*N + (m22*m33 - m23*m32)*K)/detM",
+        line(
+            "p_dot", "((m32*m43 - m33*m42)*Y + (m23*m42 - m22*m43)*N + (m22*m33 - m23*m32)*K)/detM"
         ),
     ]

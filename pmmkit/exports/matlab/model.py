@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.grammar import function_of_text
 from pmmkit.equations import Prepared, prepare
 from pmmkit.equations.layouts import NO_SEA
 from pmmkit.equations.prepared import values_at
@@ -16,12 +17,14 @@ from pmmkit.equations.structure import ACCELERATIONS, FORCES, POLYNOMIALS, Used
 from pmmkit.errors import ModelError, Problem
 from pmmkit.escaping import WIDTH, comment
 from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
-from pmmkit.exports.matlab.transcribe import Line, Unwritable, needed, transcribe
+from pmmkit.exports.matlab.printed import COLUMN, printed
+from pmmkit.exports.matlab.transcribe import Line, line, needed, transcribe
 from pmmkit.exports.matlab.words import heading, meaning
-from pmmkit.exports.text import WHICH_SPEED, is_matlab_name, matlab_name, number, row
+from pmmkit.exports.text import WHICH_SPEED, is_matlab_name, matlab_name, number
 from pmmkit.models import Model
 from pmmkit.models.roles import parts_of
 from pmmkit.simulation.simulate import steering
+from pmmkit.syntax.tree import Binary, Call, Name, Number, Several, Unwritable
 
 _ANY_FROUDE: Final = 0.2
 """Where a model has one set of values for all speeds, any speed gives its structure."""
@@ -204,7 +207,10 @@ def _effects(
         bound = {**{name: signals.get(name, name) for name in item.arguments}, **own}
         try:
             lines, returned = transcribe(
-                item.known.force, {**bound, **dict(item.options)}, item.effect
+                item.known.force,
+                {**bound, **dict(item.options)},
+                item.effect,
+                tree=function_of_text(item.effect, item.text) if item.text else None,
             )
         except Unwritable as error:
             problems.append(f"{item.effect}: it is written with {error}.")
@@ -212,14 +218,13 @@ def _effects(
         head = [
             _parameter(item, name, values[item.effect].get(name, 0.0), model) for name in item.own
         ]
-        for output, text in zip(item.known.outputs, returned, strict=True):
+        for output, value in zip(item.known.outputs, returned, strict=True):
             if output in FORCES:
-                lines.append(Line(target=output, text=f"{output} + {text}"))
+                lines.append(Line(target=output, value=Binary("+", Name(output), value)))
                 continue
-            name = text
-            if not text.isidentifier():
-                name = f"{item.effect}_{output}_out"
-                lines.append(Line(target=name, text=text))
+            name = value.word if isinstance(value, Name) else f"{item.effect}_{output}_out"
+            if not isinstance(value, Name):
+                lines.append(Line(target=name, value=value))
             if output in ACCELERATIONS:
                 extra.setdefault(output, []).append(name)
             elif output.endswith("_rate"):
@@ -248,11 +253,13 @@ def _unfit(item: Used) -> str | None:
 def _parameter(item: Used, name: str, value: Any, model: Model) -> Line:
     known = item.known.parameter(name)
     assert known is not None
-    text = row(value) if isinstance(value, tuple) else number(value)
+    values = value if isinstance(value, tuple) else (value,)
+    numbers = tuple(Number(float(x)) for x in values)
+    given = Several(numbers) if isinstance(value, tuple) else numbers[0]
     unit = "" if known.unit == "-" else f" ({known.unit})"
     source = model.parts[item.effect].sources.get(name)
     note = known.text + unit + (f"; {source}" if source else "")
-    return Line(target=f"{item.effect}_{name}", text=text, note=note)
+    return Line(target=f"{item.effect}_{name}", value=given, note=note)
 
 
 def _with_sources(model: Model, effects: Iterable[str], lines: Iterable[Line]) -> list[Line]:
@@ -281,21 +288,21 @@ def _named(model: Model, item: Used) -> str:
 
 def _inputs(states: Sequence[str], inputs: Sequence[str], *, about: bool) -> _Section:
     lines = []
-    for place, name in enumerate(states, start=1):
+    for place, name in enumerate(states):
         if name in ("x", "y"):
             continue
-        text = f"x({place})"
+        text = f"x[{place}]"
         if name == "u" and about:
             text = f"U0 + {text}"
-        lines.append(Line(target=name, text=f"{text}/60" if name == "n" else text))
-    lines.append(Line(target="delta_c", text="ui(1)"))
+        lines.append(line(name, f"{text}/60" if name == "n" else text))
+    lines.append(line("delta_c", "ui[0]"))
     if "n_c" in inputs:
-        lines.append(Line(target="n_order", text="ui(2)/60", note="1/s"))
+        lines.append(line("n_order", "ui[1]/60", "1/s"))
         if "n" not in states:
-            lines.append(Line(target="n", text="n_order"))
+            lines.append(line("n", "n_order"))
     lines += [
-        Line(target="U", text="max(sqrt(u^2 + v^2), 1e-9)", note="speed (m/s)"),
-        Line(target="beta", text="atan2(-v, u)", note="drift angle (rad)"),
+        line("U", "max(sqrt(u**2 + v**2), 1e-9)", "speed (m/s)"),
+        line("beta", "atan2(-v, u)", "drift angle (rad)"),
     ]
     return _Section(title="States and inputs", lines=lines)
 
@@ -303,17 +310,21 @@ def _inputs(states: Sequence[str], inputs: Sequence[str], *, about: bool) -> _Se
 def _ship(model: Model) -> _Section:
     ship, water = model.ship, model.water
     lines = [
-        Line(target=name, text=number(getattr(ship, name) or 0.0), note=text)
+        Line(target=name, value=Number(float(getattr(ship, name) or 0.0)), note=text)
         for name, text in _PARTICULARS.items()
     ]
     depth = float("inf") if water.depth is None else water.depth
     lines += [
-        Line(target="rho", text=number(water.rho), note="density of the water (kg/m3)"),
-        Line(target="g", text=number(water.g), note="gravity (m/s2)"),
-        Line(target="depth", text=number(depth), note="of the water (m)"),
-        Line(target="wave_height", text=number(NO_SEA), note="no sea but that of the model (m)"),
-        Line(target="wave_direction", text=number(0.0), note="where it comes from (rad)"),
-        Line(target="Fn", text="U/sqrt(g*L)", note="Froude number"),
+        Line(target="rho", value=Number(float(water.rho)), note="density of the water (kg/m3)"),
+        Line(target="g", value=Number(float(water.g)), note="gravity (m/s2)"),
+        Line(target="depth", value=Number(float(depth)), note="of the water (m)"),
+        Line(
+            target="wave_height",
+            value=Number(float(NO_SEA)),
+            note="no sea but that of the model (m)",
+        ),
+        Line(target="wave_direction", value=Number(0.0), note="where it comes from (rad)"),
+        line("Fn", "U/sqrt(g*L)", "Froude number"),
     ]
     return _Section(title="Ship and water", lines=lines)
 
@@ -322,27 +333,25 @@ def _levers(added: Mapping[str, float]) -> list[Line]:
     known = effect_of(INERTIA).parameter("lx")
     assert known is not None
     given = added.get("lx", 0.0)
-    return [Line(target="lx", text=number(given), note=known.text)]
+    return [Line(target="lx", value=Number(float(given)), note=known.text)]
 
 
 def _steering(model: Model) -> _Section:
     limits = steering(model)
     lines = [
-        Line(
-            target="delta_max",
-            text=f"{number(limits.get('max_deg', 90.0))}*pi/180",
-            note="largest rudder angle (rad)",
+        line(
+            "delta_max",
+            f"{float(limits.get('max_deg', 90.0))!r}*pi/180",
+            "largest rudder angle (rad)",
         ),
-        Line(
-            target="delta_rate",
-            text=f"{number(limits['rate_deg_s'])}*pi/180",
-            note="rate of the steering gear (rad/s)",
+        line(
+            "delta_rate",
+            f"{float(limits['rate_deg_s'])!r}*pi/180",
+            "rate of the steering gear (rad/s)",
         ),
-        Line(target="T_delta", text="1.0", note="time constant near the order (s)"),
-        Line(target="wanted", text="max(min(delta_c, delta_max), -delta_max)"),
-        Line(
-            target="delta_dot", text="max(min((wanted - delta)/T_delta, delta_rate), -delta_rate)"
-        ),
+        line("T_delta", "1.0", "time constant near the order (s)"),
+        line("wanted", "max(min(delta_c, delta_max), -delta_max)"),
+        line("delta_dot", "max(min((wanted - delta)/T_delta, delta_rate), -delta_rate)"),
     ]
     return _Section(title="Steering gear", lines=lines)
 
@@ -350,18 +359,17 @@ def _steering(model: Model) -> _Section:
 def _path(states: Sequence[str], rates: Mapping[str, str], *, rolls: bool) -> _Section:
     across = "v*cos(phi)" if rolls else "v"
     lines = [
-        Line(target="x_dot", text=f"u*cos(psi) - {across}*sin(psi)"),
-        Line(target="y_dot", text=f"u*sin(psi) + {across}*cos(psi)"),
-        Line(target="psi_dot", text="r*cos(phi)" if rolls else "r"),
+        line("x_dot", f"u*cos(psi) - {across}*sin(psi)"),
+        line("y_dot", f"u*sin(psi) + {across}*cos(psi)"),
+        line("psi_dot", "r*cos(phi)" if rolls else "r"),
     ]
     if rolls:
-        lines.append(Line(target="phi_dot", text="p"))
+        lines.append(line("phi_dot", "p"))
     if "n" in states:
-        lines.append(Line(target="n_dot", text=f"60*{rates['n']}", note="rpm/s"))
-    listed = "; ".join(f"{name}_dot" for name in states)
+        lines.append(line("n_dot", f"60*{rates['n']}", "rpm/s"))
+    xdot = Call(Name(COLUMN), tuple(Name(f"{name}_dot") for name in states))
     return _Section(
-        title="Time derivative of the states",
-        lines=[*lines, Line(target="xdot", text=f"[{listed}]")],
+        title="Time derivative of the states", lines=[*lines, Line(target="xdot", value=xdot)]
     )
 
 
@@ -377,9 +385,9 @@ def _alive(sections: Sequence[_Section], wanted: Iterable[str]) -> list[_Section
 
 def _written(section: _Section) -> list[str]:
     lines = ["", *comment(section.title)]
-    for line in section.lines:
-        code = f"{line.target} = {line.text};"
-        notes = comment(line.note) if line.note else []
+    for item in section.lines:
+        code = f"{item.target} = {printed(item.value)};"
+        notes = comment(item.note) if item.note else []
         beside = f"{code:<38} {' '.join(notes)}".rstrip()
         if len(notes) < 2 and len(beside) <= WIDTH + 20:
             lines.append(beside)

@@ -7,53 +7,48 @@ place, branches on options are decided, every intermediate result has a name of 
 
 from __future__ import annotations
 
-import ast
-import inspect
 import math
-import re
-import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import FunctionType
 from typing import Any, Final
 
-from pmmkit.effects import primitives
-from pmmkit.exports.text import number
-
-_SUM, _PRODUCT, _ATOM = 1, 2, 3
-_OPERATORS: Final[Mapping[type[ast.operator], tuple[str, int]]] = {
-    ast.Add: (" + ", _SUM),
-    ast.Sub: (" - ", _SUM),
-    ast.Mult: ("*", _PRODUCT),
-    ast.Div: ("/", _PRODUCT),
-}
-_COMPARISONS: Final[Mapping[type[ast.cmpop], tuple[str, Callable[[Any, Any], bool]]]] = {
-    ast.Eq: ("==", lambda a, b: a == b),
-    ast.NotEq: ("~=", lambda a, b: a != b),
-    ast.Lt: ("<", lambda a, b: a < b),
-    ast.LtE: ("<=", lambda a, b: a <= b),
-    ast.Gt: (">", lambda a, b: a > b),
-    ast.GtE: (">=", lambda a, b: a >= b),
-}
-_FUNCTIONS: Final[Mapping[Any, str]] = {
-    math.atan2: "atan2",
-    math.cos: "cos",
-    math.exp: "exp",
-    math.fabs: "abs",
-    math.sin: "sin",
-    math.sqrt: "sqrt",
-    math.tanh: "tanh",
-    primitives.maximum: "max",
-    primitives.minimum: "min",
-    primitives.where: "where",
-    primitives.interpolate: "interpolate",
-    primitives.interpolate_rows: "interpolate_rows",
-}
-_WORD: Final = re.compile(r"(?<![\w.])[A-Za-z]\w*")
-
-
-class Unwritable(Exception):
-    """What an effect does that a list of assignments cannot say."""
+from pmmkit.syntax.reading import expression, function_of
+from pmmkit.syntax.tree import (
+    Assign,
+    Binary,
+    Call,
+    Change,
+    Choice,
+    Comparison,
+    Expression,
+    For,
+    Function,
+    If,
+    Item,
+    Jump,
+    Logic,
+    Member,
+    Name,
+    Number,
+    Return,
+    Several,
+    Statement,
+    Unary,
+    Unwritable,
+    While,
+    names,
+)
+from pmmkit.syntax.words import (
+    FUNCTIONS,
+    OPERATORS,
+    Outside,
+    bound,
+    called,
+    counted,
+    outside_value,
+    word_of,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,30 +56,33 @@ class Line:
     """One assignment, and what its comment says."""
 
     target: str
-    text: str
+    value: Expression
     note: str = ""
 
     @property
     def uses(self) -> frozenset[str]:
         """Names in the expression."""
-        return frozenset(_WORD.findall(self.text))
+        return names(self.value)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Value:
-    """An expression with its rank among the operators, and its number where it is known."""
+def line(target: str, text: str, note: str = "") -> Line:
+    """An assignment of an expression in Python's words.
 
-    text: str
-    rank: int = _ATOM
-    known: float | None = None
-
-    def within(self, rank: int) -> str:
-        return self.text if self.rank >= rank else f"({self.text})"
+    Examples
+    --------
+    >>> line("U", "max(sqrt(u**2 + v**2), 1e-9)").uses == {"max", "sqrt", "u", "v"}
+    True
+    """
+    return Line(target=target, value=expression(text), note=note)
 
 
 def transcribe(
-    function: Callable[..., Any], arguments: Mapping[str, str | int], prefix: str
-) -> tuple[list[Line], list[str]]:
+    function: Callable[..., Any],
+    arguments: Mapping[str, str | int],
+    prefix: str,
+    *,
+    tree: Function | None = None,
+) -> tuple[list[Line], list[Expression]]:
     """The assignments of a function, and expressions of what it returns.
 
     Parameters
@@ -95,10 +93,12 @@ def transcribe(
         For each of its arguments the name of a variable, or the index of an option.
     prefix : str
         What the names of its own variables start with.
+    tree : Function, optional
+        The same, where its text is in no file.
 
     Returns
     -------
-    list of Line, list of str
+    list of Line, list of Expression
 
     Raises
     ------
@@ -108,39 +108,36 @@ def transcribe(
     Examples
     --------
     >>> from pmmkit.effects.roll import force
-    >>> names = {name: name for name in inspect.signature(force).parameters}
-    >>> lines, (moment,) = transcribe(force, names | {"restoring": 1}, "roll")
-    >>> [(line.target, line.text) for line in lines], moment
+    >>> from pmmkit.exports.matlab.printed import printed
+    >>> given = {name: name for name in function_of(force).arguments}
+    >>> lines, (moment,) = transcribe(force, given | {"restoring": 1}, "roll")
+    >>> [(line.target, printed(line.value)) for line in lines], printed(moment)
     ([('roll_heel', 'sin(phi)')],
      '-rho*g*volume*GM*roll_heel - (damping + damping_quadratic*abs(p))*p')
     """
     writer = _Writer(prefix, {name for name in arguments.values() if isinstance(name, str)})
-    bound = {
-        name: _Value(text=value) if isinstance(value, str) else _constant(value)
+    given = {
+        name: Name(value) if isinstance(value, str) else Number(value)
         for name, value in arguments.items()
     }
-    returned = writer.run(function, bound)
-    return writer.lines, [value.text for value in returned]
+    returned = writer.run(function, tree or function_of(function), given)
+    return writer.lines, returned
 
 
 def needed(lines: Sequence[Line], wanted: Iterable[str]) -> list[Line]:
     """The assignments on which some variables depend, in their order."""
     alive, kept = set(wanted), []
-    for line in reversed(lines):
-        if line.target in alive:
-            alive.discard(line.target)
-            alive |= line.uses
-            kept.append(line)
+    for item in reversed(lines):
+        if item.target in alive:
+            alive.discard(item.target)
+            alive |= item.uses
+            kept.append(item)
     return kept[::-1]
 
 
-def _constant(value: float) -> _Value:
-    return _Value(text=number(value), known=value)
-
-
-def _apart(text: str) -> str:
-    """An operand that starts with a sign in brackets; two signs in a row mean something else."""
-    return f"({text})" if text.startswith("-") else text
+Known = dict[str, Expression]
+"""What the variables of a function stand for: names, and numbers that are known."""
+_NO_EQUIVALENT: Final = "an expression without an equivalent"
 
 
 class _Writer:
@@ -151,131 +148,159 @@ class _Writer:
         self.taken = set(taken)
         self.lines: list[Line] = []
 
-    def run(self, function: Callable[..., Any], bound: Mapping[str, _Value]) -> list[_Value]:
+    def run(
+        self, function: Callable[..., Any], tree: Function, given: Mapping[str, Expression]
+    ) -> list[Expression]:
         """Write the body of a function; gives what it returns."""
         assert isinstance(function, FunctionType)
-        body = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
-        assert isinstance(body, ast.FunctionDef)
-        returned = self._block(body.body, dict(bound), function.__globals__)
-        assert returned is not None
+        returned = self._block(tree.body, dict(given), function.__globals__)
+        if returned is None:
+            raise Unwritable("a function that returns nothing")
         return returned
 
     def _block(
-        self, block: Sequence[ast.stmt], known: dict[str, _Value], outside: Mapping[str, Any]
-    ) -> list[_Value] | None:
+        self, block: Sequence[Statement], known: Known, outside: Outside
+    ) -> list[Expression] | None:
         for statement in block:
             match statement:
-                case ast.Expr(value=ast.Constant()):
+                case Jump(word="pass"):
                     pass
-                case ast.Assign(targets=[ast.Name(id=name)], value=value):
-                    self._assign(known, name, self._value(value, known, outside))
-                case ast.Assign(targets=[ast.Tuple(elts=targets)], value=value):
+                case Assign(target=Name(word=word), value=value):
+                    self._assign(known, word, self._value(value, known, outside))
+                case Assign(target=Several(inner=targets), value=value):
                     values = self._values(value, known, outside)
+                    if len(values) != len(targets):
+                        raise Unwritable("values that are not as many as their names")
                     for target, item in zip(targets, values, strict=True):
-                        assert isinstance(target, ast.Name)
-                        self._assign(known, target.id, item)
-                case ast.AugAssign(target=ast.Name(id=name) as old, op=op, value=value):
-                    whole = ast.BinOp(ast.Name(old.id, ast.Load()), op, value)
-                    self._assign(known, name, self._value(whole, known, outside))
-                case ast.If(test=test, body=yes, orelse=no):
+                        if not isinstance(target, Name):
+                            raise Unwritable("a value put into a list")
+                        self._assign(known, target.word, item)
+                case Change(target=Name(word=word) as target, sign=sign, value=value):
+                    whole = Binary(sign, target, value)
+                    self._assign(known, word, self._value(whole, known, outside))
+                case If(test=test, yes=yes, no=no):
                     chosen = yes if self._decided(test, known, outside) else no
                     returned = self._block(chosen, known, outside)
                     if returned is not None:
                         return returned
-                case ast.Return(value=ast.expr() as value):
+                case Return(value=value) if value is not None:
                     return self._values(value, known, outside)
-                case ast.For():
+                case For() | While():
                     raise Unwritable("a loop")
                 case _:
                     raise Unwritable("a statement that has no equivalent")
         return None
 
-    def _assign(self, known: dict[str, _Value], name: str, value: _Value) -> None:
-        if value.text.isidentifier() or value.known is not None:
-            known[name] = value
+    def _assign(self, known: Known, word: str, value: Expression) -> None:
+        if isinstance(value, Name | Number):
+            known[word] = value
             return
-        base = target = f"{self.prefix}_{name.strip('_')}".strip("_")
+        base = target = f"{self.prefix}_{word.strip('_')}".strip("_")
         count = 1
         while target in self.taken:
             count += 1
             target = f"{base}_{count}"
         self.taken.add(target)
-        self.lines.append(Line(target=target, text=value.text))
-        known[name] = _Value(text=target)
+        self.lines.append(Line(target=target, value=value))
+        known[word] = Name(target)
 
-    def _values(
-        self, node: ast.expr, known: dict[str, _Value], outside: Mapping[str, Any]
-    ) -> list[_Value]:
+    def _values(self, tree: Expression, known: Known, outside: Outside) -> list[Expression]:
         """The values of a tuple, of a call, or of a single expression."""
-        if isinstance(node, ast.Tuple):
-            return [self._value(item, known, outside) for item in node.elts]
-        if isinstance(node, ast.Call):
-            return self._call(node, known, outside)
-        return [self._value(node, known, outside)]
+        if isinstance(tree, Several):
+            return [self._value(item, known, outside) for item in tree.inner]
+        if isinstance(tree, Call):
+            return self._call(tree, known, outside)
+        return [self._value(tree, known, outside)]
 
-    def _value(
-        self, node: ast.expr, known: dict[str, _Value], outside: Mapping[str, Any]
-    ) -> _Value:
-        match node:
-            case ast.Constant(value=int() | float() as value):
-                return _constant(value)
-            case ast.Name(id=name) if name in known:
-                return known[name]
-            case ast.Name(id=name) if outside.get(name) is math.pi:
-                return _Value(text="pi")
-            case ast.Name(id=name) if isinstance(outside.get(name), int | float):
-                return _constant(outside[name])
-            case ast.UnaryOp(op=ast.USub(), operand=operand):
-                inner = self._value(operand, known, outside)
-                return _Value(text=f"-{_apart(inner.within(_PRODUCT))}", rank=_PRODUCT)
-            case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
-                sign, rank = _OPERATORS[type(op)]
-                first = self._value(left, known, outside).within(rank)
-                second = _apart(self._value(right, known, outside).within(rank + 1))
-                return _Value(text=f"{first}{sign}{second}", rank=rank)
-            case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _COMPARISONS:
-                sign, decide = _COMPARISONS[type(op)]
-                a, b = self._value(left, known, outside), self._value(right, known, outside)
-                decided = None
-                if a.known is not None and b.known is not None:
-                    decided = float(decide(a.known, b.known))
-                return _Value(text=f"{a.text} {sign} {b.text}", rank=0, known=decided)
-            case ast.IfExp(test=test, body=yes, orelse=no):
-                chosen = yes if self._decided(test, known, outside) else no
-                return self._value(chosen, known, outside)
-            case ast.Subscript(value=ast.Name(id=name), slice=ast.Constant(value=int() as place)):
-                if name in known:
-                    return _Value(text=f"{known[name].text}({place + 1})")
-            case ast.Call():
-                (only,) = self._call(node, known, outside)
-                return only
-        raise Unwritable(
-            "a table of its own"
-            if isinstance(node, ast.Subscript)
-            else "an expression without an equivalent"
-        )
+    def _value(self, tree: Expression, known: Known, outside: Outside) -> Expression:
+        match tree:
+            case Number(value=value):
+                return Number(float(value))
+            case Name(word=word) if word in known:
+                return known[word]
+            case Name() | Member():
+                found = outside_value(tree, outside)
+                if found is math.pi:
+                    return Name("pi")
+                if isinstance(found, int | float):
+                    return Number(float(found))
+            case Unary(sign=sign, inner=inner):
+                operand = self._value(inner, known, outside)
+                if sign == "not" and isinstance(operand, Number):
+                    return Number(float(not operand.value))
+                return Unary(sign, operand)
+            case Binary(sign=sign, left=left, right=right) if OPERATORS[sign].matlab:
+                first = self._value(left, known, outside)
+                return Binary(sign, first, self._value(right, known, outside))
+            case Comparison(signs=signs, inner=inner):
+                return _compared(signs, [self._value(item, known, outside) for item in inner])
+            case Logic(sign=sign, inner=inner):
+                return self._joined(sign, inner, known, outside)
+            case Choice(test=test, yes=yes, no=no):
+                asked = self._value(test, known, outside)
+                if isinstance(asked, Number):
+                    return self._value(yes if asked.value else no, known, outside)
+                values = (self._value(item, known, outside) for item in (yes, no))
+                return Call(Name("where"), (asked, *values))
+            case Item(of=Name(word=word), at=Number() as place):
+                if isinstance(known.get(word), Name):
+                    return Item(known[word], place)
+                raise Unwritable("a table of its own")
+            case Item():
+                raise Unwritable("a table of its own")
+            case Call():
+                found = self._call(tree, known, outside)
+                if len(found) == 1:
+                    return found[0]
+        raise Unwritable(_NO_EQUIVALENT)
 
-    def _decided(
-        self, test: ast.expr, known: dict[str, _Value], outside: Mapping[str, Any]
-    ) -> bool:
-        decided = self._value(test, known, outside).known
-        if decided is None:
+    def _joined(
+        self, sign: str, inner: Sequence[Expression], known: Known, outside: Outside
+    ) -> Expression:
+        """What is joined by a word, without what is known."""
+        settles = sign == "or"
+        open_ones: list[Expression] = []
+        for item in inner:
+            value = self._value(item, known, outside)
+            if not isinstance(value, Number):
+                open_ones.append(value)
+            elif bool(value.value) == settles:
+                if not open_ones:
+                    return Number(float(settles))
+                open_ones.append(value)
+                break
+        if len(open_ones) > 1:
+            return Logic(sign, tuple(open_ones))
+        return open_ones[0] if open_ones else Number(float(not settles))
+
+    def _decided(self, test: Expression, known: Known, outside: Outside) -> bool:
+        decided = self._value(test, known, outside)
+        if not isinstance(decided, Number):
             raise Unwritable("a branch that depends on the motion")
-        return bool(decided)
+        return bool(decided.value)
 
-    def _call(
-        self, node: ast.Call, known: dict[str, _Value], outside: Mapping[str, Any]
-    ) -> list[_Value]:
-        assert isinstance(node.func, ast.Name)
-        function = outside[node.func.id]
-        given = [self._value(item, known, outside) for item in node.args]
-        if function in _FUNCTIONS:
-            inside = ", ".join(value.text for value in given)
-            return [_Value(text=f"{_FUNCTIONS[function]}({inside})")]
-        bound = dict(zip(inspect.signature(function).parameters, given, strict=False))
-        for keyword in node.keywords:
-            assert keyword.arg is not None
-            bound[keyword.arg] = self._value(keyword.value, known, outside)
-        for name, value in list(bound.items()):
-            self._assign(bound, name, value)
-        return self.run(function, bound)
+    def _call(self, tree: Call, known: Known, outside: Outside) -> list[Expression]:
+        name, function = called(tree, outside)
+        word = word_of(function)
+        if word is not None and FUNCTIONS[word].matlab:
+            given = tuple(self._value(item, known, outside) for item in tree.inner)
+            if tree.named or not counted(word, len(given)):
+                raise Unwritable(f"the function {name} with other arguments than it takes here")
+            return [Call(Name(word), given)]
+        if not isinstance(function, FunctionType):
+            raise Unwritable(f"the function {name}, which has no equivalent")
+        own = function_of(function)
+        values = zip(own.arguments, bound(own, function, tree), strict=True)
+        given_to: Known = {}
+        for argument, value in values:
+            self._assign(given_to, argument, self._value(value, known, outside))
+        return self.run(function, own, given_to)
+
+
+def _compared(signs: tuple[str, ...], operands: Sequence[Expression]) -> Expression:
+    """A chain of comparisons, decided where all is known."""
+    values = [item.value for item in operands if isinstance(item, Number)]
+    if len(values) < len(operands):
+        return Comparison(signs, tuple(operands))
+    links = zip(signs, values[:-1], values[1:], strict=True)
+    return Number(float(all(OPERATORS[sign].compute(a, b) for sign, a, b in links)))

@@ -22,10 +22,10 @@ from pmmkit.estimation.sparse import (
     shares_of,
     solved,
 )
+from pmmkit.inference import optional_columns
 from pmmkit.numerics import Array
 from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.estimate import ChannelFit
-from pmmkit.reduction.fit import optional_columns
 from pmmkit.reduction.methods.method import Estimate, Evidence
 from pmmkit.reduction.methods.over_time import OverTime, determined
 from pmmkit.reduction.solve import Solution
