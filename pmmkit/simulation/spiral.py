@@ -33,7 +33,7 @@ class SpiralCurve(Described):
     Parameters
     ----------
     rudder_deg, yaw_rate_deg_s, drift_deg, speed_ratio : array (m,)
-        Along the curve, by rising yaw rate.
+        Along the curve, by rising yaw rate; as of a turning circle, in the horizontal plane.
     stable : array (m,) of bool
         Whether the ship stays in that turn by itself: the rudder rises with the yaw rate.
     loop_width_deg : float
@@ -203,6 +203,8 @@ def spiral_curve(
     table = np.array([*sides[0][:0:-1], *sides[1]])
     r, u, v, delta = table[:, 0], table[:, 1], table[:, 2], np.degrees(table[:, 3])
     rising = np.gradient(delta, r) > 0.0
+    # In the horizontal plane, as the metrics of a turning circle have them.
+    upright = np.cos(table[:, 4])
 
     def rudder(rate: float, near: int) -> float:
         z = follow(np.array([u[near], v[near], np.radians(delta[near]), table[near, 4]]), rate)
@@ -211,9 +213,9 @@ def spiral_curve(
     width, height, neutral = _loop(r, delta, rudder)
     return SpiralCurve(
         rudder_deg=delta,
-        yaw_rate_deg_s=np.degrees(r),
-        drift_deg=np.degrees(np.arctan2(-v, u)),
-        speed_ratio=np.hypot(u, v),
+        yaw_rate_deg_s=np.degrees(r * upright),
+        drift_deg=np.degrees(np.arctan2(-v * upright, u)),
+        speed_ratio=np.hypot(u, v * upright),
         stable=rising,
         loop_width_deg=width,
         loop_height_deg_s=height,

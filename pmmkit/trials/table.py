@@ -171,10 +171,8 @@ class Trial(Track):
         approach = f"{self.speed:.2f}"
         if math.isfinite(self.speed_std) and self.speed_std > 0.0:
             approach = with_uncertainty(self.speed, WIDE * self.speed_std, "plus-minus")
-        return (
-            f"{self.run}: {self.manoeuvre}{rudder}, approach {approach} m/s on "
-            f"{self.heading_deg:05.1f}°"
-        )
+        on = f"{self.heading_deg:05.1f}°"
+        return f"{self.run}: {self.manoeuvre}{rudder}, approach {approach} m/s on {on}"
 
     def _sections(self) -> Sequence[Section]:
         words = [f"{self.name}, L = {self.L:g} m; order at t = {self.order:.1f} s"]

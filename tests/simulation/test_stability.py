@@ -299,9 +299,7 @@ def test_the_curve_goes_through_the_steady_turns(name, rudder_deg):
     curve = spiral_curve(name, 9.0)
     turn = simulate(name, speed=9.0, rudder_deg=rudder_deg).metrics
     side = math.copysign(1.0, rudder_deg)
-    rate = turn["steady_yaw_rate_deg_s"]
-    upright = math.cos(math.radians(turn.get("heel_steady_deg", 0.0)))
-    at = side * rate / upright
+    at = side * turn["steady_yaw_rate_deg_s"]
     through = CubicSpline(curve.yaw_rate_deg_s, np.transpose([curve.rudder_deg, curve.speed_ratio]))
     assert through(at) == pytest.approx([rudder_deg, turn["speed_ratio"]], rel=1e-3)
 
@@ -421,3 +419,17 @@ def test_more_points_do_not_move_the_folds():
     coarse, fine = (spiral_curve("esso190k", TANKER, points=points) for points in (161, 641))
     assert coarse.loop_width_deg == pytest.approx(fine.loop_width_deg, rel=1e-3)
     assert coarse.neutral_deg == pytest.approx(fine.neutral_deg, rel=1e-3)
+
+
+def test_a_steady_turn_of_the_curve_is_that_of_a_turning_circle():
+    """Of a ship that heels by 2.9° in it."""
+    turn = simulate("s175", speed=9.0, rudder_deg=25.0, duration=2500.0, rtol=1e-9).metrics
+    curve = spiral_curve("s175", 9.0)
+    assert turn["heel_steady_deg"] > 2.0
+    for name, metric in (
+        ("yaw_rate_deg_s", "steady_yaw_rate_deg_s"),
+        ("drift_deg", "steady_drift_deg"),
+        ("speed_ratio", "speed_ratio"),
+    ):
+        there = CubicSpline(curve.rudder_deg, getattr(curve, name))(25.0)
+        assert there == pytest.approx(turn[metric], rel=2e-4)
