@@ -277,7 +277,10 @@ def _explained(step: Step) -> str:
         fall = f"{step.error_of} {before} to {after} where records{of} are left out"
     else:
         fall = f"left-out conditions {before} to {after} of the rms forces{of}"
-    return f"Added {step.effect}{f' ({why})' if why else ''}: error of {fall}."
+    # The numbers of a fault stand in no part of the model.
+    numbers = step.coefficients.items() if step.action == "fault_corrected" else ()
+    said = "".join(f", {name} = {_listed(x, '.4g', ' | ')}" for name, x in numbers)
+    return f"Added {step.effect}{said}{f' ({why})' if why else ''}: error of {fall}."
 
 
 def _fitted(step: Step) -> str:

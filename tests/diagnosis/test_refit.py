@@ -79,6 +79,10 @@ def test_each_step_brings_its_own_places_and_a_fault_none():
     assert str(one) == (
         "Added asymmetry (seen): error of heading 3° to 2° where records of sea are left out."
     )
+    assert str(three) == (
+        "Added current, current_x = 0.2: error of heading 2° to unknown where records of sea are "
+        "left out."
+    )
     assert stepped(ship, made, plain, (), (), ()).history[-1] == (
         "Fitted 5 coefficients to sea, current corrected."
     )
