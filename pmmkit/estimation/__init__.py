@@ -1,1 +1,1 @@
-"""Estimation that knows nothing of ships: sparse least squares, tests of innovations."""
+"""Estimation that knows nothing of ships: tests of innovations, convergence of draws."""

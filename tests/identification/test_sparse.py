@@ -14,16 +14,6 @@ from pmmkit.effects.state import State
 from pmmkit.equations import prepare
 from pmmkit.equations.histories import water_forces
 from pmmkit.errors import PmmkitError
-from pmmkit.estimation.sparse import (
-    Task,
-    by_groups,
-    compressed,
-    determined,
-    joined,
-    rms,
-    solved,
-    sparse,
-)
 from pmmkit.identification import ForceRecord
 from pmmkit.identification.sparse.regression import (
     look_for_collinearity,
@@ -415,42 +405,6 @@ def test_plain_pysindy_agrees_where_it_can_do_the_whole_task(ship):
     ).fit(v[:, None], t=1.0, x_dot=((Y - empty) / unit)[:, None])
     assert ours.table.names == ("Yv", "Yvvv")
     assert theirs.coefficients()[0] == pytest.approx([*ours.table.value[0], 0.0], rel=1e-6)
-
-
-def systems(rng, runs=6, terms=8):
-    truth = rng.normal(size=terms) * (rng.random(terms) > 0.4)
-    found = []
-    for _ in range(runs):
-        design = rng.normal(size=(30, terms)) * np.geomspace(0.1, 10, terms)
-        target = design @ (truth / np.geomspace(0.1, 10, terms)) + 0.3 * rng.normal(size=30)
-        found.append((compressed(design, target),))
-    return found
-
-
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("threshold", [0.05, 0.3, 1.0])
-def test_our_thresholds_are_those_of_pysindy_where_terms_stand_alone(seed, threshold):
-    whole = joined(systems(np.random.default_rng(seed)))
-    single = tuple((place,) for place in range(8))
-    task = Task(
-        channels=("Y",), columns=tuple(range(8)), groups=single, always=(False,) * 8, method="stlsq"
-    )
-    usual = rms(whole)
-    assert task.plain
-    theirs = sparse(task, whole, usual, threshold)
-    ours = by_groups(task, whole, determined(whole, usual), threshold)
-    np.testing.assert_allclose(ours, theirs, rtol=1e-10)
-
-
-def test_triangles_hold_all_that_least_squares_need():
-    rng = np.random.default_rng(0)
-    runs = [(rng.normal(size=(n, 4)), rng.normal(size=n)) for n in (1, 3, 40, 7)]
-    whole = joined([(compressed(*run),) for run in runs])
-    A, b = (np.concatenate([run[i] for run in runs]) for i in (0, 1))
-    expected = np.linalg.lstsq(A, b, rcond=None)[0]
-    np.testing.assert_allclose(solved(whole, np.ones(4, bool)), expected, rtol=1e-12)
-    left = whole[0].both @ np.append(expected, -1.0)
-    assert np.sum(left**2) == pytest.approx(np.sum((A @ expected - b) ** 2))
 
 
 @pytest.mark.slow

@@ -7,25 +7,21 @@ from collections.abc import Sequence
 import numpy as np
 
 from pmmkit.errors import DataError
-from pmmkit.estimation.collinear import Collinearity
-from pmmkit.estimation.sparse import (
-    Method,
-    Path,
-    bagged,
-    choose_threshold,
-    folds_of,
-    held_out,
-    shares_of,
-)
 from pmmkit.identification.forces import ForceRecord
-from pmmkit.identification.sparse.request import Groups, check_numbers, physics_groups, request
+from pmmkit.identification.sparse.request import (
+    Groups,
+    Request,
+    check_numbers,
+    physics_groups,
+    request,
+)
 from pmmkit.identification.sparse.result import SparseRegression, assembled
+from pmmkit.inference import Collinearity, Resampling, Selection, SelectionMethod, select_terms
 from pmmkit.models import Model
 from pmmkit.structures import Structure
 
 __all__ = [
     "Collinearity",
-    "Path",
     "SparseRegression",
     "look_for_collinearity",
     "physics_groups",
@@ -41,10 +37,10 @@ def sparse_regression(
     fixed: Sequence[str] = (),
     always: Sequence[str] = (),
     groups: Groups | None = None,
-    method: Method = "stlsq",
+    method: SelectionMethod = "stlsq",
     threshold: float | None = None,
-    share: float = 0.6,
-    bags: int = 100,
+    share: float = Selection.SHARE,
+    bags: int = Resampling.BAGS,
     weak: bool | int = False,
     seed: int = 0,
     extrapolate: bool = False,
@@ -162,27 +158,13 @@ def sparse_regression(
         weak=weak,
         extrapolate=extrapolate,
     )
-    rng = np.random.default_rng(seed)
-    folds = folds_of(len(records), rng)
-    draws = rng.integers(len(records), size=(bags, len(records)))
-    coefficients = np.full((bags, len(asked.names)), np.nan)
-    paths: list[Path] = []
-    errors: dict[str, dict[str, float]] = {record.name: {} for record in records}
-    for task, systems in zip(asked.tasks, asked.systems, strict=True):
-        cut = threshold
-        if cut is None and task.thresholds:
-            paths.append(choose_threshold(task, systems, folds))
-            cut = paths[-1].chosen
-        coefficients[:, task.columns] = bagged(task, systems, draws, cut or 0.0)
-        squares = held_out(task, systems, folds, [cut or 0.0])[:, :, 0]
-        for run, system in enumerate(systems):
-            for place, part in enumerate(system):
-                if part.rows:
-                    mean = squares[run, place] / part.rows
-                    errors[records[run].name][task.channels[place]] = float(np.sqrt(mean))
-    shares = shares_of(coefficients)
-    stays = ~(shares < share)
-    if not stays.any():
+    resampling = Resampling.of(len(records), bags, np.random.default_rng(seed))
+    selections = [
+        select_terms(problem, runs, resampling, threshold=threshold, share=share)
+        for problem, runs in zip(asked.problems, asked.runs, strict=True)
+    ]
+    selection = Selection.combined(selections, [problem.columns for problem in asked.problems])
+    if not selection.stays.any():
         raise DataError(
             f"No term stays in {share:.0%} of the bags. Lower threshold or share, take a term as "
             f"always, or state smaller standard deviations where they are too large."
@@ -190,12 +172,29 @@ def sparse_regression(
     return assembled(
         model,
         asked,
-        coefficients=coefficients,
-        shares=shares,
-        stays=stays,
-        paths=paths,
-        errors=errors,
+        selection,
+        paths=[item.path for item in selections if item.path is not None],
+        errors=_errors(asked, selections, resampling),
     )
+
+
+def _errors(
+    asked: Request, selections: Sequence[Selection], resampling: Resampling
+) -> dict[str, dict[str, float]]:
+    """Rms error of each run left out, by run and channel, where it is measured."""
+    errors: dict[str, dict[str, float]] = {rows.run: {} for rows in asked.rows}
+    for problem, runs, item in zip(asked.problems, asked.runs, selections, strict=True):
+        held_out = resampling.held_out(problem, runs, item.threshold)
+        for rows, run, squares in zip(asked.rows, runs, held_out, strict=True):
+            mean = np.sqrt(squares / np.maximum(run.rows, 1))
+            errors[rows.run] |= {
+                channel: value
+                for channel, value, count in zip(
+                    problem.channels, mean.tolist(), run.rows.tolist(), strict=True
+                )
+                if count
+            }
+    return errors
 
 
 def look_for_collinearity(
