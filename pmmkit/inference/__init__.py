@@ -17,6 +17,7 @@ from pmmkit.inference.random_effects import (
 )
 from pmmkit.inference.restricted import Restricted
 from pmmkit.inference.sparse import (
+    EffectiveSample,
     Elimination,
     Resampling,
     Selection,
@@ -29,6 +30,7 @@ from pmmkit.inference.sparse import (
 __all__ = [
     "KINDS",
     "Collinearity",
+    "EffectiveSample",
     "Elimination",
     "Equations",
     "RepeatedRuns",

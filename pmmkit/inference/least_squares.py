@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -192,6 +193,24 @@ class Equations:
         if columns.any():
             theta[columns] = np.linalg.lstsq(X[:, columns], y, rcond=RANK_TOLERANCE)[0]
         return np.asarray(theta / scale)
+
+    def over(self, std: Array) -> Equations:
+        """With the rows of each channel over a standard deviation (c,)."""
+        return Equations(
+            channels=tuple(
+                Triangle(both / size, rows)
+                for (both, rows), size in zip(self.channels, std.tolist(), strict=True)
+            )
+        )
+
+    def covariance(self, columns: Flags, variance: Array) -> Array:
+        """Of least squares on s columns, rows of each channel of a variance (c,), array (s, s)."""
+        parts = [both[:, :-1][:, columns] for both, _ in self.channels]
+        inverse = unit_covariance(np.concatenate(parts))
+        gains = [
+            math.sqrt(size) * X @ inverse for X, size in zip(parts, variance.tolist(), strict=True)
+        ]
+        return np.asarray(sum((A.T @ A for A in gains), np.zeros_like(inverse)))
 
     def squares(self, theta: Array) -> Array:
         """Sum of squares that θ leaves in each channel, array (c,)."""

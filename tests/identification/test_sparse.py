@@ -148,13 +148,31 @@ def test_exact_forces_give_back_their_terms_and_no_others(ship):
 
 
 @pytest.mark.slow
+def test_elimination_finds_the_terms_too(ship):
+    exact = sparse_regression(
+        ship, measured(noise=0.0), LIBRARY + " Yvvv Nvvv", bags=10, method="elimination"
+    )
+    assert exact.table.at() == pytest.approx(TRUTH, rel=1e-9)
+    noisy = sparse_regression(ship, measured(), LIBRARY, bags=40, method="elimination")
+    assert noisy.paths == ()
+    assert set(noisy.table.names) == set(TRUTH)
+    assert noisy.table.at() == pytest.approx(TRUTH, rel=0.03)
+    errors = [x for own in noisy.held_out.values() for x in own.values()]
+    assert min(errors) > 0.85
+    assert max(errors) < 1.2
+    with pytest.raises(PmmkitError, match="knows neither groups"):
+        sparse_regression(ship, measured(), "Yv Yr", method="elimination", groups=[["Yv", "Yr"]])
+
+
+@pytest.mark.slow
 def test_noisy_forces_give_the_terms_with_intervals_that_hold_the_truth(found):
     assert set(found.table.names) == set(TRUTH)
     assert all(found.share[name] >= 0.95 for name in TRUTH)
     assert found.table.at() == pytest.approx(TRUTH, rel=0.03)
     assert np.all(found.table.std < 0.03)
-    ends = found.interval(0.999)
-    assert sum(ends[name][0] <= TRUTH[name] <= ends[name][1] for name in TRUTH) >= 7
+    low, high = found.table.interval(0.999)
+    right = np.array([TRUTH[name] for name in found.table.names])
+    assert np.sum((low[0] <= right) & (right <= high[0])) >= 7
     errors = [x for own in found.held_out.values() for x in own.values()]
     assert len(found.held_out) == 18
     assert min(errors) > 0.85
@@ -175,8 +193,8 @@ def test_terms_that_are_not_there_are_left_out_of_nine_bags_in_ten(ship, seed):
 
 
 @pytest.mark.slow
-def test_the_std_over_bags_of_runs_is_the_scatter_between_campaigns(ship):
-    """Offsets of runs make bags of samples too narrow; bags of runs know of them."""
+def test_the_std_is_the_scatter_between_campaigns(ship):
+    """Offsets of runs make a regression on samples too narrow; the design effect knows of them."""
     results = [
         sparse_regression(
             ship, measured(seed=seed), " ".join(TRUTH), threshold=0.0, bags=60, method="stepwise"

@@ -16,8 +16,16 @@ from pmmkit.identification.sparse.request import (
     request,
 )
 from pmmkit.identification.sparse.result import SparseRegression, assembled
-from pmmkit.inference import Collinearity, Resampling, Selection, SelectionMethod, select_terms
+from pmmkit.inference import (
+    Collinearity,
+    EffectiveSample,
+    Resampling,
+    Selection,
+    SelectionMethod,
+    select_terms,
+)
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 from pmmkit.structures import Structure
 
 __all__ = [
@@ -62,11 +70,13 @@ def sparse_regression(
         Terms that are fitted and never left out.
     groups : "physics", mapping or sequence of sequences, optional
         Terms that enter or leave together (see `physics_groups`); all others stand alone.
-    method : "stlsq", "stepwise" or optimizer of pysindy
+    method : "stlsq", "stepwise", "elimination" or optimizer of pysindy
         ``stlsq``: sequentially thresholded least squares. ``stepwise``: the same, but only the
         smallest term leaves at a time, so that one of two like terms does not take the other with
-        it; several times faster. An optimizer brings its own rule, applied bag by bag to columns
-        of unit rms; it knows no groups.
+        it; several times faster. ``elimination``: the term leaves whose loss raises the misfit
+        least, as long as the BIC falls, as `reduce` chooses; no threshold, faster still. An
+        optimizer brings its own rule, applied bag by bag to columns of unit rms. The last two know
+        no groups.
     threshold : float, optional
         Rms force below which a term leaves, in standard deviations of a sample; by default chosen
         by held-out runs, channel by channel.
@@ -105,6 +115,12 @@ def sparse_regression(
     errors (a held-out BIC). A bag draws whole runs, because samples of one run share its errors
     and its residuals are correlated: bags of samples give intervals that are too narrow.
 
+    ``elimination`` weighs all sets on its way from all terms to none by the BIC with n independent
+    samples and the variance that they have; it tells like terms from each other where thresholds
+    cannot. In four kinds of 60 made campaigns of 15 to 30 runs (white noise, small forces, offsets
+    of runs, autocorrelated noise) it found the very set of terms in 100, 77, 73 and 78 of a
+    hundred, thresholds in 98, 68, 57 and 68.
+
     pysindy's STLSQ (Brunton et al. 2016) chooses the terms where nothing else is asked for; the
     values come from QR, because its ridge solves the normal equations (with a condition number
     of 1e6, four digits are left). Done here, because pysindy 2.1 lacks it or means something
@@ -119,9 +135,12 @@ def sparse_regression(
     vibration; it costs a little where the forces alone have white noise. No derivative is moved
     to the test functions: accelerations are those that the record states.
 
-    Standard deviations over bags of runs are about right, or up to twice too large for terms that
-    rest on few runs; the quantiles of `SparseRegression.interval` held the truth in 91 % of cases
-    at a stated 95 % (18 synthetic runs).
+    The covariance is that of least squares with the terms that stay, its rows worth what errors
+    shared by a run leave of them, and that of the choice (`pmmkit.inference.Selection`). In the
+    made campaigns above it held the truth in 95 to 98 % at a stated 95 % (each term in 87 to
+    100 %); standard deviations over the bags did so in 96 % on the whole, but were five to
+    twenty times too large for terms that have a like one, and too small (88 %) for those that
+    rest on few runs.
 
     References
     ----------
@@ -173,9 +192,21 @@ def sparse_regression(
         model,
         asked,
         selection,
+        covariance=_covariance(asked, selections),
         paths=[item.path for item in selections if item.path is not None],
         errors=_errors(asked, selections, resampling),
     )
+
+
+def _covariance(asked: Request, selections: Sequence[Selection]) -> Array:
+    """Covariance of the terms that stay; systems that share no term are independent."""
+    stays = np.zeros(len(asked.names), bool)
+    whole = np.zeros((len(stays),) * 2)
+    for problem, runs, item in zip(asked.problems, asked.runs, selections, strict=True):
+        at = np.array(problem.columns)[item.stays]
+        stays[at] = True
+        whole[np.ix_(at, at)] = item.covariance(runs, EffectiveSample.of(runs))
+    return np.asarray(whole[np.ix_(stays, stays)])
 
 
 def _errors(

@@ -312,10 +312,10 @@ def _problems(
                 method=method,
             )
         )
-    if not isinstance(method, str) and (always or groups):
+    if method not in ("stlsq", "stepwise") and (always or groups):
         raise DataError(
-            "An optimizer of pysindy knows neither groups nor terms that always stay: take "
-            "method 'stlsq' or 'stepwise' with them."
+            "Elimination or an optimizer of pysindy knows neither groups nor terms that always "
+            "stay: take method 'stlsq' or 'stepwise' with them."
         )
     return tuple(problems)
 

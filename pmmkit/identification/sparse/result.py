@@ -20,7 +20,7 @@ from pmmkit.numerics import Array
 from pmmkit.tables import DerivativeTable
 
 FEW: Final = 8
-"""Runs below which intervals over bags are called rough."""
+"""Runs below which intervals are called rough."""
 FEWEST_BEHIND: Final = 3
 """Runs below which a term is said to rest on few."""
 MISFIT: Final = 2.0
@@ -36,8 +36,9 @@ class SparseRegression:
     model : Model
         With the terms that stay, without those left out; simulate it like any other.
     table : DerivativeTable
-        The terms that stay: least squares on all runs with these terms alone; covariance over
-        the bags, in which a bag that leaves a term out counts as zero.
+        The terms that stay: least squares on all runs with these terms alone; their covariance
+        is that of the regression, with rows worth what errors shared by a run leave of them, and
+        of the choice. Channels that share no term are independent.
     names : tuple of str
         The terms that were looked for.
     share : mapping of str to float
@@ -80,28 +81,13 @@ class SparseRegression:
         """Thresholds taken, by channel, in standard deviations of a sample."""
         return {channel: path.chosen for path in self.paths for channel in path.channels}
 
-    def interval(self, confidence: float = 0.95) -> dict[str, tuple[float, float]]:
-        """Quantiles of the values over the bags, by term.
-
-        Parameters
-        ----------
-        confidence : float
-            Part of the bags between the two ends.
-        """
-        ends = [(1 - confidence) / 2, (1 + confidence) / 2]
-        found = {}
-        for name, values in zip(self.names, self.coefficients.T, strict=True):
-            known = values[np.isfinite(values)]
-            low, high = np.quantile(known, ends) if len(known) else (np.nan, np.nan)
-            found[name] = (float(low), float(high))
-        return found
-
 
 def assembled(
     model: Model,
     asked: Request,
     selection: Selection,
     *,
+    covariance: Array,
     paths: Sequence[ThresholdPath],
     errors: Mapping[str, Mapping[str, float]],
 ) -> SparseRegression:
@@ -115,6 +101,8 @@ def assembled(
         What was asked for.
     selection : Selection
         Of the terms of all channels.
+    covariance : array (s, s)
+        Of the s terms that stay.
     paths : sequence of ThresholdPath
         Thresholds tried.
     errors : mapping
@@ -122,7 +110,7 @@ def assembled(
     """
     stays = selection.stays
     value, misfit = _values(asked, stays)
-    table = _table(model, asked, selection, value)
+    table = _table(model, asked, covariance, value, stays)
     names = np.array(asked.names)
     left_out = tuple(str(name) for name in names[~stays])
     held = tuple(
@@ -164,23 +152,24 @@ def _values(asked: Request, stays: NDArray[np.bool_]) -> tuple[Array, dict[str, 
     return value, misfit
 
 
-def _table(model: Model, asked: Request, selection: Selection, value: Array) -> DerivativeTable:
+def _table(
+    model: Model, asked: Request, covariance: Array, value: Array, stays: NDArray[np.bool_]
+) -> DerivativeTable:
     """The terms that stay, pooled over speeds."""
-    stays = selection.stays
     n = int(stays.sum())
     runs = asked.exciting()[stays]
     return DerivativeTable(
         names=tuple(name for name, stay in zip(asked.names, stays, strict=True) if stay),
         Fn=np.array([np.nan]),
         value=value[None, stays],
-        covariance=selection.covariance_of_bags().reshape(1, n, 1, n),
+        covariance=covariance.reshape(1, n, 1, n),
         dof=np.maximum(runs - 1, 1).astype(float)[None, :],
         method=np.full((1, n), "sparse regression"),
         runs=runs[None, :],
         convention=model.convention,
         ship=model.ship,
         water=model.water,
-        notes=("Standard deviations are those over bags of runs.",),
+        notes=("Standard deviations hold errors shared by a run and the choice of terms.",),
     )
 
 
@@ -241,7 +230,7 @@ def _doubts(
     """What of the result rests on little, in words."""
     said = []
     if len(errors) < FEW:
-        said.append(f"Intervals over bags of {len(errors)} runs are rough.")
+        said.append(f"Intervals from {len(errors)} runs are rough.")
     said += [
         f"{name} rests on {number} of {len(errors)} runs: a bag without "
         f"{'it' if number == 1 else 'them'} says nothing of the term."

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.inference import (
+    EffectiveSample,
     Elimination,
     Equations,
     Resampling,
@@ -131,6 +132,7 @@ def chosen(
     at = [channel.names.index(name) for name in names]
     runs = [Equations.of((X[:, at], y)) for X, y in zip(channel.design, channel.rows, strict=True)]
     independent = sum(len(block.rows) for block in channel.base.blocks)
+    sample = EffectiveSample(size=independent, variance=np.ones(1))
     problem = SparseProblem.single(
         channel.base.channel, len(names), Elimination(independent) if chooser is None else chooser
     )
@@ -140,7 +142,7 @@ def chosen(
         names=tuple(names),
         selection=selection,
         fit=channel.fitted(kept),
-        moved=selection.covariance_of_choice(Equations.joined(runs), independent),
+        moved=selection.covariance_of_choice(runs, sample),
     )
 
 
