@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.inference.least_squares import Equations, least_squares
+from pmmkit.inference.least_squares import RANK_TOLERANCE, Equations, unit_columns
 from pmmkit.numerics import Array
 
 ALIKE: Final = 0.95
@@ -65,7 +65,7 @@ class Collinearity:
             Channels of the equations, for the message.
         """
         X, _, _ = equations.scaled
-        columns = X / np.linalg.norm(X, axis=0)
+        columns, _ = unit_columns(X)
         cosines = columns.T @ columns
         singular = np.linalg.svd(columns, compute_uv=False)
         inverse = np.linalg.inv(np.linalg.qr(columns, mode="r"))
@@ -125,6 +125,6 @@ class Collinearity:
 def _mimics(columns: Array, place: int, names: Sequence[str]) -> tuple[str, ...]:
     """Terms with at least a fifth of the largest part in the mixture nearest to a column."""
     others = [j for j in range(len(names)) if j != place]
-    parts = np.abs(least_squares(columns[:, others], columns[:, place]))
+    parts = np.abs(np.linalg.lstsq(columns[:, others], columns[:, place], rcond=RANK_TOLERANCE)[0])
     order = np.argsort(-parts)
     return tuple(names[others[j]] for j in order if parts[j] > 0.2 * parts.max())

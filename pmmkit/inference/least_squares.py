@@ -37,11 +37,11 @@ def _involved(s: Array, Vt: Array) -> Flags:
     return np.asarray((np.abs(Vt[_rank(s) :]) > INVOLVED).any(axis=0))
 
 
-def least_squares(X: Array, y: Array) -> Array:
-    """The shortest solution for columns of unit length, array (p,)."""
-    size = np.linalg.norm(X, axis=0)
-    scale = np.where(size > 0, size, 1.0)
-    return np.asarray(np.linalg.lstsq(X / scale, y, rcond=RANK_TOLERANCE)[0] / scale)
+def unit_columns(X: Array) -> tuple[Array, Array]:
+    """Columns of unit length, and what they were divided by: one of a column of zeros."""
+    length = np.linalg.norm(X, axis=0)
+    scale = np.where(length > 0, length, 1.0)
+    return X / scale, scale
 
 
 def unit_covariance(X: Array) -> Array:
@@ -71,13 +71,12 @@ def unit_covariance(X: Array) -> Array:
            [-2361., 69444.,    nan],
            [   nan,    nan,    nan]])
     """
-    size = np.linalg.norm(X, axis=0)
-    scale = np.where(size > 0, size, 1.0)
-    _, s, Vt = np.linalg.svd(X / scale, full_matrices=len(X) < X.shape[1])
+    unit, scale = unit_columns(X)
+    _, s, Vt = np.linalg.svd(unit, full_matrices=len(X) < X.shape[1])
     rank = _rank(s)
     root = Vt[:rank].T / s[:rank] / scale[:, None]
     covariance = np.asarray(root @ root.T)
-    lost = (size == 0) | _involved(s, Vt)
+    lost = _involved(s, Vt)
     covariance[lost, :] = covariance[:, lost] = np.nan
     return covariance
 

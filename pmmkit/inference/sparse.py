@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Final, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.inference.least_squares import RANK_TOLERANCE, Equations, Flags, least_squares
+from pmmkit.inference.least_squares import RANK_TOLERANCE, Equations, Flags, unit_columns
 from pmmkit.numerics import Array
 
 UNDECIDED: Final = (0.2, 0.8)
@@ -116,25 +116,25 @@ class Elimination:
 
     def fit(self, x_: Array, y: Array) -> Elimination:
         """Fit one target (n, 1) on a library (n, p)."""
-        count = x_.shape[1]
-        sets = [_least_squares(x_, y), np.zeros((1, count))]
+        X, scale, count = *unit_columns(x_), x_.shape[1]
+        sets = [_solved(X, y), np.zeros((1, count))]
         if count > 1:
             ssr = _stepwise()(
                 criteria="model_residual", alpha=0.0, kappa=0.0, max_iter=count, unbias=False
-            ).fit(x_, y)
+            ).fit(X, y)
             # pysindy 2.1 overwrites the first entry of its history, the fit with all terms
             sets += [np.array(coefficients) for coefficients in ssr.history_[1:]]
         score = [
-            float(np.sum((y - x_ @ theta.T) ** 2)) + self.penalty * np.count_nonzero(theta)
+            float(np.sum((y - X @ theta.T) ** 2)) + self.penalty * np.count_nonzero(theta)
             for theta in sets
         ]
-        self.coef_ = sets[int(np.argmin(score))]
+        self.coef_ = sets[int(np.argmin(score))] / scale
         return self
 
 
-def _least_squares(X: Array, y: Array) -> Array:
-    """Least squares of one target, array (1, p)."""
-    return least_squares(X, y.ravel())[None]
+def _solved(X: Array, y: Array) -> Array:
+    """Least squares of one target (n, 1) on columns of one length, array (1, p)."""
+    return np.asarray(np.linalg.lstsq(X, y.reshape(-1, 1), rcond=RANK_TOLERANCE)[0].T)
 
 
 @cache
@@ -145,7 +145,7 @@ def _stepwise() -> Any:
     class Stepwise(SSR):  # type: ignore[misc]  # pysindy has no types
         def _regress(self, x: Array, y: Array) -> Array:
             self.iters += 1
-            return _least_squares(x, y)
+            return _solved(x, y)
 
     return Stepwise
 

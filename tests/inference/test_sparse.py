@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 
 from pmmkit.inference import (
     Collinearity,
+    EffectiveSample,
     Elimination,
     Equations,
     Resampling,
+    Selection,
     SparseProblem,
     select_terms,
     unit_covariance,
@@ -148,3 +150,79 @@ def test_elimination_finds_the_set_that_an_exhaustive_search_finds(units):
 
     every = [[i for i in range(5) if bits >> i & 1] for bits in range(1, 32)]
     assert chosen.tolist() == min(every, key=score)
+
+
+def test_rows_that_share_errors_are_worth_what_kish_says():
+    """Runs of m rows with an offset of size τ: n = N / (1 + (m - 1) ρ), ρ = τ² / (1 + τ²)."""
+    rng = np.random.default_rng(0)
+    m, count, tau = 20, 300, 0.5
+    runs = [
+        Equations.of((np.ones((m, 1)), 3.0 + tau * rng.normal() + rng.normal(size=m)))
+        for _ in range(count)
+    ]
+    sample = EffectiveSample.of(runs)
+    effect = 1 + (m - 1) * tau**2 / (1 + tau**2)
+    assert sample.size == pytest.approx(m * count / effect, rel=0.2)
+    assert sample.variance == pytest.approx([effect * (1 + tau**2)], rel=0.2)
+    white = EffectiveSample.of([Equations.of((x, x @ [2.0] + y)) for x, y in pairs_of(rng, m)])
+    assert white.size == pytest.approx(m * 300, rel=0.2)
+    assert white.variance == pytest.approx([1.0], rel=0.2)
+
+
+def pairs_of(rng, m):
+    return [(rng.normal(size=(m, 1)), rng.normal(size=m)) for _ in range(300)]
+
+
+def test_a_covariance_is_that_of_the_regression_where_bags_are_of_one_mind():
+    """Two channels with variances of their own: the sandwich, by numpy."""
+    rng = np.random.default_rng(3)
+    parts = [[(rng.normal(size=(n, 2)), rng.normal(size=n)) for n in (30, 20)] for _ in range(5)]
+    runs = [Equations.of(*part) for part in parts]
+    variance = np.array([2.0, 0.5])
+    both = Selection(
+        coefficients=np.ones((10, 2)), shares=np.ones(2), stays=np.ones(2, bool)
+    ).covariance(runs, EffectiveSample(size=100, variance=variance))
+    X = [np.concatenate([part[channel][0] for part in parts]) for channel in range(2)]
+    inverse = np.linalg.inv(sum(x.T @ x for x in X))
+    middle = sum(size * x.T @ x for x, size in zip(X, variance, strict=True))
+    np.testing.assert_allclose(both, inverse @ middle @ inverse, rtol=1e-10)
+
+
+def test_what_a_choice_costs_is_weighted_by_the_bic():
+    """Two sets by hand: with both terms, and with the first alone."""
+    rng = np.random.default_rng(4)
+    X = rng.normal(size=(50, 2))
+    X[:, 1] += 2 * X[:, 0]
+    y = X @ [1.0, 0.15] + rng.normal(size=50)
+    coefficients = np.array([[1.0, 1.0], [1.0, 1.0], [1.0, 0.0]])
+    found = Selection(
+        coefficients=coefficients, shares=np.array([1.0, 2 / 3]), stays=np.ones(2, bool)
+    ).covariance_of_choice([Equations.of((X, y))], EffectiveSample(size=50, variance=np.ones(1)))
+    whole = np.linalg.lstsq(X, y, rcond=None)[0]
+    alone = np.array([X[:, 0] @ y / (X[:, 0] @ X[:, 0]), 0.0])
+    bic = [np.sum((y - X @ b) ** 2) + k * math.log(50) for b, k in ((whole, 2), (alone, 1))]
+    weight = 1.0 / (1.0 + math.exp((bic[1] - bic[0]) / 2))
+    expected = weight * np.outer(alone - whole, alone - whole)
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rule", ["stepwise", "elimination"])
+def test_intervals_hold_the_truth_of_terms_that_have_a_like_one(rule):
+    """Runs with v, v|v| and v³, offsets of runs: bags alone were ten times too wide."""
+    far = []
+    for seed in range(25):
+        rng, runs = np.random.default_rng(seed), []
+        for size in np.repeat([0.1, 0.2, 0.3, 0.4], 5):
+            v = size * np.sin(np.linspace(0, 6 * np.pi, 60))
+            X = np.stack([v, v * np.abs(v), v**3], axis=1)
+            y = X @ [60.0, 100.0, 0.0] + rng.normal(size=60) + 0.2 * rng.normal()
+            runs.append(Equations.of((X, y)))
+        found = select_terms(
+            SparseProblem.single("Y", 3, rule), runs, Resampling.of(len(runs), 30, rng)
+        )
+        std = np.sqrt(np.diagonal(found.covariance(runs, EffectiveSample.of(runs))))
+        theta = Equations.joined(runs).least_squares(found.stays)
+        far.append(((theta - [60.0, 100.0, 0.0])[found.stays] / std)[0])
+    assert np.mean(np.abs(far) < 1.96) >= 0.88
+    assert 0.4 < np.sqrt(np.mean(np.square(far))) < 1.4
