@@ -4,7 +4,7 @@ Sizes of random effects, intervals of mixtures, least squares and sparse regress
 """
 
 from pmmkit.inference.collinear import Collinearity
-from pmmkit.inference.least_squares import Equations, unit_covariance
+from pmmkit.inference.equations import Equations, unit_covariance
 from pmmkit.inference.mixture import half_width
 from pmmkit.inference.random_effects import (
     KINDS,

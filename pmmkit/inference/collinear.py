@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.inference.least_squares import RANK_TOLERANCE, Equations, unit_columns
+from pmmkit.inference.equations import RANK_TOLERANCE, Equations, unit_columns
 from pmmkit.numerics import Array
 
 ALIKE: Final = 0.95

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Final, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.inference.least_squares import RANK_TOLERANCE, Equations, Flags, unit_columns
+from pmmkit.inference.equations import RANK_TOLERANCE, Equations, Flags, unit_columns
 from pmmkit.numerics import Array
 
 UNDECIDED: Final = (0.2, 0.8)
