@@ -248,12 +248,14 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
     Examples
     --------
-    >>> did_you_mean("drift_dge", ["drift_deg", "speed"])
-    "; did you mean 'drift_deg'?"
+    >>> did_you_mean("drift_dge", ["drift_deg", "speed"]), did_you_mean("KVLCC", ["kvlcc2"])
+    ("; did you mean 'drift_deg'?", "; did you mean 'kvlcc2'?")
     """
     listed = list(known)
     folded = {item.lower(): item for item in listed}
     if name.lower() in folded:
         return f"; did you mean {folded[name.lower()]!r}?"
-    near = difflib.get_close_matches(name, listed, n=1, cutoff=0.6)
+    near = difflib.get_close_matches(name, listed, n=1, cutoff=0.6) or [
+        folded[item] for item in difflib.get_close_matches(name.lower(), folded, n=1, cutoff=0.6)
+    ]
     return f"; did you mean {near[0]!r}?" if near else ""

@@ -13,6 +13,7 @@ from pmmkit.numerics import Array
 
 TENFOLD: Final = "10kq"
 """What tables often call KQ, drawn beside KT."""
+_FACTORS: Final = ("KT_factor", "KQ_factor")
 
 
 def open_water(campaign: Campaign) -> tuple[Array, Array, Array] | None:
@@ -37,6 +38,19 @@ def open_water(campaign: Campaign) -> tuple[Array, Array, Array] | None:
     except (KeyError, ValueError, TypeError):
         return None
     return (J, KT, KQ) if len(J) == len(KT) == len(KQ) else None
+
+
+def with_open_water(campaign: Campaign) -> Campaign:
+    """The campaign with the curve itself in place of the name of its file, for files that travel.
+
+    What cannot be read stays the name that it was.
+    """
+    curve = open_water(campaign)
+    if curve is None or not isinstance(campaign.propeller.get("open_water"), str):
+        return campaign
+    kept = {name: x for name, x in campaign.propeller.items() if name not in _FACTORS}
+    table = {name: x.tolist() for name, x in zip(("J", "KT", "KQ"), curve, strict=True)}
+    return campaign.with_(propeller={**kept, "open_water": table})
 
 
 def _csv(campaign: Campaign, name: str) -> Mapping[str, list[str]] | None:

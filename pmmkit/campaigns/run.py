@@ -120,6 +120,16 @@ class Run(Described):
         """Whether the model oscillates."""
         return self.kind_of_test.oscillates
 
+    @property
+    def setting(self) -> str:
+        """What it was set to, with the speed, without the kind of test."""
+        surges = self.kind_of_test.surges
+        parts = [
+            f"{'surge' if surges and item.symbol == 'a' else item.word} {item.value:.3g}{item.unit}"
+            for item in self.settings.told
+        ]
+        return ", ".join([f"{self.settings.speed:.3g} m/s", *parts])
+
     def plot(self) -> Figure:
         """The channels of its history over time.
 

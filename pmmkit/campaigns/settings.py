@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 SETTING_KEYS: Final = {
     "drift": "drift_deg",
@@ -29,6 +29,36 @@ def setting_key(name: str) -> str:
     ('drift_deg', 'period')
     """
     return SETTING_KEYS.get(name, name)
+
+
+_TOLD: Final = (
+    ("drift", "β", "drift", "°", "+.3g"),
+    ("rudder", "δ", "rudder", "°", "+.3g"),
+    ("heel", "heel", "heel", "°", "+.3g"),
+    ("amplitude", "a", "sway", " m", ".4g"),
+    ("yaw_amplitude", "ψ", "yaw", "°", ".3g"),
+    ("rudder_amplitude", "δ0", "rudder swing", "°", ".3g"),
+    ("period", "T", "period", " s", ".4g"),
+    ("turn_rate", "r", "yaw rate", "°/s", "+.3g"),
+    ("switch", "switch", "switch", "°", ".3g"),
+    ("propeller_rps", "n", "propeller", "/s", ".4g"),
+    ("depth", "h", "depth", " m", ".4g"),
+    ("wave_height", "H", "waves", " m", ".3g"),
+    ("wave_period", "Tp", "waves of", " s", ".3g"),
+    ("waves_from", "waves from", "waves from", "°", ".3g"),
+)
+"""Settings in the order in which they are told: name, symbol, word, unit, and how a number is
+written beside the symbol."""
+
+
+class Told(NamedTuple):
+    """A setting as people read it."""
+
+    symbol: str
+    word: str
+    value: float
+    unit: str
+    form: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,17 +139,17 @@ class Settings:
     @property
     def words(self) -> tuple[str, ...]:
         """What is set besides the speed, with units."""
-        angles = {"β": self.drift, "δ": self.rudder, "heel": self.heel}
-        found = [f"{name} {math.degrees(x):+.3g}°" for name, x in angles.items() if x]
-        if self.amplitude:
-            found.append(f"a {self.amplitude:.4g} m")
-        if self.yaw_amplitude:
-            found.append(f"ψ {math.degrees(self.yaw_amplitude):.3g}°")
-        if self.rudder_amplitude:
-            found.append(f"δ0 {math.degrees(self.rudder_amplitude):.3g}°")
-        if self.period:
-            found.append(f"T {self.period:.4g} s")
-        return tuple(found)
+        return tuple(f"{item.symbol} {item.value:{item.form}}{item.unit}" for item in self.told)
+
+    @property
+    def told(self) -> tuple[Told, ...]:
+        """What is set besides the speed and is not zero; a circle by its rate."""
+        angles = {"°": math.degrees, "°/s": math.degrees}
+        return tuple(
+            Told(symbol, word, angles.get(unit, float)(value), unit, form)
+            for name, symbol, word, unit, form in _TOLD
+            if (value := getattr(self, name))
+        )
 
     @property
     def omega(self) -> float | None:

@@ -16,6 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
 
+from pmmkit.campaigns.open_water import with_open_water
 from pmmkit.campaigns.run import Campaign, Correction, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
@@ -46,7 +47,7 @@ def save_campaign(campaign: Campaign, path: str | Path) -> None:
     ----------
     campaign : Campaign
         Captive or free-running. An excluded run whose data cannot be read is kept with the
-        reason, without data.
+        reason, without data; an open-water curve that lies in a file of its own is kept itself.
     path : path
         File to write, usually ``.h5`` or ``.nc``. May be the file that the campaign was loaded
         from.
@@ -75,7 +76,7 @@ def save_campaign(campaign: Campaign, path: str | Path) -> None:
 
     try:
         with atomic_path(path) as part, h5netcdf.File(str(part), "w", libver=_LIBVER) as file:
-            _write(file, campaign)
+            _write(file, with_open_water(campaign))
     except OSError as error:
         raise CampaignError(
             Problem(message=f"cannot be written: {error}.", file=str(path))

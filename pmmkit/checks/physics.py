@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from pmmkit.checks.expected import prime_unit
-from pmmkit.checks.finding import figure
 from pmmkit.checks.inertia import inertia_ratio
 from pmmkit.checks.signs import DRIFT_LIMIT, SIGMAS, Slope, damping, drift_slope, rudder_slope
 from pmmkit.numerics import Array
+from pmmkit.presentation import counted
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -82,8 +82,9 @@ class AskedSign:
         return 1 if self.value * self.right > 0 else -1
 
     def __str__(self) -> str:
+        """Without the number: a draft has it over a ship and a speed that nobody stated."""
         word = {1: "as it should be", -1: "against physics", 0: "not certain"}[self.verdict]
-        return f"{self.words} is {figure(self.value)} ({len(self.runs)} runs): {word}"
+        return f"{self.words} is {word} ({counted(len(self.runs), 'run')})"
 
 
 def asked_signs(campaign: Campaign, summaries: Sequence[Summary]) -> tuple[AskedSign, ...]:

@@ -29,6 +29,7 @@ from pmmkit.equations.layouts import (
     StepField,
 )
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, Structure, Used
+from pmmkit.inference import estimators
 
 MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U", "beta", "Fn")
 CONTROLS: Final = ("delta", "n", "n_order", "bucket")
@@ -45,9 +46,10 @@ ESTIMATING: Final = (
     "equilibrium.py",
     "integrator.py",
     "sensors.py",
-    "covariances.py",
-    "estimators.py",
+    "intervals.py",
+    str(estimators.__file__),
 )
+"""What carries records through filters; the filters themselves know nothing of ships."""
 ENTRIES: Final = (
     "rates",
     "complete",
@@ -63,6 +65,7 @@ ENTRIES: Final = (
     "linearised",
     "correct",
     "predict",
+    "wander",
     "scatter",
     "extended",
     "smoothed",
@@ -70,7 +73,7 @@ ENTRIES: Final = (
     "windows",
     "pushed",
     "along",
-    "take_in",
+    "shown",
     "steered",
 )
 """Functions that are called from outside the module."""
@@ -543,7 +546,7 @@ def _functions(files: tuple[str, ...]) -> str:
     nodes = [
         _Numbers().visit(node)
         for name in files
-        for node in ast.parse(Path(__file__).with_name(name).read_text(encoding="utf-8")).body
+        for node in ast.parse(Path(__file__).parent.joinpath(name).read_text(encoding="utf-8")).body
         if not (isinstance(node, ast.FunctionDef) and _stands_for_another(node))
     ]
     parts = []

@@ -1,6 +1,6 @@
-"""What sensors should show of a motion, and how a filter takes it in.
+"""What sensors should show of a motion.
 
-As `estimators`, this file is written into a module of one structure's equations; `kinds` says what
+As `intervals`, this file is written into a module of one structure's equations; `kinds` says what
 each column of `measured` is: the place of a state, or one of `OverGround`.
 """
 
@@ -52,12 +52,8 @@ def expected(kind: int, z: Array, k: Array, h: Array) -> float:
     return float(shown)
 
 
-def drifted(
-    kind: int, z: Array, k: Array, h: Array, starts: Places, places: Places, slopes: Array
-) -> None:
-    """Slopes of a channel over the parameters that are a current: it adds to the velocity."""
-    if kind < NS:
-        return
+def drifted(z: Array, k: Array, h: Array, starts: Places, places: Places, slopes: Array) -> None:
+    """Slopes of a velocity over ground over the parameters that are a current: it adds to it."""
     ahead, aside = math.cos(z[State.psi]), math.sin(z[State.psi])
     across = h[State.v] / upright(z, k)
     north, east = h[State.u] * ahead - across * aside, h[State.u] * aside + across * ahead
@@ -74,73 +70,3 @@ def turned_back(residual: float, kind: int) -> float:
     if kind != State.psi:
         return residual
     return residual - 2.0 * math.pi * math.floor(residual / (2.0 * math.pi) + 0.5)
-
-
-def correct(
-    z: Array, P: Array, h: Array, residual: float, variance: float, gain: Array, left: Array
-) -> float:
-    """Take in one measurement, in Joseph's form; gives the variance of its residual."""
-    n = len(z)
-    seen = 0.0
-    for i in range(n):
-        left[i] = 0.0
-    for j in range(n):
-        if h[j] != 0.0:
-            for i in range(n):
-                left[i] += P[i, j] * h[j]
-    for j in range(n):
-        seen += h[j] * left[j]
-    total = seen + variance
-    for i in range(n):
-        gain[i] = left[i] / total
-        z[i] += gain[i] * residual
-    for i in range(n):
-        again = variance * gain[i] - (left[i] - gain[i] * seen)
-        for j in range(i + 1):
-            P[i, j] += again * gain[j] - gain[i] * left[j]
-    for i in range(n):
-        for j in range(i):
-            P[j, i] = P[i, j]
-    return total
-
-
-def take_in(
-    measured: Array,
-    kinds: Places,
-    variances: Array,
-    z: Array,
-    P: Array,
-    k: Array,
-    starts: Places,
-    places: Places,
-    slopes: Array,
-    about: Array,
-    change: Array,
-    gate: float,
-    h: Array,
-    gain: Array,
-    left: Array,
-    residuals: Array,
-    spreads: Array,
-) -> None:
-    """Take in the measurements of an instant, one after another, but for those beyond the gate."""
-    n, m = len(z), len(z) - NS
-    for q in range(len(kinds)):
-        residuals[q] = math.nan
-        spreads[q] = math.nan
-        if math.isnan(measured[q]):
-            continue
-        shown = expected(kinds[q], z, k, h)
-        drifted(kinds[q], z, k, h, starts, places, slopes)
-        for j in range(m):
-            shown += h[NS + j] * (z[NS + j] - about[j] - change[j])
-        residual = turned_back(measured[q] - shown, kinds[q])
-        spread = variances[q]
-        for i in range(n):
-            if h[i] != 0.0:
-                for j in range(n):
-                    spread += h[i] * P[i, j] * h[j]
-        residuals[q], spreads[q] = residual, spread
-        if residual * residual > gate * gate * spread:
-            continue
-        correct(z, P, h, residual, variances[q], gain, left)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
-from pmmkit.campaigns.open_water import open_water
+from pmmkit.campaigns.open_water import with_open_water
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.samples.column_mapping import required_channels
 from pmmkit.channels import CHANNEL_UNITS, FORCE_CHANNELS
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 _ROW: Final = "No."
 """Column of a table that numbers its rows."""
-_FACTORS: Final = ("KT_factor", "KQ_factor")
 LONGEST: Final = 80
 """Letters of a run's id in the name of its file."""
 _REMEDY: Final = "Export the campaign as netcdf, which keeps everything."
@@ -61,23 +60,13 @@ def write_campaign_csv(campaign: Campaign, folder: str | Path) -> list[str]:
     """
     if (Path(folder) / FILE_NAME).exists():
         raise FileExists(f"{folder} holds a {FILE_NAME} already. Choose another folder.")
-    campaign = _with_open_water(campaign)
+    campaign = with_open_water(campaign)
     with atomic_folder(folder) as part:
         entries = _write_runs(campaign, part)
         text = campaign_text(campaign, entries)
         (part / FILE_NAME).write_text(text, encoding="utf-8", newline="\n")
         _compare(campaign, part, set(entries))
         return sorted(file.name for file in part.iterdir())
-
-
-def _with_open_water(campaign: Campaign) -> Campaign:
-    """The campaign with the open-water curve itself in place of the name of its file."""
-    curve = open_water(campaign)
-    if curve is None or not isinstance(campaign.propeller.get("open_water"), str):
-        return campaign
-    kept = {name: x for name, x in campaign.propeller.items() if name not in _FACTORS}
-    table = {name: x.tolist() for name, x in zip(("J", "KT", "KQ"), curve, strict=True)}
-    return campaign.with_(propeller={**kept, "open_water": table})
 
 
 def _write_runs(campaign: Campaign, part: Path) -> dict[str, dict[str, Any]]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pmmkit.escaping import figure_text
+from pmmkit.inference import COVERAGE
 from pmmkit.plotting import style
 from pmmkit.validation.free_running import FORCE_UNITS, FreeRun
-from pmmkit.validation.uncertainty import COVERAGE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pmmkit.inference import std_along
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 from pmmkit.presentation import WIDE
@@ -79,7 +80,7 @@ def cycles_by_froude(
                     )
                     if channel in run.covariance:
                         V = np.nan_to_num(run.covariance[channel])
-                        half = WIDE * 1e3 * np.sqrt(np.einsum("ij,jk,ik->i", basis, V, basis))
+                        half = WIDE * 1e3 * std_along(basis, V)
                         axis.fill_between(
                             np.degrees(theta),
                             value - half,

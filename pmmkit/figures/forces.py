@@ -12,6 +12,7 @@ import numpy as np
 from pmmkit.conventions import force_unit
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import State
+from pmmkit.inference import std_along
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 from pmmkit.presentation import WIDE
@@ -174,7 +175,7 @@ def _curve(
     design = scale * design[:, acting]
     value = design @ table.value[row, columns]
     covariance = table.covariance[row, columns][:, row, columns]
-    half = WIDE * np.sqrt(np.einsum("ij,jk,ik->i", design, covariance, design).clip(0))
+    half = WIDE * std_along(design, covariance)
     axis.plot(np.degrees(drift), value, color=colour, lw=1.3)
     axis.fill_between(np.degrees(drift), value - half, value + half, color=colour, alpha=0.18, lw=0)
 

@@ -12,7 +12,7 @@ from pmmkit.conventions import Convention
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import UnknownNameError
 from pmmkit.escaping import figure_text
-from pmmkit.estimation.innovations import autocorrelation
+from pmmkit.inference import autocorrelation
 from pmmkit.plotting import style
 from pmmkit.plotting.identification import parameter_symbol
 from pmmkit.plotting.marks import open_mark

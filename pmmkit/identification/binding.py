@@ -58,6 +58,22 @@ class Binding:
             k[self.places[own]] += self.slopes[own] * change
         return k
 
+    def about(self, values: Array) -> Binding:
+        """The same lines from other values on."""
+        return replace(self, base=self.constants(values), mean=values)
+
+    def at(self, values: Array) -> Binding:
+        """With the parameters held at values, so that there are none."""
+        return Binding(
+            structure=self.structure,
+            names=(),
+            mean=np.zeros(0),
+            base=self.constants(values),
+            starts=np.zeros(1, np.int64),
+            places=np.zeros(0, np.int64),
+            slopes=np.zeros(0),
+        )
+
 
 def driven(model: Model) -> Model:
     """The model without the parts that move its revolutions: these are measured."""

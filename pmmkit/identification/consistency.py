@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from pmmkit.estimation.innovations import LAGS, Consistency, innovation_tests
 from pmmkit.identification.filters import Filtered
+from pmmkit.inference import LAGS, Consistency, innovation_tests
 
 
 def consistency(found: Filtered, *, lags: int = LAGS) -> Consistency:

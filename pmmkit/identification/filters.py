@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
-from pmmkit.equations.layouts import Status
 from pmmkit.errors import DataError, SimulationError
-from pmmkit.estimation.innovations import Innovations
 from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.lack import Lack, Piece, colour_of, lack_of, stretches
+from pmmkit.identification.passes import Pass, Process, passed, seen, state_steps
 from pmmkit.identification.prior import Prior
-from pmmkit.identification.record import KINDS, FreeRecord, sensors_of
+from pmmkit.identification.record import FreeRecord, sensors_of
+from pmmkit.inference import Innovations
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.progress import Progress
@@ -186,7 +186,7 @@ def kalman(
     linearised in the parameters about the result of the pass before (the prior stays), until
     nothing changes by more than 2 % of its standard deviation. Process noise acts through the whole
     interval, so that it reaches heading and position too and is damped (Van Loan 1978); its size is
-    the best of a scale of values, climbed from the first. What wanders moves at the instants. The
+    the best of a scale of values, climbed from the first. What wanders does so all the time. The
     unscented filter makes one pass. Revolutions are inputs, even where the model has a shaft. What
     the model lacks widens the covariance: see `lack_of`; its windows are 8 ship lengths long and
     begin from what is measured there.
@@ -273,7 +273,7 @@ def _roughest(setup: _Setup, about: Array, first: float, passes: _Passes) -> flo
             passes.tell(len(found), f"process noise {ROUGHNESS[place]:g}")
             try:
                 runs = _pass(setup, "ekf", ROUGHNESS[place], about)[2]
-                found[place] = sum(run[2].log_likelihood() for run in runs)
+                found[place] = sum(run.innovations.log_likelihood() for run in runs)
             except SimulationError:
                 found[place] = -math.inf
         return found[place]
@@ -288,7 +288,7 @@ def _roughest(setup: _Setup, about: Array, first: float, passes: _Passes) -> flo
 
 def _lack(
     setup: _Setup,
-    method: str,
+    method: Literal["ekf", "ukf"],
     roughness: float,
     values: Array,
     covariance: Array,
@@ -328,8 +328,8 @@ def _filtered(
     started: float,
 ) -> Filtered:
     z, P, runs = _pass(setup, method, roughness, about)
-    names = [record.name for record in setup.records]
-    innovations = {name: run[2] for name, run in zip(names, runs, strict=True)}
+    by_name = {record.name: run for record, run in zip(setup.records, runs, strict=True)}
+    innovations = {name: run.innovations for name, run in by_name.items()}
     lack = _lack(setup, method, roughness, z, P, innovations)
     return Filtered(
         method=method,
@@ -338,8 +338,8 @@ def _filtered(
         covariance=lack.covariance,
         prior=setup.prior,
         lack=lack,
-        histories=MappingProxyType({name: run[0] for name, run in zip(names, runs, strict=True)}),
-        spreads=MappingProxyType({name: run[1] for name, run in zip(names, runs, strict=True)}),
+        histories=MappingProxyType({name: run.means for name, run in by_name.items()}),
+        spreads=MappingProxyType({name: run.variances for name, run in by_name.items()}),
         innovations=MappingProxyType(innovations),
         iterations=count,
         converged=done,
@@ -349,121 +349,37 @@ def _filtered(
 
 
 def _pass(
-    setup: _Setup, method: str, roughness: float, about: Array
-) -> tuple[Array, Array, list[tuple[Array, Array, Innovations]]]:
+    setup: _Setup, method: Literal["ekf", "ukf"], roughness: float, about: Array
+) -> tuple[Array, Array, list[Pass]]:
     """One pass over all records: parameters, their covariance, and what each record shows."""
-    binding, prior = setup.binding, setup.prior
-    size = len(binding.structure.states)
-    m = len(prior.names)
-    values, covariance = prior.mean.copy(), prior.covariance.copy()
-    base = binding.constants(about)
-    unit = prior.std
+    prior, states = setup.prior, setup.binding.structure.states
+    size, binding = len(states), setup.binding.about(about)
+    values, covariance = prior.mean, prior.covariance
+    moving = Process(
+        diffusion=np.concatenate([process(states, roughness, setup.speed, setup.L), setup.wander]),
+        fading=np.zeros(len(prior.names)),
+        frozen=np.where(setup.wander > 0.0, 0.0, 1.0),
+        steps=np.concatenate([state_steps(states, setup.speed, setup.L), 1e-4 * prior.std]),
+        longest=setup.longest,
+    )
     runs = []
     for record in setup.records:
-        y, spread = first_state(record, binding.structure.states, setup.sensors, setup.L)
-        z = np.concatenate([y, values])
-        P = np.zeros((size + m, size + m))
-        P[:size, :size] = np.diag(spread)
+        y, spread = first_state(record, states, setup.sensors, setup.L)
+        P = np.diag(np.concatenate([spread, np.zeros(len(values))]))
         P[size:, size:] = covariance
-        names = tuple(record.measured)
-        kinds = np.array([kind_of(name, binding.structure.states) for name in names], np.int64)
-        measured = np.stack([record.measured[name] for name in names], axis=1)
-        variances = np.array([setup.sensors[name] ** 2 for name in names])
-        diffusion = np.concatenate(
-            [process(binding.structure.states, roughness, setup.speed, setup.L), setup.wander]
+        run = passed(
+            setup.functions,
+            binding,
+            seen(record, states, setup.sensors),
+            moving,
+            np.concatenate([y, values]),
+            P,
+            method=method,
+            gate=setup.gate,
         )
-        n = len(record)
-        means = np.empty((n, 2 * (size + m)))
-        residuals, spreads = np.empty((n, len(names))), np.empty((n, len(names)))
-        longest = setup.longest
-        steps = np.concatenate(
-            [state_steps(binding.structure.states, setup.speed, setup.L), 1e-4 * unit]
-        )
-        shared = (
-            record.t,
-            record.inputs,
-            measured,
-            kinds,
-            variances,
-            base,
-            binding.starts,
-            binding.places,
-            binding.slopes,
-            about,
-        )
-        if method == "ekf":
-            frozen = np.where(setup.wander > 0.0, 0.0, 1.0)
-            status = setup.functions.extended(
-                *shared,
-                frozen,
-                z,
-                P,
-                np.zeros(m),
-                diffusion,
-                steps,
-                longest,
-                setup.gate,
-                means,
-                residuals,
-                spreads,
-                np.empty((0, 0)),
-            )
-        else:
-            status = setup.functions.unscented(
-                *shared,
-                z,
-                P,
-                np.zeros(m),
-                diffusion,
-                longest,
-                setup.gate,
-                means,
-                residuals,
-                spreads,
-            )
-        if status != Status.done:
-            raise SimulationError(LOST[Status(status)].format(record.name))
-        values, covariance = z[size:].copy(), P[size:, size:].copy()
-        gated = residuals**2 > setup.gate**2 * spreads
-        runs.append(
-            (
-                means[:, : size + m],
-                means[:, size + m :],
-                Innovations(names=names, residuals=residuals, variances=spreads, gated=gated),
-            )
-        )
+        values, covariance = run.z[size:], run.P[size:, size:]
+        runs.append(run)
     return values, covariance, runs
-
-
-LOST: Final = {
-    Status.mass: "Record {}: the filter makes the mass matrix indefinite. Give a narrower prior "
-    "for the added masses, or hold them.",
-    Status.unbound: "Record {}: the filter loses the motion. Check the signs of rudder and "
-    "heading, the start values, and the sensors' standard deviations.",
-}
-
-
-def state_steps(states: Sequence[str], speed: float, L: float) -> Array:
-    """Steps of the differences over the states, for a speed [m/s] and a ship length [m]."""
-    sizes = {"u": speed, "v": speed, "r": speed / L}
-    return np.array([1e-6 * sizes.get(name, 1.0) for name in states])
-
-
-def kind_of(name: str, states: Sequence[str]) -> int:
-    """Number by which the filters know a channel.
-
-    Raises
-    ------
-    DataError
-        If the model has no such state.
-    """
-    if name in KINDS:
-        return KINDS[name]
-    if name not in states:
-        raise DataError(
-            f"The model has no state {name}: leave that channel out, or add a part 'roll'."
-        )
-    return list(states).index(name)
 
 
 def process(states: Sequence[str], roughness: float, speed: float, L: float) -> Array:

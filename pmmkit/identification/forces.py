@@ -21,7 +21,7 @@ from pmmkit.identification.binding import bound, driven
 from pmmkit.identification.lack import Lack, Piece, lack_of, lasting
 from pmmkit.identification.parameters import places, replaced, with_parameters
 from pmmkit.identification.prior import Prior
-from pmmkit.inference import unit_covariance
+from pmmkit.inference import least_squares as linear_fit
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.progress import Progress
@@ -233,10 +233,11 @@ def fit_to_forces(
             break
         width = math.sqrt(widened)
     values = found.x * size
-    covariance = unit_covariance(
-        np.vstack([found.jac[:rows] * width / math.sqrt(widened), found.jac[rows:]]) / size
-    )
-    lost = np.isnan(np.diagonal(covariance))
+    slope = np.vstack([found.jac[:rows] * width / math.sqrt(widened), found.jac[rows:]])
+    linear = linear_fit(names, slope, np.zeros(len(slope)))
+    root, lost = linear.gain * size[:, None], ~linear.determined
+    covariance = np.asarray(root @ root.T)
+    covariance[lost, :] = covariance[:, lost] = np.nan
     lack = None
     if prior is not None and not lost.any():
         jacobian_now = found.jac[:rows] * width / size

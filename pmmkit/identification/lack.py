@@ -11,9 +11,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.estimation.innovations import Innovations
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
+from pmmkit.inference import Innovations
 from pmmkit.numerics import Array
 
 LENGTHS: Final = (1.0, 2.0, 4.0, 8.0)
@@ -242,7 +242,7 @@ def colour_of(
     >>> slow = np.convolve(noise[:, 1], np.ones(5) / 5**0.5, "same")
     >>> item = Innovations(
     ...     names=("psi", "r"), residuals=np.stack([noise[:, 0], slow], axis=1),
-    ...     variances=np.ones((2000, 2)), gated=np.zeros((2000, 2), bool))
+    ...     variances=np.ones((2000, 2)))
     >>> {name: round(x) for name, x in colour_of({"zigzag": item}, {"zigzag": 10.0}).items()}
     {'r': 5}
     """
@@ -334,8 +334,7 @@ def _sums(item: Innovations, name: str, count: int) -> Array:
     """Squares of sums over blocks, over their number; a gated innovation counts as the gate."""
     column = item.names.index(name)
     ratio = item.residuals[:, column] / np.sqrt(item.variances[:, column])
-    kept = np.abs(ratio[~item.gated[:, column] & np.isfinite(ratio)])
-    ratio = np.clip(ratio, -np.max(kept, initial=0.0), np.max(kept, initial=0.0))
+    ratio = np.clip(ratio, -item.gate, item.gate)
     blocks = ratio[: len(ratio) // count * count].reshape(-1, count)
     there: NDArray[np.int64] = np.isfinite(blocks).sum(axis=1)
     sums: Array = np.nansum(blocks, axis=1)[there > 0] ** 2 / there[there > 0]

@@ -21,6 +21,7 @@ from pmmkit.identification.filters import STEP
 from pmmkit.identification.prior import stated_covariance
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed, smooth
+from pmmkit.inference import axes, differences, displaced
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
 
 STARTS: Final = 4
 """Windows begin at so many places in each length of a window."""
-LEAST: Final = 1e-12
-"""Share of the largest variance below which one is rounding."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -275,30 +274,24 @@ def prediction_std(
     Returns
     -------
     dict of str to array (n,)
-        By state [m, rad, m/s, rad/s]: to first order, a ship a standard deviation away along each
-        principal axis of the start, and of the values of the model. What the rudder's noise moves
-        is left out: of a tanker 0.01° of heading in two minutes.
+        By state [m, rad, m/s, rad/s]: to first order, from ships a standard deviation away to
+        either side along each of the `axes` of the start and of the values of the model (JCGM
+        100:2008, 5.1.3, note 2). What the rudder's noise moves is left out: of a tanker 0.01° of
+        heading in two minutes.
     """
     names, C = _stated(model, item.record, extrapolate)
     course = Course.of(model, item.record, names, extrapolate=extrapolate)
     start = course.states_of(item)[at[0]]
     size = len(start)
-    away = _axes(item.covariance[at[0]][:size, :size])
-    sailed = course.sail(at, np.vstack([start[None], start + away]))
-    square = np.sum((sailed[1:] - sailed[0]) ** 2, axis=0)
-    for change in _axes(C):
-        (other,) = course.sail(at, start[None], change)
-        square += (other - sailed[0]) ** 2
+    begun = displaced(start, axes(item.covariance[at[0]][:size, :size]))
+    sailed = [
+        course.sail(at, begun),
+        *(course.sail(at, start[None], x) for x in displaced(np.zeros(len(names)), axes(C))),
+    ]
+    factors = differences(np.concatenate(sailed))
+    square = np.sum(factors**2, axis=0)
     std = np.sqrt(np.where(np.isnan(square), np.inf, square))
     return dict(zip(course.states, std.T, strict=True))
-
-
-def _axes(covariance: Array) -> Array:
-    """Principal axes (m, m), each a standard deviation long; those of no length are left out."""
-    sizes, axes = np.linalg.eigh(covariance)
-    there = sizes > LEAST * sizes.max(initial=0.0)
-    found: Array = (axes[:, there] * np.sqrt(sizes[there])).T
-    return found
 
 
 def _stated(model: Model, record: FreeRecord, extrapolate: bool) -> tuple[tuple[str, ...], Array]:

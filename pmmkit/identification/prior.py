@@ -14,8 +14,9 @@ from pmmkit.equations.prepared import values_at
 from pmmkit.errors import DataError
 from pmmkit.identification.parameters import places
 from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS, place_name
+from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
+from pmmkit.simulation.spread import is_uncertain, spread_of
 
 SPREAD: Final = 0.3
 """Relative standard deviation of a derivative of which nothing else is known."""
@@ -145,28 +146,19 @@ def stated_covariance(
     Parameters
     ----------
     model : Model
-        The values of parts that state a standard deviation alone are independent of all others.
+        As for `spread_of`: one that states nothing has no pairs.
     speed : float
         Of the approach [m/s].
     extrapolate : bool
         Allow a speed outside the range of the model's values.
     """
-    alone = {
-        (place_name(effect, name), place_name(effect, name)): std**2
-        for effect, part in model.parts.items()
-        for name, std in part.std.items()
-        if std > 0
-    }
-    if model.covariance is None:
-        return alone
-    froude = model.ship.froude(speed, model.water.g)
-    weights = np.array(model.weights(froude, extrapolate=extrapolate) if model.Fn else (1.0,))
-    size = len(model.covariance_names)
-    full = model.covariance.reshape(len(weights), size, len(weights), size)
-    at = np.einsum("a,aibj,b->ij", weights, np.nan_to_num(full, nan=0.0), weights)
-    return alone | {
-        (a, b): float(at[i, j])
-        for i, a in enumerate(model.covariance_names)
-        for j, b in enumerate(model.covariance_names)
-        if at[i, i] > 0 and at[j, j] > 0
+    if not is_uncertain(model):
+        return {}
+    known = spread_of(model, speed, extrapolate=extrapolate)
+    C = known.covariance
+    return {
+        (a, b): float(C[i, j])
+        for i, a in enumerate(known.names)
+        for j, b in enumerate(known.names)
+        if C[i, i] > 0 and C[j, j] > 0
     }

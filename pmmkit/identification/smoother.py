@@ -14,20 +14,14 @@ from pmmkit.conventions import force_unit
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
 from pmmkit.equations.histories import rigid_body
-from pmmkit.equations.layouts import Status
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import FORCES, bound, driven
-from pmmkit.identification.filters import (
-    GATE,
-    LOST,
-    STEP,
-    first_state,
-    kind_of,
-    state_steps,
-    with_forces,
-)
+from pmmkit.identification.filters import GATE, STEP, first_state, with_forces
 from pmmkit.identification.forces import ForceRecord
+from pmmkit.identification.passes import Pass, Process, passed, seen, smoothed, state_steps
 from pmmkit.identification.record import FreeRecord, sensors_of
+from pmmkit.inference import Innovations
+from pmmkit.inference.estimators import room
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 
@@ -139,64 +133,35 @@ def smooth(
     )
     states = binding.structure.states
     n, rows = len(states) + len(names), len(record)
-    width = 2 * n * n + 2 * n + len(states) * n + len(names)
-    if 8.0 * rows * (width + n * n) > ROOM:
+    needed = 8.0 * rows * (room(len(states), len(names)) + n * n)
+    if needed > ROOM:
         raise DataError(
             f"Record {record.name!r} of {rows} instants needs "
-            f"{8e-9 * rows * (width + n * n):.1f} GB: cut it, or take every second instant."
+            f"{1e-9 * needed:.1f} GB: cut it, or take every second instant."
         )
     functions = compiled(binding.structure, ESTIMATING)
     unit = units(ready, record.speed)
     pace = record.speed / ready.ship.L
-    channels = tuple(record.measured)
-    kinds = np.array([kind_of(name, states) for name in channels], np.int64)
-    measured = np.stack([record.measured[name] for name in channels], axis=1)
-    variances = np.array([known[name] ** 2 for name in channels])
+    first, measured = first_state(record, states, known, ready.ship.L), seen(record, states, known)
     fading = np.full(len(names), pace / memory)
 
-    def forward(share: float, *, store: bool) -> tuple[Array, float, int]:
+    def forward(share: float, *, store: bool) -> Pass:
         spread = np.array([share * unit[name[-1]] for name in names])
-        first = first_state(record, states, known, ready.ship.L)
         z, P, diffusion = with_forces(*first, spread, fading)
-        kept = np.zeros((rows if store else 0, width))
-        means = np.empty((rows, 2 * n))
-        residuals, totals = np.empty((rows, len(channels))), np.empty((rows, len(channels)))
         steps = np.concatenate([state_steps(states, record.speed, ready.ship.L), 1e-3 * spread])
-        status = functions.extended(
-            record.t,
-            record.inputs,
-            measured,
-            kinds,
-            variances,
-            binding.base,
-            binding.starts,
-            binding.places,
-            binding.slopes,
-            np.zeros(len(names)),
-            np.zeros(len(names)),
-            z,
-            P,
-            fading,
-            diffusion,
-            steps,
-            STEP / pace,
-            gate,
-            means,
-            residuals,
-            totals,
-            kept,
+        moving = Process(
+            diffusion=diffusion,
+            fading=fading,
+            frozen=np.zeros(len(names)),
+            steps=steps,
+            longest=STEP / pace,
         )
-        if status != Status.done:
-            raise SimulationError(LOST[Status(status)].format(record.name))
-        square = residuals**2 / totals
-        likelihood = -0.5 * np.nansum(np.minimum(square, gate**2) + np.log(totals))
-        return kept, float(likelihood), int(np.sum(square > gate**2))
+        return passed(functions, binding, measured, moving, z, P, gate=gate, store=store)
 
     if size is None:
         size = _likeliest(forward)
-    kept, likelihood, gated = forward(size, store=True)
-    means, covariance = np.empty((rows, n)), np.empty((rows, n, n))
-    functions.smoothed(kept, n, means, covariance)
+    found = forward(size, store=True)
+    means, covariance = smoothed(functions, found)
     return _told(
         record,
         states,
@@ -204,8 +169,7 @@ def smooth(
         means,
         covariance,
         size,
-        likelihood,
-        gated,
+        found.innovations,
         _rates(functions, binding.base, record, means, len(states), len(names)),
     )
 
@@ -219,12 +183,12 @@ def units(model: Model, speed: float) -> dict[str, float]:
     }
 
 
-def _likeliest(forward: Callable[..., tuple[Array, float, int]]) -> float:
+def _likeliest(forward: Callable[..., Pass]) -> float:
     """Size of the unknown forces of greatest likelihood; larger ones where all lose the motion."""
 
     def likelihood(share: float) -> float:
         try:
-            return forward(share, store=False)[1]
+            return forward(share, store=False).innovations.log_likelihood()
         except SimulationError:
             return -math.inf
 
@@ -255,8 +219,7 @@ def _told(
     means: Array,
     covariance: Array,
     size: float,
-    likelihood: float,
-    gated: int,
+    innovations: Innovations,
     rates: Array,
 ) -> Smoothed:
     std = np.sqrt(np.maximum(np.einsum("tii->ti", covariance), 0.0))
@@ -278,8 +241,8 @@ def _told(
         ),
         covariance=covariance,
         size=size,
-        log_likelihood=likelihood,
-        gated=gated,
+        log_likelihood=innovations.log_likelihood(),
+        gated=int(np.sum(innovations.gated)),
         record=record,
     )
 

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
-from pmmkit.equations.layouts import Constant, InputField, OverGround, State
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import Binding, bound, driven
-from pmmkit.identification.filters import STEP, first_state, kind_of
+from pmmkit.identification.filters import STEP, first_state
 from pmmkit.identification.lack import Lack, Piece, lack_of
+from pmmkit.identification.passes import kind_of
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.identification.starts import first_states
@@ -472,21 +472,9 @@ def _simulated(problem: _Problem, values: Array, first: Array) -> Array:
 
 def _residuals(problem: _Problem, states: Array, values: Array) -> Array:
     """Measured less simulated, over the sensors' standard deviations; NaN where not measured."""
+    shown = np.empty(problem.measured.shape)
     k = problem.binding.constants(values)
-    shown = np.empty((len(states), len(problem.kinds)))
-    ahead, aside = np.cos(states[:, State.psi]), np.sin(states[:, State.psi])
-    rolls = problem.binding.structure.rolls
-    heel = states[:, State.phi] if rolls else problem.inputs[:, InputField.roll]
-    level = states[:, State.v] * np.cos(heel)
-    north = states[:, State.u] * ahead - level * aside + k[Constant.current_x]
-    east = states[:, State.u] * aside + level * ahead + k[Constant.current_y]
-    other: dict[int, Array] = {
-        OverGround.north: north,
-        OverGround.east: east,
-        OverGround.size: np.hypot(north, east),
-    }
-    for i, kind in enumerate(problem.kinds.tolist()):
-        shown[:, i] = other[kind] if kind in other else states[:, kind]
+    problem.functions.shown(states, problem.inputs, problem.kinds, k, shown)
     return (problem.measured - shown) / problem.sensors
 
 

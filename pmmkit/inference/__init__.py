@@ -1,11 +1,35 @@
-"""Inference that knows nothing of ships.
-
-Sizes of random effects, intervals of mixtures, least squares and sparse regression.
-"""
+"""Inference that knows nothing of ships: evidence, errors, filters, propagation, sparsity."""
 
 from pmmkit.inference.collinear import Collinearity
-from pmmkit.inference.equations import Equations, unit_covariance
+from pmmkit.inference.convergence import R_HAT, Convergence, convergence
+from pmmkit.inference.equations import Equations
+from pmmkit.inference.information_filter import InformationRoot
+from pmmkit.inference.innovations import (
+    LAGS,
+    Consistency,
+    Innovations,
+    autocorrelation,
+    innovation_tests,
+)
+from pmmkit.inference.least_squares import (
+    RANK_TOLERANCE,
+    LeastSquares,
+    dependent,
+    least_squares,
+    optional_columns,
+)
+from pmmkit.inference.left_out import of_others, of_others_by_hat
 from pmmkit.inference.mixture import half_width
+from pmmkit.inference.normal import Normal, Taken, chance_of, integrated_out, log_normal
+from pmmkit.inference.propagation import (
+    COVERAGE,
+    Propagated,
+    axes,
+    differences,
+    displaced,
+    root,
+    std_along,
+)
 from pmmkit.inference.random_effects import (
     KINDS,
     RepeatedRuns,
@@ -18,7 +42,6 @@ from pmmkit.inference.random_effects import (
 from pmmkit.inference.restricted import Restricted
 from pmmkit.inference.sparse import (
     EffectiveSample,
-    Elimination,
     Resampling,
     Selection,
     SelectionMethod,
@@ -28,11 +51,21 @@ from pmmkit.inference.sparse import (
 )
 
 __all__ = [
+    "COVERAGE",
     "KINDS",
+    "LAGS",
+    "RANK_TOLERANCE",
+    "R_HAT",
     "Collinearity",
+    "Consistency",
+    "Convergence",
     "EffectiveSample",
-    "Elimination",
     "Equations",
+    "InformationRoot",
+    "Innovations",
+    "LeastSquares",
+    "Normal",
+    "Propagated",
     "RepeatedRuns",
     "Resampling",
     "Restricted",
@@ -40,12 +73,28 @@ __all__ = [
     "Selection",
     "SelectionMethod",
     "SparseProblem",
+    "Taken",
     "ThresholdPath",
+    "autocorrelation",
+    "axes",
     "by_kind",
+    "chance_of",
+    "convergence",
+    "dependent",
+    "differences",
+    "displaced",
     "half_width",
+    "innovation_tests",
+    "integrated_out",
+    "least_squares",
+    "log_normal",
+    "of_others",
+    "of_others_by_hat",
+    "optional_columns",
     "per_column",
     "repeatability",
+    "root",
     "run_effects",
     "select_terms",
-    "unit_covariance",
+    "std_along",
 ]

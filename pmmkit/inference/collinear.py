@@ -8,7 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.inference.equations import RANK_TOLERANCE, Equations, unit_columns
+from pmmkit.inference.equations import Equations, unit_columns
+from pmmkit.inference.least_squares import RANK_TOLERANCE
 from pmmkit.numerics import Array
 
 ALIKE: Final = 0.95

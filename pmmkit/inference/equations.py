@@ -1,8 +1,7 @@
-"""Least squares with scaled columns: what rows determine, the values, and how sure they are."""
+"""Linear equations of runs as triangles, and what they determine."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,30 +10,12 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.inference.least_squares import RANK_TOLERANCE, dependent, least_squares
 from pmmkit.numerics import Array
 
 Flags = NDArray[np.bool_]
-RANK_TOLERANCE: Final = 1e-9
-"""Singular values of columns of one length below this share of the largest are zero.
-
-Columns that depend on each other but for rounding have 2e-15 to 4e-15 (one drift angle and two
-terms, two angles and three), the most alike columns of libraries that captive runs tell apart
-1e-2; any tolerance between gives the same.
-"""
-INVOLVED: Final = 1e-6
-"""Part in a mixture without effect from which a column is not determined."""
 EXCITED: Final = 0.05
 """Rms of a column in some runs, over that in all, below which these do not excite it."""
-
-
-def _rank(s: Array) -> int:
-    """How many singular values of columns of one length are not zero."""
-    return int(np.sum(s > RANK_TOLERANCE * max(s.max(initial=0.0), 1e-300)))
-
-
-def _involved(s: Array, Vt: Array) -> Flags:
-    """Columns with a part in a mixture that has no effect, from a singular value decomposition."""
-    return np.asarray((np.abs(Vt[_rank(s) :]) > INVOLVED).any(axis=0))
 
 
 def unit_columns(X: Array) -> tuple[Array, Array]:
@@ -42,43 +23,6 @@ def unit_columns(X: Array) -> tuple[Array, Array]:
     length = np.linalg.norm(X, axis=0)
     scale = np.where(length > 0, length, 1.0)
     return X / scale, scale
-
-
-def unit_covariance(X: Array) -> Array:
-    """Covariance (X'X)⁻¹ of least squares on rows of unit variance.
-
-    Parameters
-    ----------
-    X : array (n, p)
-        What each coefficient multiplies in each row, over the standard deviation of the row.
-
-    Returns
-    -------
-    array (p, p)
-        NaN in rows and columns of coefficients that the rows do not determine: those with a part
-        of more than 1e-6 in a mixture of columns of unit length that has no effect.
-
-    Notes
-    -----
-    By singular values of the columns scaled to unit length, of which those below 1e-9 of the
-    largest are zero. The normal equations would square the condition number.
-
-    Examples
-    --------
-    >>> v = np.array([-.2, -.1, .1, .2])
-    >>> unit_covariance(np.stack([v, v**3, 0 * v], axis=1)).round()
-    array([[   90., -2361.,    nan],
-           [-2361., 69444.,    nan],
-           [   nan,    nan,    nan]])
-    """
-    unit, scale = unit_columns(X)
-    _, s, Vt = np.linalg.svd(unit, full_matrices=len(X) < X.shape[1])
-    rank = _rank(s)
-    root = Vt[:rank].T / s[:rank] / scale[:, None]
-    covariance = np.asarray(root @ root.T)
-    lost = _involved(s, Vt)
-    covariance[lost, :] = covariance[:, lost] = np.nan
-    return covariance
 
 
 class Triangle(NamedTuple):
@@ -160,8 +104,14 @@ class Equations:
 
     def dependent(self) -> Flags:
         """Coefficients of which a mixture has no effect in any row, array (p,)."""
-        _, s, Vt = np.linalg.svd(self.scaled[0])
-        return _involved(s, Vt)
+        X, _, _ = self.scaled
+        sizes = np.linalg.svd(X, compute_uv=False)
+        if len(X) >= X.shape[1] and sizes[-1] > RANK_TOLERANCE * sizes[0]:
+            return np.zeros(X.shape[1], bool)  # no pivot is smaller than the smallest of these
+        root = np.linalg.qr(X, mode="r")
+        square = np.zeros((X.shape[1],) * 2)
+        square[: len(root)] = root
+        return dependent(square)
 
     def excited(self, usual: Array) -> Flags:
         """Columns that these runs excite, array (p,); `usual` (p,) is their rms in all runs."""
@@ -205,11 +155,13 @@ class Equations:
     def covariance(self, columns: Flags, variance: Array) -> Array:
         """Of least squares on s columns, rows of each channel of a variance (c,), array (s, s)."""
         parts = [both[:, :-1][:, columns] for both, _ in self.channels]
-        inverse = unit_covariance(np.concatenate(parts))
-        gains = [
-            math.sqrt(size) * X @ inverse for X, size in zip(parts, variance.tolist(), strict=True)
-        ]
-        return np.asarray(sum((A.T @ A for A in gains), np.zeros_like(inverse)))
+        X, scale = unit_columns(np.concatenate(parts))
+        found = least_squares([""] * len(scale), X, np.zeros(len(X)))
+        gain = found.gain / scale[:, None]
+        weight = np.repeat(variance, [len(part) for part in parts])
+        covariance = np.asarray((gain * weight) @ gain.T)
+        covariance[~found.determined, :] = covariance[:, ~found.determined] = np.nan
+        return covariance
 
     def squares(self, theta: Array) -> Array:
         """Sum of squares that θ leaves in each channel, array (c,)."""

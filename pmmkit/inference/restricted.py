@@ -13,10 +13,8 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.inference.least_squares import RANK_TOLERANCE
 from pmmkit.numerics import Array
-
-BASIS_TOLERANCE: Final = 1e-9
-"""Singular values below this share of the largest belong to columns that depend on others."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -91,7 +89,7 @@ class Restricted:
         length = np.linalg.norm(rows, axis=0)
         unit = np.where(length > 0, length, 1.0)
         _, s, Vt = np.linalg.svd(np.linalg.qr(rows / unit, mode="r"), full_matrices=False)
-        keep = s > BASIS_TOLERANCE * (s[0] if len(s) else 1.0)
+        keep = s > RANK_TOLERANCE * (s[0] if len(s) else 1.0)
         turn = (Vt[keep].T / s[keep]) / unit[:, None]
         made = [
             EqualRows(

@@ -12,7 +12,8 @@ from typing import Any, ClassVar, Final, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.inference.equations import RANK_TOLERANCE, Equations, Flags, unit_columns
+from pmmkit.inference.equations import Equations, Flags, unit_columns
+from pmmkit.inference.least_squares import RANK_TOLERANCE
 from pmmkit.numerics import Array
 
 UNDECIDED: Final = (0.2, 0.8)
@@ -284,7 +285,7 @@ class Resampling:
         self, problem: SparseProblem, runs: Sequence[Equations], threshold: float
     ) -> Array:
         """Sum of squares in each run when its fold is left out of the fit, (runs, channels)."""
-        own, scaled = _with_rule(problem, runs)
+        own, scaled = _with_rule(problem, runs, None)
         squares = _held_out(own, scaled, self.folds, [threshold])[:, :, 0]
         return squares if scaled is runs else squares * EffectiveSample.of(runs).variance
 
@@ -432,6 +433,7 @@ def select_terms(
     *,
     threshold: float | None = None,
     share: float = Selection.SHARE,
+    sample: EffectiveSample | None = None,
 ) -> Selection:
     """Choose the terms that bags of runs ask for.
 
@@ -448,6 +450,8 @@ def select_terms(
         by the runs that are left out, unless an optimizer brings its own rule.
     share : float
         Part of the bags in which a term must be taken.
+    sample : EffectiveSample, optional
+        What the rows are worth, for elimination; by default as they show.
 
     Returns
     -------
@@ -465,7 +469,7 @@ def select_terms(
     array([ True,  True, False])
     """
     path = None
-    problem, runs = _with_rule(problem, runs)
+    problem, runs = _with_rule(problem, runs, sample)
     if threshold is None and problem.thresholds:
         path = choose_threshold(problem, runs, resampling.folds)
         threshold = path.chosen
@@ -486,12 +490,12 @@ def select_terms(
 
 
 def _with_rule(
-    problem: SparseProblem, runs: Sequence[Equations]
+    problem: SparseProblem, runs: Sequence[Equations], sample: EffectiveSample | None
 ) -> tuple[SparseProblem, Sequence[Equations]]:
     """Elimination by the effective sample, whose rows have unit variance then."""
     if problem.method != "elimination":
         return problem, runs
-    sample = EffectiveSample.of(runs)
+    sample = sample or EffectiveSample.of(runs)
     std = np.sqrt(sample.variance)
     return replace(problem, method=Elimination(sample.size)), [run.over(std) for run in runs]
 

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.inference import per_column
+from pmmkit.inference import of_others, per_column
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places
 
@@ -81,12 +81,10 @@ class Projection:
 
     @cached_property
     def alone(self) -> tuple[Array, ...]:
-        """Of each run's rows with basis S the inverse of I - S S': what a fit without it has."""
+        """What a fit without a run makes of its rows (`of_others`), run by run."""
         found: list[Array] = [np.zeros((0, 0))] * len(self.channel.runs)
         for own in _alike(self.channel):
-            S = self.span[_rows(self.channel, own)]
-            inner = np.eye(S.shape[1]) - S @ np.swapaxes(S, 1, 2)
-            inverse = np.linalg.pinv(inner, rcond=1e-8, hermitian=True)
+            inverse, _ = of_others(self.span[_rows(self.channel, own)])
             for number, one in zip(own, inverse, strict=True):
                 found[number] = one
         return tuple(found)
@@ -95,9 +93,8 @@ class Projection:
         """As `alone`, of some runs together."""
         if len(numbers) == 1:
             return self.alone[numbers[0]]
-        S = self.span[np.concatenate([self.channel.runs[number] for number in numbers])]
-        found: Array = np.linalg.pinv(np.eye(len(S)) - S @ S.T, rcond=1e-8, hermitian=True)
-        return found
+        rows = np.concatenate([self.channel.runs[number] for number in numbers])
+        return of_others(self.span[rows])[0]
 
     @cached_property
     def _run_of_row(self) -> Places:

@@ -89,6 +89,7 @@ def band_histories(band: Band) -> Figure:
                 axis.axvline(
                     instant, color=style.REFERENCE, lw=0.8, ls=":", label="order", zorder=1.6
                 )
+            style.widened(axis)
             axis.set_title(title)
         axes[-1].set_xlabel("time from the first order [s]")
         style.legend_below(figure, list(axes))

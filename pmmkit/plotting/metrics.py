@@ -162,12 +162,12 @@ def distributions(
 def importance(
     names: Sequence[str], values: Array, metric: str, *, shares: bool, most: int = 12
 ) -> Figure:
-    """Which derivatives decide a metric.
+    """Which values decide a metric.
 
     Parameters
     ----------
     names : sequence of str
-        Derivatives, the most important first.
+        Derivatives and other values, the most important first.
     values : array
         Shares of the variance, or per cent per per cent.
     metric : str
@@ -175,12 +175,12 @@ def importance(
     shares : bool
         Which of both.
     most : int
-        Number of derivatives shown.
+        Number of values shown.
 
     Returns
     -------
     Figure
-        A bar a derivative.
+        A bar a value.
     """
     shown = list(names[:most])[::-1]
     lengths = (100.0 if shares else 1.0) * values[:most][::-1]
@@ -191,11 +191,12 @@ def importance(
         axis.set_yticks(range(len(shown)), shown)
         axis.axvline(0.0, color=style.REFERENCE, lw=0.6)
         words = metric.removesuffix("_L").replace("_", " ")
-        axis.set_xlabel(
+        what = (
             f"share of the variance of the {words} [%]"
             if shares
-            else f"change of the {words} per 1 % of the derivative [%]"
+            else f"change of the {words} per 1 % of each value [%]"
         )
+        figure.supxlabel(what, size=axis.xaxis.label.get_fontsize())  # as wide as the whole figure
     return figure
 
 

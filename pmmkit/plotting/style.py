@@ -144,8 +144,16 @@ def hatch(number: int) -> str:
     return HATCHES[number % len(HATCHES)]
 
 
+ROUNDING: Final = 1e-12
+"""Height of an axis, in whatever unit, below which it shows what arithmetic leaves of zero: a ship
+that stops on a straight course turns by 1e-19 degrees."""
+FLAT: Final = 0.055
+"""What such an axis shows to either side: as matplotlib does of a line that is zero."""
+
+
 def widened(axis: Axes, share: float = 1e-4) -> None:
-    """Widen ordinates that hold next to nothing but one value, so that ticks stay short.
+    """Widen ordinates that hold next to nothing but one value, so that ticks stay short, and that
+    hold the rounding of zero alone.
 
     Parameters
     ----------
@@ -158,6 +166,8 @@ def widened(axis: Axes, share: float = 1e-4) -> None:
     middle = (low + high) / 2
     if abs(high - low) < share * abs(middle):
         axis.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
+    elif abs(high - low) < ROUNDING:
+        axis.set_ylim(-FLAT, FLAT)
 
 
 def symbol(name: str, convention: Convention) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from pmmkit.escaping import figure_text
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,7 +50,7 @@ def zeros_over_the_day(
             axis.errorbar(
                 place,
                 zeros,
-                yerr=1.96 * std[channel],
+                yerr=WIDE * std[channel],
                 ls="-",
                 lw=0.7,
                 marker=style.marker(number),

@@ -10,6 +10,8 @@ ABSENT: Final = "–"
 """What stands where there is no value."""
 LONG: Final = 1e7
 """Size from which a number is told by its power of ten: no digit before the point means more."""
+PLAIN: Final = 1e5
+"""Size up to which significant digits are told without a power of ten, as on the page."""
 WIDE: Final = 1.96
 """Standard deviations of half of a 95 % interval."""
 Style = Literal["parentheses", "plus-minus"]
@@ -33,29 +35,36 @@ def with_uncertainty(value: float, spread: float, style: Style = "parentheses") 
     -0.01160 ± 0.00023
     >>> with_uncertainty(-12.3, 41.)
     '-12(41)'
+    >>> with_uncertainty(1.23456e8, 2.34e5)
+    '1.2346(23)e+08'
     >>> print(with_uncertainty(-.0116, 3.2e180, "plus-minus"))
-    -0 ± 3.20e+180
+    (0.0 ± 3.2)e+180
     """
     if math.isnan(value):
         return ""
+    if math.isinf(value):
+        return ABSENT
     if not math.isfinite(spread) or spread <= 0:
         return _plain(value)
+    largest = max(abs(value), spread)
+    if largest >= LONG:
+        power = math.floor(math.log10(float(f"{largest:.1e}")))
+        text = with_uncertainty(value / 10.0**power, spread / 10.0**power, style)
+        return f"({text})e+{power:02d}" if style == "plus-minus" else f"{text}e+{power:02d}"
     places = 1 - math.floor(math.log10(spread))
     if round(spread, places) >= 10.0 ** (2 - places):
         places -= 1
     places = max(places, 0)
     if style == "plus-minus":
         return f"{fixed(value, places)} ± {fixed(spread, places)}"
-    if max(abs(value), spread) >= LONG:
-        return f"{fixed(value, places)}({fixed(spread, places)})"
-    return f"{value:.{places}f}({round(spread * 10**places)})"
+    return f"{fixed(value, places)}({round(spread * 10**places)})"
 
 
 def _plain(value: float) -> str:
     if abs(value) >= LONG:
         return fixed(value, 0)
     places = 4 - math.floor(math.log10(abs(value))) if value else 0
-    return f"{value:.{max(places, 0)}f}"
+    return fixed(value, max(places, 0))
 
 
 def plus_minus(value: float, half: float) -> str | None:
@@ -76,7 +85,7 @@ def plus_minus(value: float, half: float) -> str | None:
     return None if math.isnan(value) else with_uncertainty(value, half, "plus-minus")
 
 
-def number(value: float, digits: int = 4) -> str:
+def number(value: float, digits: int = 4, *, signed: bool = False) -> str:
     """A number to some significant digits; a dash where there is none.
 
     Parameters
@@ -85,17 +94,29 @@ def number(value: float, digits: int = 4) -> str:
         The number.
     digits : int
         Significant digits.
+    signed : bool
+        Whether a positive number has its sign.
 
     Examples
     --------
     >>> number(4.361), number(float("nan"))
     ('4.361', '–')
+    >>> number(12345.678), number(123456.78), number(-0.0), number(4.361, 2, signed=True)
+    ('12350', '1.235e+05', '0', '+4.4')
     """
-    return f"{value:.{digits}g}" if math.isfinite(value) else ABSENT
+    if not math.isfinite(value):
+        return ABSENT
+    if value == 0.0:
+        return "0"
+    sign = "+" if signed else ""
+    text = f"{value:{sign}.{digits}g}"
+    return f"{float(text):{sign}.0f}" if "e+" in text and abs(value) < PLAIN else text
 
 
 def fixed(value: float, places: int, *, signed: bool = False) -> str:
     """A number to some decimal places; by its power of ten from ten million on, a dash for none.
+
+    What rounds to zero has no sign.
 
     Parameters
     ----------
@@ -114,26 +135,28 @@ def fixed(value: float, places: int, *, signed: bool = False) -> str:
     if not math.isfinite(value):
         return ABSENT
     form = ".2e" if abs(value) >= LONG else f".{places}f"
-    return f"{value:{'+' if signed else ''}{form}}"
+    text = f"{value:{'+' if signed else ''}{form}}"
+    return text.lstrip("+-") if float(text) == 0.0 else text
 
 
-def percent(share: float) -> str:
-    """A change in percent with its sign; no sign where it rounds to zero.
+def percent(share: float, *, signed: bool = True) -> str:
+    """A change, or a share, in percent; no sign where it rounds to zero.
 
     Parameters
     ----------
     share : float
         The change over what it is a change of.
+    signed : bool
+        Whether a positive one has its sign, as a change has.
 
     Examples
     --------
-    >>> percent(0.2193), percent(-0.0001), percent(math.nan)
-    ('+21.9 %', '0.0 %', '–')
+    >>> percent(0.2193), percent(-0.0001), percent(math.nan), percent(0.2193, signed=False)
+    ('+21.9 %', '0.0 %', '–', '21.9 %')
     """
     if not math.isfinite(share):
         return ABSENT
-    text = f"{fixed(100 * share, 1, signed=True)} %"
-    return "0.0 %" if text in ("+0.0 %", "-0.0 %") else text
+    return f"{fixed(100 * share, 1, signed=signed)} %"
 
 
 def counted(count: int, what: str) -> str:

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from pmmkit.campaigns.repeats import repeats
 from pmmkit.campaigns.settings import Settings
 from pmmkit.errors import CampaignError, Problem
+from pmmkit.inference import LeastSquares, least_squares, optional_columns
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows
 from pmmkit.observations.noise import FLOOR, KIN, Noise, moderated, whiteners
 from pmmkit.presentation import at_froude
-from pmmkit.reduction.fit import Fit, fit, optional_columns
 
 ROUNDS = 6
 """Times that values and the noise of runs that state none are found in turns."""
@@ -93,9 +93,9 @@ class ChannelFit:
     ----------
     channel : str
         The channel.
-    fit : Fit
+    fit : LeastSquares
         Coefficients; the gain acts on whitened rows.
-    plain : Fit
+    plain : LeastSquares
         The same by the noise of the records alone: how far the tests part the coefficients, which
         an error that all rows of a run share says nothing about.
     chosen : tuple of int
@@ -122,8 +122,8 @@ class ChannelFit:
     """
 
     channel: str
-    fit: Fit
-    plain: Fit
+    fit: LeastSquares
+    plain: LeastSquares
     chosen: tuple[int, ...]
     blocks: tuple[Block, ...]
     whiteners: tuple[Array, ...]
@@ -281,16 +281,16 @@ def fit_channel(
     optional = optional_columns(design[:, :required], names[required:], design[:, required:])
     chosen = [*range(required), *(required + place for place in optional)]
     columns = [names[place] for place in chosen]
-    plain = fit(columns, design[:, chosen], rows)
+    plain = least_squares(columns, design[:, chosen], rows)
     whiteners = _whiteners(noise, scatter)
     design, rows = _white(blocks, whiteners)
-    found = fit(columns, design[:, chosen], rows)
+    found = least_squares(columns, design[:, chosen], rows)
     silent = any(block.covariance is None for block in blocks)
     for _ in range(ROUNDS if silent else 0):
         noise = _noise_from_residuals(blocks, noise, whiteners, found, design[:, chosen])
         whiteners = _whiteners(noise, scatter)
         design, rows = _white(blocks, whiteners)
-        found = fit(columns, design[:, chosen], rows)
+        found = least_squares(columns, design[:, chosen], rows)
     values = np.nan_to_num(found.value)
     return ChannelFit(
         channel=channel,
@@ -313,7 +313,7 @@ def fit_channel(
     )
 
 
-def _freedom(found: Fit, rows: int) -> int:
+def _freedom(found: LeastSquares, rows: int) -> int:
     return max(rows - int(np.sum(np.any(found.gain != 0, axis=1))), 0)
 
 
@@ -399,7 +399,11 @@ def _white(blocks: Sequence[Block], whiteners: Sequence[Array]) -> tuple[Array, 
 
 
 def _noise_from_residuals(
-    blocks: Sequence[Block], noise: Noise, whiteners: Sequence[Array], found: Fit, design: Array
+    blocks: Sequence[Block],
+    noise: Noise,
+    whiteners: Sequence[Array],
+    found: LeastSquares,
+    design: Array,
 ) -> Noise:
     """Noise of runs that state none: mean square residual of static and of oscillating runs."""
     rows = np.concatenate(

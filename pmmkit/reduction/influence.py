@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pmmkit.inference import of_others_by_hat
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.observations.equations import Rows
 from pmmkit.presentation import at_froude
@@ -175,10 +176,10 @@ def _of_fit(
     for number, (block, white) in enumerate(zip(item.blocks, item.whiteners, strict=True)):
         gain = item.fit.gain[:, edges[number] : edges[number + 1]]
         hat = white @ block.design[:, item.chosen] @ gain
-        inner = np.eye(len(hat)) - hat
         rest = white @ item.residual[number]
-        alone = np.linalg.pinv(inner, rcond=1e-6) @ rest
-        parts.append((gain @ alone, _lost(inner)))
+        inverse, determined = of_others_by_hat(hat)
+        alone = inverse @ rest
+        parts.append((gain @ alone, not determined))
         misfits.append(float(rest @ alone))
         total += float(np.sum(rest**2))
     spread = item.width.dof[np.isfinite(item.width.dof)]
@@ -204,8 +205,3 @@ def _of_fit(
             )
         )
     return found
-
-
-def _lost(inner: Array) -> bool:
-    """Whether the others do not determine what the run does."""
-    return bool(np.linalg.svd(inner, compute_uv=False)[-1] < 1e-6)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.inference import KINDS
+from pmmkit.inference import KINDS, Propagated
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Sensitivity
 from pmmkit.reduction.estimate import ChannelFit
@@ -136,10 +136,11 @@ def join(
         )
         for (kind, number, run, _), column in columns.items()
     )
-    alone = np.array([push.column for push in pushes]).reshape(len(pushes), total)
-    together = np.array(with_their_causes(pushes)).reshape(len(pushes), total)
-    common = alone.T @ together
-    covariance = type_a + 0.5 * (common + common.T)
+    rest = Propagated(
+        factors=tuple(push.column[None] for push in pushes),
+        causes=tuple(push.common for push in pushes),
+    )
+    covariance = type_a + rest.covariance if pushes else type_a.copy()
     value = np.concatenate([item.fit.value for _, item in fits]) if fits else np.zeros(0)
     blank = np.isnan(value) | unknown
     covariance[blank] = math.nan
@@ -163,24 +164,3 @@ def _kind(column: int) -> str:
 
 _DRAWN = "drawn"
 _STATED = "stated"
-
-
-def with_their_causes(pushes: Sequence[Push]) -> list[Array]:
-    """For each push the sum of those that share its cause, itself among them.
-
-    Parameters
-    ----------
-    pushes : sequence of Push
-        Of all sources.
-
-    Returns
-    -------
-    list of array (P,)
-        The variance of a result g is the sum over pushes p with sums q of (g p)(g q): each takes
-        its own and half of what it has in common with each other.
-    """
-    causes: dict[str, Array] = {}
-    for push in pushes:
-        if push.common:
-            causes[push.common] = causes.get(push.common, 0.0) + push.column
-    return [causes.get(push.common, push.column) for push in pushes]

@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 
 from pmmkit.checks import CheckFinding
+from pmmkit.inference import least_squares
 from pmmkit.numerics import Array
 from pmmkit.observations.noise import whiteners
 from pmmkit.presentation import WIDE, plus_minus
 from pmmkit.reduction.estimate import ChannelFit
-from pmmkit.reduction.fit import fit
 from pmmkit.reduction.solve import Solution
 
 APART: Final = 1e-3
@@ -81,7 +81,7 @@ def _of_rows(item: ChannelFit) -> _Zero | None:
     if item.freedom < 2:
         return None
     rows, design, zero = _white(item)
-    solved = fit(item.fit.names, design, rows).gain @ np.stack([rows, zero], axis=1)
+    solved = least_squares(item.fit.names, design, rows).gain @ np.stack([rows, zero], axis=1)
     misfit, own = rows - design @ solved[:, 0], zero - design @ solved[:, 1]
     power = float(own @ own)
     if power <= APART * float(zero @ zero):
@@ -125,7 +125,7 @@ def _of_speeds(fits: list[ChannelFit], solution: Solution) -> _Zero | None:
 def _shift(item: ChannelFit) -> float:
     """Change of Xuu with a constant force of 1 N."""
     rows, design, zero = _white(item)
-    gain = fit(item.fit.names, design, rows).gain
+    gain = least_squares(item.fit.names, design, rows).gain
     return float(gain[item.fit.names.index("Xuu")] @ zero)
 
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+from pmmkit.inference import COVERAGE
 from pmmkit.observations.equations import Rows
 from pmmkit.reduction.solve import Solution
 
@@ -13,8 +14,6 @@ PLAUSIBLE: Final = (0.3, 1.2)
 """Share of the thrust that pushes a hull, 1 - t: merchant hulls have 0.7 to 0.9, and no test that
 tells it is so far off as these. Revolutions in proportion to the speed give thrust and resistance
 one form; noise of the thrust then decides, and the share goes to zero or to anything."""
-WIDE: Final = 2.0
-"""Standard uncertainties by which a share must be off."""
 TOGETHER: Final = frozenset({"Xuu", "XT"})
 """Derivatives that stand for each other where it cannot be told."""
 
@@ -50,5 +49,5 @@ def _is_a_propellers(solution: Solution, group: int) -> bool:
         return False
     place = labels.index((group, "XT"))
     value = float(solution.joint.value[place])
-    half = WIDE * math.sqrt(float(solution.joint.covariance[place, place]))
+    half = COVERAGE * math.sqrt(float(solution.joint.covariance[place, place]))
     return value + half > PLAUSIBLE[0] and value - half < PLAUSIBLE[1]

@@ -165,7 +165,7 @@ def turning_section(turns: Turns) -> Section:
     return Section(
         title="Turning circles",
         paragraphs=paragraphs,
-        points=[*conditions, *notes],
+        points=list(conditions | notes),
         tables=[_measures(turns)],
         figures=pictures,
     )

@@ -13,10 +13,11 @@ import numpy as np
 from pmmkit.errors import DataError, ModelError, SimulationError
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array, turned
-from pmmkit.simulation.ensemble import Batch, batch_of
+from pmmkit.simulation.ensemble import Batch, shared_out, strata, unstated
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.run import History, run_plan
 from pmmkit.simulation.simulate import simulate, track_of
-from pmmkit.simulation.spread import Draws, spread_of
+from pmmkit.simulation.spread import Draws, is_uncertain, spread_of
 from pmmkit.simulation.track import Track
 
 if TYPE_CHECKING:
@@ -121,15 +122,20 @@ def bands_of(
     tracks: list[Track] = []
     for other, odds in among or ((loaded, 1.0),):
         count = max(round(n * odds / total), 1)
-        if among and spread is None and not _differs(other):
+        differ = [item.name for item in unstated(manoeuvre_of(manoeuvre), settings)]
+        if among and spread is None and not (differ or is_uncertain(other)):
             tracks += [simulate(other, manoeuvre, compiled=compiled, **own)] * count
             continue
-        batch = batch_of(other, manoeuvre, **own)
-        drawn = spread_of(batch.model, speed, spread, extrapolate=extrapolate, fn=batch.fn)
+        batches = strata(other, manoeuvre, **own)
+        batch = batches[0]
+        drawn = spread_of(
+            batch.model, speed, spread, extrapolate=extrapolate, fn=batch.fn, beside=differ
+        )
         tracks += [
             found
-            for values in drawn.draw(seed, 0, count)
-            if (found := _sailed(batch, drawn.names, values, settings, compiled=compiled))
+            for one, first, ships in shared_out(batches, count)
+            for values in (drawn.draw(seed, first, ships) if ships else ())
+            if (found := _sailed(one, drawn.names, values, settings, compiled=compiled))
         ]
     if not tracks:
         raise DataError("None of the ships can be simulated: give a smaller spread.")
@@ -149,11 +155,6 @@ def bands_of(
         ),
         ships=len(tracks),
     )
-
-
-def _differs(model: Model) -> bool:
-    """Whether anything is known of how ships of a model differ."""
-    return model.covariance is not None or any(part.std for part in model.parts.values())
 
 
 def _sailed(

@@ -32,7 +32,7 @@ from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.progress import Progress
 from pmmkit.simulation.froude import Follow, FroudeRange, froude_range, prepared
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
-from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_plan, run_ships, settings_for
 from pmmkit.simulation.simulate import (
@@ -43,7 +43,7 @@ from pmmkit.simulation.simulate import (
     gear_of,
     ship_for,
 )
-from pmmkit.simulation.spread import CHUNK, Draws, spread_of
+from pmmkit.simulation.spread import CHUNK, Draws, in_kind, spread_of
 from pmmkit.simulation.spread import Spread as Drawn
 
 if TYPE_CHECKING:
@@ -56,6 +56,8 @@ SENT: Final = 2500
 """Ships that are sent at a time, some 0.1 s of work."""
 STRATA: Final = 10
 """Equal shares of the ships, each with one value of a setting that nobody states."""
+ROUNDING: Final = 1e-12
+"""Differences of a metric, in whatever unit, below which they are of arithmetic."""
 SHOWN: Final = 3
 """Metrics that are drawn as distributions where none are named."""
 
@@ -71,7 +73,7 @@ class Ensemble(Described):
     nominal : mapping of str to float
         The same for the model as it stands.
     names : tuple of str
-        Derivatives that differ.
+        Derivatives, values of other parts and settings that differ.
     failed : int
         Ships whose motion grows without bound or whose mass matrix is not positive.
     speed, Fn : float
@@ -190,8 +192,8 @@ class Ensemble(Described):
             Section(
                 paragraphs=[
                     f"Fn {self.Fn:.3f}; {self.scale}",
-                    f"{counted(len(self.names), 'derivative')} drawn from {self.origin}, seed "
-                    f"{self.seed}",
+                    f"{counted(len(self.names), in_kind(self.names))} drawn from {self.origin}, "
+                    f"seed {self.seed}",
                     *([self.tested.words] if self.tested else []),
                     *self.standing.sentences,
                 ]
@@ -202,7 +204,7 @@ class Ensemble(Described):
 
 def _differs(values: Array) -> bool:
     there = values[np.isfinite(values)]
-    return len(there) > 1 and float(np.ptp(there)) > 0.0
+    return len(there) > 1 and float(np.ptp(there)) > ROUNDING
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -445,13 +447,8 @@ def monte_carlo(
         raise DataError(f"n = {n} must be a positive whole number.")
     batch = batch_of(model, manoeuvre, speed=speed, **settings)
     loaded = batch.model
-    unstated = _unstated(manoeuvre_of(manoeuvre), settings)
-    differ = tuple(unstated[0])
-    batches = (
-        [batch_of(model, manoeuvre, speed=speed, **settings | own) for own in unstated]
-        if differ
-        else [batch]
-    )
+    differ = tuple(item.name for item in unstated(manoeuvre_of(manoeuvre), settings))
+    batches = strata(model, manoeuvre, speed=speed, **settings) if differ else [batch]
     drawn = spread_of(
         loaded, speed, spread, extrapolate=batch.extrapolate, fn=batch.fn, beside=differ
     )
@@ -468,11 +465,10 @@ def monte_carlo(
     with opened(executor) as ready:
         sent = isinstance(ready, Executor)
         size = SENT if sent else CHUNK
-        ends = [place * n // len(batches) for place in range(len(batches) + 1)]
         pieces = [
-            (own, start, min(size, end - start))
-            for own, (first, end) in zip(batches, pairwise(ends), strict=True)
-            for start in range(first, end, size)
+            (own, start, min(size, first + count - start))
+            for own, first, count in shared_out(batches, n)
+            for start in range(first, first + count, size)
         ]
         sail = partial(_drawn, drawn, seed)
         for place, (metrics, status) in each(
@@ -506,16 +502,33 @@ def monte_carlo(
     )
 
 
-def _unstated(manoeuvre: Manoeuvre, settings: Mapping[str, Any]) -> list[dict[str, float]]:
-    """Settings in which ships differ and that nobody states: the middle of each equal share."""
+def unstated(manoeuvre: Manoeuvre, settings: Mapping[str, Any]) -> list[Setting]:
+    """Settings in which ships differ and that nobody states."""
+    return [item for item in manoeuvre.settings if item.std and settings.get(item.name) is None]
+
+
+def strata(
+    model: Model | str | Path, manoeuvre: str | Manoeuvre, *, speed: float, **settings: Any
+) -> list[Batch]:
+    """Batches of ships that differ in what nobody states: each at the middle of an equal share."""
     free = {
         item.name: NormalDist(item.default or 0.0, item.std)
-        for item in manoeuvre.settings
-        if item.std and settings.get(item.name) is None
+        for item in unstated(manoeuvre_of(manoeuvre), settings)
     }
     shares = [(place + 0.5) / STRATA for place in range(STRATA)]
     values = product(*([own.inv_cdf(share) for share in shares] for own in free.values()))
-    return [dict(zip(free, row, strict=True)) for row in values]
+    return [
+        batch_of(model, manoeuvre, speed=speed, **(settings | dict(zip(free, row, strict=True))))
+        for row in values
+    ]
+
+
+def shared_out(batches: Sequence[Batch], n: int) -> list[tuple[Batch, int, int]]:
+    """Each batch with the number of its first ship and of its ships, of n in all."""
+    ends = [place * n // len(batches) for place in range(len(batches) + 1)]
+    return [
+        (own, first, end - first) for own, (first, end) in zip(batches, pairwise(ends), strict=True)
+    ]
 
 
 def _drawn(drawn: Drawn | Draws, seed: int, piece: tuple[Batch, int, int], **how: Any) -> Sailed:

@@ -14,14 +14,16 @@ from pmmkit.channels import did_you_mean
 from pmmkit.equations.prepared import values_at
 from pmmkit.errors import DataError, Problem, Remedy, UnknownNameError, setting
 from pmmkit.executors import Workers, opened
+from pmmkit.inference import Propagated, differences, displaced
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.model import place_name
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
-from pmmkit.simulation.ensemble import Batch, batch_of
-from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
-from pmmkit.simulation.spread import spread_of
+from pmmkit.simulation.ensemble import Batch, batch_of, unstated
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting
+from pmmkit.simulation.spread import in_kind, is_uncertain, spread_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,7 +44,7 @@ class Sensitivities(Described):
     Parameters
     ----------
     names : tuple of str
-        Derivatives.
+        Derivatives, values of other parts as ``rudder_mmg.aH``, and `settings`.
     values : array (m,)
         Their values.
     slopes : mapping of str to array (m,)
@@ -53,6 +55,8 @@ class Sensitivities(Described):
         Of the derivatives, where the model or a spread gives it.
     units : mapping of str to str
         Of the metrics.
+    settings : tuple of str
+        Those of the names that are settings of the manoeuvre which nobody states.
     """
 
     names: tuple[str, ...]
@@ -61,10 +65,15 @@ class Sensitivities(Described):
     nominal: Mapping[str, float]
     covariance: Array | None
     units: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    settings: tuple[str, ...] = ()
 
     def relative(self, metric: str) -> Array:
         """Change of a metric in per cent per per cent of each derivative."""
         return self._slopes(metric) * self.values / self.nominal[metric]
+
+    def propagated(self, *metrics: str) -> Propagated:
+        """What the errors of the names do to metrics, a source each."""
+        return Propagated.of(np.array([self._slopes(x) for x in metrics]), self._covariance())
 
     def std(self, metric: str) -> float:
         """Standard deviation of a metric to first order.
@@ -74,19 +83,12 @@ class Sensitivities(Described):
         DataError
             If there is no covariance.
         """
-        slopes = self._slopes(metric)
-        return float(np.sqrt(slopes @ self._covariance() @ slopes))
+        return float(self.propagated(metric).std[0])
 
     def shares(self, metric: str) -> Array:
-        """Share of each derivative in the variance of a metric to first order; they sum to 1.
-
-        A derivative counts with half of what it has in common with others; a share is negative
-        where correlation makes it take away from the variance.
-        """
-        slopes = self._slopes(metric)
-        parts = slopes * (self._covariance() @ slopes)
-        shared: Array = parts / parts.sum()
-        return shared
+        """Share of each derivative in the variance of a metric to first order, as `Propagated`."""
+        found: Array = self.propagated(metric).shares[:, 0]
+        return found
 
     def table(self, metric: str) -> pd.DataFrame:
         """A row per derivative, the most important first."""
@@ -140,16 +142,17 @@ class Sensitivities(Described):
             title=f"What decides {metric}, which is {number(self.nominal[metric])} {unit}".rstrip(),
             tables=[
                 Grid(
-                    head=["derivative", *shares, "% per %"],
+                    head=[in_kind(self.names), *shares, "% per %"],
                     groups=[Group(rows=rows)],
-                    caption=_listed(len(rows), len(self.names)),
+                    caption=_listed(len(rows), self.names),
                 )
             ],
         )
 
     def _headline(self) -> str:
         return (
-            f"{counted(len(self.slopes), 'metric')} over {counted(len(self.names), 'derivative')}"
+            f"{counted(len(self.slopes), 'metric')} over "
+            f"{counted(len(self.names), in_kind(self.names))}"
         )
 
     def _sections(self) -> Sequence[Section]:
@@ -180,9 +183,10 @@ class Sensitivities(Described):
         return self.covariance
 
 
-def _listed(shown: int, known: int) -> str:
+def _listed(shown: int, known: Sequence[str]) -> str:
     """What a table leaves out."""
-    return "" if shown == known else f"The first {shown} of {counted(known, 'derivative')}."
+    count = counted(len(known), in_kind(known))
+    return "" if shown == len(known) else f"The first {shown} of {count}."
 
 
 def sensitivities(
@@ -224,52 +228,66 @@ def sensitivities(
     >>> found.table("steady_diameter_L").index[0]
     'Nr'
     """
-    batch = _of_the_approach(batch_of(model, manoeuvre, speed=speed, **{"rtol": TIGHT, **settings}))
+    settings = {"rtol": TIGHT, **settings}
+    batch = _of_the_approach(batch_of(model, manoeuvre, speed=speed, **settings))
     loaded = batch.model
-    spreads = spread is not None or loaded.covariance is not None
-    drawn = spread_of(loaded, speed, spread or (None if spreads else 0.5), extrapolate=True)
+    free = unstated(manoeuvre_of(manoeuvre), settings) if names is None else []
+    spreads = spread is not None or is_uncertain(loaded) or bool(free)
+    drawn = spread_of(
+        loaded,
+        speed,
+        spread if spreads else 0.5,
+        extrapolate=True,
+        beside=[item.name for item in free],
+    )
     given = values_at(loaded, speed, extrapolate=batch.extrapolate)
     chosen = tuple(names) if names is not None else drawn.names
-    known = {
-        name if part in DERIVATIVE_PARTS else f"{part}.{name}": x
-        for part, own in given.items()
-        for name, x in own.items()
-    }
+    known = {place_name(part, name): x for part, own in given.items() for name, x in own.items()}
     lost = [name for name in chosen if name not in known]
     if lost:
         raise UnknownNameError(f"Model {loaded.name!r} has no {', '.join(lost)}.")
     mean = np.array([known[name] for name in chosen])
     sizes = _sizes(chosen, mean)
-    offsets = np.array([-2.0, -1.0, 1.0, 2.0])
-    weights = np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
-    count = len(chosen)
-    values = np.tile(mean, (4 * count + 1, 1))
-    for i in range(count):
-        values[4 * i : 4 * i + 4, i] += offsets * STEP * sizes[i]
+    values = np.vstack([displaced(mean, STEP * np.diag(sizes), 4), mean])
     with opened(executor) as ready:
         metrics, _ = batch.run(chosen, values, executor=ready)
     slopes = {
-        name: (column[:-1].reshape(count, 4) @ weights) / (STEP * sizes)
-        for name, column in metrics.items()
+        name: differences(column[:-1], 4) / (STEP * sizes) for name, column in metrics.items()
     }
+    for item in free:
+        own = _of_a_setting(item, model, manoeuvre, speed=speed, **settings)
+        slopes = {name: np.append(column, own[name]) for name, column in slopes.items()}
     covariance = None
     if spreads:
-        place = {name: i for i, name in enumerate(drawn.names)}
-        full = drawn.covariance
-        covariance = np.array(
-            [
-                [full[place[a], place[b]] if a in place and b in place else 0.0 for b in chosen]
-                for a in chosen
-            ]
-        )
+        covariance = np.diag([*np.zeros(len(chosen)), *(item.std**2 for item in free)])
+        at = [i for i, name in enumerate(chosen) if name in drawn.names]
+        of = [drawn.names.index(chosen[i]) for i in at]
+        covariance[np.ix_(at, at)] = drawn.covariance[np.ix_(of, of)]
     return Sensitivities(
-        names=chosen,
-        values=mean,
+        names=(*chosen, *(item.name for item in free)),
+        values=np.append(mean, [item.default or 0.0 for item in free]),
         slopes=MappingProxyType(slopes),
         nominal=MappingProxyType({name: float(x[-1]) for name, x in metrics.items()}),
         covariance=covariance,
         units=MappingProxyType({name: unit_of(name, batch.plan.metrics) for name in slopes}),
+        settings=tuple(item.name for item in free),
     )
+
+
+def _of_a_setting(
+    item: Setting, model: Model | str | Path, manoeuvre: str | Manoeuvre, **settings: Any
+) -> dict[str, float]:
+    """Slopes of the metrics over a setting of a manoeuvre, by differences as of the values."""
+    step = STEP * (abs(item.default or 0.0) or item.std)
+    found: list[dict[str, float]] = []
+    for (x,) in displaced(np.array([item.default or 0.0]), np.array([[step]]), 4):
+        batch = batch_of(model, manoeuvre, **(settings | {item.name: float(x)}))
+        metrics, _ = batch.run((), np.zeros((1, 0)), executor=1)
+        found.append({name: float(own[0]) for name, own in metrics.items()})
+    return {
+        name: float(differences(np.array([own[name] for own in found]), 4)[0]) / step
+        for name in found[0]
+    }
 
 
 def _of_the_approach(batch: Batch) -> Batch:
@@ -326,7 +344,8 @@ class SobolIndices(Described):
 
     def _headline(self) -> str:
         return (
-            f"{counted(len(self.total), 'metric')} over {counted(len(self.names), 'derivative')}, "
+            f"{counted(len(self.total), 'metric')} over "
+            f"{counted(len(self.names), in_kind(self.names))}, "
             f"from {counted(self.ships, 'ship')}"
         )
 
@@ -336,15 +355,13 @@ class SobolIndices(Described):
             [str(name), f"{100 * row['first']:.1f} %", f"{100 * row['total']:.1f} %"]
             for name, row in self.table(metric).head(LISTED).iterrows()
         ]
-        head = ["derivative", "alone", "with all others"]
+        head = [in_kind(self.names), "alone", "with all others"]
         return [
             Section(
                 title=f"Shares of the variance of {metric}",
                 tables=[
                     Grid(
-                        head=head,
-                        groups=[Group(rows=rows)],
-                        caption=_listed(len(rows), len(self.names)),
+                        head=head, groups=[Group(rows=rows)], caption=_listed(len(rows), self.names)
                     )
                 ],
             ),
@@ -400,12 +417,11 @@ def sobol(
         raise DataError(f"n = {n} must be a power of two.")
     batch = _of_the_approach(batch_of(model, manoeuvre, speed=speed, **settings))
     drawn = spread_of(batch.model, speed, spread, extrapolate=batch.extrapolate)
-    std = np.sqrt(np.diagonal(drawn.covariance))
     count = len(drawn.names)
     sequence = qmc.Sobol(2 * count, scramble=True, rng=np.random.default_rng(seed))
     normal = ndtri(np.clip(sequence.random(n), 1e-12, 1 - 1e-12))
-    a = drawn.mean + std * normal[:, :count]
-    b = drawn.mean + std * normal[:, count:]
+    alone = drawn.independent
+    a, b = alone.of_normal(normal[:, :count]), alone.of_normal(normal[:, count:])
     mixed = np.tile(a, (count, 1, 1))
     for i in range(count):
         mixed[i, :, i] = b[:, i]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Final, overload
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations.following import known_speeds
 from pmmkit.equations.prepared import Numbers, values_at
 from pmmkit.errors import DataError, ModelError, Problem, Remedy, setting
+from pmmkit.inference import root
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS, place_name
 from pmmkit.models.particulars import TOGETHER
@@ -84,19 +85,32 @@ class Spread:
             generator = np.random.default_rng([seed, block])
             blocks.append(generator.standard_normal((CHUNK, self.root.shape[1])))
         start = first - first // CHUNK * CHUNK
-        normal = np.concatenate(blocks)[start : start + count]
-        drawn: Array = self.mean + np.einsum("ij,kj->ik", normal, self.root)
+        return self.of_normal(np.concatenate(blocks)[start : start + count])
+
+    def of_normal(self, normal: Array) -> Array:
+        """Values (n, m) of ships whose errors (n, q) are standard normal."""
+        values: Array = self.mean + np.einsum("ij,kj->ik", normal, self.root)
         own = self._by_factors
-        drawn[:, own] = self.mean[own] * np.exp(drawn[:, own] / self.mean[own] - 1.0)
-        return drawn
+        values[:, own] = self.mean[own] * np.exp(values[:, own] / self.mean[own] - 1.0)
+        return values
+
+    @property
+    def independent(self) -> Spread:
+        """The same standard deviations, each value by an error of its own."""
+        return replace(self, root=np.diag(self.std))
+
+    @property
+    def std(self) -> Array:
+        """Standard deviations (m,), of the logarithm times the mean as for `root`."""
+        found: Array = np.sqrt(np.einsum("ij,ij->i", self.root, self.root))
+        return found
 
     @property
     def _by_factors(self) -> Array:
         """Which values (m,) differ by factors (lognormal, the value as median): those of propeller,
         rudder and engine, which keep their sign, as a diameter does."""
         parts = np.tile(["." in name for name in self.names], self.speeds).astype(bool)
-        std = np.sqrt(np.einsum("ij,ij->i", self.root, self.root))
-        return np.asarray(parts & (std < KEEPS * np.abs(self.mean)))
+        return np.asarray(parts & (self.std < KEEPS * np.abs(self.mean)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -144,6 +158,30 @@ class Draws:
         order = np.random.default_rng(seed).permutation(len(self.values))
         rows: Array = self.values[order[np.arange(first, first + count) % len(order)]]
         return rows
+
+
+@overload
+def spread_of(
+    model: Model,
+    speed: float,
+    spread: float | None = None,
+    *,
+    extrapolate: bool = False,
+    fn: Follow = "approach",
+    beside: Sequence[str] = (),
+) -> Spread: ...
+
+
+@overload
+def spread_of(
+    model: Model,
+    speed: float,
+    spread: float | Draws | None,
+    *,
+    extrapolate: bool = False,
+    fn: Follow = "approach",
+    beside: Sequence[str] = (),
+) -> Spread | Draws: ...
 
 
 def spread_of(
@@ -242,23 +280,37 @@ def spread_of(
         [[np.einsum("a,aibj,b->ij", one, measured, two) for two in weights] for one in weights]
     )
     positive = (np.diagonal(covariance) > 0).reshape(-1, size).all(axis=0)
-    known = np.isfinite(np.einsum("aiai->ai", full)).all(axis=0) & positive
+    counts = np.any(weights, axis=0)  # what is not known elsewhere does not matter here
+    known = np.isfinite(np.einsum("aiai->ai", full)[counts]).all(axis=0) & positive
+    known &= np.array([name in given[0] for name in model.covariance_names])
     names = tuple(name for name, there in zip(model.covariance_names, known, strict=True) if there)
     places = np.tile(known, len(speeds))
-    chosen = covariance[np.ix_(places, places)]
-    scale = np.sqrt(np.diagonal(chosen))
-    eigenvalues, vectors = np.linalg.eigh(chosen / np.outer(scale, scale))
-    root = scale[:, None] * vectors * np.sqrt(np.maximum(eigenvalues, 0.0))
     unknown = size - len(names)
     tested = Spread(
         names=names,
         mean=np.array([float(own[name]) for own in given for name in names]),
-        root=root,
+        root=root(covariance[np.ix_(places, places)]),
         origin="the covariance of the model"
         + (f"; {unknown} derivatives without one do not differ" if unknown else ""),
         speeds=len(speeds),
     )
     return tested if alone is None else tested.beside(alone)
+
+
+def is_uncertain(model: Model) -> bool:
+    """Whether a model says anything of the uncertainty of its values."""
+    return model.covariance is not None or any(part.std for part in model.parts.values())
+
+
+def in_kind(names: Sequence[str]) -> str:
+    """What names are of, in a word: derivatives, or values of a ship where there are others.
+
+    Examples
+    --------
+    >>> in_kind(("Yv", "Nrrr")), in_kind(("Yv", "shaft.friction")), in_kind(("turns",))
+    ('derivative', 'value', 'value')
+    """
+    return "derivative" if all(name[0] in "XYNK" for name in names) else "value"
 
 
 def _fitting(draws: Draws, model: Model, speed: float, *, extrapolate: bool, fn: Follow) -> Draws:
@@ -289,7 +341,7 @@ def _together(names: Sequence[str]) -> Array:
         if all(name in names for name in pair):
             one, other = (names.index(name) for name in pair)
             correlation[one, other] = correlation[other, one] = size
-    return np.asarray(np.linalg.cholesky(correlation), dtype=np.float64)
+    return root(correlation)
 
 
 def _of_estimates(model: Model, values: Sequence[Numbers]) -> Spread | None:

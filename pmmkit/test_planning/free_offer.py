@@ -88,7 +88,7 @@ class FreeOffer:
         for share, spread in zip(shares, numbers.base.spreads.tolist(), strict=True):
             if share < IMPOSSIBLE:
                 continue
-            z, covariance = probable(fit.known.total, numbers, every, spread)
+            z, covariance = probable(fit.known, numbers, every, spread)
             found.append(
                 Likely(
                     share=share / sum(shares),
@@ -113,7 +113,7 @@ class FreeOffer:
     def usual(self) -> Usual:
         """Effects at their usual sizes."""
         seen = screen(self._null.known, self.system.question.numbers, self._null.spread)
-        sizes = np.zeros((len(seen.gram), len(self.names)))
+        sizes = np.zeros((len(seen.normal.score), len(self.names)))
         groups = []
         for number, name in enumerate(self.names):
             at = seen.columns[name]
@@ -124,12 +124,11 @@ class FreeOffer:
     def _gram(self, run: str | None, times: int) -> Array:
         """Information on all candidates, the base averaged over, after a manoeuvre."""
         fit = self._null
-        total = fit.known.total
+        total = fit.known.products.sum(axis=0)
         if run is not None:
-            total = total.copy()
             total[:-1, :-1] += times * self.products[run]
         known = Known(products=total[None], volumes=np.zeros(1), owners=np.zeros(1, np.int64))
-        return screen(known, self.system.question.numbers, fit.spread).gram
+        return screen(known, self.system.question.numbers, fit.spread).normal.information
 
     def signals(self, run: str | None = None, times: int = 1) -> Array:
         """Squared signal over noise of each effect after a manoeuvre."""
@@ -237,4 +236,4 @@ def _products(
     for stretch in stretches:
         asked = replace(question, stretches=(follow(stretch, plain, question.sensors),))
         known = asked.information(asked.sheets(fit.z, columns), fit.z).under(fit.forces)
-        yield known.total[:-1, :-1]
+        yield known.normal.information

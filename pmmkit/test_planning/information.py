@@ -27,6 +27,7 @@ from pmmkit.diagnosis.captive.system import (
     floor_features,
     run_columns,
 )
+from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 from pmmkit.observations.views import View
@@ -222,17 +223,14 @@ class Known:
             left = total[n:, n:] - half.T @ half
             gram += left[:k, :k]
             score += left[:k, k]
-        given, centre = self.rows.given, self.rows.centre[self.rows.given]
-        root = np.linalg.cholesky(gram[np.ix_(given, given)] + np.eye(len(given)))
-        across = np.linalg.solve(root, gram[given])
-        away = np.linalg.solve(root, score[given] - gram[np.ix_(given, given)] @ centre)
-        score = score - gram[:, given] @ centre - across.T @ away
-        gram = gram - across.T @ across
+        whole = Normal(information=gram, score=score, centre=self.rows.centre)
+        taken = whole.taken(self.rows.given)
+        beside = whole.given(taken)
+        answer = np.column_stack([taken.across, np.linalg.inv(taken.root)])
         return Reduced(
             rows=self.rows,
-            gram=(gram + gram.T) / 2,
-            score=score,
-            of_given=np.linalg.solve(root.T, np.column_stack([across, np.linalg.inv(root)])),
+            normal=replace(beside, information=(beside.information + beside.information.T) / 2),
+            of_given=np.asarray(np.linalg.solve(taken.root.T, answer), float),
             inverse=MappingProxyType(inverse),
             solved=MappingProxyType(solved),
         )
@@ -257,10 +255,8 @@ class Reduced:
     ----------
     rows : Rows
         Of all runs.
-    gram : array (k, k)
-        Products of the candidates' columns, the null taken off.
-    score : array (k,)
-        Their products with the data.
+    normal : Normal
+        What they say of the candidates' coefficients, the null taken off.
     of_given : array (g, k + g)
         What the effects of the base answer to candidates, and their covariance.
     inverse, solved : mapping of channel to array
@@ -268,8 +264,7 @@ class Reduced:
     """
 
     rows: Rows
-    gram: Array
-    score: Array
+    normal: Normal
     of_given: Array
     inverse: Mapping[str, Array]
     solved: Mapping[str, Array]

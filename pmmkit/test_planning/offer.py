@@ -97,7 +97,7 @@ class CaptiveOffer:
 
     def signals(self, run: str | None = None, times: int = 1) -> Array:
         """Squared signal over noise of each effect after a run."""
-        before = self.usual.signals(self.reduced.gram)
+        before = self.usual.signals(self.reduced.normal.information)
         if run is None:
             return before
         more: Array = np.sum((self.added(run, times) @ self.usual.sizes) ** 2, axis=0)
@@ -105,7 +105,7 @@ class CaptiveOffer:
 
     def separations(self, run: str | None = None, times: int = 1) -> Array:
         """The part of it that no size of another explains, after a run."""
-        gram = self.reduced.gram
+        gram = self.reduced.normal.information
         if run is not None:
             columns = self.added(run, times)
             gram = gram + columns.T @ columns

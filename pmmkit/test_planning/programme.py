@@ -16,7 +16,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.system import FEATURES
 from pmmkit.diagnosis.captive.verdict import RIVALS
-from pmmkit.diagnosis.evidence import HIDES, SHOWS
+from pmmkit.diagnosis.evidence import SHOWS, could_hide
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.test_planning.ground import Asked, Ground, ground_of
@@ -281,8 +281,8 @@ def _goal(ground: Ground, effects: Sequence[str]) -> _Goal:
     sizes = usual(ground.rows)
     all_runs = known(ground.rows, [*ground.made, *ground.options]).reduced()
     matters = np.array([not effects or name in effects for name in sizes.names])
-    can = matters & (sizes.signals(all_runs.gram) >= SHOWS)
-    apart = (sizes.separations(all_runs.gram) >= 2 * RIVALS) & can[:, None]
+    can = matters & (sizes.signals(all_runs.normal.information) >= SHOWS)
+    apart = (sizes.separations(all_runs.normal.information) >= 2 * RIVALS) & can[:, None]
     np.fill_diagonal(apart, False)
     precision = {}
     for name, count in ground.rows.null.items():
@@ -339,13 +339,16 @@ def _best(
     ground: Ground, goal: _Goal, reduced: Reduced, promised: Mapping[str, float]
 ) -> tuple[str | None, dict[str, float]]:
     """The option of most progress per hour, and what all promise; the rest keep their promise."""
-    before = goal.progress(reduced.gram, reduced.precision())
+    before = goal.progress(reduced.normal.information, reduced.precision())
     fresh: dict[str, float] = {}
     for run in sorted(promised, key=lambda name: -promised[name]):
         if len(fresh) >= TRIED and max(fresh.values()) >= promised[run]:
             break
         columns = reduced.added(run)
-        gain = goal.progress(reduced.gram + columns.T @ columns, reduced.precision(run)) - before
+        gain = (
+            goal.progress(reduced.normal.information + columns.T @ columns, reduced.precision(run))
+            - before
+        )
         fresh[run] = gain / ground.options[run].hours
     best = max(fresh, key=lambda name: fresh[name], default=None)
     if best is not None and fresh[best] * ground.options[best].hours < WORTH:
@@ -354,14 +357,14 @@ def _best(
 
 
 def _shown(goal: _Goal, reduced: Reduced) -> tuple[str, ...]:
-    signals = goal.usual.signals(reduced.gram)
+    signals = goal.usual.signals(reduced.normal.information)
     return tuple(
         name for name, x in zip(goal.usual.names, signals.tolist(), strict=True) if x >= SHOWS
     )
 
 
 def _separated(goal: _Goal, reduced: Reduced) -> float:
-    apart = goal.usual.separations(reduced.gram) >= 2 * RIVALS
+    apart = goal.usual.separations(reduced.normal.information) >= 2 * RIVALS
     count = len(apart)
     return float(apart.sum() - count) / max(count * (count - 1), 1)
 
@@ -384,10 +387,12 @@ def sights(ground: Ground, state: Known | Iterable[str]) -> tuple[Sight, ...]:
     state = state if isinstance(state, Known) else known(ground.rows, state)
     reduced = state.reduced()
     sizes = usual(ground.rows)
-    signals = sizes.signals(reduced.gram)
-    apart = sizes.separations(reduced.gram) >= 2 * RIVALS
+    signals = sizes.signals(reduced.normal.information)
+    apart = sizes.separations(reduced.normal.information) >= 2 * RIVALS
     all_runs = known(ground.rows, [*ground.made, *ground.options])
-    possible, plain = (sizes.signals(x) for x in (all_runs.reduced().gram, all_runs.plain()))
+    possible, plain = (
+        sizes.signals(x) for x in (all_runs.reduced().normal.information, all_runs.plain())
+    )
     found = []
     for i, name in enumerate(sizes.names):
         candidate, signal = ground.candidates[name], float(signals[i])
@@ -399,7 +404,7 @@ def sights(ground: Ground, state: Known | Iterable[str]) -> tuple[Sight, ...]:
                 family=candidate.family,
                 signal=signal,
                 shown=shown,
-                hides=math.sqrt(HIDES / signal) if signal > 1e-6 else math.inf,
+                hides=could_hide(signal),
                 twins=tuple(twins) if shown else (),
                 why="" if shown else _why(possible[i], plain[i], candidate),
             )

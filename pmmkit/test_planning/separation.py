@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.evidence import log_evidence
 from pmmkit.diagnosis.captive.system import Block
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
@@ -78,7 +77,7 @@ def usual(rows: Rows) -> Usual:
     Of the grid values the median counts, as all rows together show them.
     """
     by_name = blocks_by_name(rows)
-    gram = known(rows, rows.of_run).reduced().gram
+    gram = known(rows, rows.of_run).reduced().normal.information
 
     def signal(block: Block) -> float:
         size = at_usual_size(block)
@@ -131,10 +130,7 @@ def likely(reduced: Reduced, names: Sequence[str]) -> tuple[Likely, ...]:
     by_name = blocks_by_name(reduced.rows)
 
     def evidence(blocks: Sequence[Block]) -> float:
-        at = _places(blocks)
-        return log_evidence(
-            reduced.gram[np.ix_(at, at)], reduced.score[at], reduced.rows.centre[at]
-        )
+        return reduced.normal.only(_places(blocks)).log_evidence
 
     each = NEAR if len(names) == 1 else 3
     near = [sorted(by_name[name], key=lambda b: -evidence([b]))[:each] for name in names]
@@ -146,9 +142,7 @@ def likely(reduced: Reduced, names: Sequence[str]) -> tuple[Likely, ...]:
     made = []
     for value, blocks in found:
         at = _places(blocks)
-        G, centre = reduced.gram[np.ix_(at, at)], reduced.rows.centre[at]
-        covariance = np.asarray(np.linalg.inv(G + np.eye(len(at))), float)
-        mean = centre + covariance @ (reduced.score[at] - G @ centre)
+        mean, covariance = reduced.normal.only(at).posterior
         made.append(
             Likely(share=math.exp(value - top) / total, places=at, mean=mean, covariance=covariance)
         )

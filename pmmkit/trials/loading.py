@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,6 +14,7 @@ from pmmkit.errors import DataError
 from pmmkit.metrics import Criterion, criteria
 from pmmkit.models import Model, load_model
 from pmmkit.models.astern import ESTIMATED, as_it_stops, astern_can_be_estimated
+from pmmkit.models.standing import standing
 from pmmkit.presentation import Grid, Group, percent
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import LOADED
@@ -59,6 +60,10 @@ class Prediction:
             if (x.criterion, x.side) == asked and math.isfinite(x.value)
         ]
         return sum(found) / len(found) if found else math.nan
+
+    def unusable(self, speed: float) -> str:
+        """Why a ratio to it is no ground for a verdict at an approach [m/s]; empty where it is."""
+        return "" if self.model is None else standing(self.model, speed).forced
 
 
 def predicted_by(source: Model | str | Path) -> Prediction:
@@ -157,7 +162,8 @@ def to_full_load(
     tuple of Corrected
         Of each verdict whose measure both give, in the order of the trials. Models sail at the
         approach speed of the run with the rudder that was laid; the uncertainty of R is that of T
-        times F/B, and has nothing of the predictions'.
+        times F/B, and has nothing of the predictions'. Nothing is met or failed by a ratio to a
+        model that is not usable.
 
     Raises
     ------
@@ -179,12 +185,17 @@ def to_full_load(
             )
     found = []
     for trial in trials:
+        unsettled = tuple(
+            dict.fromkeys(
+                text for item in (as_tried, full_load) if (text := item.unusable(trial.speed))
+            )
+        )
         for verdict in trial.verdicts:
             if math.isnan(verdict.value):
                 continue
             values = [item.value(trial, verdict, settings) for item in (as_tried, full_load)]
             if all(math.isfinite(value) and value > 0.0 for value in values):
-                found.append(_corrected(trial, verdict, *values))
+                found.append(_corrected(trial, verdict, *values, unsettled=unsettled))
     return tuple(found)
 
 
@@ -215,20 +226,11 @@ def _sailed(model: Model, trial: Trial, criterion: Criterion) -> dict[str, Any]:
     return given
 
 
-def _corrected(trial: Trial, measured: Verdict, tried: float, full: float) -> Corrected:
-    ratio = full / tried
-    value = measured.value * ratio
-    margin = measured.limit - value
-    spread = trial.std.get(measured.metric, math.nan) * ratio
-    verdict = replace(
-        measured,
-        value=value,
-        margin=margin,
-        passed=value <= measured.limit,
-        probability=None
-        if not spread > 0.0
-        else 0.5 * (1.0 + math.erf(margin / spread / math.sqrt(2.0))),
-    )
+def _corrected(
+    trial: Trial, measured: Verdict, tried: float, full: float, *, unsettled: tuple[str, ...]
+) -> Corrected:
+    std = trial.std.get(measured.metric, math.nan)
+    verdict = measured.carried(full / tried, std, unsettled)
     return Corrected(run=trial.run, measured=measured, tried=tried, full=full, verdict=verdict)
 
 
@@ -246,7 +248,7 @@ def corrected_grid(found: Sequence[Corrected]) -> Grid:
             f"{item.full:.2f}",
             f"{item.verdict.value:.2f}",
             f"{item.verdict.limit:.4g}",
-            "met" if item.verdict.passed else "NOT met",
+            item.verdict.words,
         ]
         for item in found
     ]

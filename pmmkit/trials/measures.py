@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.presentation import number
 from pmmkit.trials.circle import Circle
 from pmmkit.trials.local import crossing, local, way_along
 from pmmkit.trials.noise import straight_line
@@ -120,8 +121,8 @@ def of_zigzag(
     if len(orders) < 2:
         notes.append("The rudder is never reversed: no overshoot.")
     zeros: list[float] = []
-    for number, (begin, end) in enumerate(itertools.pairwise(ends), start=1):
-        side = math.copysign(1.0, orders[number - 1].level)
+    for count, (begin, end) in enumerate(itertools.pairwise(ends), start=1):
+        side = math.copysign(1.0, orders[count - 1].level)
         heading, std, rate = path.heading(begin)
         headings.append(side * math.degrees(heading))
         inside = np.flatnonzero((path.t >= begin) & (path.t <= end))
@@ -134,13 +135,13 @@ def of_zigzag(
                 ]
             )
             top = int(np.argmax(smooth))
-            if top < len(smooth) - 2 or number < len(ends) - 1:
+            if top < len(smooth) - 2 or count < len(ends) - 1:
                 peak = float(smooth[top])
             else:
-                notes.append(f"The record ends before the heading turns back (overshoot {number}).")
+                notes.append(f"The record ends before the heading turns back (overshoot {count}).")
         over = math.degrees(peak - side * heading)
-        spread = math.degrees(math.hypot(math.sqrt(2.0) * std, rate * orders[number].std))
-        found.add(f"overshoot_{number}_deg", over, spread if math.isfinite(over) else math.nan)
+        spread = math.degrees(math.hypot(math.sqrt(2.0) * std, rate * orders[count].std))
+        found.add(f"overshoot_{count}_deg", over, spread if math.isfinite(over) else math.nan)
         back = crossing(path.t, -side * path.psi, 0.0, path.half, begin)
         if back is not None:
             zeros.append(back)
@@ -148,11 +149,11 @@ def of_zigzag(
         if abs(wrong) > math.radians(1.0):
             notes.append(
                 f"The rudder is reversed at {side * math.degrees(heading):.1f}° of heading "
-                f"(execute {number + 1}), not at {math.degrees(switch):g}°."
+                f"(execute {count + 1}), not at {math.degrees(switch):g}°."
             )
-    for number, order in enumerate(orders[1:], start=2):
+    for count, order in enumerate(orders[1:], start=2):
         std = math.hypot(order.std, first.std)
-        found.add(f"time_execute_{number}", order.t - first.t, std)
+        found.add(f"time_execute_{count}", order.t - first.t, std)
     if zeros:
         found.add("reach", zeros[0], math.hypot(first.std, path.step / 3.5))
     if len(zeros) > 2:
@@ -193,7 +194,7 @@ def of_stopping(path: Path, order: Order, notes: list[str]) -> Measures:
     surge = pace[:, 0] * np.cos(heading) + pace[:, 1] * np.sin(heading)
     still = np.flatnonzero(surge <= 0.0)
     if not len(still):
-        left = f"{surge[-1]:.2f} m/s" if len(surge) else "way on"
+        left = f"{number(surge[-1], 2)} m/s" if len(surge) else "way on"
         notes.append(f"The record ends before the ship stops: she still makes {left}.")
         for name in ("head_reach", "track_reach", "lateral_deviation"):
             found.add(name, math.nan, math.nan)

@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Any
 from pmmkit.campaigns.test_kinds.free_running import STOPPING
 from pmmkit.metrics import IN_LENGTHS, in_metres, in_words, metric_of, told, unit_of
 from pmmkit.numerics import Array
-from pmmkit.presentation import ABSENT, WIDE, Described, Grid, Group, Section
+from pmmkit.presentation import (
+    ABSENT,
+    WIDE,
+    Described,
+    Grid,
+    Group,
+    Section,
+    number,
+    with_uncertainty,
+)
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import Condition
 from pmmkit.trials.current import Current
@@ -164,17 +173,19 @@ class Trial(Described):
 
     def _headline(self) -> str:
         rudder = "" if self.test == STOPPING.name else f", rudder {self.rudder_deg:+.1f}°"
-        half = f" ± {WIDE * self.speed_std:.2f}" if math.isfinite(self.speed_std) else ""
+        approach = f"{self.speed:.2f}"
+        if self.speed_std > 0.0:
+            approach = with_uncertainty(self.speed, WIDE * self.speed_std, "plus-minus")
         return (
-            f"{self.run}: {self.test}{rudder}, approach {self.speed:.2f}{half} m/s on "
-            f"{self.heading_deg:05.1f}°"
+            f"{self.run}: {self.test}{rudder}, approach {approach} m/s on {self.heading_deg:05.1f}°"
         )
 
     def _sections(self) -> Sequence[Section]:
         words = [f"{self.name}, L = {self.L:g} m; order at t = {self.order:.1f} s"]
         if self.current is not None:
+            half = WIDE * self.current.speed_std
             words.append(
-                f"Current {self.current.speed:.3f} ± {WIDE * self.current.speed_std:.3f} m/s to "
+                f"Current {with_uncertainty(self.current.speed, half, 'plus-minus')} m/s to "
                 f"{self.current.direction_deg:03.0f}° ({self.current.origin})"
             )
         if self.equal_headings is not None:
@@ -195,9 +206,9 @@ class Trial(Described):
 
     def _measures(self) -> Grid:
         """The measures that a trial tells beside their limits; `rows` has all."""
-        limits = {row["measure"]: row for row in self.rows()}
+        limits = {verdict.metric: verdict for verdict in self.verdicts}
         rows = [
-            [*self._cells(name), *_limit(limits.get(f"{name}_L", limits[name]))]
+            [*self._cells(name), *_limit(limits.get(f"{name}_L", limits.get(name)))]
             for name in told("trial", in_metres(self.metrics))
         ]
         head = ["measure", "value", "std", "in L", "limit", ""]
@@ -214,7 +225,7 @@ class Trial(Described):
         return [
             label,
             f"{value:.{digits}f}{shown}",
-            f"{std:.{digits}f}{shown}",
+            f"{number(std, 2)}{shown}",
             "" if length is None else f"{length:.2f} L",
         ]
 
@@ -259,12 +270,8 @@ class Trial(Described):
         return pd.DataFrame({name: getattr(self, name) for name in names})
 
 
-def _limit(row: Mapping[str, Any]) -> list[str]:
-    if not math.isfinite(row["limit"]):
-        return ["", ""]
-    unit = " L" if row["unit"] == "L" else "°"
-    word = {True: "met", False: "NOT met", None: "not judged"}[row["passed"]]
-    return [f"{row['limit']:.4g}{unit}", word]
+def _limit(verdict: Verdict | None) -> list[str]:
+    return ["", ""] if verdict is None else [verdict.row()[3], verdict.words]
 
 
 class Measures:

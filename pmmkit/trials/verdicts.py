@@ -10,7 +10,7 @@ from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.metrics import Criterion, criteria
 from pmmkit.simulation.imo import LARGE, Verdict, judge, turning_conditions
-from pmmkit.simulation.imo.verdict import side_of
+from pmmkit.simulation.imo.verdict import manoeuvre_words, side_of
 from pmmkit.simulation.machinery import FullAstern
 
 
@@ -63,29 +63,25 @@ def verdicts_of(
         conditions = turning_conditions(rudder_deg, conditions, ".1f")
     elif kind is STOPPING:
         conditions += (LARGE,)
-    words = kind.title
-    if kind.turns_rudder:
-        words += f" {size:.0f}" + (f"/{switch_deg:.0f}" if kind.switches else "°")
-        words += f", to {'starboard' if rudder_deg > 0 else 'port'}"
-    found = []
-    for metric, criterion in own_first:
-        verdict = judge(
+    laid = rudder_deg if kind.turns_rudder else 0.0
+    switch = float(round(switch_deg)) if kind.switches else None
+    words = manoeuvre_words(test, float(round(laid)), switch)
+    found = [
+        judge(
             metric,
             criterion,
             metrics,
+            std=std,
             L=L,
             speed=speed,
             scale=f"as measured, L = {L:.4g} m",
             manoeuvre=words,
             conditions=conditions,
-            side=side_of(rudder_deg) if kind.turns_rudder else "",
+            side=side_of(laid),
         )
-        spread = std.get(verdict.metric, math.nan)
-        if math.isfinite(verdict.value) and spread > 0:
-            probability = 0.5 * (1.0 + math.erf(verdict.margin / spread / math.sqrt(2.0)))
-            verdict = replace(verdict, probability=probability)
-        found.append(replace(verdict, full_astern=full_astern))
-    return tuple(found)
+        for metric, criterion in own_first
+    ]
+    return tuple(replace(verdict, full_astern=full_astern) for verdict in found)
 
 
 def _applies(criterion: Criterion, test: str, rudder: float, switch: float) -> bool:

@@ -13,6 +13,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import CHANNELS
 from pmmkit.errors import DataError, ExtrapolationError
+from pmmkit.inference import COVERAGE
 from pmmkit.models import Model
 from pmmkit.models.step import faults_of
 from pmmkit.numerics import Array
@@ -30,7 +31,6 @@ from pmmkit.validation.faults import shown_too_much, sizes_told
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
 from pmmkit.validation.statistics import ChannelError
 from pmmkit.validation.uncertainty import (
-    COVERAGE,
     OF_MEASUREMENT,
     SHARES,
     Share,
@@ -229,7 +229,7 @@ def _compared(
     scale: Mapping[str, float],
     floor: float,
 ) -> CaptiveRun:
-    Fn = campaign.froude(view.run)
+    model = model_share(view, predictor, turning=bool(np.any(view.motion.rps)))
     history = {
         name: x for name, x in forces(view.motion, view.instants).items() if name in view.force
     }
@@ -241,10 +241,10 @@ def _compared(
     least = {name: np.full(view.rows, floor * scale[name] * view.speed**2) for name in predicted}
     return CaptiveRun(
         view=view,
-        Fn=Fn,
+        Fn=campaign.froude(view.run),
         predicted=predicted,
         history=history,
-        shares={**own, "model": model_share(view, predictor, Fn), "floor": least},
+        shares={**own, "model": model, "floor": least},
     )
 
 

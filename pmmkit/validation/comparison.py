@@ -13,12 +13,13 @@ from pmmkit.campaigns.motion.inertia import Rig, rig_of
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.inference import COVERAGE
 from pmmkit.metrics import in_metres, in_words, told
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
 from pmmkit.observations.views import View
 from pmmkit.observations.whitening import FLOOR
-from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, counted, number
+from pmmkit.presentation import Described, Grid, Group, Section, counted, number, percent
 from pmmkit.progress import Progress
 from pmmkit.ship import Ship, Water
 from pmmkit.trials.track import track_of
@@ -38,7 +39,7 @@ from pmmkit.validation.misfit import (
     statements_of,
 )
 from pmmkit.validation.statistics import STATISTICS, ChannelError, statistics, together
-from pmmkit.validation.uncertainty import COVERAGE, SHARES, rms_of
+from pmmkit.validation.uncertainty import SHARES, rms_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -202,7 +203,7 @@ class Comparison(Described):
                     f"{channel} [{unit}], {kind_of(test).title}",
                     str(len(group)),
                     *(number(told[item.name], 3) for item in STATISTICS),
-                    _percent(told["relative"]),
+                    percent(told["relative"], signed=False),
                     f"{told['within']} of {len(group)}",
                 ]
             )
@@ -219,8 +220,8 @@ class Comparison(Described):
                 f"{row['run']} {row['measure'].replace('_', ' ')} [{row['unit']}]",
                 number(row["measured"], 3),
                 number(row["predicted"], 3),
-                f"{row['error']:+.2g}",
-                *([_signed(row["error_as_executed"])] if late else []),
+                number(row["error"], 2, signed=True),
+                *([number(row["error_as_executed"], 2, signed=True)] if late else []),
                 number(row["uncertainty"], 2),
             ]
             for row in told
@@ -529,14 +530,6 @@ def _size(row: Mapping[str, Any]) -> str:
     if row["channel"] in MOTIONS:
         return f"error {number(row['error'], 3)} {MOTIONS[row['channel']]}"
     return f"{100 * row['relative']:.0f} % of the measured force"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.1f} %" if np.isfinite(share) else ABSENT
-
-
-def _signed(error: float) -> str:
-    return f"{error:+.2g}" if np.isfinite(error) else ABSENT
 
 
 def _told(item: Manoeuvre) -> list[dict[str, Any]]:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.inference import COVERAGE
 from pmmkit.validation.captive import CaptiveRun
 from pmmkit.validation.free_running import FreeRun
-from pmmkit.validation.uncertainty import COVERAGE, SHARES
+from pmmkit.validation.uncertainty import SHARES
 
 if TYPE_CHECKING:
     import pandas as pd

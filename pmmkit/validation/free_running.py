@@ -25,6 +25,7 @@ from pmmkit.identification.predict import predict, prediction_std, reference
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.seas import sea_notes
 from pmmkit.identification.smoother import Smoothed, implied_forces, smooth
+from pmmkit.inference import COVERAGE
 from pmmkit.models import Model
 from pmmkit.numerics import Array, rms
 from pmmkit.observations.stated import idle
@@ -40,7 +41,6 @@ from pmmkit.trials.evaluate import JUDGED
 from pmmkit.validation.manoeuvre import Manoeuvre
 from pmmkit.validation.prediction import at_the_scale_of
 from pmmkit.validation.statistics import ChannelError
-from pmmkit.validation.uncertainty import COVERAGE
 
 GEAR: Final = 0.1
 """Share by which a steering gear may differ from the model's before it is said."""
@@ -116,6 +116,16 @@ class FreeRun:
             **{name: self._motion_error(name) for name in MOTIONS},
         }
 
+    def doubt(self, name: str) -> Array:
+        """Expanded uncertainty of a motion as predicted less as measured, array (n,) [SI].
+
+        Parameters
+        ----------
+        name : str
+            Key of `measured`.
+        """
+        return COVERAGE * np.hypot(self.std[name], self.predicted_std[name])
+
     def _force_error(self, name: str, floor: float) -> ChannelError:
         force = self.force[name]
         return ChannelError.of_samples(
@@ -125,25 +135,28 @@ class FreeRun:
         )
 
     def _motion_error(self, name: str) -> ChannelError:
-        m, p = self.measured, self.predicted
-
-        def doubt(of: str) -> Array:
-            return COVERAGE * np.hypot(self.std[of], self.predicted_std[of])
-
+        m, p, doubt = self.measured, self.predicted, self.doubt
         if name == "position":
             error = np.stack([p[x] - m[x] for x in "xy"])
             gone = np.stack([m[x] - m[x][0] for x in "xy"])
             return ChannelError.of_samples(error, gone, np.stack([doubt("x"), doubt("y")]))
         if name == "speed":
             speed, simulated = np.hypot(m["u"], m["v"]), np.hypot(p["u"], p["v"])
-            both = np.hypot(doubt("u"), doubt("v"))
-            return ChannelError.of_samples(simulated - speed, speed, both)
-        own = {"heading": "psi", "yaw_rate": "r"}[name]
-        turned = m["psi"] - m["psi"][0] if own == "psi" else m["r"]
+            own = np.hypot(_of_speed(m, self.std), _of_speed(p, self.predicted_std))
+            return ChannelError.of_samples(simulated - speed, speed, COVERAGE * own)
+        angle = {"heading": "psi", "yaw_rate": "r"}[name]
+        turned = m["psi"] - m["psi"][0] if angle == "psi" else m["r"]
         degrees = math.degrees(1.0)
         return ChannelError.of_samples(
-            degrees * (p[own] - m[own]), degrees * turned, degrees * doubt(own)
+            degrees * (p[angle] - m[angle]), degrees * turned, degrees * doubt(angle)
         )
+
+
+def _of_speed(motion: Mapping[str, Array], std: Mapping[str, Array]) -> Array:
+    """Standard uncertainty of √(u² + v²), whose slopes are u and v over itself."""
+    course = np.arctan2(motion["v"], motion["u"])
+    found: Array = np.hypot(np.cos(course) * std["u"], np.sin(course) * std["v"])
+    return found
 
 
 def compare_free(

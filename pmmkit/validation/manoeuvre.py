@@ -9,10 +9,10 @@ from types import MappingProxyType
 from typing import Any
 
 from pmmkit.campaigns.run import Run
+from pmmkit.inference import COVERAGE
 from pmmkit.metrics import unit_of
 from pmmkit.simulation import Track
 from pmmkit.trials import Trial
-from pmmkit.validation.uncertainty import COVERAGE
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

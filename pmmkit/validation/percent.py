@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.inference import COVERAGE
 from pmmkit.metrics import in_lengths
 from pmmkit.validation.captive import CaptiveRun
 from pmmkit.validation.dataset import of_harmonics, rows_of
 from pmmkit.validation.manoeuvre import Manoeuvre
-from pmmkit.validation.uncertainty import COVERAGE, OF_MEASUREMENT
+from pmmkit.validation.uncertainty import OF_MEASUREMENT
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final
 
+import numpy as np
+
 from pmmkit.campaigns.run import Campaign
 from pmmkit.effects.state import State
 from pmmkit.equations import CALM
@@ -160,11 +162,16 @@ def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) 
 
 
 def _without_stale_covariance(model: Model, kept: Mapping[str, Part]) -> Model:
-    """The model without its covariance, if some of its derivatives are left out."""
+    """The model with the covariance of what is left of it (the marginal one)."""
     values = {place_name(effect, name) for effect, x in kept.items() for name in x.values}
-    if set(model.covariance_names) <= values:
+    held = [name in values for name in model.covariance_names]
+    if model.covariance is None or all(held):
         return model
-    return replace(model, covariance=None, covariance_names=())
+    if not any(held):
+        return replace(model, covariance=None, covariance_names=())
+    own = np.tile(held, max(len(model.Fn), 1))
+    names = tuple(name for name in model.covariance_names if name in values)
+    return replace(model, covariance=model.covariance[np.ix_(own, own)], covariance_names=names)
 
 
 def at_the_scale_of(model: Model, ship: Ship) -> tuple[Model, list[str]]:

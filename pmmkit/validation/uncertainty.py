@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Final
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any, Final
 
 import numpy as np
 
@@ -12,16 +14,16 @@ from pmmkit.campaigns.motion.kinematics import move_motion
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.effects.hull import regressors
+from pmmkit.inference import Propagated, differences, displaced, std_along
 from pmmkit.numerics import Array
 from pmmkit.observations.stated import altered, nominal_path
 from pmmkit.observations.views import View
+from pmmkit.simulation.spread import Spread, is_uncertain, spread_of
 from pmmkit.validation.prediction import Forces, Predictor
 from pmmkit.validation.statistics import squares_of
 
 Share = Mapping[str, Array]
 """Standard uncertainty of each harmonic by channel [N, N m]."""
-COVERAGE: Final = 2.0
-"""Expanded uncertainty over standard uncertainty."""
 SHARES: Final = ("noise", "scatter", "stated", "model", "numerical", "floor")
 """What a validation uncertainty is made of."""
 OF_MEASUREMENT: Final = ("noise", "scatter", "stated", "numerical")
@@ -60,16 +62,18 @@ def stated_share(
         (JCGM 100:2008, F.1.2.3).
     """
     read = as_read(view.force, view.run, view.motion, rig, view.project)
-    causes: dict[str, dict[str, Array]] = {}
-    for number, source in enumerate(sources):
-        change = _change(view, rig, forces, source, water_rho, predicted, read)
-        together = causes.setdefault(source.common or f"{number}", {})
-        for name in view.force:
-            if name in change:
-                together[name] = together.get(name, 0.0) + change[name]
+    causes, changes = [], []
+    for source in sources:
+        changes.append(_change(view, rig, forces, source, water_rho, predicted, read))
+        causes.append(source.common)
+    zero = np.zeros(view.rows)
     return {
-        name: np.sqrt(sum((x[name] ** 2 for x in causes.values() if name in x), np.zeros(rows)))
-        for name, rows in dict.fromkeys(view.force, view.rows).items()
+        name: Propagated(
+            factors=tuple(change.get(name, zero)[None] for change in changes), causes=tuple(causes)
+        ).std
+        if changes
+        else zero
+        for name in view.force
     }
 
 
@@ -116,8 +120,8 @@ def _less(first: Share, second: Share) -> dict[str, Array]:
     return {name: x - second[name] for name, x in first.items()}
 
 
-def model_share(view: View, predictor: Predictor, Fn: float) -> dict[str, Array]:
-    """Standard uncertainty of the prediction from the covariance of a model's derivatives.
+def model_share(view: View, predictor: Predictor, *, turning: bool) -> dict[str, Array]:
+    """Standard uncertainty of the prediction from what a model states of its values.
 
     Parameters
     ----------
@@ -125,28 +129,28 @@ def model_share(view: View, predictor: Predictor, Fn: float) -> dict[str, Array]
         The run.
     predictor : Predictor
         The model.
-    Fn : float
-        Froude number of the run.
+    turning : bool
+        Whether the propeller turns in the run.
 
     Returns
     -------
     dict of channel to array (m,)
-        Zero where the model states none; what it does not know of a derivative counts as nothing.
+        √(J C Jᵀ) with the covariance by which `monte_carlo` draws ships, to first order. Zero where
+        the model states none; what it does not know of a value counts as nothing.
     """
     model = predictor.model
     zero = {name: np.zeros(view.rows) for name in view.force}
-    if model.covariance is None:
+    if not is_uncertain(model):
         return zero
-    weights = np.array(model.weights(Fn, extrapolate=predictor.extrapolate) if model.Fn else (1.0,))
-    n = len(model.covariance_names)
-    blocks = model.covariance.reshape(len(weights), n, len(weights), n)
-    known = np.nan_to_num(np.einsum("i,iajb,j->ab", weights, np.nan_to_num(blocks), weights))
+    known = spread_of(model, view.speed, extrapolate=predictor.extrapolate)
+    jacobian = {name: np.zeros((view.rows, len(known.names))) for name in view.force}
+    terms = [i for i, name in enumerate(known.names) if "." not in name and name[0] in view.force]
     for channel in view.force:
-        own = [i for i, name in enumerate(model.covariance_names) if name[0] == channel]
+        own = [i for i in terms if known.names[i][0] == channel]
         if own:
-            design = view.project(
+            jacobian[channel][:, own] = view.project(
                 regressors(
-                    [model.covariance_names[i] for i in own],
+                    [known.names[i] for i in own],
                     view.motion,
                     ship=model.ship,
                     water=model.water,
@@ -154,9 +158,41 @@ def model_share(view: View, predictor: Predictor, Fn: float) -> dict[str, Array]
                     approach_speed=view.speed,
                 )
             )
-            variance = np.einsum("ij,jk,ik->i", design, known[np.ix_(own, own)], design)
-            zero[channel] = np.sqrt(np.maximum(variance, 0.0))
-    return zero
+    others = [i for i, name in enumerate(known.names) if "." in name]
+    steps = np.eye(len(known.names))[others]
+    ships = known.independent.of_normal(displaced(np.zeros(len(known.names)), steps))
+    said = [
+        _of_ship(view, predictor, known, values, i, turning=turning)
+        for i, values in zip(np.repeat(others, 2), ships, strict=True)
+    ]
+    for channel in view.force if others else ():
+        changes = differences(np.stack([forces[channel] for forces in said]))
+        jacobian[channel][:, others] = (changes / known.std[others, None]).T
+    return {name: std_along(J, known.covariance) for name, J in jacobian.items()}
+
+
+def _of_ship(
+    view: View, predictor: Predictor, known: Spread, values: Array, place: int, *, turning: bool
+) -> Share:
+    """Harmonics of the forces on a ship of which one value of a part is another."""
+    effect, _, name = known.names[place].rpartition(".")
+    part = predictor.model.parts[effect]
+    mean, other = known.mean[place], values[place]
+    own = part.values[name]
+    moved: Any = float(other)
+    if isinstance(own, tuple):
+        moved = tuple(x * other / mean if mean else x + other for x in own)
+    model = replace(
+        predictor.model,
+        parts=MappingProxyType(
+            {
+                **predictor.model.parts,
+                effect: replace(part, values=MappingProxyType({**part.values, name: moved})),
+            }
+        ),
+    )
+    forces = replace(predictor, model=model).forces(view.speed, turning=turning)
+    return {x: view.project(force) for x, force in forces(view.motion, view.instants).items()}
 
 
 def scales(views: Sequence[View]) -> dict[str, float]:

@@ -6,6 +6,7 @@ import shlex
 from pathlib import Path
 from typing import Final
 
+from pmmkit.models import load_model
 from pmmkit.models.step import Step
 from pmmkit.structures import structures
 from pmmkit.workbench.saved import OWN, STEPS, State, model_file
@@ -40,6 +41,7 @@ def command_lines(state: State, folder: Path, structure: str) -> list[dict[str, 
     if not state.model or state.model in structures():
         base = folder / "reduced"
         lent = f" --parts {shlex.quote(state.parts)}" if state.parts else ""
+        lent += " --force" if _by_force(model_file(folder, ())) else ""
         line = f"reduce {tests[0]} --structure {state.model or structure} --fn pooled{lent}"
         found.append(_line("reduce", f"{line} --out {_quoted(base)}{more}"))
         model = _quoted(base / "model.toml")
@@ -65,6 +67,11 @@ def _added(step: Step, model: str, fitted: str, made: str, more: str) -> dict[st
     effect = step.effect + (f"@{shlex.quote(step.campaign)}" if step.campaign else "")
     line = f"add {model} {effect} {fitted} -o {made}{why}{more}"
     return _line("add", line, step.effect)
+
+
+def _by_force(base: Path) -> bool:
+    """Whether a base was made of derivatives that are not usable, as the page does and says."""
+    return base.is_file() and bool(load_model(base).not_usable)
 
 
 def _line(what: str, line: str, effect: str = "") -> dict[str, str]:

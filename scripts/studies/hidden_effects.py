@@ -193,7 +193,7 @@ def separations(job: Job, campaign: Any, rivals: Sequence[tuple[str, ...]]) -> l
             [view.force for view in views_of(x.campaign("none")) if view.force]
             for x in (job, replace(job, effects=()))
         )
-    score, square = np.zeros(len(system.score)), 0.0
+    score, square = np.zeros(len(system.normal.score)), 0.0
     for piece in system.pieces:
         c = piece.projection.channel
         force = np.concatenate([pure[i][c.name] - empty[i][c.name] for i in c.views])

@@ -16,7 +16,6 @@ from pmmkit import FreeRecord, compare_methods
 from pmmkit.cli import main
 from pmmkit.conventions import Convention
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.estimation.innovations import Innovations, autocorrelation, innovation_tests
 from pmmkit.figures import identification as drawings
 from pmmkit.figures import save
 from pmmkit.identification import reference
@@ -25,6 +24,7 @@ from pmmkit.identification.consistency import consistency
 from pmmkit.identification.known import known_before, parameters_of
 from pmmkit.identification.methods import SECONDS
 from pmmkit.identification.posterior import read_posterior
+from pmmkit.inference import Innovations, autocorrelation, innovation_tests
 from pmmkit.plotting.identification import parameters
 
 SHIP, SPEED = "kvlcc2-l7", 1.179
@@ -538,10 +538,9 @@ def test_figures_say_what_is_not_there(compared, records):
         predicted_window({"a": compared[0].model}, compared[1], window=1e4)
 
 
-def of(residuals, gated=None):
+def of(residuals, gate=math.inf):
     values = np.asarray(residuals, float)[:, None]
-    off = np.zeros(values.shape, bool) if gated is None else np.asarray(gated)[:, None]
-    return Innovations(names=("psi",), residuals=values, variances=np.ones_like(values), gated=off)
+    return Innovations(names=("psi",), residuals=values, variances=np.ones_like(values), gate=gate)
 
 
 WHITE = np.random.default_rng(5).normal(size=3000)
@@ -570,8 +569,8 @@ def test_consistency_in_numbers():
     assert whole.band[0] < 1 < whole.band[1]
     assert found.records["a"]["psi"].samples == 1000
     assert len(found.to_pandas()) == 3
-    far = np.arange(3000) % 20 == 0
-    gated = innovation_tests({"a": of(WHITE, far)})
+    far = np.where(np.arange(3000) % 20 == 0, 30.0, WHITE)
+    gated = innovation_tests({"a": of(far, gate=5.0)})
     assert gated.channels["psi"].gated == pytest.approx(0.05)
     assert "5.0 % of the measurements were not taken in" in " ".join(gated.words())
     assert innovation_tests({"a": of(WHITE[:20])}).words() == ("psi: too few samples to judge.",)

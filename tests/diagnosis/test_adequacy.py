@@ -23,7 +23,7 @@ from pmmkit.diagnosis.captive.adequacy import (
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.coverage import coverage
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.evidence import evidence_at, ranked_sets, sets_of
+from pmmkit.diagnosis.captive.evidence import ranked_sets, sets_of
 from pmmkit.diagnosis.captive.leave_one_out import least_gains
 from pmmkit.diagnosis.captive.system import channels_of
 from pmmkit.observations.views import views_of
@@ -149,8 +149,8 @@ def test_leaving_a_run_out_is_a_system_without_it(monkeypatch):
         lambda *x: tuple(replace(c, scale=scale[c.name]) for c in channels_of(*x)),
     )
     rest = build(views, system.base, [block.candidate], scatter=system.scatter)
-    assert least == pytest.approx(evidence_at(rest, rest.blocks[0].places), rel=1e-3)
-    assert least < evidence_at(system, block.places)
+    assert least == pytest.approx(rest.normal.only(rest.blocks[0].places).log_evidence, rel=1e-3)
+    assert least < system.normal.only(block.places).log_evidence
 
 
 @pytest.mark.slow

@@ -15,7 +15,6 @@ from hidden_effects import BASE, hidden_campaign
 
 from pmmkit.diagnosis import diagnose, diagnose_captive
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.evidence import log_evidence
 from pmmkit.diagnosis.findings import odds
 from pmmkit.errors import DataError
 from pmmkit.models import load_model
@@ -33,16 +32,6 @@ def effects_of(found):
 
 
 # The rule of evidence
-
-
-def test_evidence_is_the_ratio_of_two_normal_densities():
-    """N(E c, I + E E') over N(0, I), written out with its determinant."""
-    rng = np.random.default_rng(3)
-    E, z, c = rng.normal(size=(12, 3)), rng.normal(size=12), np.array([0.5, -1.0, 0.0])
-    V = np.eye(12) + E @ E.T
-    away = z - E @ c
-    expected = 0.5 * (z @ z - away @ np.linalg.solve(V, away) - np.linalg.slogdet(V)[1])
-    assert log_evidence(E.T @ E, E.T @ z, c) == pytest.approx(expected, rel=1e-10)
 
 
 def test_odds_are_words_and_end_at_a_thousand():

@@ -149,7 +149,7 @@ def test_what_the_true_model_leaves_is_the_noise_of_the_sensors():
     place = place_at(question, np.zeros(len(KNOWN)))
     rows = sum(len(x.errors) - x.starts.shape[1] for own in place.sheets for x in own)
     calm = Forces(shares=np.full(3, 1e-9), memory=1.0)
-    left = place.information.under(calm).total[-1, -1]
+    left = place.information.under(calm).normal.square
     assert left / rows == pytest.approx(1.0, abs=4.0 * math.sqrt(2.0 / rows))
 
 

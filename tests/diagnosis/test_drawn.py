@@ -35,7 +35,7 @@ def test_the_columns_stand_beside_the_system_and_evidence_is_the_same(systems):
     ours, theirs = (named(system, "fault_transient") for system in systems)
     assert all(block.drawn is None for block in ours)
     assert all(block.drawn is not None for block in theirs)
-    assert len(beside.gram) < len(written.gram)
+    assert len(beside.normal.information) < len(written.normal.information)
     for one, other in zip(ours, theirs, strict=True):
         assert one.count == other.count
         assert evidence_of(beside, other) == pytest.approx(evidence_of(written, one), rel=1e-10)
@@ -47,12 +47,18 @@ def test_written_out_it_is_the_system_it_would_have_been(systems):
     whole, blocks = spread(beside, named(beside, "fault_transient"))
     for one, other in zip(named(written, "fault_transient"), blocks, strict=True):
         a, b = one.places, other.places
-        np.testing.assert_allclose(whole.gram[np.ix_(b, b)], written.gram[np.ix_(a, a)], atol=1e-9)
-        np.testing.assert_allclose(whole.score[b], written.score[a], rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(
+            whole.normal.information[np.ix_(b, b)],
+            written.normal.information[np.ix_(a, a)],
+            atol=1e-9,
+        )
+        np.testing.assert_allclose(
+            whole.normal.score[b], written.normal.score[a], rtol=1e-9, atol=1e-9
+        )
     (first, second, *_), (ours, other, *_) = blocks, named(written, "fault_transient")
     np.testing.assert_allclose(
-        whole.gram[np.ix_(first.places, second.places)],
-        written.gram[np.ix_(ours.places, other.places)],
+        whole.normal.information[np.ix_(first.places, second.places)],
+        written.normal.information[np.ix_(ours.places, other.places)],
         atol=1e-9,
     )
 

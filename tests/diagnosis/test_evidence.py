@@ -11,15 +11,9 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from pmmkit.diagnosis.captive import evidence
-from pmmkit.diagnosis.captive.evidence import (
-    Sets,
-    evidence_at,
-    gate,
-    log_evidence,
-    price,
-    ranked_sets,
-    sets_of,
-)
+from pmmkit.diagnosis.captive.evidence import Sets, gate, ranked_sets, sets_of
+from pmmkit.diagnosis.evidence import PRICE, could_hide, mimics
+from pmmkit.inference import Normal
 
 ROWS = 40
 
@@ -38,9 +32,7 @@ def system_of(blocks, columns, data, centre=None):
     """What the evidence asks of a system: whitened columns (n, q) and data (n,)."""
     return SimpleNamespace(
         blocks=blocks,
-        gram=columns.T @ columns,
-        score=columns.T @ data,
-        centre=np.zeros(columns.shape[1]) if centre is None else np.asarray(centre, float),
+        normal=Normal.of(columns, data, None if centre is None else np.asarray(centre, float)),
     )
 
 
@@ -69,24 +61,17 @@ def by_density(columns, data, centre):
     ).logpdf(data)
 
 
-def test_the_evidence_is_a_ratio_of_densities(measured):
+def test_the_odds_of_an_effect_do_not_hang_on_what_else_is_in_the_catalogue(measured):
+    """Two entries more, of which one resembles the wind: nothing changes for the others."""
     system, columns, data = measured
-    assert log_evidence(system.gram, system.score, system.centre) == pytest.approx(
-        by_density(columns, data, system.centre), rel=1e-10
-    )
-
-
-def test_columns_of_another_size_keep_their_expected_force(measured):
-    """A prior three times as wide about the same force: z = c / 3."""
-    system, columns, data = measured
-    at, size = np.array([0, 3, 5]), np.array([3.0, 0.5, 2.0])
-    truth = by_density(columns[:, at] * size, data, system.centre[at] / size)
-    assert evidence_at(system, at, size) == pytest.approx(truth, rel=1e-10)
-
-
-def test_an_effect_pays_for_twice_the_number_of_effects(measured):
-    system, *_ = measured
-    assert price(system) == pytest.approx(math.log(2 * 4))
+    more = np.column_stack([columns, columns[:, 3] + 0.1 * columns[:, 0], columns[:, 4]])
+    blocks = [*system.blocks, block_of("memory", 6), block_of("stall", 7)]
+    larger = system_of(blocks, more, data, [*system.normal.centre, 0.0, 0.0])
+    before, after = (ranked_sets(sets_of(x), most=2) for x in (system, larger))
+    odds = {item.names: item.log_evidence for item in after}
+    assert before
+    for item in before:
+        assert odds[item.names] == pytest.approx(item.log_evidence, rel=1e-12)
 
 
 def test_a_set_is_averaged_over_its_grid_and_pays_for_each_effect(measured):
@@ -94,13 +79,13 @@ def test_a_set_is_averaged_over_its_grid_and_pays_for_each_effect(measured):
     sets = Sets(
         system=system, by_name=sets_of(system).by_name, near=sets_of(system).near, beside={}
     )
-    of = [by_density(columns[:, [k]], data, system.centre[[k]]) for k in (1, 2)]
+    of = [by_density(columns[:, [k]], data, system.normal.centre[[k]]) for k in (1, 2)]
     alone = sets.entry(["lag"])
-    assert alone.log_evidence == pytest.approx(np.logaddexp(*of) - math.log(2) - math.log(8))
+    assert alone.log_evidence == pytest.approx(np.logaddexp(*of) - math.log(2) - PRICE)
     assert alone.values == (1.0 if of[0] > of[1] else 2.0,)
-    both = [by_density(columns[:, [k, 5]], data, system.centre[[k, 5]]) for k in (1, 2)]
+    both = [by_density(columns[:, [k, 5]], data, system.normal.centre[[k, 5]]) for k in (1, 2)]
     pair = sets.entry(["lag", "roll"])
-    assert pair.log_evidence == pytest.approx(np.logaddexp(*both) - math.log(2) - 2 * math.log(8))
+    assert pair.log_evidence == pytest.approx(np.logaddexp(*both) - math.log(2) - 2 * PRICE)
     roll = sets.entry(["roll"]).log_evidence
     assert sets.added(pair) == pytest.approx(
         (pair.log_evidence - roll, pair.log_evidence - alone.log_evidence)
@@ -134,11 +119,11 @@ def test_the_chance_of_the_null_is_counted(measured):
     for places in ([[0]], [[1], [2]], [[3, 4]], [[5]]):
         own = []
         for at in places:
-            E, c = columns[:, at], system.centre[at]
+            E, c = columns[:, at], system.normal.centre[at]
             whole = np.eye(ROWS) + E @ E.T
             logs = multivariate_normal(E @ c, whole).logpdf(empty)
             own.append(logs - multivariate_normal(np.zeros(ROWS), np.eye(ROWS)).logpdf(empty))
-        mean = np.logaddexp.reduce(own, axis=0) - math.log(len(places)) - price(system)
+        mean = np.logaddexp.reduce(own, axis=0) - math.log(len(places)) - PRICE
         best = np.maximum(best, mean)
     for share in (0.5, 0.1, 0.02):
         bar = float(np.quantile(best, 1 - share))
@@ -153,3 +138,23 @@ def test_the_chance_is_never_zero_and_never_above_one(measured):
     system, *_ = measured
     assert gate(system, 1e9, draws=99) == pytest.approx(1 / 100)
     assert gate(system, -1e9, draws=99) == 1.0
+
+
+def test_a_mimic_reproduces_the_square_of_the_correlation():
+    """Of a signature, by a column at the cosine .8 and by one at .6; .36 is none."""
+    columns = np.array([[1.0, 0.0, 0.0], [0.8, 0.6, 0.0], [0.6, 0.0, 0.8], [1.0, 0.0, 0.0]]).T
+    G = columns.T @ columns
+    others = {"near": np.array([1]), "far": np.array([2]), "both": np.array([1, 2])}
+    found = mimics(G, G[:, 0], 1.0, others)
+    assert found["near"] == pytest.approx(0.64)
+    assert "far" not in found
+    # Of the plane of both the normal is (-.48, .64, .36) over its length.
+    assert found["both"] == pytest.approx(1.0 - 0.48**2 / (0.48**2 + 0.64**2 + 0.36**2))
+    assert list(found) == ["both", "near"]
+
+
+def test_what_nothing_shows_may_be_of_any_size():
+    assert could_hide(0.0) == math.inf
+    assert could_hide(1e-9) == math.inf
+    assert could_hide(15.0) == pytest.approx(1.0)
+    assert could_hide(1500.0) == pytest.approx(0.1)

@@ -12,10 +12,10 @@ from pmmkit.diagnosis import diagnose_captive
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.conditioning import condition_on
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.evidence import evidence_at
 from pmmkit.diagnosis.captive.grid import best_blocks
 from pmmkit.diagnosis.captive.held_out import condition, held_out
 from pmmkit.diagnosis.captive.joint_fit import joint_fit
+from pmmkit.diagnosis.captive.least_squares import Stack, solved
 from pmmkit.diagnosis.captive.verdict import answer, taken_as_given
 from pmmkit.errors import UnknownNameError
 
@@ -27,14 +27,31 @@ def system():
     return captive_system(hidden_campaign("middle", HIDDEN, seed=5, sided="both"), BASE)
 
 
+def test_of_derivatives_that_cannot_be_told_apart_none_has_a_value():
+    """One drift angle to either side: Yv and Yvvv are one, as `reduce` says of the same runs."""
+    v = np.array([-0.1, -0.1, 0.1, 0.1])
+    white = np.column_stack([v, v**3, np.ones(4), -2.0 * v + 0.3])
+    stack = Stack(
+        plain=white,
+        white=white,
+        places={"Y": slice(0, 4)},
+        names=("Yv", "Yvvv", "Y0"),
+        unit=np.ones(3),
+        centre=np.zeros(0),
+        begin=3,
+    )
+    found = solved(stack)
+    assert found.determined.tolist() == [False, False, True]
+    assert found.solution[2] == pytest.approx(0.3)
+
+
 @pytest.mark.slow
 def test_evidence_beside_a_known_effect_is_that_of_both_less_that_of_the_known(system):
     known, other = (best_blocks(system, name)[0] for name in ("fault_misalignment", "memory"))
-    both = evidence_at(system, np.concatenate([known.places, other.places]))
-    alone = evidence_at(system, known.places)
-    assert evidence_at(condition_on(system, [known]), other.places) == pytest.approx(
-        both - alone, rel=1e-8
-    )
+    both = system.normal.only(np.concatenate([known.places, other.places])).log_evidence
+    alone = system.normal.only(known.places).log_evidence
+    beside = condition_on(system, [known]).normal.only(other.places)
+    assert beside.log_evidence == pytest.approx(both - alone, rel=1e-8)
 
 
 @pytest.mark.slow
@@ -42,9 +59,9 @@ def test_the_data_left_beside_a_known_effect_are_those_of_a_larger_covariance(sy
     """z'(I + S S')⁻¹z of the whitened data, from the products alone."""
     (known,) = best_blocks(system, "yaw_sway_coupling")
     own = known.places
-    G, b = system.gram[np.ix_(own, own)], system.score[own]
-    expected = system.square - b @ np.linalg.solve(G + np.eye(len(own)), b)
-    assert condition_on(system, [known]).square == pytest.approx(expected, rel=1e-12)
+    G, b = system.normal.information[np.ix_(own, own)], system.normal.score[own]
+    expected = system.normal.square - b @ np.linalg.solve(G + np.eye(len(own)), b)
+    assert condition_on(system, [known]).normal.square == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_condition_left_out_is_predicted_as_by_a_fit_without_its_runs(system):

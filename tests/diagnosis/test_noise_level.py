@@ -13,8 +13,8 @@ from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.chosen_anew import _losses, chosen_anew
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.evidence import evidence_at, ranked_sets, sets_of
-from pmmkit.diagnosis.captive.held_out import _of_others, condition, held_out
+from pmmkit.diagnosis.captive.evidence import ranked_sets, sets_of
+from pmmkit.diagnosis.captive.held_out import condition, held_out
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +74,7 @@ def test_a_set_loses_what_a_system_without_the_condition_lacks(system):
     views = [view for view in system.views if condition(view.run) != name]
     rest = build(views, system.base, [b.candidate for b in blocks], scatter=system.scatter)
     whole, less = (
-        evidence_at(x, np.concatenate([b.places for b in own]))
+        x.normal.only(np.concatenate([b.places for b in own])).log_evidence
         for x, own in ((system, blocks), (rest, rest.blocks))
     )
     assert losses[name] == pytest.approx(less - whole, rel=0.05)
@@ -118,13 +118,3 @@ def test_evidence_is_that_of_each_effect_and_not_of_the_set():
     assert own["yaw_sway_coupling"] > 10 * own["fault_misalignment"] > 0.0
     single = next(item for item in found.entries if item.names == ("yaw_sway_coupling",))
     assert own["fault_misalignment"] == pytest.approx(best.log_evidence - single.log_evidence)
-
-
-@pytest.mark.parametrize("rows", [3, 12])
-def test_a_condition_of_few_rows_and_of_many_is_left_out_alike(rows):
-    """(I - H_kk)⁻¹ where a condition has fewer and more rows than the fit has columns."""
-    rng = np.random.default_rng(rows)
-    Q = np.linalg.qr(rng.normal(size=(40, 5)))[0][:rows]
-    found = _of_others(Q)
-    np.testing.assert_allclose(found @ (np.eye(rows) - Q @ Q.T), np.eye(rows), atol=1e-12)
-    assert _of_others(np.linalg.qr(rng.normal(size=(rows, min(rows, 5))))[0]) is None

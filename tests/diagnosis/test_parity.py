@@ -9,7 +9,6 @@ from test_diagnosis import BASE, diagnosed
 
 from pmmkit.diagnosis.captive.candidate import candidate_of
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.evidence import evidence_at
 from pmmkit.diagnosis.captive.parity import floor_places, mirrored, parities
 from pmmkit.diagnosis.captive.system import FEATURES, floor_features
 from pmmkit.effects.catalogue import effect_of
@@ -110,5 +109,5 @@ def test_two_terms_of_heel_are_named_where_six_are_not_needed():
         for b in system.whole(["heel_coupling"]).blocks
         if b.candidate.name == "heel_coupling"
     ] == [6]
-    six, two = (evidence_at(system, b.places) for b in forms)
+    six, two = (system.normal.only(b.places).log_evidence for b in forms)
     assert two > six

@@ -15,6 +15,7 @@ from small_campaign import write_campaign
 import pmmkit as pk
 from pmmkit import without_effect
 from pmmkit.diagnosis import together
+from pmmkit.diagnosis.evidence import PRICE
 from pmmkit.diagnosis.together.belongs import Measured, log_shared, owner, third
 from pmmkit.diagnosis.together.captive_vote import captive_vote
 from pmmkit.diagnosis.together.result import Belonging
@@ -159,13 +160,12 @@ def test_the_effect_is_the_ships_and_the_fault_stays_with_its_campaign(captive):
 def test_campaigns_add_and_the_price_is_paid_once(captive):
     for item in captive.entries:
         total = sum(ballot.log_evidence for ballot in item.ballots.values())
-        assert item.log_evidence == pytest.approx(total - captive.price * len(item.names))
+        assert item.log_evidence == pytest.approx(total - PRICE * len(item.names))
     # A campaign counts what a set adds to its own faults, and takes its own price off these alone.
     entries = captive.diagnoses["straight"].entries
     own = {item.names: item.log_evidence for item in entries}
-    price = math.log(2.0 * sum(len(names) == 1 for names in own))
     faults = max(x for names, x in own.items() if all(map(is_fault, names)))
-    expected = own[("yaw_sway_coupling",)] + price - faults
+    expected = own[("yaw_sway_coupling",)] + PRICE - faults
     assert captive.entries[0].ballots["straight"].log_evidence == pytest.approx(expected)
 
 

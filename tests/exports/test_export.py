@@ -209,12 +209,14 @@ def mixed() -> Campaign:
     )
 
 
-def test_the_open_water_curve_goes_along_with_its_factors(tmp_path):
+@pytest.mark.parametrize("name", ["there", "there.nc"])
+def test_the_open_water_curve_goes_along_with_its_factors(name, tmp_path):
     (tmp_path / "curve.csv").write_text("J,Kt,10Kq\n0,0.3,0.35\n0.5,0.15,0.2\n")
     propeller = {"D": 0.2, "open_water": "curve.csv", "KT_factor": 1.1, "KQ_factor": 0.5}
     one = mixed().with_(propeller=propeller, folder=tmp_path)
-    pk.export(one, tmp_path / "there")
-    found = open_water(pk.open_campaign(tmp_path / "there"))
+    (tmp_path / "elsewhere").mkdir()
+    pk.export(one, tmp_path / "elsewhere" / name)
+    found = open_water(pk.open_campaign(tmp_path / "elsewhere" / name))
     assert np.array_equal(found, open_water(one))
     assert found[1].tolist() == pytest.approx([0.33, 0.165])
 

@@ -19,6 +19,7 @@ from pmmkit.figures.identification import window_figure
 from pmmkit.figures.residuals import summed_up
 from pmmkit.plotting import style
 from pmmkit.plotting.diagnosis import coverage, error_fall, evidence
+from pmmkit.plotting.metrics import importance
 from pmmkit.plotting.programme import left_by_the_fit, record
 from pmmkit.plotting.seen import seen
 from pmmkit.presentation import Section
@@ -408,3 +409,27 @@ def test_a_prediction_that_runs_away_leaves_the_axes_not_the_measurement():
     assert max(map(abs, (*left.get_xlim(), *left.get_ylim()))) < 100.0
     assert max(map(abs, right.get_ylim())) < 500.0
     assert right.get_title(loc="left") == "runs away: ekf"
+
+
+def test_rounding_of_zero_is_no_scale():
+    """Headings of a ship that stops on a straight course: 1e-19 degrees."""
+    with style.styled():
+        axis = style.canvas(2.0).subplots()
+        axis.plot([0.0, 1.0], [0.0, 3e-19])
+        style.widened(axis)
+        assert axis.get_ylim() == (-0.055, 0.055)
+        axis.clear()
+        axis.plot([0.0, 1.0], [0.0, 3e-6])
+        before = axis.get_ylim()
+        style.widened(axis)
+        assert axis.get_ylim() == before
+
+
+def test_what_the_bars_of_causes_show_stands_within_the_figure():
+    names = ["four_quadrant_propeller.t_astern", "Yv"]
+    figure = importance(names, np.array([0.7, 0.3]), "steady_speed_ratio", shares=False)
+    figure.canvas.draw()
+    (told,) = [text for text in figure.texts if "change of" in text.get_text()]
+    box = told.get_window_extent()
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.x1

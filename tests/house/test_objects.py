@@ -298,7 +298,7 @@ SAID = {
     "RecordFall": ("base", "+ ", "heading [deg]", "yaw rate [deg/s]", "-50 %"),
     "JointFall": ("tank <1>: force [%]", "sea <2>: heading [deg]", "+ current (sea <2>)"),
     "ErrorFall": ("base", "+ ", "static drift [%]", "N [N m]", "better in"),
-    "Together": ("Verdict: ", "tank <1>", "price off", "ln 2K"),
+    "Together": ("Verdict: ", "tank <1>", "price off", "odds of 1 to 80"),
     "Diagnosis": ("Verdict: An effect is missing.", "±", "usual size", "could not show", "hide"),
     "Finding": ("Evidence", "±", "usual size", "Error of what was left out"),
     "Track": ("35.0°", "601.9", "3.439 L", "mind the gap", "rad/s", "self-propulsion"),

@@ -126,13 +126,9 @@ def stepped(P, F, Q):
     """Our step of a covariance."""
     ahead = P.copy()
     BY_WATER.predict(
-        ahead,
-        F[:6, :6].copy(),
-        F[:6, 6:].copy(),
-        np.diagonal(F)[6:].copy(),
-        Q[:6, :6].copy(),
-        np.diagonal(Q)[6:].copy(),
+        ahead, F[:6, :6].copy(), F[:6, 6:].copy(), np.diagonal(F)[6:].copy(), Q[:6, :6].copy()
     )
+    ahead[6:, 6:] += Q[6:, 6:]
     return ahead
 
 
@@ -141,7 +137,7 @@ def taken_in(z, P, H, measured, variances):
     z, P = z.copy(), P.copy()
     gain, left = np.zeros(len(z)), np.zeros(len(z))
     totals = [
-        BY_WATER.correct(z, P, h, value - h @ z, variance, gain, left)
+        BY_WATER.correct(z, P, h, value - h @ z, variance, math.inf, gain, left)
         for h, value, variance in zip(H, measured, variances, strict=True)
     ]
     return z, P, totals
@@ -305,24 +301,10 @@ def test_slopes_over_states_and_parameters_are_those_of_another_integrator():
     m = len(PARAMETERS)
     A, B, y = np.zeros((6, 6)), np.zeros((6, m)), np.zeros(6)
     steps = np.concatenate([np.full(6, 1e-6), 1e-4 * np.abs(binding.mean)])
-    lost = BY_WATER.linearised(
-        np.concatenate([start, binding.mean]),
-        y,
-        inputs[0],
-        inputs[1],
-        t[1] - t[0],
-        0.05,
-        binding.base,
-        binding.starts,
-        binding.places,
-        binding.slopes,
-        np.zeros(m),
-        steps,
-        np.zeros(len(binding.base)),
-        np.zeros((6, 6)),
-        A,
-        B,
-    )
+    lines = (binding.base, binding.starts, binding.places, binding.slopes)
+    room = (np.zeros(len(binding.base)), np.zeros((6, 6)))
+    system = (t, inputs, *lines, 0.05, steps, *room)
+    lost = BY_WATER.linearised(system, 1, np.array(start), np.zeros(m), y, A, B)
     assert lost == 0
     assert y == pytest.approx(by_scipy(TANKER, SPEED, t, inputs, start)[-1], rel=1e-8)
 

@@ -14,9 +14,9 @@ from test_filters import SENSORS, SPEED, TANKER, off, sailed
 
 import pmmkit as pk
 from pmmkit import FreeRecord, identify
-from pmmkit.estimation.innovations import Innovations
 from pmmkit.identification import Prior, prior_of
 from pmmkit.identification.lack import Piece, colour_of, lack_of, lasting, stretches
+from pmmkit.inference import Innovations
 from pmmkit.models import Part, load_model
 
 NAMES = ("Xvr", "Yv", "Yr", "Yvvv", "Yvvr", "Yvrr", "Nv", "Nr", "Nvvv", "Nvvr", "Nvrr", "Nrrr")
@@ -211,9 +211,7 @@ def test_colour_is_the_long_run_variance_of_an_autoregression():
     from scipy.signal import lfilter
 
     x = np.stack([lfilter([1.0], [1.0, -a], noise), rng.normal(size=n)], axis=1)
-    item = Innovations(
-        names=("r", "psi"), residuals=x, variances=np.ones_like(x), gated=np.zeros(x.shape, bool)
-    )
+    item = Innovations(names=("r", "psi"), residuals=x, variances=np.ones_like(x))
     found = colour_of({"zigzag": item}, {"zigzag": 25.0})
     assert set(found) == {"r"}
     assert found["r"] == pytest.approx(3.0, rel=0.25)

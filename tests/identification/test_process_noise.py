@@ -11,13 +11,13 @@ from scipy.stats import multivariate_normal
 from test_filters import BY_WATER, SPEED
 
 from pmmkit.equations import prepare
-from pmmkit.equations.layouts import InputField, Status
+from pmmkit.equations.layouts import InputField
 from pmmkit.identification.binding import bound
-from pmmkit.identification.filters import process, state_steps
+from pmmkit.identification.filters import process
+from pmmkit.identification.passes import Process, Seen, passed, state_steps
 from pmmkit.models import load_model
 
 STATES = ("x", "y", "psi", "u", "v", "r")
-NOTHING, NOWHERE = np.zeros(0), np.zeros(0, np.int64)
 EVEN = load_model("kvlcc2-l7").with_values("rudder_mmg", gamma_positive=0.5, gamma_negative=0.5)
 """The tanker with a rudder that feels drift to both sides alike."""
 KINDS = np.array([1, 2, 5])
@@ -77,21 +77,28 @@ def slopes_of_rates(k, turns):
     return F
 
 
-def likelihood(method, base, inputs, t, measured, diffusion):
+def likelihood(method, binding, inputs, t, measured, diffusion):
     """ln of how probable a filter without parameters takes a record for."""
+    record = Seen(
+        name="made",
+        t=t,
+        inputs=inputs,
+        channels=("y", "psi", "r"),
+        measured=measured,
+        kinds=KINDS,
+        variances=VARIANCES,
+    )
+    none = np.zeros(0)
+    moving = Process(
+        diffusion=diffusion,
+        fading=none,
+        frozen=none,
+        steps=state_steps(STATES, SPEED, L),
+        longest=0.3,
+    )
     z, P = np.array([0.0, 0.0, 0.0, SPEED, 0.0, 0.0]), np.diag(SPREAD)
-    begin = (t, inputs, measured, KINDS, VARIANCES, base, np.zeros(1, np.int64), NOWHERE)
-    residuals, spreads = np.empty_like(measured), np.empty_like(measured)
-    out = (math.inf, np.empty((len(t), 12)), residuals, spreads)
-    if method == "ekf":
-        steps = state_steps(STATES, SPEED, L)
-        own = (NOTHING, NOTHING, NOTHING, z, P, NOTHING, diffusion, steps, 0.3)
-        status = BY_WATER.extended(*begin, *own, *out, np.empty((0, 0)))
-    else:
-        own = (NOTHING, NOTHING, z, P, NOTHING, diffusion, 0.3)
-        status = BY_WATER.unscented(*begin, *own, *out)
-    assert status == Status.done
-    return -0.5 * float(np.sum(residuals**2 / spreads + np.log(2.0 * math.pi * spreads)))
+    found = passed(BY_WATER, binding, record, moving, z, P, method=method)
+    return found.innovations.log_likelihood()
 
 
 @pytest.mark.parametrize("method", ["ekf", "ukf"])
@@ -121,5 +128,5 @@ def test_a_record_is_as_probable_as_all_its_measurements_at_once(method):
     inputs = np.zeros((count, len(InputField)))
     inputs[:, InputField.revolutions] = turns
     measured = drawn.reshape(count, len(KINDS))
-    told = likelihood(method, binding.base, inputs, t, measured, diffusion)
+    told = likelihood(method, binding, inputs, t, measured, diffusion)
     assert told == pytest.approx(right.logpdf(drawn), abs=0.05)

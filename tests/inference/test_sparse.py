@@ -13,14 +13,13 @@ from hypothesis import strategies as st
 from pmmkit.inference import (
     Collinearity,
     EffectiveSample,
-    Elimination,
     Equations,
     Resampling,
     Selection,
     SparseProblem,
     select_terms,
-    unit_covariance,
 )
+from pmmkit.inference.sparse import Elimination
 
 WIDE = np.array([1e-8, 1.0, 1e8, 1e3])
 """Units of columns that differ as those of a moment and of a fifth power do, and more."""
@@ -51,8 +50,9 @@ def test_the_covariance_is_the_inverse_of_the_products_whatever_the_units():
     X = np.column_stack([library(60), library(60)[:, 0]])
     X[:, 4] += 1e-5 * np.random.default_rng(1).normal(size=60)
     for units in (np.ones(5), np.append(WIDE, 1e-4)):
+        run = Equations.of((X * units, X[:, 0]))
         np.testing.assert_allclose(
-            unit_covariance(X * units), inverse_of_products(X * units), rtol=1e-9
+            run.covariance(np.ones(5, bool), np.ones(1)), inverse_of_products(X * units), rtol=1e-9
         )
 
 
@@ -62,9 +62,9 @@ def test_what_rows_determine_does_not_hang_on_units(powers, twin):
     """A column and its double are not determined, the others are, in any units."""
     X = np.column_stack([library(), 2.0 * library()[:, twin]])
     units = 10.0 ** np.array([*powers, powers[0]])
-    lost = np.isnan(np.diagonal(unit_covariance(X * units)))
-    assert np.flatnonzero(lost).tolist() == [twin, 4]
     run = Equations.of((X * units, X[:, 0]))
+    lost = np.isnan(np.diagonal(run.covariance(np.ones(5, bool), np.ones(1))))
+    assert np.flatnonzero(lost).tolist() == [twin, 4]
     assert np.flatnonzero(run.dependent()).tolist() == [twin, 4]
     assert np.flatnonzero(~run.determined(run.rms())).tolist() == [twin, 4]
 

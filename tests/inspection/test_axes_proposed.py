@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -211,3 +213,6 @@ def test_motions_that_begin_at_another_phase_are_asked_and_not_proposed(ours, tm
     text = (folder / "campaign.toml").read_text()
     assert "phase_deg = 180" not in text.replace("(phase_deg = 180)", "")
     assert "against physics" in text
+    told = " ".join(line.lstrip("# ") for line in text.splitlines() if line.startswith("#"))
+    number = re.search(r"[YN]' (over the|from) [^;:]*? is -?[\d.]+", told)
+    assert number is None, "forces are non-dimensional by a ship that nobody stated"

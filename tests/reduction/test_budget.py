@@ -158,7 +158,9 @@ def test_shares_are_the_mean_over_all_orders_in_which_errors_come(drawn):
             variance(order[: order.index(i) + 1]) - variance(order[: order.index(i)])
             for order in orders
         ]
-        np.testing.assert_allclose(budget.variances[i], np.mean(added, axis=0), atol=1e-9)
+        np.testing.assert_allclose(
+            budget.propagated.variances[i], np.mean(added, axis=0), atol=1e-9
+        )
     np.testing.assert_allclose(budget.std**2, variance(range(len(sources))), atol=1e-9)
     for total, std in zip(budget.shares.sum(axis=0), budget.std, strict=True):
         assert total == pytest.approx(1.0) or std < 1e-6
@@ -186,7 +188,7 @@ def test_what_single_runs_draw_goes_to_their_kind_of_test_and_nothing_is_lost():
         ("static_drift", "A, B"),
         ("gauge", "B"),
     ]
-    assert by_test.variances[:, 0].tolist() == [25.0, 5.0, 25.0]
+    assert by_test.propagated.variances[:, 0].tolist() == [25.0, 5.0, 25.0]
     assert by_test.std == budget.std
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import pmmkit as pk
+from pmmkit.report.imo_form import form_of_model
 from pmmkit.simulation.imo.conditions import (
     approach_condition,
     beaufort,
@@ -17,6 +18,7 @@ from pmmkit.simulation.imo.conditions import (
     sea_condition,
     wind_condition,
 )
+from pmmkit.simulation.simulate import NO_BOTTOM
 
 
 @pytest.mark.parametrize(
@@ -77,3 +79,22 @@ def test_a_stated_speed_of_the_engine_is_judged_and_no_longer_asked_for():
     )
     assert fast == ()
     assert "8 m/s, 89 %" in slow[0]
+
+
+def test_an_unstated_sea_state_is_told_as_no_sentence():
+    assert sea_condition(None).words == ""
+
+
+def test_verdicts_and_form_of_a_model_tell_the_same_conditions():
+    model = pk.load_model("kvlcc2")
+    full = 1.1 * model.ship.d
+    verdicts = pk.imo_verdicts(
+        model, 8.0, n=0, depth=40.0, full_speed=8.0, full_draught=full, compiled=False
+    )
+    stated = {"speed_85": 8.0, "full_load_draught": full}
+    form = form_of_model(model, verdicts, speed=8.0, depth=40.0, stated=stated)
+    missed = [item for item in form.conditions if item.met is False]
+    assert [item.name for item in missed] == ["depth", "draught"]
+    for verdict in verdicts:
+        assert {item.words for item in missed} <= set(verdict.conditions)
+        assert NO_BOTTOM in verdict.conditions

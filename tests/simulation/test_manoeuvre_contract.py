@@ -70,6 +70,11 @@ def test_the_manoeuvre_that_was_meant_is_named(wrong, meant):
         simulate("s175-3dof", wrong, speed=8.0)
 
 
+def test_a_manoeuvre_that_is_near_to_none_is_told_in_two_sentences():
+    with pytest.raises(UnknownNameError, match=r"There is no manoeuvre 'zzz'\. There are: "):
+        simulate("s175-3dof", "zzz", speed=8.0)
+
+
 def test_the_metric_that_was_meant_is_named():
     with pytest.raises(UnknownNameError, match="did you mean 'tactical_diameter'"):
         unit_of("tactical_diametre")

@@ -140,10 +140,17 @@ def test_information_is_that_of_the_diagnosis_and_adds_up(given):
     ids = list(rows.of_run)
     whole, part = known(rows, ids).reduced(), known(rows, ids[:-1]).reduced()
     k = rows.width
-    np.testing.assert_allclose(whole.gram, system.gram[:k, :k], rtol=1e-6, atol=1e-3)
-    np.testing.assert_allclose(whole.score, system.score[:k], rtol=1e-5, atol=1e-3)
+    np.testing.assert_allclose(
+        whole.normal.information, system.normal.information[:k, :k], rtol=1e-6, atol=1e-3
+    )
+    np.testing.assert_allclose(whole.normal.score, system.normal.score[:k], rtol=1e-5, atol=1e-3)
     columns = part.added(ids[-1])
-    np.testing.assert_allclose(part.gram + columns.T @ columns, whole.gram, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(
+        part.normal.information + columns.T @ columns,
+        whole.normal.information,
+        rtol=1e-6,
+        atol=1e-6,
+    )
     for channel, ours in part.precision(ids[-1]).items():
         np.testing.assert_allclose(ours, whole.precision()[channel], rtol=1e-4)
 
@@ -158,8 +165,10 @@ def test_what_is_given_is_part_of_the_base_as_in_the_model_that_is_written_with_
     assert coupling not in added.candidates
     assert set(added.candidates) == set(model.candidates) - {coupling}
     ours, theirs = (item.known().reduced() for item in (added, model))
-    np.testing.assert_allclose(ours.gram, theirs.gram, rtol=1e-6, atol=1e-6)
-    np.testing.assert_allclose(ours.score, theirs.score, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(
+        ours.normal.information, theirs.normal.information, rtol=1e-6, atol=1e-6
+    )
+    np.testing.assert_allclose(ours.normal.score, theirs.normal.score, rtol=1e-6, atol=1e-6)
 
 
 def test_expected_odds_are_the_mean_of_the_log_of_the_ratio():

@@ -12,6 +12,7 @@ from pmmkit import Campaign, imo_turning
 from pmmkit.errors import DataError
 from pmmkit.models import estimated_model
 from pmmkit.models.astern import ESTIMATED, with_estimated_astern
+from pmmkit.models.step import Step
 from pmmkit.report.imo_form import form_of_trials
 from pmmkit.ship import Ship, Water
 from pmmkit.trials import Trial
@@ -22,6 +23,7 @@ from pmmkit.trials.loading import (
     predicted_by,
     to_full_load,
 )
+from pmmkit.trials.verdicts import verdicts_of
 
 SPEED = 8.0
 
@@ -63,7 +65,7 @@ def sailed(model, rudder_deg=35.0, speed=SPEED):
         orders=(0.0,),
         metrics=track.metrics,
         std=dict.fromkeys(track.metrics, 0.05),
-        verdicts=tuple(imo_turning(track)),
+        verdicts=tuple(replace(x, unsettled=()) for x in imo_turning(track)),
         x_ground=track.x,
         y_ground=track.y,
         **paths,
@@ -186,3 +188,34 @@ def test_what_was_carried_on_one_side_alone_is_not_judged_on_both():
     assert [line.tried for line in one.lines[:2]] == [True, True]
     assert [line.passed for line in both.lines[:2]] == [True, True]
     assert one.lines[0].words == "turning circle 35°: advance, as tried"
+
+
+def test_nothing_is_met_by_a_ratio_to_a_model_that_is_not_usable():
+    trial = sailed(pk.load_model("kvlcc2"))
+    why = Step(action="forced", ship="tanker", names=("Yv is positive.",))
+    forced = tanker(*FULL).stepped(why)
+    (first, *_) = to_full_load(
+        [trial], predicted_by(tanker(*BALLAST)), predicted_by(forced), compiled=False
+    )
+    assert first.measured.passed is True
+    assert first.verdict.passed is None
+    assert [row[-1] for row in corrected_grid([first]).groups[0].rows] == ["not settled"]
+
+
+def test_a_trial_and_a_simulation_name_one_manoeuvre_alike():
+    asked = {"L": 320.0, "speed": 8.0, "rudder_deg": 9.9, "switch_deg": 10.0}
+    (trial, *_) = verdicts_of("zigzag", {"overshoot_1_deg": 8.0}, {}, **asked)
+    model = pk.imo_verdicts("esso190k", 8.0, n=0, compiled=False)
+    (zigzag,) = [
+        item
+        for item in model
+        if item.criterion == "first_overshoot_10_10" and item.side == "starboard"
+    ]
+    assert trial.manoeuvre == zigzag.manoeuvre == "zigzag 10/10, to starboard"
+
+
+def test_a_small_uncertainty_of_a_trial_is_not_told_as_none():
+    trial = replace(sailed(tanker(*FULL)), speed_std=2e-4)
+    trial = replace(trial, std=dict.fromkeys(trial.metrics, 0.0026))
+    assert "approach 8.00000 ± 0.00039 m/s" in trial._headline()
+    assert {row[2] for row in trial._measures().groups[0].rows} <= {"0.0026 m", "0.0026 s", "–"}

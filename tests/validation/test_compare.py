@@ -21,11 +21,12 @@ from pmmkit.errors import DataError, ModelError, UnknownNameError
 from pmmkit.figures.comparison import comparison_figures, loops, worst_of_each_test
 from pmmkit.figures.errors import errors_beside_uncertainty
 from pmmkit.figures.residuals import residuals_over
+from pmmkit.inference import COVERAGE
 from pmmkit.models import Part
 from pmmkit.observations.views import repeat_scatter, views_of
 from pmmkit.validation.captive import compare_captive
 from pmmkit.validation.misfit import Standout, cells
-from pmmkit.validation.uncertainty import COVERAGE, SHARES
+from pmmkit.validation.uncertainty import SHARES
 from scripts.datasets.s175_truth import load_truth
 
 HALF = 0.5 * small_campaign.RHO * small_campaign.L**2
@@ -336,6 +337,53 @@ def test_the_covariance_of_a_model_counts(small, one_set):
         expected = 0.001 * HALF * run.view.speed**2 * abs(math.sin(run.view.run.settings.drift))
         assert run.shares["model"]["Y"][0] == pytest.approx(expected, rel=1e-6, abs=1e-12)
         assert run.shares["model"]["N"][0] == 0.0
+
+
+def test_values_of_parts_count_beside_derivatives_and_with_what_they_have_in_common(small, one_set):
+    """J = (∂Y/∂Yv, ∂Y/∂CD) by hand, C with a correlation: what a fit of both leaves unknown."""
+    std, alike = np.array([0.001, 0.02]), np.array([[1.0, -0.8], [-0.8, 1.0]])
+    drag = Part(effect="crossflow_drag", values={"CD": 0.8})
+    model = one_set.with_(
+        parts={**one_set.parts, "crossflow_drag": drag},
+        covariance=alike * np.outer(std, std),
+        covariance_names=("Yv", "crossflow_drag.CD"),
+    )
+    ship = small.ship
+    runs, _ = compare_captive(model, small.select("static_drift"), floor=0.0)
+    for run in runs:
+        v = float(run.view.motion.v.mean())
+        slopes = np.array(
+            [HALF * run.view.speed * v, -0.5 * small.water.rho * ship.L * ship.d * v * abs(v)]
+        )
+        expected = math.sqrt(slopes @ model.covariance @ slopes)
+        assert run.shares["model"]["Y"][0] == pytest.approx(expected, rel=0.02, abs=1e-12)
+
+
+def test_an_estimate_of_a_part_counts_as_a_stated_one(small, one_set):
+    """σ of CD, without covariance: σ/CD of its force."""
+    drag = Part(effect="crossflow_drag", values={"CD": 0.8}, std={"CD": 0.04})
+    model = one_set.with_(parts={**one_set.parts, "crossflow_drag": drag})
+    runs, _ = compare_captive(model, small.select("static_drift"), floor=0.0)
+    plain, _ = compare_captive(one_set, small.select("static_drift"), floor=0.0)
+    for run, bare in zip(runs, plain, strict=True):
+        force = run.predicted["Y"][0] - bare.predicted["Y"][0]
+        assert run.shares["model"]["Y"][0] == pytest.approx(0.05 * abs(force), rel=2e-3, abs=1e-12)
+
+
+def test_a_part_that_the_tests_do_not_hold_takes_nothing_else_of_the_covariance_with_it(
+    small, one_set
+):
+    """Towed without its rudder a hull is as uncertain as if nothing were told of the rudder."""
+    alone = one_set.with_(covariance=np.array([[0.001**2]]), covariance_names=("Yv",))
+    both = one_set.with_(
+        covariance=np.array([[1e-6, 2e-5], [2e-5, 2.5e-3]]),
+        covariance_names=("Yv", "rudder_mmg.aH"),
+    )
+    tests = small.select("static_drift")
+    for one, two in zip(
+        *(compare_captive(model, tests, floor=0.0)[0] for model in (alone, both)), strict=True
+    ):
+        assert one.shares["model"]["Y"][0] == two.shares["model"]["Y"][0]
 
 
 @pytest.mark.slow
@@ -725,6 +773,22 @@ def test_a_model_sails_its_own_records(tanker, sea):
     )
     Y = swung["measured"].sel(channel="Y")
     assert math.sqrt(float((Y**2).mean())) == pytest.approx(table.loc[("zigzag", "Y"), "measured"])
+
+
+@pytest.mark.slow
+def test_a_speed_is_as_uncertain_as_its_velocities_make_it(tanker, sea):
+    """Drawn in plain numpy: v counts with sin β, not with all that is unknown of it."""
+    draw = np.random.default_rng(2)
+    for run in pk.compare(tanker, sea).free:
+        off = np.zeros((20_000, len(run.t)))
+        for values, std, side in (
+            (run.predicted, run.predicted_std, 1.0),
+            (run.measured, run.std, -1.0),
+        ):
+            u, v = (values[x] + std[x] * draw.normal(size=off.shape) for x in "uv")
+            off += side * np.hypot(u, v)
+        told = run.errors()["speed"].uncertainty
+        np.testing.assert_allclose(told, COVERAGE * off.std(axis=0), rtol=0.04)
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from types import SimpleNamespace
+import math
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ from pmmkit import Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.identification import prior_of
 from pmmkit.simulation.bands import bands_of
+from pmmkit.validation.free_running import FreeRun
 from pmmkit.workbench.pages.missing import missing_page
 from pmmkit.workbench.pages.records import record_page
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
@@ -113,14 +114,39 @@ def test_a_motion_that_grows_without_bound_is_drawn_as_far_as_it_is_one():
     still = {name: np.zeros_like(t) for name in ("x", "y", "psi", "v", "r")}
     with np.errstate(over="ignore"):
         fast = np.exp2(t)
-    record = SimpleNamespace(
+    record = FreeRun(
         name="lost", run=Run(id="lost", test="turning", settings=Settings(speed=1.0),
                              kind="history", loader=None),
         t=t, delta=still["y"], measured={**still, "u": np.ones_like(t)},
-        predicted={**still, "u": fast}, std={**still, "u": np.ones_like(t)}, force={},
+        predicted={**still, "u": fast}, std={**still, "u": np.ones_like(t)},
+        predicted_std={**still, "u": still["y"]},
+        force={}, Fn=0.1, force_std={}, force_predicted={}, window=math.nan, window_errors={},
     )  # fmt: skip
-    shown = record_page(record, 1.0)["motion"]
+    shown = record_page(record, 1.0, 0.0)["motion"]
     for name, own in shown.items():
         told = [x for x in own["predicted"] if x is not None]
         assert len(told) == 1, f"{name}: samples are 4 s apart"
         assert None not in own["measured"]
+
+
+def test_the_band_of_a_record_is_the_uncertainty_that_its_errors_are_judged_by():
+    t = np.linspace(0.0, 10.0, 101)
+    rng = np.random.default_rng(3)
+    wave = {name: np.sin(t) for name in ("x", "y", "psi", "u", "v", "r")}
+    size = {name: 0.01 + 0.1 * rng.random(t.size) for name in wave}
+    record = FreeRun(
+        name="zz", run=Run(id="zz", test="zigzag", settings=Settings(speed=1.0),
+                           kind="history", loader=None),
+        t=t, delta=0.1 * np.sin(t), measured=wave, predicted={k: 1.1 * x for k, x in wave.items()},
+        std=size, predicted_std={k: 20.0 * x for k, x in size.items()},
+        force={"Y": 3.0 * np.sin(t)}, force_predicted={"Y": 2.0 * np.sin(t)},
+        force_std={"Y": 0.1 + rng.random(t.size)}, Fn=0.1, window=math.nan, window_errors={},
+    )  # fmt: skip
+    page, judged = record_page(record, 5.0, 0.3), record.errors(0.3)
+    shown = {name: np.array(own["uncertainty"]) for name, own in page["motion"].items()}
+    assert shown["psi"] == pytest.approx(judged["heading"].uncertainty, rel=1e-4)
+    assert shown["r"] == pytest.approx(judged["yaw_rate"].uncertainty, rel=1e-4)
+    assert shown["x"] == pytest.approx(judged["position"].uncertainty[0] / 5.0, rel=1e-4)
+    assert np.hypot(shown["u"], shown["v"]) == pytest.approx(judged["speed"].uncertainty, rel=1e-4)
+    force = np.array(page["forces"]["Y"]["uncertainty"])
+    assert force == pytest.approx(judged["Y"].uncertainty, rel=1e-4)

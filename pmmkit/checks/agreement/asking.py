@@ -12,11 +12,12 @@ import numpy as np
 from pmmkit.campaigns.motion.nominal import has_nominal
 from pmmkit.campaigns.run import Run
 from pmmkit.checks.agreement.actions import as_set
-from pmmkit.checks.agreement.posterior import Agreement, evidence, log_density
+from pmmkit.checks.agreement.posterior import Agreement, evidence
 from pmmkit.checks.agreement.rows import Group
 from pmmkit.checks.agreement.suspects import Suspect
 from pmmkit.checks.agreement.usual import MAIN
 from pmmkit.checks.summary import Summary
+from pmmkit.inference import log_normal
 from pmmkit.numerics import Array
 
 FINER: Final = 4
@@ -82,12 +83,12 @@ def of_one(found: Agreement, place: int, suspects: Iterable[Suspect]) -> list[An
             along = over(suspect.column(group, expected, value)[0])
             spread = spread + np.outer(along, along)
         left = float(rest @ np.linalg.solve(spread, rest)) / max(len(rest), 1)
-        return log_density(rest, spread), left
+        return log_normal(rest, spread), left
 
     design = over(group.design(base)[0])
     rest, spread = rows - design @ mean, design @ covariance @ design.T
     none = np.logaddexp.reduce(
-        [math.log(chance) + log_density(rest, times**2 * noise + spread) for times, chance in TAILS]
+        [math.log(chance) + log_normal(rest, times**2 * noise + spread) for times, chance in TAILS]
     )
     run = found.group.summaries[place].run
     asked = [

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from pmmkit.checks.agreement.rows import FORM, GAIN, Group
+from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 
 ROUNDS: Final = 3
@@ -234,13 +235,6 @@ def _misfit(probe: Agreement, place: int) -> Array:
     return out
 
 
-def log_density(rest: Array, covariance: Array) -> float:
-    """Logarithm of a normal density, without the constant."""
-    factor = np.linalg.cholesky(0.5 * (covariance + covariance.T))
-    half = np.linalg.solve(factor, rest)
-    return -0.5 * float(half @ half) - float(np.log(np.diagonal(factor)).sum())
-
-
 def evidence(
     found: Agreement,
     design: Array,
@@ -259,29 +253,24 @@ def evidence(
     whitener = found.white.whitener[kept]
     rows, own = found.white.rows[kept], whitener @ design[kept]
     count = found.group.known[kept].sum(axis=(0, 2))
-    prior = np.linalg.inv(covariance)
-    base = float(np.linalg.slogdet(prior)[1])
+    root = np.linalg.cholesky(covariance)
+    away, turned = rows - own @ mean, own @ root
     moved = None if scatter is None else np.einsum("nckl,ncl->nck", whitener, scatter[kept])
     logs, left, values = [], [], []
     for power in SHRINKS if np.any(found.excess > 1.0) else (0.0,):
         scale = found.excess**power
-        strength, spread = 1 / scale, 0.0
-        root = np.sqrt(strength)[:, None]
-        flat, read = _flat(own * root[..., None]), (rows * root).ravel()
-        gram, score, square = flat.T @ flat, read @ flat, float(read @ read)
+        strength = 1 / scale
+        half = np.sqrt(strength)[:, None]
+        known = Normal.of(_flat(turned * half[..., None]), (away * half).ravel())
         if moved is not None:
             size = strength * np.sum(moved**2, axis=2)
             less = strength / np.sqrt(1 + size)
-            along = _flat((moved[:, :, None, :] @ own) * less[..., None, None])
-            seen = (np.sum(rows * moved, axis=2) * less).ravel()
-            gram, score = gram - along.T @ along, score - seen @ along
-            square -= float(seen @ seen)
-            spread = float(np.log1p(size).sum())
-        precision, right = prior + gram, prior @ mean + score
-        value = np.linalg.solve(precision, right)
-        rest = square + float(mean @ prior @ mean) - float(right @ value)
+            along = _flat((moved[:, :, None, :] @ turned) * less[..., None, None])
+            known -= Normal.of(along, (np.sum(away * moved, axis=2) * less).ravel())
+            known = replace(known, volume=float(np.log1p(size).sum()))
+        z, _ = known.posterior
+        rest = float(known.square - known.score @ z)
         left.append(rest / max(int(count.sum()), 1))
-        values.append(value)
-        log_det = float(np.linalg.slogdet(precision)[1])
-        logs.append(-0.5 * (rest + log_det - base + spread) - 0.5 * float(count @ np.log(scale)))
+        values.append(mean + root @ z)
+        logs.append(known.log_density - 0.5 * float(count @ np.log(scale)))
     return float(np.logaddexp.reduce(logs)) - math.log(len(logs)), left[0], values[0]

@@ -27,10 +27,10 @@ from pmmkit.cli.outputs import Force, Out, results_folder
 
 if TYPE_CHECKING:
     from pmmkit.checks import CheckFinding
-    from pmmkit.estimation.innovations import Consistency
     from pmmkit.identification.chosen import Chosen
     from pmmkit.identification.comparing import MethodComparison
     from pmmkit.identification.smoother import Smoothed
+    from pmmkit.inference import Consistency
 
 
 EXAMPLE: Final = "pmmkit identify my-zigzags --model kvlcc2-l7 --derivatives 'Yv Yr Nv Nr'"

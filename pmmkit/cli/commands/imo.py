@@ -76,6 +76,7 @@ def imo(
         reversal=reversal,
         torque=torque,
         full_speed=stated.get("speed_85"),
+        full_draught=stated.get("full_load_draught"),
         fn=fn,
         depth=depth,
         extrapolate=extrapolate,

@@ -28,8 +28,11 @@ from pmmkit.cli.options import (
 from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import Speed, approach
-from pmmkit.presentation import text_of
+from pmmkit.presentation import number, text_of
 
+CURVED: Final = 0.2
+"""Share by which the standard deviation to first order may miss that of the ships: some hundred of
+them tell theirs to less."""
 EXAMPLE: Final = "pmmkit uncertainty kvlcc2 --speed 8 --spread 0.05 --ships 1000"
 
 
@@ -52,7 +55,7 @@ def uncertainty(
     scheduler: Scheduler = None,
     out: Out = None,
 ) -> Outcome:
-    """How sure a manoeuvre is, and which derivatives decide it."""
+    """How sure a manoeuvre is, and which values decide it."""
     from pmmkit.errors import UnknownNameError
     from pmmkit.files import write_results
     from pmmkit.metrics import main_of
@@ -106,7 +109,16 @@ def uncertainty(
             *figure_files(bands.figures()),
         ],
     )
-    lines = [str(many), "", text_of([found.describe(chosen)]), "", f"Results: {folder}"]
+    curved = []
+    if found.covariance is not None:
+        straight, sailed = found.std(chosen), float(summary["std"].to_dict()[chosen])
+        if abs(straight - sailed) > CURVED * sailed:
+            curved = [
+                f"To first order, as these shares are, the standard deviation is "
+                f"{number(straight, 3)}; that of the ships is {number(sailed, 3)}: {chosen} is no "
+                f"straight line over these values."
+            ]
+    lines = [str(many), "", text_of([found.describe(chosen)]), *curved, "", f"Results: {folder}"]
     content = {
         "out": str(folder),
         "files": files,

@@ -11,11 +11,11 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.conditioning import condition_on, drawn_in, spread
-from pmmkit.diagnosis.captive.evidence import Sets, evidence_at, evidence_of, price
+from pmmkit.diagnosis.captive.evidence import Sets, evidence_of
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, least_gains
 from pmmkit.diagnosis.captive.parity import BOTH, Parity, floor_places, parities
 from pmmkit.diagnosis.captive.system import Block, System
-from pmmkit.diagnosis.evidence import Entry
+from pmmkit.diagnosis.evidence import PRICE, Entry
 from pmmkit.models.step import odds
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel
@@ -37,7 +37,7 @@ NEEDED: Final = 3.0
 KIN: Final = 0.25
 """Share of the gain of another of its family below which an effect may be an error of its form."""
 LEAST: Final = 1.0
-"""Least ln evidence of a finding, the price of the catalogue's size taken off."""
+"""Least ln evidence of a finding, `PRICE` taken off."""
 MAY_ERR: Final = "may stand for an error of form of the others"
 LOOKED_AT: Final = 80
 """Oscillating runs that are looked at for a lack of fit."""
@@ -87,7 +87,7 @@ def chosen(system: System, entries: Sequence[Entry], given: Sequence[Block] = ()
     """
     known = condition_on(system, given)
     symmetry = cache(partial(parities, known))
-    least = price(known) + LEAST
+    least = PRICE + LEAST
     alone: set[str] = set()
     unneeded: list[set[str]] = []
     for entry in entries:
@@ -236,7 +236,7 @@ def refused(
     if first.log_evidence <= LEAST or set(first.names) <= set(answered):
         return ()
     tried = blocks_of(sets.system, first)
-    least = price(sets.system) + LEAST
+    least = PRICE + LEAST
     return tuple(
         Refused(block=block, log_odds=log_odds, run=run if left < least else "")
         for block, log_odds, (left, run) in zip(
@@ -295,7 +295,7 @@ def _with_floor(
         return alone
     size = np.ones(len(at))
     size[len(at) - len(floor) :] = math.sqrt(factor**2 - 1.0)
-    return alone + evidence_at(system, at, size)
+    return alone + system.normal.only(at, size).log_evidence
 
 
 def lack_of_fit(system: System, blocks: Sequence[Block]) -> tuple[Lack, ...]:
@@ -307,9 +307,7 @@ def lack_of_fit(system: System, blocks: Sequence[Block]) -> tuple[Lack, ...]:
     """
     system, blocks = spread(system, blocks)
     at = np.concatenate([np.zeros(0, np.intp), *(block.places for block in blocks)])
-    covariance = np.linalg.inv(system.gram[np.ix_(at, at)] + np.eye(len(at)))
-    gram = system.gram[np.ix_(at, at)]
-    fitted = system.centre[at] + covariance @ (system.score[at] - gram @ system.centre[at])
+    fitted, covariance = system.normal.only(at).posterior
     found = [
         lack
         for piece in system.pieces

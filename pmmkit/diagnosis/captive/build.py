@@ -28,7 +28,16 @@ from pmmkit.diagnosis.captive.system import (
     run_columns,
     term_columns,
 )
-from pmmkit.inference import KINDS, RepeatedRuns, Restricted, by_kind, repeatability, run_effects
+from pmmkit.inference import (
+    KINDS,
+    RANK_TOLERANCE,
+    Normal,
+    RepeatedRuns,
+    Restricted,
+    by_kind,
+    repeatability,
+    run_effects,
+)
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places
 from pmmkit.observations.views import View
@@ -143,14 +152,11 @@ def build(
         channels=channels,
         scatter=scatter,
         blocks=(*layout.blocks, *beside),
-        gram=gram,
-        score=score,
-        square=square,
+        normal=Normal(information=gram, score=score, centre=centre, square=square),
         rows=rows,
         floor=floor,
         floor_columns=layout.floor,
         prior=prior,
-        centre=centre,
         pieces=tuple(pieces),
         features=features,
     )
@@ -243,7 +249,7 @@ def fitted(base: Base, channels: Sequence[Channel], views: Sequence[View]) -> Ba
         white = whitened(c, np.column_stack([c.design, c.y]), own, ROUGH)
         size = np.linalg.norm(white[:, :-1], axis=0)
         size = np.where(size > 0, size, 1.0)
-        found = np.linalg.lstsq(white[:, :-1] / size, white[:, -1], rcond=1e-10)[0] / size
+        found = np.linalg.lstsq(white[:, :-1] / size, white[:, -1], rcond=RANK_TOLERANCE)[0] / size
         values |= dict(zip(base.names[c.name], found.tolist(), strict=True))
     return replace(base, values=values)
 
@@ -363,7 +369,7 @@ def _projection(c: Channel, floor: Array, own: Array, scatter: Array) -> Project
     below = np.zeros((q, p + q))
     below[:, p:] = np.eye(q)
     Q, R, _ = _pivoted(np.vstack([np.column_stack([design, white[:, p:]]), below]))
-    rank = int(np.sum(np.abs(np.diagonal(R)) > 1e-9 * abs(R[0, 0])))
+    rank = int(np.sum(np.abs(np.diagonal(R)) > RANK_TOLERANCE * abs(R[0, 0])))
     return Projection(
         channel=c,
         own=own,

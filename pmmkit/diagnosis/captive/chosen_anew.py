@@ -8,11 +8,12 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.adequacy import blocks_of
-from pmmkit.diagnosis.captive.evidence import log_evidence, log_evidences, wide
+from pmmkit.diagnosis.captive.evidence import wide
 from pmmkit.diagnosis.captive.held_out import HeldOut, condition, held_out
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.evidence import Entry
+from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 
@@ -91,23 +92,21 @@ def _losses(
         np.array([place[x] for block in (*own, *given) for x in block.places.tolist()])
         for own in sets
     ]
-    known = np.array([place[x] for block in given for x in block.places.tolist()], np.intp)
+    beside = np.array([place[x] for block in given for x in block.places.tolist()], np.intp)
     columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]
-    gram, score, centre = system.gram[np.ix_(at, at)], system.score[at], system.centre[at]
-
+    whole = system.normal.only(at)
     taken = taken_with(system, columns, condition)
     names = list(taken)
 
     def loss(cut: Places) -> Array:
         if not len(cut):
             return np.zeros(len(names))
-        G, s, c = gram[np.ix_(cut, cut)], score[cut], centre[cut]
+        known = whole.only(cut)
         left, few = [], max(1, HELD // len(cut) ** 2)
         for begin in range(0, len(names), few):
-            own = [taken[name] for name in names[begin : begin + few]]
-            squares = np.stack([x[np.ix_(cut, cut)] for x in own])
-            left.append(log_evidences(G - squares, s - np.stack([x[cut, -1] for x in own]), c))
-        return np.concatenate(left) - log_evidence(G, s, c)
+            own = np.stack([taken[name] for name in names[begin : begin + few]])
+            left.append((known - Normal.of_products(own).only(cut)).log_evidences)
+        return np.concatenate(left) - known.log_evidence
 
-    beside = loss(known)
-    return [dict(zip(names, (loss(cut) - beside).tolist(), strict=True)) for cut in where]
+    before = loss(beside)
+    return [dict(zip(names, (loss(cut) - before).tolist(), strict=True)) for cut in where]

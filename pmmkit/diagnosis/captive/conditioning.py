@@ -45,27 +45,12 @@ def condition_on(system: System, blocks: Sequence[Block]) -> System:
 
 
 def _beside(system: System, blocks: Sequence[Block]) -> System:
-    own = np.concatenate([block.places for block in blocks])
-    root = np.linalg.cholesky(system.gram[np.ix_(own, own)] + np.eye(len(own)))
-    centre = system.centre[own]
-    across = np.linalg.solve(root, system.gram[own])
-    data = system.score[own] - system.gram[np.ix_(own, own)] @ centre
-    explained = np.linalg.solve(root, data)
-    square = (
-        system.square
-        - 2.0 * float(centre @ system.score[own])
-        + float(centre @ system.gram[np.ix_(own, own)] @ centre)
-        - float(explained @ explained)
-    )
+    taken = system.normal.taken(np.concatenate([block.places for block in blocks]))
     return replace(
         system,
-        gram=system.gram - across.T @ across,
-        score=system.score - system.gram[:, own] @ centre - across.T @ explained,
-        square=square,
+        normal=system.normal.given(taken),
         blocks=tuple(
-            block
-            if block.drawn is None
-            else replace(block, drawn=block.drawn.beside(own, root, across, explained, centre))
+            block if block.drawn is None else replace(block, drawn=block.drawn.beside(taken))
             for block in system.blocks
         ),
     )
@@ -73,11 +58,15 @@ def _beside(system: System, blocks: Sequence[Block]) -> System:
 
 def _beside_drawn(system: System, drawn: Drawn) -> System:
     known = drawn.solve(np.column_stack([drawn.across.T, drawn.score]))
+    normal = system.normal
     return replace(
         system,
-        gram=system.gram - drawn.across @ known[:, :-1],
-        score=system.score - drawn.across @ known[:, -1],
-        square=system.square - float(drawn.score @ known[:, -1]),
+        normal=replace(
+            normal,
+            information=normal.information - drawn.across @ known[:, :-1],
+            score=normal.score - drawn.across @ known[:, -1],
+            square=normal.square - float(drawn.score @ known[:, -1]),
+        ),
     )
 
 
@@ -114,7 +103,8 @@ def _written_out(system: System, asked: Block) -> tuple[System, Block]:
     old = drawn_in(system, asked)
     drawn = old.drawn
     assert drawn is not None
-    width = len(system.score)
+    normal = system.normal
+    width = len(normal.score)
     new = replace(old, columns=slice(width, width + drawn.count), drawn=None)
     blocks = []
     for block in system.blocks:
@@ -126,10 +116,15 @@ def _written_out(system: System, asked: Block) -> tuple[System, Block]:
     return (
         replace(
             system,
-            gram=np.block([[system.gram, drawn.across], [drawn.across.T, drawn.products(drawn)]]),
-            score=np.concatenate([system.score, drawn.score]),
+            normal=replace(
+                normal,
+                information=np.block(
+                    [[normal.information, drawn.across], [drawn.across.T, drawn.products(drawn)]]
+                ),
+                score=np.concatenate([normal.score, drawn.score]),
+                centre=np.concatenate([normal.centre, np.zeros(drawn.count)]),
+            ),
             prior=np.concatenate([system.prior, np.ones(drawn.count)]),
-            centre=np.concatenate([system.centre, np.zeros(drawn.count)]),
             blocks=tuple(blocks),
             pieces=tuple(
                 replace(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Final
 
 import numpy as np
 
@@ -13,12 +12,9 @@ from pmmkit.diagnosis.captive.evidence import wide
 from pmmkit.diagnosis.captive.least_squares import effect_columns
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
 from pmmkit.diagnosis.captive.system import WIDER, Block, System
-from pmmkit.diagnosis.evidence import HIDES, MIMICS, SHOWS, Visible
+from pmmkit.diagnosis.evidence import ROUNDING, SHOWS, Visible, could_hide, mimics
 from pmmkit.effects.seen import EXCITES
 from pmmkit.numerics import Array
-
-ROUNDING: Final = 1e-6
-"""Signal below which an effect is told from the base by rounding alone."""
 
 
 def coverage(system: System) -> tuple[Visible, ...]:
@@ -50,7 +46,7 @@ def coverage(system: System) -> tuple[Visible, ...]:
                 family=block.candidate.family,
                 signal=signal,
                 without_a_run=left,
-                hides=math.sqrt(HIDES / signal) if signal > ROUNDING else math.inf,
+                hides=could_hide(signal),
                 shown=shown,
                 why=""
                 if shown
@@ -93,7 +89,7 @@ def _signal(system: System, block: Block) -> float:
     a = _at_usual_size(block)
     if block.drawn:
         return block.drawn.square_of(a)
-    return float(a @ system.gram[block.columns, block.columns] @ a)
+    return float(a @ system.normal.information[block.columns, block.columns] @ a)
 
 
 def _signature(system: System, block: Block) -> list[Array]:
@@ -139,15 +135,8 @@ def _mimics(
     system: System, block: Block, signal: float, others: Mapping[str, tuple[float, Block]]
 ) -> dict[str, float]:
     """Effects that reproduce most of a signature."""
-    a = _at_usual_size(block)
-    found = {}
-    for name, (_, other) in others.items():
-        if name == block.candidate.name or wide(other):
-            continue
-        G = system.gram[other.columns, other.columns]
-        products = block.drawn.across if block.drawn else system.gram[:, block.columns]
-        cross = products[other.columns] @ a
-        share = float(cross @ np.linalg.lstsq(G, cross, rcond=1e-9)[0]) / signal
-        if share >= MIMICS:
-            found[name] = share
-    return dict(sorted(found.items(), key=lambda item: -item[1]))
+    information = system.normal.information
+    products = block.drawn.across if block.drawn else information[:, block.columns]
+    name = block.candidate.name
+    places = {x: other.places for x, (_, other) in others.items() if x != name and not wide(other)}
+    return mimics(information, products @ _at_usual_size(block), signal, places)

@@ -135,8 +135,8 @@ def diagnose_captive(
     likelihood, and a smooth floor; and the base projected off. Each effect is one block of columns
     over all channels and runs, a fault has one size for all of them; nonlinear parameters are
     averaged over a grid. Sets of up to three effects are ranked by marginal likelihood with prior
-    sizes from the catalogue and a price of ln 2K per effect. Nothing is named unless chance gives
-    so much evidence in less than 1 % of campaigns without any effect.
+    sizes from the catalogue and odds of 1 to 80 for each before any test. Nothing is named unless
+    chance gives so much evidence in less than 1 % of campaigns without any effect.
     """
     system = captive_system(
         campaign,

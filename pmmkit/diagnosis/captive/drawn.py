@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from pmmkit.inference import Taken
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 from pmmkit.observations.whitening import Piece, Projection
@@ -133,7 +134,7 @@ class Drawn:
 
     @property
     def log_evidence(self) -> float:
-        """As `evidence.log_evidence` of the columns, whose expected coefficients are zero."""
+        """As `Normal.log_evidence` of the columns, whose expected coefficients are zero."""
         logs = 0.5 * np.sum(np.log1p(self.squares)) + np.sum(np.log(np.diagonal(self._inner)))
         return float(0.5 * self.score @ self.solve(self.score) - logs)
 
@@ -150,31 +151,15 @@ class Drawn:
             for part, own, piece in zip(self.parts, shares, pieces, strict=True)
         ]
 
-    def beside(
-        self, known: Places, root: Array, across: Array, explained: Array, centre: Array
-    ) -> Drawn:
-        """Beside columns of the system that are known (`condition_on`).
-
-        Parameters
-        ----------
-        known : array (o,)
-            Their places.
-        root : array (o, o)
-            Lower root of their products and the prior.
-        across : array (o, q)
-            Their products with all columns, over that root.
-        explained : array (o,)
-            Their products with the data less what is expected, over that root.
-        centre : array (o,)
-            Their expected coefficients.
-        """
-        products = self.across[known]
-        own = np.linalg.solve(root, products)
+    def beside(self, taken: Taken) -> Drawn:
+        """Beside columns of the system that are known (`condition_on`)."""
+        products = self.across[taken.at]
+        own = np.linalg.solve(taken.root, products)
         return replace(
             self,
             low=np.vstack([self.low, own]),
-            across=self.across - across.T @ own,
-            score=self.score - products.T @ centre - own.T @ explained,
+            across=self.across - taken.across.T @ own,
+            score=self.score - products.T @ taken.centre - own.T @ taken.explained,
         )
 
     def products(self, other: Drawn) -> Array:

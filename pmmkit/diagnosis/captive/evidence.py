@@ -12,8 +12,8 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.conditioning import condition_on, spread
 from pmmkit.diagnosis.captive.system import MANY, Block, System
-from pmmkit.diagnosis.evidence import Entry
-from pmmkit.numerics import Array
+from pmmkit.diagnosis.evidence import PRICE, Entry
+from pmmkit.inference import chance_of
 from pmmkit.observations.channels import Places
 
 MOST: Final = 3
@@ -24,52 +24,9 @@ AHEAD: Final = 8
 """Best single effects that are combined with all others."""
 
 
-def log_evidence(gram: Array, score: Array, centre: Array) -> float:
-    """ln of how much better the data are explained with columns than without.
-
-    Parameters
-    ----------
-    gram, score : array (q, q), (q,)
-        Of the columns, in units of their prior standard deviation.
-    centre : array (q,)
-        Expected coefficients, in the same.
-
-    Returns
-    -------
-    float
-        For z ~ N(E c, I + E E') against N(0, I).
-    """
-    return float(log_evidences(gram, score, centre))
-
-
-def log_evidences(gram: Array, score: Array, centre: Array) -> Array:
-    """`log_evidence` of several systems with as many columns, arrays (…, q, q) and (…, q)."""
-    expected = gram @ centre
-    root = np.linalg.cholesky(gram + np.eye(len(centre)))
-    half = np.linalg.solve(root, (score - expected)[..., None])[..., 0]
-    gained = score @ centre - 0.5 * expected @ centre
-    logs = np.log(np.diagonal(root, axis1=-2, axis2=-1)).sum(axis=-1)
-    return np.asarray(gained + 0.5 * np.sum(half**2, axis=-1) - logs, float)
-
-
-def evidence_at(system: System, at: Places, size: Array | None = None) -> float:
-    """`log_evidence` of some columns of a system, of other size where asked for."""
-    scale = np.ones(len(at)) if size is None else size
-    return log_evidence(
-        system.gram[np.ix_(at, at)] * np.outer(scale, scale),
-        system.score[at] * scale,
-        system.centre[at] / scale,
-    )
-
-
 def evidence_of(system: System, block: Block) -> float:
-    """`log_evidence` of one effect at one grid point."""
-    return block.drawn.log_evidence if block.drawn else evidence_at(system, block.places)
-
-
-def price(system: System) -> float:
-    """ln evidence that an effect must pay for the size of the catalogue."""
-    return math.log(2.0 * len({block.candidate.name for block in system.blocks}))
+    """ln evidence of one effect at one grid point."""
+    return block.drawn.log_evidence if block.drawn else _at(system, [block])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -100,10 +57,9 @@ class Sets:
         many = [block for block in blocks if id(block) in self.beside]
         if len(many) != 1:
             system, blocks = spread(self.system, blocks)
-            return evidence_at(system, np.concatenate([block.places for block in blocks]))
+            return _at(system, blocks)
         alone, rest = self.beside[id(many[0])]
-        at = np.concatenate([block.places for block in blocks if block is not many[0]])
-        return alone + evidence_at(rest, at)
+        return alone + _at(rest, [block for block in blocks if block is not many[0]])
 
     def entry(self, names: Sequence[str]) -> Entry:
         """A set with its evidence, averaged over grids and forms."""
@@ -116,7 +72,7 @@ class Sets:
             names=tuple(names),
             values=tuple(block.value for block in best),
             terms=tuple(block.candidate.size for block in best),
-            log_evidence=top + math.log(total / share) - price(self.system) * len(names),
+            log_evidence=top + math.log(total / share) - PRICE * len(names),
         )
 
     def added(self, entry: Entry) -> tuple[float, ...]:
@@ -127,6 +83,11 @@ class Sets:
             entry.log_evidence - self.entry([x for x in entry.names if x != name]).log_evidence
             for name in entry.names
         )
+
+
+def _at(system: System, blocks: Sequence[Block]) -> float:
+    """ln evidence of blocks whose columns the system holds."""
+    return system.normal.only(np.concatenate([block.places for block in blocks])).log_evidence
 
 
 def sets_of(system: System) -> Sets:
@@ -182,31 +143,14 @@ def wide(block: Block) -> bool:
 
 
 def gate(system: System, best: float, *, draws: int = 400, seed: int = 0) -> float:
-    """Probability that no effect at all gives a single effect as good as the best.
+    """Probability that no effect at all gives a single effect as good as the best (`chance_of`).
 
-    Scores of the null are drawn from their own covariance, the Gram matrix; the largest evidence
-    over the whole catalogue and its grids is kept of each draw (Westfall and Young 1993). Blocks of
-    very many columns, which chance hardly ever favours, are left out.
+    Blocks of very many columns, which chance hardly ever favours, are left out.
     """
     used = [block for block in system.blocks if not wide(block)]
     at = np.arange(max(block.columns.stop for block in used))
-    values, vectors = np.linalg.eigh(system.gram[np.ix_(at, at)])
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    drawn = np.random.default_rng(seed).normal(size=(draws, len(at))) @ root.T
-    largest = np.full(draws, -np.inf)
-    by_name: dict[str, list[Array]] = {}
+    by_name: dict[str, list[Places]] = {}
     for block in used:
-        own = np.arange(block.columns.start, block.columns.stop)
-        G, c = system.gram[np.ix_(own, own)], system.centre[own]
-        L = np.linalg.cholesky(G + np.eye(len(own)))
-        half = np.linalg.solve(L, (drawn[:, own] - G @ c).T)
-        value = drawn[:, own] @ c - 0.5 * c @ G @ c
-        value = value + 0.5 * np.sum(half**2, axis=0) - np.sum(np.log(np.diagonal(L)))
-        by_name.setdefault(block.candidate.name, []).append(value)
-    paid = price(system)
-    for own_values in by_name.values():
-        stacked = np.stack(own_values)
-        top = stacked.max(axis=0)
-        mean = top + np.log(np.mean(np.exp(stacked - top), axis=0))
-        largest = np.maximum(largest, mean - paid)
-    return float((1 + np.sum(largest >= best)) / (draws + 1))
+        by_name.setdefault(block.candidate.name, []).append(block.places)
+    groups = list(by_name.values())
+    return chance_of(system.normal.only(at), groups, best + PRICE, draws=draws, seed=seed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, Literal
@@ -13,6 +14,7 @@ from pmmkit.campaigns.run import Run
 from pmmkit.diagnosis.captive.least_squares import Stack, solved, stacked
 from pmmkit.diagnosis.captive.noise_level import LeftOut, expected_errors
 from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.inference import of_others
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 from pmmkit.observations.views import View
@@ -21,8 +23,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Kind = Literal["error", "force", "level"]
-ALONE: Final = 1e-6
-"""A condition whose rows have less than this to do with all others cannot be predicted."""
 CHANGED: Final = 0.02
 """Share by which an error must change to count as changed."""
 
@@ -208,8 +208,8 @@ def held_out(system: System, effects: Sequence[Block] = (), *, with_level: bool 
     for number, own in enumerate(groups.values()):
         rows = np.concatenate([at for _, _, at in own])
         Q = found.Q[rows]
-        inverse = _of_others(Q)
-        if inverse is None:
+        inverse, determined = of_others(Q)
+        if not determined:
             continue
         change = np.linalg.solve(found.R, Q.T @ inverse @ residual[rows]) / found.size
         solution = found.solution - change
@@ -252,19 +252,6 @@ def held_out(system: System, effects: Sequence[Block] = (), *, with_level: bool 
     )
 
 
-def _of_others(Q: Array) -> Array | None:
-    """Inverse of ``I - Q Q'``, rows by rows; None where the other rows do not determine these.
-
-    Of a setting that was repeated often there are more rows than columns: then by Woodbury.
-    """
-    many = len(Q) > Q.shape[1]
-    inner = np.eye(min(Q.shape)) - (Q.T @ Q if many else Q @ Q.T)
-    if np.linalg.eigvalsh(inner)[0] < ALONE:
-        return None
-    inverse = np.asarray(np.linalg.inv(inner), float)
-    return np.eye(len(Q)) + Q @ inverse @ Q.T if many else inverse
-
-
 def _weights(rows: int) -> Array:
     """Of squared mean and harmonics in the mean square over a cycle."""
     return np.where(np.arange(rows) > 0, 0.5, 1.0)
@@ -279,13 +266,25 @@ def _groups(system: System, stack: Stack) -> dict[str, list[tuple[str, View, Pla
     """Channel, view and rows by condition."""
     found: dict[str, list[tuple[str, View, Places]]] = {}
     runs = {view.run.id: view.run for view in system.views}
-    named = {run.id: condition(own[0]) for own in repeats(tuple(runs.values())) for run in own}
+    named = conditions(tuple(runs.values()))
     for c in system.channels:
         for i, rows in zip(c.views, c.rows, strict=True):
             view = system.views[i]
             begin = stack.places[c.name].start
             at = np.arange(begin + rows.start, begin + rows.stop)
             found.setdefault(named[view.run.id], []).append((c.name, view, at))
+    return found
+
+
+def conditions(runs: Sequence[Run]) -> dict[str, str]:
+    """The condition of each run; two that the digits of words do not tell apart by their runs."""
+    groups = repeats(runs)
+    often = Counter(condition(own[0]) for own in groups)
+    found: dict[str, str] = {}
+    for own in groups:
+        name = condition(own[0])
+        name = f"{name} ({own[0].id})" if often[name] > 1 else name
+        found |= {run.id: name for run in own}
     return found
 
 
@@ -297,30 +296,4 @@ def condition(run: Run) -> str:
     run : Run
         A captive run.
     """
-    return f"{run.test.replace('_', ' ')}, {settings_in_words(run)}"
-
-
-def settings_in_words(run: Run) -> str:
-    """What a run was set to, without the kind of test.
-
-    Parameters
-    ----------
-    run : Run
-        A captive run.
-    """
-    s = run.settings
-    parts = [f"{s.speed:.3g} m/s"]
-    for name, value, unit in (
-        ("drift", np.degrees(s.drift), "°"),
-        ("heel", np.degrees(s.heel), "°"),
-        ("rudder", np.degrees(s.rudder), "°"),
-        ("yaw", np.degrees(s.yaw_amplitude or 0.0), "°"),
-        ("rudder swing", np.degrees(s.rudder_amplitude or 0.0), "°"),
-        ("sway", s.amplitude or 0.0, " m"),
-        ("period", s.period or 0.0, " s"),
-        ("yaw rate", np.degrees(s.yaw_rate or 0.0), "°/s"),
-        ("propeller", s.propeller_rps or 0.0, "/s"),
-    ):
-        if value:
-            parts.append(f"{name} {value:.3g}{unit}")
-    return ", ".join(parts)
+    return f"{run.test.replace('_', ' ')}, {run.setting}"

@@ -10,14 +10,7 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.least_squares import (
-    DEPENDENT,
-    Stack,
-    effect_columns,
-    sizes_of,
-    solved,
-    stacked,
-)
+from pmmkit.diagnosis.captive.least_squares import Stack, effect_columns, sizes_of, solved, stacked
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View
@@ -78,9 +71,8 @@ def joint_fit(system: System, effects: Sequence[Block] = (), *, floor: float) ->
     found = solved(stack)
     inverse = np.linalg.inv(found.R) / found.size[:, None]
     count = len(stack.names)
-    lost = np.diagonal(found.R)[:count] > 0.5 / DEPENDENT
     covariance = (inverse @ inverse.T)[:count, :count] * np.outer(stack.unit, stack.unit)
-    values = np.where(lost, np.nan, found.solution[:count] * stack.unit)
+    values = np.where(found.determined[:count], found.solution[:count] * stack.unit, np.nan)
     return JointFit(names=stack.names, values=values, covariance=covariance)
 
 

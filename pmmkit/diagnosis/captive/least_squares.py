@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.build import prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.system import Block, System, candidate_columns, each_run_columns
+from pmmkit.inference import RANK_TOLERANCE, dependent
 from pmmkit.numerics import Array
 
-DEPENDENT: Final = 1e-10
-"""A column with less than this that others do not explain is left out."""
+HELD: Final = 1.0 / RANK_TOLERANCE
+"""Pivot of a column that depends on others: its coefficient stays where it is."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -183,12 +186,20 @@ class Solved:
         In the units of the columns.
     size : array (q,)
         Scales of the columns.
+    triangle : array (q, q)
+        As the columns have it; in `R` the coefficients that nothing determines are held.
     """
 
     Q: Array
     R: Array
     solution: Array
     size: Array
+    triangle: Array
+
+    @cached_property
+    def determined(self) -> NDArray[np.bool_]:
+        """Whether the data and the prior determine each coefficient (q,)."""
+        return ~dependent(self.triangle)
 
 
 def solved(stack: Stack) -> Solved:
@@ -202,11 +213,11 @@ def solved(stack: Stack) -> Solved:
     size = np.linalg.norm(whole[:, :-1], axis=0)
     size = np.where(size > 0, size, 1.0)
     Q, R = np.linalg.qr(whole[:, :-1] / size)
-    pivots = np.abs(np.diagonal(R))
-    R = R + np.diag(np.where(pivots > DEPENDENT, 0.0, 1.0 / DEPENDENT))
+    held = R + np.diag(np.where(np.abs(np.diagonal(R)) > RANK_TOLERANCE, 0.0, HELD))
     return Solved(
         Q=Q[: len(stack.white)],
-        R=R,
+        R=held,
         size=size,
-        solution=np.linalg.solve(R, Q.T @ whole[:, -1]) / size,
+        triangle=R,
+        solution=np.linalg.solve(held, Q.T @ whole[:, -1]) / size,
     )

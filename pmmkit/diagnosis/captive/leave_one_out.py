@@ -9,8 +9,8 @@ import numpy as np
 
 from pmmkit.campaigns.run import Run
 from pmmkit.diagnosis.captive.conditioning import spread
-from pmmkit.diagnosis.captive.evidence import log_evidence
 from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 from pmmkit.observations.whitening import Piece
@@ -47,7 +47,8 @@ def taken_with(
     Notes
     -----
     Whitening is run by run: to leave a run out is to leave its rows out. With S the basis of base
-    and floor at these rows, B the columns there, it takes B' (I - S S')⁻¹ B of their products.
+    and floor at these rows, B the columns there, it takes B' (I - S S')⁻¹ B of their products
+    (`of_others`).
     """
     found: dict[str, Array] = {}
     for piece, own in zip(system.pieces, columns, strict=True):
@@ -88,14 +89,13 @@ def least_gains(
     system, every = spread(system, [*blocks, *given])
     at = np.concatenate([block.places for block in every])
     columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]
-    gram, score, centre = system.gram[np.ix_(at, at)], system.score[at], system.centre[at]
+    known = system.normal.only(at)
     edges = np.cumsum([0, *(block.count for block in blocks)])
     rest = [np.delete(np.arange(len(at)), np.arange(a, b)) for a, b in pairwise(edges)]
     found = [(np.inf, "")] * len(blocks)
     for run, taken in taken_with(system, columns).items():
-        G, s = gram - taken[:-1, :-1], score - taken[:-1, -1]
-        whole = log_evidence(G, s, centre)
+        others = known - Normal.of_products(taken)
+        whole = others.log_evidence
         for k, keep in enumerate(rest):
-            without = log_evidence(G[np.ix_(keep, keep)], s[keep], centre[keep])
-            found[k] = min(found[k], (whole - without, run))
+            found[k] = min(found[k], (whole - others.only(keep).log_evidence, run))
     return tuple(found)

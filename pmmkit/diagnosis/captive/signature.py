@@ -24,8 +24,10 @@ from pmmkit.campaigns.test_kinds.steady import (
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.evidence import MIMICS
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.hull import HULL
+from pmmkit.inference import RANK_TOLERANCE
 from pmmkit.models import load_model, scaled
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View
@@ -43,8 +45,6 @@ SAMPLES: Final = 96
 ORDERS: Final = 3
 LEAST: Final = 0.01
 """Share of a channel's force below which an effect is not said to act there."""
-MIMICS: Final = 0.6
-"""Share of a signature from which another effect is called its mimic."""
 SAME: Final = 1e-6
 """Runs whose harmonics differ by no more are alike; the first stands for them."""
 ABSORBED: Final = 1e-3
@@ -198,7 +198,7 @@ def _projector(columns: Array) -> Any:
     """What is left of vectors outside the span of columns."""
     size = np.linalg.norm(columns, axis=0)
     U, s, _ = np.linalg.svd(columns[:, size > 0] / size[size > 0], full_matrices=False)
-    Q = U[:, s > 1e-9 * s.max(initial=0.0)]
+    Q = U[:, s > RANK_TOLERANCE * s.max(initial=0.0)]
     return lambda x: x - Q @ (Q.T @ x)
 
 

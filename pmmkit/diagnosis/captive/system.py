@@ -15,6 +15,7 @@ from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.columns import TermTable, channels_of_terms
 from pmmkit.diagnosis.captive.drawn import Drawn, OwnColumns
 from pmmkit.effects.state import State
+from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places
 from pmmkit.observations.views import View, scale_of
@@ -78,12 +79,8 @@ class System:
         Estimated.
     blocks : tuple of Block
         Candidates; columns in units of their prior standard deviation.
-    gram : array (q, q)
-        Products of all columns.
-    score : array (q,)
-        Products of the columns with the data.
-    square : float
-        Of the data.
+    normal : Normal
+        What the data say of the coefficients of all columns.
     rows : int
         Rows less base coefficients.
     floor : float
@@ -92,8 +89,6 @@ class System:
         Where the features of the smooth floor stand, at the size of the floor.
     prior : array (q,)
         Prior standard deviation of each column, to give coefficients back.
-    centre : array (q,)
-        Expected value of each column's coefficient, in those.
     pieces : tuple of Piece
         The channels, one by one.
     features : tuple of array (n, D)
@@ -107,14 +102,11 @@ class System:
     channels: tuple[Channel, ...]
     scatter: Mapping[str, Array]
     blocks: tuple[Block, ...]
-    gram: Array
-    score: Array
-    square: float
+    normal: Normal
     rows: int
     floor: float
     floor_columns: slice
     prior: Array
-    centre: Array
     pieces: tuple[Piece, ...]
     features: tuple[Array, ...]
     unasked: tuple[Candidate, ...] = ()

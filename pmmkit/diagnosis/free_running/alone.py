@@ -41,7 +41,7 @@ def alone(contest: Contest, name: str | None = None) -> Fit:
         if item.names == (name,):
             return item.fit
     numbers = null.place.question.numbers
-    z, covariance = probable(null.known.total, numbers, (name,), null.spread)
+    z, covariance = probable(null.known, numbers, (name,), null.spread)
     return replace(null, names=(name,), z=z, covariance=covariance)
 
 
@@ -87,7 +87,7 @@ def whole_path(fit: Fit, record: int) -> dict[str, Array]:
     ended, as for the errors of records left out.
     """
     question = fit.place.question
-    z = probable(fit.known.total, question.numbers, fit.names, fit.spread)[0]
+    z = probable(fit.known, question.numbers, fit.names, fit.spread)[0]
     stretch = question.stretches[record]
     whole = joined(stretch, len(stretch.begins)).free
     change = question.numbers.T @ z

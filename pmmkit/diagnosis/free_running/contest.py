@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
@@ -12,14 +11,13 @@ from typing import Final
 
 from threadpoolctl import threadpool_limits
 
-from pmmkit.diagnosis.evidence import Entry
+from pmmkit.diagnosis.evidence import PRICE, Entry
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.findings import Named, model_of
 from pmmkit.diagnosis.free_running.fits import Fit, Place, at_place, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.information import Forces
 from pmmkit.diagnosis.free_running.left_out import judged, left_out_error
-from pmmkit.diagnosis.free_running.question import Question
 from pmmkit.errors import ModelError
 from pmmkit.executors import Workers, crew_of, each
 from pmmkit.models import Model
@@ -92,17 +90,7 @@ class Contest:
         if rest in known:
             return known[rest]
         best = self.settled[0].fit
-        return _named(fitted(best.place, rest, best.forces), self.null, self.price)
-
-    @property
-    def price(self) -> float:
-        """Taken off the evidence for each effect of a set."""
-        return price_of(self.null.place.question)
-
-
-def price_of(question: Question) -> float:
-    """ln 2K: one of K candidates was to be found."""
-    return math.log(2.0 * max(len(question.numbers.columns), 1))
+        return _named(fitted(best.place, rest, best.forces), self.null)
 
 
 def base_alone(zero: Place) -> tuple[Place, Fit]:
@@ -158,7 +146,6 @@ def contest_of(
         Who fits the sets.
     """
     names = [item.name for item in every]
-    price = price_of(zero.question)
     settled: list[Named] = []
     refused: list[Refused] = []
     ahead = Named(names=(), gain=0.0, fit=null)
@@ -170,7 +157,7 @@ def contest_of(
             barred: list[Refused] = []
             front = _front(_larger(ahead.names, names), place, ahead.fit)
             for (chosen, _), fit in zip(front, _fits(place, front, crew, tell), strict=True):
-                item = _named(fit, null, price)
+                item = _named(fit, null)
                 # The linear problem may promise what the equations, far from there, do not keep.
                 why = why_not(model, every, fit, speed)
                 if why:
@@ -192,9 +179,9 @@ def contest_of(
     def can_be(item: Named) -> bool:
         return not why_not(model, every, item.fit, speed)
 
-    order = _thinned(order, null, price, can_be)
+    order = _thinned(order, null, can_be)
     gains = {
-        chosen: first(chosen) - first(()) - price * len(chosen)
+        chosen: first(chosen) - first(()) - PRICE * len(chosen)
         for chosen in (*combinations(names, 1), *combinations(names, min(most, 2)))
     }
     gains |= {item.names: item.gain for item in order}
@@ -230,9 +217,9 @@ def _fit(place: Place, asked: tuple[Names, Forces]) -> Fit:
     return fitted(place, *asked)
 
 
-def _named(fit: Fit, null: Fit, price: float) -> Named:
+def _named(fit: Fit, null: Fit) -> Named:
     """A fit with ln of the odds of its set against none, the price of each effect taken off."""
-    gain = fit.log_probability - null.log_probability - price * len(fit.names)
+    gain = fit.log_probability - null.log_probability - PRICE * len(fit.names)
     return Named(names=fit.names, gain=gain, fit=fit)
 
 
@@ -240,9 +227,7 @@ def _by_gain(sets: Iterable[Named]) -> list[Named]:
     return sorted(sets, key=lambda item: -item.gain)
 
 
-def _thinned(
-    order: list[Named], null: Fit, price: float, can_be: Callable[[Named], bool]
-) -> list[Named]:
+def _thinned(order: list[Named], null: Fit, can_be: Callable[[Named], bool]) -> list[Named]:
     """The order with sets of one effect less than the one in front, until none stands above it.
 
     An effect that was taken in early may have nothing left to explain; and a set that is fitted
@@ -251,7 +236,7 @@ def _thinned(
     while order and len(order[0].names) > 1:
         best, known = order[0], {item.names for item in order}
         found = [
-            _named(fitted(best.fit.place, rest, best.fit.forces), null, price)
+            _named(fitted(best.fit.place, rest, best.fit.forces), null)
             for rest in combinations(best.names, len(best.names) - 1)
             if rest not in known
         ]

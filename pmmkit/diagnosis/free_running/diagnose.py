@@ -13,11 +13,10 @@ import numpy as np
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
-from pmmkit.diagnosis.evidence import Visible
+from pmmkit.diagnosis.evidence import PRICE, Visible
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict
 from pmmkit.diagnosis.free_running.base import SPREAD
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
-from pmmkit.diagnosis.free_running.chance import chance_of
 from pmmkit.diagnosis.free_running.contest import (
     MOST,
     Contest,
@@ -55,10 +54,13 @@ from pmmkit.executors import Workers
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.seas import sea_notes
+from pmmkit.inference import chance_of
 from pmmkit.models import Model
 
 ALONE: Final = "noise alone"
 """Row of errors: what is left of records that were left out if nothing is missing."""
+DRAWS: Final = 4000
+"""Records that are drawn for the chance: of one in a hundred it is known to .16 %."""
 LONGEST: Final = 6
 """A group of more sets names nothing."""
 BEYOND: Final = 10.0
@@ -135,7 +137,7 @@ def diagnose_free(
     -------
     Diagnosis
         The evidence of an `Entry` is ln of how much more probable it makes the records, less
-        ln 2K for each effect.
+        `PRICE` for each effect.
 
     Raises
     ------
@@ -220,8 +222,9 @@ def answer(
     null, settled = contest.null, contest.settled
     best = settled[0] if settled else None
     seen = screen(null.known, question.numbers, null.spread)
-    found = best.gain + contest.price * len(best.names) if best else -math.inf
-    chance = chance_of(seen, found, seed=seed)
+    found = best.gain + PRICE * len(best.names) if best else -math.inf
+    groups = [[at] for at in seen.columns.values()]
+    chance = chance_of(seen.normal, groups, found, draws=DRAWS, seed=seed)
     kept_out = float(np.sum(log_left_out(best.fit) - log_left_out(null))) if best else 0.0
     named = best is not None and chance < CHANCE and best.gain > LEAST and kept_out > 0.0
     group = [

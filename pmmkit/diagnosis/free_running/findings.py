@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.evidence import HIDES, MIMICS, SHOWS, Visible
+from pmmkit.diagnosis.evidence import SHOWS, Visible, could_hide, mimics
 from pmmkit.diagnosis.findings import Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.fits import Fit
@@ -71,11 +71,11 @@ def moved(fit: Fit) -> dict[str, float]:
     return {name: x for name, x in zip(numbers.values, change, strict=True) if x != 0.0}
 
 
-def _uncertain(fit: Fit) -> dict[str, float]:
-    """Standard deviation of each value of the model by a fit."""
-    numbers = fit.place.question.numbers
-    variance = np.einsum("ij,jk,ik->i", numbers.T, fit.covariance, numbers.T)
-    return dict(zip(numbers.values, np.sqrt(np.maximum(variance, 0.0)).tolist(), strict=True))
+def _unknown(fit: Fit) -> Array:
+    """Covariance of the values of the model by a fit."""
+    T = fit.place.question.numbers.T
+    whole: Array = T @ fit.covariance @ T.T
+    return whole
 
 
 def model_of(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> Model:
@@ -97,7 +97,9 @@ def model_of(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: floa
     change = {name: x for name, x in moved(fit).items() if name not in OUTSIDE}
     numbers = values_at(made, speed, extrapolate=True)
     at = places(made, list(change))
-    std = _uncertain(fit)
+    whole = _unknown(fit)
+    deviations = np.sqrt(np.maximum(np.diagonal(whole), 0.0)).tolist()
+    std = dict(zip(fit.place.question.numbers.values, deviations, strict=True))
     for (effect, name), (place, x) in zip(at, change.items(), strict=True):
         own = made.parts[effect].values.get(name)
         known, unsure = made.parts[effect].known.parameter(name), std[place]
@@ -107,13 +109,12 @@ def model_of(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: floa
         else:
             one = _within(known, float(numbers[effect][name]) + x, unsure)
             made = made.with_values(effect, **{name: one})
-    return _with_covariance(made, fit)
+    return _with_covariance(made, fit, whole)
 
 
-def _with_covariance(model: Model, fit: Fit) -> Model:
+def _with_covariance(model: Model, fit: Fit, whole: Array) -> Model:
     """A model with what a fit leaves unknown of its values."""
     numbers = fit.place.question.numbers
-    whole = numbers.T @ fit.covariance @ numbers.T.T
     moves = [
         i for i, name in enumerate(numbers.values) if name not in OUTSIDE and whole[i, i] > 0.0
     ]
@@ -181,7 +182,7 @@ def held_out_errors(
 def _signal(seen: Screen, name: str, a: Array) -> float:
     """Information on an effect at some size."""
     at = seen.columns[name]
-    return float(a @ seen.gram[np.ix_(at, at)] @ a)
+    return float(a @ seen.normal.information[np.ix_(at, at)] @ a)
 
 
 def coverage_of(
@@ -193,15 +194,9 @@ def coverage_of(
     found = []
     for item in every:
         own, a = seen.columns[item.name], usual[item.name]
-        strength = max(signal[item.name], 1e-6)
-        mimics = {}
-        for other in every:
-            at = seen.columns[other.name]
-            cross = seen.gram[np.ix_(at, own)] @ a
-            part = np.linalg.lstsq(seen.gram[np.ix_(at, at)], cross, rcond=1e-9)[0]
-            share = float(cross @ part) / strength
-            if other is not item and strength > 1.0 and share >= MIMICS:
-                mimics[other.name] = min(share, 1.0)
+        strength = signal[item.name]
+        others = {name: at for name, at in seen.columns.items() if name != item.name}
+        across = seen.normal.information[:, own] @ a
         shown = strength >= SHOWS
         found.append(
             Visible(
@@ -209,10 +204,12 @@ def coverage_of(
                 family=item.family,
                 signal=strength,
                 without_a_run=min(_signal(x, item.name, a) for x in fewer),
-                hides=math.sqrt(HIDES / strength),
+                hides=could_hide(strength),
                 shown=shown,
                 why="" if shown else _why(strength),
-                mimics=dict(sorted(mimics.items(), key=lambda x: -x[1])),
+                mimics=mimics(seen.normal.information, across, strength, others)
+                if strength > 1.0
+                else {},
             )
         )
     return tuple(sorted(found, key=lambda item: -item.signal))

@@ -192,7 +192,7 @@ class _Standing:
 
 def _standing(found: Fit, place: Place) -> _Standing:
     def value(known: Known) -> float:
-        return -0.5 * float(known.total[0, 0]) - 0.5 * known.volume
+        return known.normal.log_density_at(np.zeros(0))
 
     question = place.question
     asked = place.information.at(place.z)
@@ -203,10 +203,8 @@ def _standing(found: Fit, place: Place) -> _Standing:
 
 def _where_it_stands(found: Fit, stands: float) -> Fit:
     """A fit that no step takes further: not what the linear problem promises from there."""
-    P = found.known.total
     numbers = found.place.question.numbers
-    wide = np.append(-found.z, 1.0)
-    promised = -0.5 * float(wide @ P @ wide) - 0.5 * found.known.volume
+    promised = found.known.normal.log_density_at(found.z)
     promised -= unlikely(numbers, found.names, found.spread, found.z)
     lower = found.log_probability - max(promised - stands, 0.0)
     return replace(found, z=found.place.z, log_probability=lower)
@@ -279,7 +277,7 @@ def at_place(
     best, probability = most_likely(asked, value, least, forces, **how)
     known = place.information.under(best)
     spread = float(numbers.base.spreads[weighed(known, numbers).best(names)])
-    z, covariance = probable(known.total, numbers, names, spread)
+    z, covariance = probable(known, numbers, names, spread)
     return Fit(
         names=tuple(names),
         spread=spread,
@@ -311,8 +309,7 @@ def _stepped(
     """
     place = found.place
     question, numbers = place.question, place.question.numbers
-    P = place.information.under(stands.forces).total
-    about = (P, numbers, found.names, found.spread, place.z)
+    about = (place.information.under(stands.forces), numbers, found.names, found.spread, place.z)
     for damping in dampings:
         z = damped(*about, damping) if damping else found.z
         moved = question.moved(place.sheets, z - place.z, stands.forces)

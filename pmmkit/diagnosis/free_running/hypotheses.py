@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pmmkit.diagnosis.free_running.base import Base
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.information import Known
+from pmmkit.inference import Normal, integrated_out
 from pmmkit.numerics import Array
 
 Names = tuple[str, ...]
@@ -112,18 +113,15 @@ class Screen:
 
     Parameters
     ----------
-    gram : array (c, c)
-        Information on the coefficients.
-    score : array (c,)
-        Their scores.
+    normal : Normal
+        What the records say of their coefficients.
     ground : float
         ln of how probable the records are without any.
     columns : mapping of str to array of int
         Places of each candidate.
     """
 
-    gram: Array
-    score: Array
+    normal: Normal
     ground: float
     columns: Mapping[str, NDArray[np.intp]]
 
@@ -133,26 +131,18 @@ class Screen:
 
     def gain(self, names: Sequence[str]) -> float:
         """ln evidence of a set against none of it."""
-        at = np.concatenate([self.columns[name] for name in names])
-        H = np.eye(len(at)) + self.gram[np.ix_(at, at)]
-        lower = np.linalg.cholesky(H)
-        y = np.linalg.solve(lower, self.score[at])
-        return 0.5 * float(y @ y) - float(np.log(np.diagonal(lower)).sum())
+        return self.normal.only(np.concatenate([self.columns[name] for name in names])).log_evidence
 
 
 def screen(known: Known, numbers: Numbers, spread: float) -> Screen:
     """The base taken out of what is known."""
-    b, P = numbers.width, known.total
+    b, P = numbers.width, known.products.sum(axis=0)
     root = numbers.base.root(spread)
-    H = np.eye(root.shape[1]) + root.T @ P[:b, :b] @ root
-    lower = np.linalg.cholesky(H)
-    taken = np.linalg.solve(lower, root.T @ P[:b, b:])
-    rest = P[b:, b:] - taken.T @ taken
-    volume = known.volume + 2.0 * float(np.log(np.diagonal(lower)).sum())
+    rest, volume = integrated_out(root.T @ P[:b, :b] @ root, root.T @ P[:b, b:], P[b:, b:])
+    normal = Normal.of_products(0.5 * (rest + rest.T), known.normal.volume + volume)
     return Screen(
-        gram=0.5 * (rest[:-1, :-1] + rest[:-1, :-1].T),
-        score=rest[:-1, -1],
-        ground=-0.5 * float(rest[-1, -1]) - 0.5 * volume,
+        normal=normal,
+        ground=normal.log_density_at(np.zeros(len(rest) - 1)),
         columns={name: at - b for name, at in numbers.columns.items()},
     )
 
@@ -184,24 +174,29 @@ def weighed(known: Known, numbers: Numbers) -> Weighed:
 
 
 def probable(
-    P: Array, numbers: Numbers, names: Sequence[str], spread: float
+    known: Known, numbers: Numbers, names: Sequence[str], spread: float
 ) -> tuple[Array, Array]:
     """The most probable numbers (q,) of a set, zero where they take no part; their covariance."""
     whole = _whole(numbers, names, spread)
-    H = np.eye(whole.shape[1]) + whole.T @ P[:-1, :-1] @ whole
-    z = whole @ np.linalg.solve(H, whole.T @ P[:-1, -1])
-    return z, whole @ np.linalg.solve(H, whole.T)
+    mean, covariance = known.normal.in_terms_of(whole).posterior
+    return whole @ mean, whole @ covariance @ whole.T
 
 
 def damped(
-    P: Array, numbers: Numbers, names: Sequence[str], spread: float, begin: Array, damping: float
+    known: Known,
+    numbers: Numbers,
+    names: Sequence[str],
+    spread: float,
+    begin: Array,
+    damping: float,
 ) -> Array:
     """A step towards the most probable numbers, damped after Levenberg and Marquardt."""
     whole = _whole(numbers, names, spread)
     y = np.linalg.lstsq(whole, begin, rcond=None)[0]
-    H = np.eye(whole.shape[1]) + whole.T @ P[:-1, :-1] @ whole
-    slope = whole.T @ P[:-1, -1] - H @ y
-    found: Array = begin + whole @ np.linalg.solve(H + damping * np.diag(np.diagonal(H)), slope)
+    own = known.normal.in_terms_of(whole)
+    H = own.information + np.eye(len(y))
+    step = np.linalg.solve(H + damping * np.diag(np.diagonal(H)), own.score - H @ y)
+    found: Array = begin + whole @ step
     return found
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.diagnosis.free_running.slopes import Sheet
+from pmmkit.inference import Normal, integrated_out
 from pmmkit.numerics import Array
 
 
@@ -80,11 +82,11 @@ class Information:
         for item in self.alike:
             root = forces.root(item.spacing, item.pieces)
             turned = np.swapaxes(root, 1, 2)
-            H = np.eye(root.shape[1]) + turned @ item.forces @ root
-            lower = np.linalg.cholesky(H)
-            taken = np.linalg.solve(lower, turned @ item.cross)
-            products.append(item.values - np.swapaxes(taken, 1, 2) @ taken)
-            volumes.append(2.0 * np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1))
+            own, volume = integrated_out(
+                turned @ item.forces @ root, turned @ item.cross, item.values
+            )
+            products.append(own)
+            volumes.append(volume)
             owners.append(item.owners)
         return Known(
             products=np.concatenate(products),
@@ -164,16 +166,10 @@ class Known:
         """With all variances larger by a factor."""
         return replace(self, products=self.products / wider)
 
-    @property
-    def total(self) -> Array:
-        """Sum of the products."""
-        found: Array = self.products.sum(axis=0)
-        return found
-
-    @property
-    def volume(self) -> float:
-        """Sum of the volumes."""
-        return float(self.volumes.sum())
+    @cached_property
+    def normal(self) -> Normal:
+        """What they say together."""
+        return Normal.of_products(self.products.sum(axis=0), float(self.volumes.sum()))
 
 
 def information_of(

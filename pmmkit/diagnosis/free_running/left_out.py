@@ -211,8 +211,8 @@ def left_out_windows(fit: Fit, record: int) -> tuple[Stretch, Array]:
 
 def of_others(fit: Fit, records: Sequence[int]) -> tuple[Array, Array]:
     """The numbers of a set fitted without some records, and their covariance."""
-    P = fit.known.without(records).total
-    return probable(P, fit.place.question.numbers, fit.names, fit.spread)
+    others = fit.known.without(records)
+    return probable(others, fit.place.question.numbers, fit.names, fit.spread)
 
 
 def missed(question: Question, z: Array, records: Sequence[int]) -> list[dict[str, float]]:

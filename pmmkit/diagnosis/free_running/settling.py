@@ -13,6 +13,7 @@ from pmmkit.diagnosis.free_running.information import Forces, scaled, whitened
 from pmmkit.diagnosis.free_running.slopes import Sheet, channels_of, sheets_of
 from pmmkit.diagnosis.free_running.windows import Stretch, of_instants, sailed
 from pmmkit.identification.record import FreeRecord, noise_of
+from pmmkit.inference import InformationRoot
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 
@@ -20,6 +21,11 @@ AGILE: Final = Forces(shares=np.full(4, 0.03), memory=1.0)
 """Unknown forces that follow any ship, so that its sensors alone say how it went."""
 ROUNDS: Final = 5
 """Times that starts and noise are told from each other."""
+VAGUE: Final = 3e4
+"""Standard deviation of a start before its window is seen, over that which the noise makes of it
+where it is the only one: where two states show nearly the same, so that they are κ times as wide,
+it draws them by (κ / 3e4)² towards where they were; in the free tank κ is 4 at most windows and 32
+at the worst."""
 GATE: Final = 6.0
 """An average so many standard deviations from all others of its window is an outlier."""
 FEW: Final = 0.3
@@ -275,14 +281,14 @@ def smoothed(sheet: Sheet, sigma: Array, forces: Forces, moved: Array | None = N
     e = rows[:, -1] + rows[:, size:split] @ sheet.along.ravel()
     if moved is not None:
         e = e - rows[:, split:-1] @ moved
-    prior = np.concatenate([np.full(size, 1e-9), np.ones(pieces * channels)])
-    H = A.T @ A + np.diag(prior)
-    taken = np.linalg.solve(H, np.concatenate([A.T @ e[:, None], A.T], axis=1))
+    std = np.concatenate([np.full(size, VAGUE), np.ones(pieces * channels)])
+    known = InformationRoot.of(np.zeros(len(std)), std).with_rows(A, e)
+    found = known.mean
     return Smooth(
-        start=taken[:size, 0] / length,
-        forces=(root @ taken[size:, 0]).reshape(pieces, channels),
-        left=e - A @ taken[:, 0],
-        leverage=np.einsum("ij,ji->i", A, taken[:, 1:]),
+        start=found[:size] / length,
+        forces=(root @ found[size:]).reshape(pieces, channels),
+        left=e - A @ found,
+        leverage=known.spread(A),
     )
 
 

@@ -27,6 +27,7 @@ from pmmkit.diagnosis.together.scatter import (
 )
 from pmmkit.diagnosis.together.vote import Ballot, Names, Vote
 from pmmkit.errors import ModelError
+from pmmkit.inference import integrated_out
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 
@@ -212,15 +213,12 @@ def _of_records(
 ) -> Learned:
     """What records say of the base and the effects, their faults taken out."""
     mine = tuple(x for x in names if x in fit.names)
-    numbers, P = fit.place.question.numbers, fit.known.total
+    numbers, known = fit.place.question.numbers, fit.known.normal
     own = labels_of(vote, mine)
-    used, beside = numbers.used(mine), numbers.at(faults)
-    H = P[np.ix_(beside, beside)] + np.eye(len(beside))
-    taken = np.linalg.solve(H, P[np.ix_(beside, np.append(used, -1))])
-    rest = P[np.ix_(used, np.append(used, -1))] - P[np.ix_(used, beside)] @ taken
+    rest = known.given(known.taken(numbers.at(faults))).only(numbers.used(mine))
     at = [labels.index(label) for label in own]
     information, score = np.zeros((len(labels),) * 2), np.zeros(len(labels))
-    information[np.ix_(at, at)], score[at] = _positive(rest[:, :-1]), rest[:, -1]
+    information[np.ix_(at, at)], score[at] = _positive(rest.information), rest.score
     return Learned(
         laboratory=vote.name, information=information, score=score, moves=bool(fit.spread)
     )
@@ -230,8 +228,7 @@ def _directions(found: Learned, fit: Fit) -> float:
     """Number of directions in which records move the base: Σ s²λ/(1 + s²λ)."""
     base, b = fit.place.question.numbers.base, fit.place.question.numbers.width
     G = found.information
-    beside = np.eye(len(G) - b) + G[b:, b:]
-    own = G[:b, :b] - G[:b, b:] @ np.linalg.solve(beside, G[b:, :b])
+    own, _ = integrated_out(G[b:, b:], G[b:, :b], G[:b, :b])
     whole = base.known[:b, :b] + fit.spread**2 * np.eye(b)
     return float(fit.spread**2 * np.trace(np.linalg.solve(np.eye(b) + own @ whole, own)))
 

@@ -9,6 +9,7 @@ from typing import Final, Literal
 
 import numpy as np
 
+from pmmkit.inference import log_normal
 from pmmkit.numerics import Array
 
 Owner = Literal["the ship's", "the laboratory's", "cannot tell"]
@@ -72,8 +73,8 @@ def log_shared(found: Sequence[Measured], prior: Array, centre: Array | None = N
     -97.19
     """
     c0 = np.zeros(len(prior)) if centre is None else centre
-    together = _log_normal(_stacked(found, c0), _scattered(found, prior, np.zeros_like(prior)))
-    alone = sum(_log_normal(item.values - c0, item.covariance + prior) for item in found)
+    together = log_normal(_stacked(found, c0), _scattered(found, prior, np.zeros_like(prior)))
+    alone = sum(log_normal(item.values - c0, item.covariance + prior) for item in found)
     return together - alone
 
 
@@ -166,7 +167,7 @@ def third(
         value = across @ np.linalg.solve(whole, c)
         left = prior - across @ np.linalg.solve(whole, across.T) + between
         # The last is what a step of ln τ holds of τ.
-        weight.append(_log_normal(c, whole) - 0.5 * (tau / scale) ** 2 + math.log(tau))
+        weight.append(log_normal(c, whole) - 0.5 * (tau / scale) ** 2 + math.log(tau))
         mean.append(value)
         square.append(np.diagonal(left) + value**2)
     share = np.exp(np.array(weight) - max(weight))
@@ -188,12 +189,3 @@ def _scattered(found: Sequence[Measured], prior: Array, between: Array) -> Array
         own = slice(i * n, (i + 1) * n)
         whole[own, own] += item.covariance + between
     return whole
-
-
-def _log_normal(away: Array, covariance: Array) -> float:
-    # Coefficients differ by orders of magnitude: correlations are factorised.
-    size = np.sqrt(np.diagonal(covariance))
-    lower = np.linalg.cholesky(covariance / np.outer(size, size))
-    white = np.linalg.solve(lower, away / size)
-    volume = float(np.sum(np.log(np.diagonal(lower))) + np.sum(np.log(size)))
-    return -0.5 * float(white @ white) - volume - 0.5 * len(away) * math.log(2.0 * math.pi)

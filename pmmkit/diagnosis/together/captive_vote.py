@@ -11,12 +11,13 @@ import numpy as np
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
-from pmmkit.diagnosis.captive.evidence import Sets, price, sets_of
+from pmmkit.diagnosis.captive.evidence import Sets, sets_of
 from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.refit import in_convention, refitted
 from pmmkit.diagnosis.captive.system import WIDER, Block, System
 from pmmkit.diagnosis.captive.verdict import Given, answer, taken_as_given
+from pmmkit.diagnosis.evidence import PRICE
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.together.belongs import Measured
 from pmmkit.diagnosis.together.vote import (
@@ -120,7 +121,7 @@ class CaptiveVote:
         mine = tuple(name for name in names if name in self.sets.by_name)
         if not mine:
             return Ballot(log_evidence=0.0)
-        paid = price(self.sets.system) * len(mine)
+        paid = PRICE * len(mine)
         alone = max(self._evidence(faults) for faults in self.faults)
         value, faults = max(
             (self._evidence((*mine, *beside)), beside) for beside in self._beside(mine)

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from pmmkit.diagnosis.evidence import PRICE
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.contest import Contest, steady, why_not
@@ -72,11 +73,6 @@ class RecordsVote:
         return asked_in(self.diagnosis.entries)
 
     @property
-    def price(self) -> float:
-        """Of each fault."""
-        return self.contest.price
-
-    @property
     def kept(self) -> frozenset[Names]:
         """Sets of effects that the contest has fitted, and kept."""
         return frozenset(of_ship(item.names) for item in self.contest.settled)
@@ -93,7 +89,7 @@ class RecordsVote:
             if (key := frozenset((*mine, *faults))) in found
         ]
         if whole:
-            value = max(whole) + self.price * len(mine) - self.ground
+            value = max(whole) + PRICE * len(mine) - self.ground
             return Ballot(log_evidence=value, linear=mine not in self.kept)
         parts = [tuple(x for x in mine if x != name) for name in mine]
         return max((self.promised(part) for part in parts), key=lambda item: item.log_evidence)
@@ -244,7 +240,7 @@ class RecordsVote:
     def _gain(self, fit: Fit, faults: Names) -> float:
         """ln evidence of a fit, each fault of it at its price."""
         gain = fit.log_probability - self.contest.null.log_probability
-        return gain - self.price * len(faults)
+        return gain - PRICE * len(faults)
 
     @cached_property
     def _entries(self) -> Mapping[frozenset[str], float]:

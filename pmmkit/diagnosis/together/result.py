@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from pmmkit.diagnosis.evidence import PRICE
 from pmmkit.diagnosis.findings import AS_LIKELY, VERDICTS, Diagnosis, Verdict
 from pmmkit.diagnosis.together.belongs import Measured, Owner, Third
 from pmmkit.diagnosis.together.vote import Ballot, Names
@@ -188,8 +189,6 @@ class Together(Described):
         ln of the odds for each effect of the best set beside the others.
     refused : tuple of (campaign, effects)
         Sets that fit a campaign but predict what is left out worse, or make no ship of it.
-    price : float
-        Taken off once for each effect.
     flags : tuple of str
         What to warn of.
     notes : tuple of str
@@ -210,7 +209,6 @@ class Together(Described):
     belongs: tuple[Belonging, ...]
     added: Mapping[str, float]
     refused: tuple[tuple[str, Names], ...]
-    price: float
     flags: tuple[str, ...]
     notes: tuple[str, ...]
     model: Model | None = None
@@ -282,7 +280,7 @@ class Together(Described):
                 {"scales": dict(x.scales), "scatter": dict(x.scatter)} for x in self.others
             ],
             "refused": [{"campaign": name, "effects": list(names)} for name, names in self.refused],
-            "price": self.price,
+            "price": PRICE,
             "flags": list(self.flags),
             "notes": list(self.notes),
             "campaigns": {name: item.to_dict() for name, item in self.diagnoses.items()},

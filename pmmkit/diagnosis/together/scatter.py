@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 
 Places = NDArray[np.intp]
@@ -204,20 +205,17 @@ class _Rest:
     def given(self, logs: Array, *, alone: bool = False) -> tuple[Array, Array, Array]:
         """Log density (m,) of sets (m, g) of logarithms of scatters over their scales, with mean
         (m, k) and covariance (m, k, k) of the values; none of these where it is asked alone."""
-        from scipy.linalg import solve_triangular
-
         root = (self.scales * np.exp(logs))[:, self.of] * self.usual
-        unit = np.eye(len(self.score))
-        lower = np.linalg.cholesky(unit + root[:, :, None] * self.information * root[:, None])
-        columns = unit[:, : 0 if alone else None] * root[:, :, None]
-        asked = np.concatenate([(root * self.score)[:, :, None], columns], axis=2)
-        pairs = zip(lower, asked, strict=True)
-        solved = np.stack([solve_triangular(*pair, lower=True) for pair in pairs])
-        y, inverse = solved[:, :, 0], solved[:, :, 1:]
-        log = 0.5 * np.sum(y**2, axis=1) + np.sum(logs - 0.5 * np.exp(2.0 * logs), axis=1)
-        log -= np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1)
-        across = np.swapaxes(inverse, 1, 2)
-        return log, (across @ y[:, :, None])[:, :, 0], across @ inverse
+        known = Normal(
+            information=root[:, :, None] * self.information * root[:, None],
+            score=root * self.score,
+            centre=np.zeros(len(self.score)),
+        )
+        log = known.log_evidences + np.sum(logs - 0.5 * np.exp(2.0 * logs), axis=1)
+        if alone:
+            return log, np.zeros((len(log), 0)), np.zeros((len(log), 0, 0))
+        mean, covariance = known.posterior
+        return log, root * mean, root[:, :, None] * covariance * root[:, None]
 
 
 def _densities(rest: _Rest) -> list[Array]:

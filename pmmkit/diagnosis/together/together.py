@@ -12,6 +12,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.several import by_title
 from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
+from pmmkit.diagnosis.evidence import PRICE
 from pmmkit.diagnosis.findings import Verdict
 from pmmkit.diagnosis.together.another import others
 from pmmkit.diagnosis.together.base import Fitted, carried, known_from
@@ -70,10 +71,10 @@ def together(
     Notes
     -----
     Each campaign is diagnosed alone, with its own noise and its own faults. Then, for a set S of
-    effects of the ship, ln odds are ``Σ_i [ln p_i(S, F_i(S)) − ln p_i(F_i)] − |S| ln 2K``, where
+    effects of the ship, ln odds are ``Σ_i [ln p_i(S, F_i(S)) − ln p_i(F_i)] − |S| ln 80``, where
     F_i are the faults that make campaign i most probable, without S or with it, each at its price;
-    an effect of the ship is paid for once, by the number K of effects that any campaign was asked
-    for. A campaign that was not asked for an effect does not vote on it.
+    an effect of the ship is paid for once (`PRICE`). A campaign that was not asked for an effect
+    does not vote on it.
 
     Each campaign averages over coefficients of its own, by the prior of usual sizes: that S acts
     is what they vote for, not that it has one size; whether it has is asked afterwards of each
@@ -173,8 +174,7 @@ def answered(
     tell = progress or (lambda _: None)
     said = list(notes)
     every = sorted(set().union(*(item.asked for item in votes)))
-    price = math.log(2.0 * max(len(every), 1))
-    weighed = weigh(votes, every, price, tell)
+    weighed = weigh(votes, every, tell)
     entries = weighed.entries
     best = entries[0] if entries and not entries[0].linear else None
     told = best is not None and best.log_evidence > max(LEAST, -math.log(CHANCE))
@@ -212,11 +212,10 @@ def answered(
         belongs=belongs,
         added=MappingProxyType(added),
         refused=weighed.refused,
-        price=price,
         flags=_flags(votes),
         notes=(
             *said,
-            f"each effect pays ln 2K = {price:.2f} once, K = {len(every)}",
+            f"each effect pays {PRICE:.2f} once: odds of 1 to 80 before any test",
             *(
                 f"{vote.name}: own faults {' and '.join(faults)}"
                 for vote in votes

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from pmmkit.diagnosis.captive.verdict import RIVALS
+from pmmkit.diagnosis.evidence import PRICE
 from pmmkit.diagnosis.together.result import JointEntry
 from pmmkit.diagnosis.together.vote import Ballot, Names, Vote, of_ship
 
@@ -42,9 +43,7 @@ class Weighed:
     refused: tuple[tuple[str, Names], ...]
 
 
-def weigh(
-    votes: Sequence[Vote], every: Sequence[str], price: float, tell: Callable[[str], None]
-) -> Weighed:
+def weigh(votes: Sequence[Vote], every: Sequence[str], tell: Callable[[str], None]) -> Weighed:
     """Single effects, the sets of several that promise most, and what is near those in front.
 
     Parameters
@@ -53,8 +52,6 @@ def weigh(
         The campaigns.
     every : sequence of str
         Effects that any of them was asked for.
-    price : float
-        Of an effect.
     tell : callable
         Is told what is being done.
     """
@@ -64,7 +61,7 @@ def weigh(
     def look(names: Names) -> bool:
         if names not in entries and names not in refused:
             tell(f"All campaigns with {' and '.join(names)}")
-            found = _entry(votes, names, price)
+            found = _entry(votes, names)
             if isinstance(found, JointEntry):
                 entries[names] = found
             else:
@@ -77,10 +74,10 @@ def weigh(
         bad = [set(x) for x in refused if set(x) <= set(names)]
         return all(any(x <= own for own in inside) for x in bad)
 
-    singles = _ranked(_promised(votes, (name,), price) for name in every)
+    singles = _ranked(_promised(votes, (name,)) for name in every)
     for item in singles[:SINGLES]:
         look(item.names)
-    promised = [_promised(votes, names, price) for names in _several(votes)]
+    promised = [_promised(votes, names) for names in _several(votes)]
     kept = tried = 0
     for item in _ranked(promised):
         front = max((x.log_evidence for x in entries.values()), default=0.0)
@@ -119,12 +116,12 @@ def _ranked(entries: Iterable[JointEntry]) -> tuple[JointEntry, ...]:
     return tuple(sorted(entries, key=lambda item: -item.log_evidence))
 
 
-def _promised(votes: Sequence[Vote], names: Names, price: float) -> JointEntry:
+def _promised(votes: Sequence[Vote], names: Names) -> JointEntry:
     """A set as far as it is known without another fit."""
-    return _sum(names, {x.name: x.promised(names) for x in votes if _votes(x, names)}, price)
+    return _sum(names, {x.name: x.promised(names) for x in votes if _votes(x, names)})
 
 
-def _entry(votes: Sequence[Vote], names: Names, price: float) -> JointEntry | str:
+def _entry(votes: Sequence[Vote], names: Names) -> JointEntry | str:
     """A set with the evidence of all campaigns; the name of the campaign that refuses it."""
     ballots = {}
     for item in votes:
@@ -134,7 +131,7 @@ def _entry(votes: Sequence[Vote], names: Names, price: float) -> JointEntry | st
         if ballot is None:
             return item.name
         ballots[item.name] = ballot
-    return _sum(names, ballots, price)
+    return _sum(names, ballots)
 
 
 def _votes(vote: Vote, names: Names) -> bool:
@@ -142,8 +139,8 @@ def _votes(vote: Vote, names: Names) -> bool:
     return bool(vote.asked.intersection(names))
 
 
-def _sum(names: Names, ballots: dict[str, Ballot], price: float) -> JointEntry:
-    total = sum(item.log_evidence for item in ballots.values()) - price * len(names)
+def _sum(names: Names, ballots: dict[str, Ballot]) -> JointEntry:
+    total = sum(item.log_evidence for item in ballots.values()) - PRICE * len(names)
     return JointEntry(names=names, log_evidence=total, ballots=MappingProxyType(ballots))
 
 

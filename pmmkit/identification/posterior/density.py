@@ -10,14 +10,13 @@ from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
-from pmmkit.equations.layouts import Status
 from pmmkit.errors import SimulationError
 from pmmkit.identification.binding import Binding, bound, driven
-from pmmkit.identification.filters import LOST, Filtered, first_state, kind_of, process, state_steps
+from pmmkit.identification.filters import Filtered, first_state, process
+from pmmkit.identification.passes import Pass, Process, Seen, passed, seen, smoothed, state_steps
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.models import Model
@@ -31,19 +30,12 @@ DEGREES: Final = 10.0
 """Degrees of freedom of the prior of the sensors' common variance, a scaled inverse χ²."""
 PROCESS_NOISE, SENSOR_SCALE = "process_noise", "sensor_scale"
 """What is drawn beside the parameters."""
-_NOTHING, _NOWHERE = np.zeros(0), np.zeros(0, np.int64)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Seen:
-    """A record as the filter takes it: instants, inputs, measurements, and what is known of the
-    states at the first instant."""
+class Begun(Seen):
+    """A record with what is known of the states at its first instant."""
 
-    t: Array
-    inputs: Array
-    measured: Array
-    kinds: NDArray[np.int64]
-    variances: Array
     start: Array
     spread: Array
     taken: float = 0.0
@@ -64,7 +56,7 @@ class Density:
         Constants over the parameters.
     functions : module
         Compiled equations.
-    records : tuple of Seen
+    records : tuple of Begun
         Independent of each other.
     speed, L : float
         Of the approach [m/s], length of the ship [m].
@@ -74,7 +66,7 @@ class Density:
     roughness: float | None
     binding: Binding
     functions: ModuleType
-    records: tuple[Seen, ...]
+    records: tuple[Begun, ...]
     speed: float
     L: float
 
@@ -136,52 +128,28 @@ class Density:
 
     def innovations(self, values: Array, roughness: float) -> tuple[float, float]:
         """Squares of all innovations over their variances, summed, and ln of these variances."""
-        base = self.binding.constants(values)
         squares = volume = 0.0
         for item in self.records:
-            residuals, spreads = np.empty_like(item.measured), np.empty_like(item.measured)
-            if self.filtered(item, base, roughness, residuals, spreads) != Status.done:
+            try:
+                found = self.passed(item, values, roughness).innovations
+            except SimulationError:
                 return math.inf, math.inf
-            squares += float(np.nansum(residuals * residuals / spreads))
-            volume += float(np.nansum(np.log(spreads)))
+            squares += float(np.nansum(found.squares))
+            volume += found.volume
         return squares, volume
 
-    def filtered(
-        self,
-        item: Seen,
-        base: Array,
-        roughness: float,
-        residuals: Array,
-        spreads: Array,
-        kept: Array | None = None,
-    ) -> Status:
+    def passed(self, item: Begun, values: Array, roughness: float, *, store: bool = False) -> Pass:
         """One pass of the compiled filter, which has no parameters: its states are the ship's."""
         states = self.binding.structure.states
-        status = self.functions.extended(
-            item.t,
-            item.inputs,
-            item.measured,
-            item.kinds,
-            item.variances,
-            base,
-            np.zeros(1, np.int64),
-            _NOWHERE,
-            _NOTHING,
-            _NOTHING,
-            _NOTHING,
-            item.start.copy(),
-            np.diag(item.spread),
-            _NOTHING,
-            process(states, roughness, self.speed, self.L),
-            state_steps(states, self.speed, self.L),
-            STEP * self.L / self.speed,
-            math.inf,
-            np.empty((len(item.t), 2 * len(states))),
-            residuals,
-            spreads,
-            np.empty((0, 0)) if kept is None else kept,
+        moving = Process(
+            diffusion=process(states, roughness, self.speed, self.L),
+            fading=np.zeros(0),
+            frozen=np.zeros(0),
+            steps=state_steps(states, self.speed, self.L),
+            longest=STEP * self.L / self.speed,
         )
-        return Status(status)
+        held, P = self.binding.at(values), np.diag(item.spread)
+        return passed(self.functions, held, item, moving, item.start, P, store=store)
 
 
 def _compiled_anew(given: Mapping[str, Any]) -> Density:
@@ -259,18 +227,14 @@ def density_of(
     )
     states = binding.structure.states
     known = sensors_of(records, sensors)
-    seen = []
+    begun = []
     for record in records:
-        channels = tuple(record.measured)
-        measured = np.stack([record.measured[name] for name in channels], axis=1)
-        unknown = record.with_(measured={})
-        seen.append(
-            Seen(
-                t=record.t,
-                inputs=record.inputs,
-                measured=np.where(about.innovations[record.name].gated, np.nan, measured),
-                kinds=np.array([kind_of(name, states) for name in channels], np.int64),
-                variances=np.array([known[name] ** 2 for name in channels]),
+        item, unknown = seen(record, states, known), record.with_(measured={})
+        gated = about.innovations[record.name].gated
+        cleaned = replace(item, measured=np.where(gated, np.nan, item.measured))
+        begun.append(
+            Begun(
+                **vars(cleaned),
                 start=first_state(record, states, known, L)[0],
                 spread=first_state(unknown, states, known, L)[1],
             )
@@ -280,26 +244,19 @@ def density_of(
         roughness=roughness,
         binding=binding,
         functions=compiled(binding.structure, ESTIMATING),
-        records=tuple(seen),
+        records=tuple(begun),
         speed=speed,
         L=L,
     )
-    return _from_starts(made, records, about)
+    return _from_starts(made, about)
 
 
-def _from_starts(density: Density, records: Sequence[FreeRecord], about: Filtered) -> Density:
+def _from_starts(density: Density, about: Filtered) -> Density:
     """The density with the starts that an estimate implies in place of the first measurements."""
-    base = density.binding.constants(about.values)
-    n = len(density.binding.structure.states)
-    seen = []
-    for item, record in zip(density.records, records, strict=True):
-        kept = np.zeros((len(item.t), 2 * n * n + 2 * n + n * n))
-        residuals, spreads = np.empty_like(item.measured), np.empty_like(item.measured)
-        status = density.filtered(item, base, about.roughness, residuals, spreads, kept)
-        if status != Status.done:
-            raise SimulationError(LOST[status].format(record.name))
-        means, covariances = np.empty((len(kept), n)), np.empty((len(kept), n, n))
-        density.functions.smoothed(kept, n, means, covariances)
+    begun = []
+    for item in density.records:
+        found = density.passed(item, about.values, about.roughness, store=True)
+        means, covariances = smoothed(density.functions, found)
         left = np.diagonal(covariances[0]) / item.spread
-        seen.append(replace(item, start=means[0], taken=float(np.sum(1.0 - left))))
-    return replace(density, records=tuple(seen))
+        begun.append(replace(item, start=means[0], taken=float(np.sum(1.0 - left))))
+    return replace(density, records=tuple(begun))

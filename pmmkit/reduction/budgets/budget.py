@@ -11,6 +11,7 @@ import numpy as np
 
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.inference import Propagated
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, at_froude, counted, number
 
@@ -102,11 +103,7 @@ class Budget(Described):
 
     Notes
     -----
-    Sources are independent but for those of one common cause. The variance of a result is then the
-    sum over sources of (its own factor)(the sum of the factors of its cause): each takes its own
-    square and half of twice the product with each other. That is the Shapley value of the
-    sources, the average over all orders in which they may be switched on (Owen and Prieur 2017).
-    A share is negative where an error takes away from the others of its cause.
+    Sources are independent but for those of one common cause; shares are those of `Propagated`.
     """
 
     subject: str
@@ -116,31 +113,22 @@ class Budget(Described):
     outside: tuple[str, ...] = ()
 
     @property
-    def variances(self) -> Array:
-        """What each source adds to the variance of each result, array (sources, results)."""
-        causes: dict[str, Array] = {}
-        for source in self.sources:
-            if source.common:
-                causes[source.common] = causes.get(source.common, 0.0) + source.factors
-        rows = [
-            np.sum(source.factors * causes.get(source.common, source.factors), axis=0)
-            for source in self.sources
-        ]
-        return np.stack(rows) if rows else np.zeros((0, len(self.results)))
+    def propagated(self) -> Propagated:
+        """What the sources do to the results."""
+        return Propagated(
+            factors=tuple(source.factors for source in self.sources),
+            causes=tuple(source.common for source in self.sources),
+        )
 
     @property
     def std(self) -> Array:
         """Combined standard uncertainty of each result, array (results,)."""
-        combined: Array = np.sqrt(np.sum(self.variances, axis=0))
-        return combined
+        return self.propagated.std
 
     @property
     def shares(self) -> Array:
-        """The same over the variance of each result: columns sum to 1 (0 where there is none)."""
-        variances = self.variances
-        total = variances.sum(axis=0)
-        shares: Array = variances / np.where(total > 0.0, total, 1.0)
-        return shares
+        """Of each source in the variance of each result, array (sources, results)."""
+        return self.propagated.shares
 
     def of(self, *names: str, Fn: float | None = None) -> Budget:
         """The budget of some results alone.
@@ -230,12 +218,14 @@ class Budget(Described):
         subject : str
             What it is a budget of.
         """
+        moved = self.propagated.carried(carry.T).factors
         return replace(
             self,
             subject=subject,
             results=tuple(results),
             sources=tuple(
-                replace(source, factors=source.factors @ carry) for source in self.sources
+                replace(source, factors=factors)
+                for source, factors in zip(self.sources, moved, strict=True)
             ),
         )
 
@@ -247,7 +237,8 @@ class Budget(Described):
         """
         import pandas as pd
 
-        variances, shares, std = self.variances, self.shares, self.std
+        found = self.propagated
+        variances, shares, std, alone = found.variances, found.shares, found.std, found.alone
         rows = [
             {
                 "result": result.name,
@@ -259,7 +250,7 @@ class Budget(Described):
                 "gum": source.gum,
                 "acts_as": source.acts,
                 "common": source.common,
-                "std": float(np.linalg.norm(source.factors[:, column])),
+                "std": alone[row, column],
                 "variance": variances[row, column],
                 "share": shares[row, column],
             }

@@ -12,7 +12,7 @@ from pmmkit.campaigns.motion.inertia import rig_of
 from pmmkit.campaigns.motion.nominal import has_nominal
 from pmmkit.campaigns.uncertainty import STATABLE, TypeB
 from pmmkit.errors import DataError
-from pmmkit.numerics import Array
+from pmmkit.inference import root
 from pmmkit.observations.equations import sensitivity
 from pmmkit.observations.stated import acts
 from pmmkit.reduction.budgets.budget import Budget, Result, Source
@@ -119,7 +119,7 @@ def _noise(reduction: Reduction, there: Sequence[int]) -> Source:
         for block, pull, noise in zip(
             item.blocks, item.pulls(), item.noise.covariances, strict=True
         ):
-            own = root(noise)
+            own = root(noise).T
             wide = np.zeros((len(own), len(solution.joint.labels)))
             wide[:, start:end] = own @ pull.T
             factors.append(wide[:, there])
@@ -206,24 +206,3 @@ def _felt(source: TypeB, reduction: Reduction) -> bool:
             if moved > ROUNDING * size or np.nan_to_num(change.force[channel]).any():
                 return True
     return False
-
-
-def root(covariance: Array) -> Array:
-    """Factors (q, n) of which the squares add up to a covariance.
-
-    Parameters
-    ----------
-    covariance : array (n, n)
-        Of errors that need not be independent.
-
-    Examples
-    --------
-    >>> factors = root(np.array([[4.0, 2.0], [2.0, 9.0]]))
-    >>> np.round(factors.T @ factors, 12).tolist()
-    [[4.0, 2.0], [2.0, 9.0]]
-    """
-    scale = np.sqrt(np.diagonal(covariance))
-    unit = np.where(scale > 0.0, scale, 1.0)
-    eigenvalues, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
-    factors: Array = (np.sqrt(np.maximum(eigenvalues, 0.0))[:, None] * vectors.T) * scale
-    return factors

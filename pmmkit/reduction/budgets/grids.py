@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.errors import DataError
+from pmmkit.inference import COVERAGE
 from pmmkit.presentation import Described, Grid, Group, Section, at_froude, counted, number
 from pmmkit.reduction.budgets.budget import Budget, Source
 from pmmkit.tables import DerivativeTable
@@ -25,8 +26,6 @@ TRUSTED: Final = 1.25
 """Factor of safety where the observed order is believed."""
 DOUBTED: Final = 3.0
 """Factor of safety elsewhere."""
-COVERAGE: Final = 2.0
-"""Expanded uncertainty, about 95 %, over standard uncertainty."""
 HIGHEST: Final = 20.0
 """Order beyond which none is sought."""
 ROUNDING: Final = 1e-6

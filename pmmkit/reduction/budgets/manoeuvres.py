@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pmmkit.errors import DataError
+from pmmkit.inference import root
 from pmmkit.metrics import in_lengths, main_of
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
 from pmmkit.reduction.budgets.budget import Budget, Result, Source, beside
-from pmmkit.reduction.budgets.derivatives import derivative_budget, root
+from pmmkit.reduction.budgets.derivatives import derivative_budget
 from pmmkit.simulation.imo.judged import sided_tests
 from pmmkit.simulation.sensitivity import Sensitivities, sensitivities
 from pmmkit.tables import DerivativeTable
@@ -151,16 +152,18 @@ def _untested(found: Sensitivities, slopes: Array, tested: set[str]) -> list[Sou
     parts: dict[str, list[int]] = {}
     for place, name in enumerate(found.names):
         if name not in tested:
-            parts.setdefault(name.rpartition(".")[0], []).append(place)
+            part = name.rpartition(".")[0] or "derivatives"
+            title = f"{name}: not stated" if name in found.settings else f"{part}: not tested"
+            parts.setdefault(title.replace("_", " "), []).append(place)
     return [
         Source(
-            title=f"{part.replace('_', ' ') or 'derivatives'}: not tested",
+            title=title,
             gum="B",
             acts="bias",
             tested=False,
-            factors=root(found.covariance[np.ix_(places, places)]) @ slopes[places],
+            factors=root(found.covariance[np.ix_(places, places)]).T @ slopes[places],
         )
-        for part, places in parts.items()
+        for title, places in parts.items()
     ]
 
 

@@ -14,10 +14,10 @@ from pmmkit.campaigns.test_kinds.kind import Fit as KindFit
 from pmmkit.campaigns.test_kinds.kind import TestKind
 from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.conventions import bare, parse_derivative
+from pmmkit.inference import LeastSquares, least_squares
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows
 from pmmkit.reduction.estimate import Block, ChannelFit, blocks_of, origins_of
-from pmmkit.reduction.fit import Fit, fit
 from pmmkit.reduction.joint import join
 from pmmkit.reduction.methods.method import Estimate, Evidence
 
@@ -110,7 +110,7 @@ def _channel(item: ChannelFit, rows: Sequence[Rows]) -> tuple[_Stacked, Array, l
         if not new or kind.name not in stacked.tests:
             continue
         own = stacked.design[at]
-        found = fit([names[i] for i in new], own[:, new], np.zeros(len(at)))
+        found = least_squares([names[i] for i in new], own[:, new], np.zeros(len(at)))
         rest = -own[:, done] @ gain[done]
         rest[np.arange(len(at)), at] += stacked.scale[at]
         gain[new] = found.gain @ rest
@@ -148,7 +148,7 @@ def _as_fit(
     design = [block.design for block in stacked.blocks]
     return replace(
         item,
-        fit=Fit(
+        fit=LeastSquares(
             names=item.fit.names,
             value=value,
             gain=gain,

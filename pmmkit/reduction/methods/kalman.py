@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.estimation.innovations import Innovations, innovation_tests
+from pmmkit.inference import InformationRoot, Innovations, innovation_tests
 from pmmkit.numerics import Array
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.methods.method import Estimate, Evidence
@@ -92,32 +92,18 @@ def filtered(channel: OverTime, names: Sequence[str]) -> Passed:
 
     Notes
     -----
-    Square root information filter (Bierman 1977): the triangle R with P⁻¹ = R'R takes in a block
-    by QR. The covariance of a block's whitened rows is 1 + A A' with A = X R⁻¹; its Cholesky
-    factor comes by QR from 1 and A, so that nothing is squared and vague states cost no digits.
+    A square-root information filter, `InformationRoot`; a block is one update.
     """
     at = [channel.names.index(name) for name in names]
     whole, rows = np.concatenate(channel.design)[:, at], np.concatenate(channel.rows)
     size = np.sqrt(np.mean(whole**2, axis=0)) / (VAGUE * np.sqrt(np.mean(rows**2)))
-    root = np.column_stack([np.diag(np.where(size > 0, size, 1.0)), np.zeros(len(size))])
+    known = InformationRoot.of(np.zeros(len(size)), 1.0 / np.where(size > 0, size, 1.0))
     innovations = []
     for design, y in zip(channel.design, channel.rows, strict=True):
-        X = design[:, at]
-        inverse = np.linalg.inv(root[:, :-1])
-        lower = _triangle(np.hstack([np.eye(len(y)), X @ inverse]).T).T
-        lower = lower * np.sign(np.diagonal(lower))
-        new = np.linalg.solve(lower, y - X @ (inverse @ root[:, -1]))
-        innovations.append(np.where(np.diagonal(lower) ** 2 <= LEARNING, new, np.nan))
-        root = _triangle(np.vstack([root, np.column_stack([X, y])]))[: len(size)]
-    inverse = np.linalg.inv(root[:, :-1])
-    return Passed(
-        value=inverse @ root[:, -1], covariance=inverse @ inverse.T, innovations=tuple(innovations)
-    )
-
-
-def _triangle(rows: Array) -> Array:
-    """R with R'R = rows' rows."""
-    return np.asarray(np.linalg.qr(rows, mode="r"))
+        new, variance = known.innovations(design[:, at], y)
+        innovations.append(np.where(variance <= LEARNING, new, np.nan))
+        known = known.with_rows(design[:, at], y)
+    return Passed(value=known.mean, covariance=known.covariance, innovations=tuple(innovations))
 
 
 def _innovations(own: Mapping[str, Array]) -> Innovations:
@@ -125,9 +111,4 @@ def _innovations(own: Mapping[str, Array]) -> Innovations:
     values = np.full((max(map(len, own.values())), len(own)), np.nan)
     for column, channel in enumerate(own.values()):
         values[: len(channel), column] = channel
-    return Innovations(
-        names=tuple(own),
-        residuals=values,
-        variances=np.ones_like(values),
-        gated=np.zeros(values.shape, dtype=bool),
-    )
+    return Innovations(names=tuple(own), residuals=values, variances=np.ones_like(values))

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention
-from pmmkit.estimation.innovations import Consistency
+from pmmkit.inference import Consistency
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.observations.histories import History

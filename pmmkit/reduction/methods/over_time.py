@@ -9,12 +9,12 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.inference import least_squares
 from pmmkit.numerics import Array, projector, rms
 from pmmkit.observations.equations import Sensitivity
 from pmmkit.observations.histories import History
 from pmmkit.observations.noise import FLOOR, whiteners
 from pmmkit.reduction.estimate import Block, ChannelFit, Width
-from pmmkit.reduction.fit import fit
 from pmmkit.reduction.joint import join
 from pmmkit.reduction.solve import Solution
 
@@ -86,7 +86,7 @@ class OverTime:
         """Generalised least squares with some of the columns."""
         chosen = tuple(self.names.index(name) for name in names)
         design, rows = np.concatenate(self.design)[:, chosen], np.concatenate(self.rows)
-        found = fit(names, design, rows)
+        found = least_squares(names, design, rows)
         values = np.nan_to_num(found.value)
         left = rows - design @ values
         return replace(

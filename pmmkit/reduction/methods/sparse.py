@@ -10,18 +10,16 @@ import numpy as np
 
 from pmmkit.inference import (
     EffectiveSample,
-    Elimination,
     Equations,
     Resampling,
     Selection,
-    SelectionMethod,
     SparseProblem,
+    optional_columns,
     select_terms,
 )
 from pmmkit.numerics import Array
 from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.estimate import ChannelFit
-from pmmkit.reduction.fit import optional_columns
 from pmmkit.reduction.methods.method import Estimate, Evidence
 from pmmkit.reduction.methods.over_time import OverTime, determined
 from pmmkit.reduction.solve import Solution
@@ -53,18 +51,13 @@ class Choice:
     moved: Array
 
 
-def by_sparse_regression(
-    evidence: Evidence, *, chooser: SelectionMethod | None = None, seed: int = 0
-) -> Estimate:
+def by_sparse_regression(evidence: Evidence, *, seed: int = 0) -> Estimate:
     """Derivatives of those terms of a library that the runs ask for.
 
     Parameters
     ----------
     evidence : Evidence
         With the runs over time, and the library.
-    chooser : "stlsq", "stepwise" or optimizer of pysindy, optional
-        How terms are chosen: by thresholds that runs held out choose, as in
-        `pmmkit.inference.select_terms`, or by the rule of an optimizer. By default `Elimination`.
     seed : int
         Of the bags.
 
@@ -72,9 +65,10 @@ def by_sparse_regression(
     -----
     Forces along the recorded motion are linear in the derivatives, so nothing is differenced.
     Rows are whitened by the noise of their record and the scatter between runs; columns have unit
-    rms. A hundred bags of whole runs give the share in which each term is taken (Brunton, Proctor
-    and Kutz 2016; Fasel et al. 2022); kept are those of 60 % and more. Their values are least
-    squares on all runs, with the covariance of the regression and, on top, of the choice itself
+    rms. Terms are chosen by elimination in a hundred bags of whole runs, which give the share in
+    which each is taken (Brunton, Proctor and Kutz 2016; Fasel et al. 2022); kept are those of
+    60 % and more (`pmmkit.inference.select_terms`). Their values are least squares on all runs,
+    with the covariance of the regression and, on top, of the choice itself
     (`pmmkit.inference.Selection.covariance_of_choice`).
     """
     found: list[tuple[int, Choice]] = []
@@ -88,7 +82,7 @@ def by_sparse_regression(
             few = f"{len(channel.blocks)} runs are too few to choose from."
             said.append(f"{channel.base.channel}: {few}")
             continue
-        found.append((group, chosen(channel, _tellable(channel, len(base)), chooser, rng)))
+        found.append((group, chosen(channel, _tellable(channel, len(base)), rng)))
     whole = _with_choice(evidence.over_time((group, item.fit) for group, item in found), found)
     table = evidence.tabled(whole, TITLE, _columns(evidence, found))
     shares = _shares(found, len(table.Fn))
@@ -110,12 +104,7 @@ def _tellable(channel: OverTime, count: int) -> list[str]:
     return [*base, *(more[place] for place in further)]
 
 
-def chosen(
-    channel: OverTime,
-    names: Sequence[str],
-    chooser: SelectionMethod | None,
-    rng: np.random.Generator,
-) -> Choice:
+def chosen(channel: OverTime, names: Sequence[str], rng: np.random.Generator) -> Choice:
     """Choose among the terms of a channel.
 
     Parameters
@@ -124,8 +113,6 @@ def chosen(
         Whitened equations.
     names : sequence of str
         Terms to choose among.
-    chooser : "stlsq", "stepwise" or optimizer of pysindy, optional
-        As for `by_sparse_regression`.
     rng : Generator
         Of folds and bags.
     """
@@ -133,10 +120,12 @@ def chosen(
     runs = [Equations.of((X[:, at], y)) for X, y in zip(channel.design, channel.rows, strict=True)]
     independent = sum(len(block.rows) for block in channel.base.blocks)
     sample = EffectiveSample(size=independent, variance=np.ones(1))
-    problem = SparseProblem.single(
-        channel.base.channel, len(names), Elimination(independent) if chooser is None else chooser
+    selection = select_terms(
+        SparseProblem.single(channel.base.channel, len(names), "elimination"),
+        runs,
+        Resampling.of(len(runs), Resampling.BAGS, rng),
+        sample=sample,
     )
-    selection = select_terms(problem, runs, Resampling.of(len(runs), Resampling.BAGS, rng))
     kept = [name for name, stay in zip(names, selection.stays, strict=True) if stay]
     return Choice(
         names=tuple(names),

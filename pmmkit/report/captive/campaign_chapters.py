@@ -223,6 +223,7 @@ SETTINGS: Sequence[tuple[str, str, Callable[[Settings], float | None]]] = (
     ("Period", "s", lambda x: x.period),
     ("r", "rad/s", lambda x: x.turn_rate or None),
     ("n", "1/s", lambda x: x.propeller_rps),
+    ("Depth", "m", lambda x: x.depth),
 )
 """What a run is set to: sign, unit, and the value as it is told."""
 

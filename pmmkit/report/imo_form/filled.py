@@ -22,16 +22,7 @@ from pmmkit.report.imo_form.fields import (
 )
 from pmmkit.report.imo_form.form import Entry, Form, Line, lines_of
 from pmmkit.simulation.imo import LARGE, Verdict
-from pmmkit.simulation.imo.conditions import (
-    Condition,
-    approach_condition,
-    current_condition,
-    depth_condition,
-    draught_condition,
-    length_condition,
-    sea_condition,
-    wind_condition,
-)
+from pmmkit.simulation.imo.conditions import Condition, simulated_conditions
 from pmmkit.simulation.simulate import steering
 from pmmkit.trials import Trial
 from pmmkit.trials.conditions import mean_draught
@@ -40,7 +31,6 @@ from pmmkit.trials.loading import Corrected, corrected_grid
 
 SAME_RUDDER: Final = 1.0
 """By which the rudders of two turning circles may differ and be taken for one [deg]."""
-NONE: Final = "none, as simulated"
 Groups = tuple[tuple[str, tuple[Entry, ...]], ...]
 
 
@@ -73,14 +63,8 @@ def form_of_model(
     """
     said, ship = dict(stated or {}), model.ship
     full = said.get("full_load_draught")
-    conditions = (
-        length_condition(ship.L),
-        depth_condition(depth, ship.d, deep=True),
-        replace(wind_condition(0.0), shown=NONE),
-        replace(sea_condition(0), shown=NONE),
-        current_condition(True, NONE),
-        draught_condition(ship.d, full),
-        approach_condition(speed, said.get("speed_85")),
+    conditions = simulated_conditions(
+        ship, speed, depth=depth, full_speed=said.get("speed_85"), full_draught=full
     )
     rudder = min(HARD_OVER, steering(model).get("max_deg", HARD_OVER))
     revolutions = prepare(model, speed, extrapolate=True).self_propulsion()

@@ -12,7 +12,7 @@ from pmmkit.metrics import Criterion, Metric, criteria
 from pmmkit.presentation import Described, Grid, Group, Section, counted, fixed, number
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import Condition
-from pmmkit.simulation.imo.verdict import UNSETTLED, Side
+from pmmkit.simulation.imo.verdict import UNSETTLED, Side, in_unit, what_follows
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 
 if TYPE_CHECKING:
@@ -328,13 +328,6 @@ def _row(part: str, name: str, value: Any, **more: Any) -> dict[str, Any]:
     return whole | more
 
 
-_MET: Final = {True: "met", False: "NOT met", None: "not judged"}
-
-
-def _with_unit(text: str, unit: str) -> str:
-    return f"{text}{' L' if unit == 'L' else '°'}"
-
-
 def conditions_grid(conditions: Sequence[Condition]) -> Grid:
     """Conditions of the standard beside what was, as a table."""
     met = {True: "met", False: "NOT met", None: "not shown"}
@@ -358,8 +351,8 @@ def _results(lines: Sequence[Line], sides: tuple[Side, ...]) -> Grid:
             line.words,
             line.criterion.paragraph,
             *(cell for side in sides for cell in _told(line, side)),
-            _with_unit(number(line.limit), line.unit),
-            _MET[line.passed] if line.settled else UNSETTLED,
+            in_unit(number(line.limit), line.unit),
+            what_follows(line.passed, settled=line.settled),
         ]
         for line in lines
     ]
@@ -374,8 +367,8 @@ def _told(line: Line, side: Side) -> tuple[str, str]:
     if found is None or not math.isfinite(found.value):
         return ABSENT, ""
     return (
-        _with_unit(fixed(found.value, 2), line.unit),
-        _with_unit(fixed(found.margin, 2, signed=True), line.unit),
+        in_unit(fixed(found.value, 2), line.unit),
+        in_unit(fixed(found.margin, 2, signed=True), line.unit),
     )
 
 

@@ -8,6 +8,7 @@ from typing import Final
 
 from pmmkit.metrics import HARD_OVER
 from pmmkit.presentation import listed
+from pmmkit.ship import Ship
 
 SHORTEST: Final = 100.0
 """Length from which on the standard applies [m]: MSC.137(76)."""
@@ -23,6 +24,8 @@ FAST: Final = 0.9
 """Least share of the speed at 85 % of the engine's output: MSC.137(76)."""
 WINDS: Final = (0.2, 1.5, 3.3, 5.4, 7.9, 10.7, 13.8, 17.1, 20.7, 24.4, 28.4, 32.6)
 """Upper ends of Beaufort 0 to 11 [m/s], of the mean over ten minutes at a height of 10 m."""
+SIMULATED: Final = "none, as simulated"
+"""What is shown of wind, sea and current of a simulation."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,13 +132,14 @@ def wind_condition(speed: float | None, number: int | None = None) -> Condition:
 
 def sea_condition(state: int | None) -> Condition:
     """The sea state, as stated."""
-    return Condition(
-        name="sea_state",
-        title="sea state",
-        standard=f"at most {ROUGHEST}",
+    asked = Condition(name="sea_state", title="sea state", standard=f"at most {ROUGHEST}")
+    if state is None:
+        return asked
+    return replace(
+        asked,
         value=state,
-        shown="" if state is None else f"{state}",
-        met=None if state is None else state <= ROUGHEST,
+        shown=f"{state}",
+        met=state <= ROUGHEST,
         words=f"The standard asks for a sea state of at most {ROUGHEST}; this is {state}.",
     )
 
@@ -206,6 +210,38 @@ def rudder_condition(rudder_deg: float) -> Condition:
         met=True if size > HARD_OVER - 0.5 else None,
         words=f"The standard asks for {HARD_OVER:g}° of rudder or the largest permissible; this is "
         f"{size:.1f}°.",
+    )
+
+
+def simulated_conditions(
+    ship: Ship,
+    speed: float,
+    *,
+    depth: float | None = None,
+    full_speed: float | None = None,
+    full_draught: float | None = None,
+) -> tuple[Condition, ...]:
+    """What the standard asks of a ship, and what a simulation of her was.
+
+    Parameters
+    ----------
+    ship : Ship
+        At the scale and in the loading that sail.
+    speed : float
+        Of the approach [m/s].
+    depth : float, optional
+        Of the water [m]; without it there is no bottom.
+    full_speed, full_draught : float, optional
+        Speed at 85 % of the engine's output [m/s], mean draught of full load [m].
+    """
+    return (
+        length_condition(ship.L),
+        depth_condition(depth, ship.d, deep=True),
+        replace(wind_condition(0.0), shown=SIMULATED),
+        replace(sea_condition(0), shown=SIMULATED),
+        current_condition(True, SIMULATED),
+        draught_condition(ship.d, full_draught),
+        approach_condition(speed, full_speed),
     )
 
 

@@ -15,6 +15,7 @@ from pmmkit.metrics import HARD_OVER, Criterion, Metric, criteria
 from pmmkit.models import Model, load_model
 from pmmkit.models.astern import ESTIMATED, as_it_stops, reversed_by_bucket
 from pmmkit.models.standing import standing
+from pmmkit.simulation.imo.conditions import Condition, simulated_conditions
 from pmmkit.simulation.imo.verdict import (
     Verdict,
     judge,
@@ -24,7 +25,7 @@ from pmmkit.simulation.imo.verdict import (
 )
 from pmmkit.simulation.machinery import FullAstern, assumed, of_a_model, reached
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
-from pmmkit.simulation.simulate import REVERSAL, ship_for, simulate, steering
+from pmmkit.simulation.simulate import NO_BOTTOM, NO_WAVES, REVERSAL, ship_for, simulate, steering
 from pmmkit.simulation.track import Track
 
 if TYPE_CHECKING:
@@ -85,6 +86,7 @@ def imo_verdicts(
     reversal: float | None = None,
     torque: float | None = None,
     full_speed: float | None = None,
+    full_draught: float | None = None,
     **settings: Any,
 ) -> list[Verdict]:
     """Every criterion of the standard, to both sides.
@@ -111,6 +113,8 @@ def imo_verdicts(
         `pmmkit.simulation.machinery`.
     full_speed : float, optional
         Speed at 85 % of the engine's output [m/s], of which the approach must have 90 %.
+    full_draught : float, optional
+        Mean draught of full load [m], from which that of the model may differ by 5 %.
     **settings
         Handed on to `simulate`: `fn`, `depth`, `rudder_rate_deg`, `compiled` …
 
@@ -137,6 +141,13 @@ def imo_verdicts(
     draws = _Draws(n=n, spread=spread, seed=seed, known=known)
     sided_draws = replace(draws, n=n if known else 0)
     tests = sided_tests(loaded)
+    asked = simulated_conditions(
+        loaded.ship,
+        speed,
+        depth=settings.get("depth"),
+        full_speed=full_speed,
+        full_draught=full_draught,
+    )
     found: list[Verdict] = []
     for side in (1.0, -1.0):
         for manoeuvre, starboard, pairs in tests:
@@ -144,7 +155,7 @@ def imo_verdicts(
             track = simulate(loaded, manoeuvre, speed=speed, **settings, **given)
             many = _many(loaded, manoeuvre, speed, sided_draws, settings, given)
             for metric, item in pairs:
-                said = (*track_conditions(track, full_speed), *track.standing.sentences)
+                said = (*track_conditions(track, asked), *_unfelt(track), *track.standing.sentences)
                 verdict = verdict_of(metric, item, track, said)
                 if many is not None and not track.standing.forced:
                     probability = many.probability(verdict.metric, verdict.limit)
@@ -158,7 +169,7 @@ def imo_verdicts(
         raise DataError(f"Revolutions of a stop are negative: astern is {astern:g}.")
     return [
         *found,
-        *(_stopping(loaded, speed, draws, full_speed, settings, given, *pair) for pair in alone),
+        *(_stopping(loaded, speed, draws, asked, settings, given, *pair) for pair in alone),
     ]
 
 
@@ -227,7 +238,7 @@ def _stopping(
     model: Model,
     speed: float,
     draws: _Draws,
-    full_speed: float | None,
+    asked: tuple[Condition, ...],
     settings: Mapping[str, Any],
     given: Mapping[str, Any],
     metric: Metric,
@@ -261,7 +272,7 @@ def _stopping(
     differs = guessed or draws.known or any(part.std for part in ship.parts.values())
     wanted = draws.n if differs else 0
     many = _many(model, criterion.manoeuvre, speed, replace(draws, n=wanted), settings, given)
-    said = (*track_conditions(track, full_speed), LARGE, *track.standing.sentences)
+    said = (*track_conditions(track, asked), *_unfelt(track), LARGE, *track.standing.sentences)
     verdict = verdict_of(metric, criterion, track, said)
     ordered = stopping.filled(given)[turns.name]
     ahead = float(track.n[0])
@@ -286,8 +297,13 @@ def _stopping(
     verdict = _by_probability(verdict) if guessed else verdict
     heavy = of_a_model(model, speed)
     if heavy:
-        verdict = replace(verdict, passed=None, unsettled=(*verdict.unsettled, heavy))
+        verdict = replace(verdict, unsettled=(*verdict.unsettled, heavy))
     return verdict
+
+
+def _unfelt(track: Track) -> tuple[str, ...]:
+    """What of the water was asked for, and changes nothing of such a model."""
+    return tuple(note for note in track.notes if note in (NO_BOTTOM, NO_WAVES))
 
 
 def _by_probability(verdict: Verdict) -> Verdict:
@@ -301,4 +317,4 @@ def _by_probability(verdict: Verdict) -> Verdict:
         else f"{100 * share:.0f} % of such ships meet the limit."
     )
     why = f"{STOPPED} {met}"
-    return replace(verdict, passed=None, unsettled=(*verdict.unsettled, why))
+    return replace(verdict, unsettled=(*verdict.unsettled, why))

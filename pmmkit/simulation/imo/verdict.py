@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Final, Literal
 
 from pmmkit.bibliography import cite
@@ -17,7 +17,7 @@ from pmmkit.metrics import (
     second_overshoot_limit,
 )
 from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, fixed
-from pmmkit.simulation.imo.conditions import approach_condition, length_condition
+from pmmkit.simulation.imo.conditions import Condition, approach_condition, length_condition
 from pmmkit.simulation.machinery import FullAstern
 from pmmkit.simulation.track import Track
 
@@ -36,11 +36,7 @@ class Verdict(Described):
     criterion : str
         What is limited.
     limit, value : float
-        In `unit`.
-    margin : float
-        Limit less value: positive where the criterion is met.
-    passed : bool or None
-        None where the track does not reach that far, or the criterion cannot be judged.
+        In `unit`; the value NaN where the track does not reach that far.
     conditions : tuple of str
         Conditions of the standard that this track does not meet, or does not show.
     scale : str
@@ -50,7 +46,8 @@ class Verdict(Described):
     manoeuvre : str
         In words, with the side.
     probability : float or None
-        Share of ships drawn from the uncertainty of the model that meet it.
+        Share of ships drawn from the uncertainty of the model that meet it; of a trial that of
+        values within the standard uncertainty of what was measured.
     side : {"port", "starboard", ""}
         Of the first order; none for a stop.
     full_astern : FullAstern or None
@@ -63,8 +60,6 @@ class Verdict(Described):
     criterion: str
     limit: float
     value: float
-    margin: float
-    passed: bool | None
     conditions: tuple[str, ...]
     scale: str
     unit: str = "L"
@@ -75,22 +70,53 @@ class Verdict(Described):
     unsettled: tuple[str, ...] = ()
 
     @property
+    def margin(self) -> float:
+        """Limit less value: positive where the criterion is met."""
+        return self.limit - self.value
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether it is met; None where there is no value, or no ground for a verdict."""
+        return None if math.isnan(self.value) or self.unsettled else self.value <= self.limit
+
+    @property
     def settled(self) -> bool:
         """Whether what the number stands on is ground for a verdict."""
         return not self.unsettled
 
+    def carried(self, factor: float, std: float, unsettled: tuple[str, ...] = ()) -> Verdict:
+        """The verdict on the value times a factor.
+
+        Parameters
+        ----------
+        factor : float
+            By which the value is multiplied.
+        std : float
+            Standard uncertainty of the value before [L or deg].
+        unsettled : tuple of str
+            Why the factor is no ground for a verdict.
+        """
+        value = self.value * factor
+        return replace(
+            self,
+            value=value,
+            probability=probability_within(self.limit - value, std * factor),
+            conditions=tuple(dict.fromkeys((*unsettled, *self.conditions))),
+            unsettled=(*self.unsettled, *unsettled),
+        )
+
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
-        return {**asdict(self), "settled": self.settled}
+        judged = {
+            name: getattr(self, name)
+            for name in ("criterion", "limit", "value", "margin", "passed")
+        }
+        return judged | asdict(self) | {"settled": self.settled}
 
     @property
     def words(self) -> str:
         """What follows."""
-        return (
-            {True: "met", False: "NOT met", None: "not judged"}[self.passed]
-            if self.settled
-            else UNSETTLED
-        )
+        return what_follows(self.passed, settled=self.settled)
 
     @property
     def metric(self) -> str:
@@ -99,12 +125,11 @@ class Verdict(Described):
 
     def row(self) -> list[str]:
         """Criterion, manoeuvre, value, limit, margin, what follows, and how probable that is."""
-        unit = " L" if self.unit == "L" else "°"
         return [
             self.criterion.replace("_", " "),
             self.manoeuvre,
-            f"{fixed(self.value, 2)}{unit}" if math.isfinite(self.value) else ABSENT,
-            f"{self.limit:.4g}{unit}",
+            in_unit(fixed(self.value, 2), self.unit) if math.isfinite(self.value) else ABSENT,
+            in_unit(f"{self.limit:.4g}", self.unit),
             fixed(self.margin, 2, signed=True),
             self.words,
             ABSENT if self.probability is None else f"{100 * self.probability:.1f} %",
@@ -116,6 +141,36 @@ class Verdict(Described):
 
     def _sections(self) -> Sequence[Section]:
         return verdict_sections([self])
+
+
+def what_follows(passed: bool | None, *, settled: bool) -> str:
+    """What is said of a criterion that is met, failed or not judged, on such ground."""
+    words = {True: "met", False: "NOT met", None: "not judged"}
+    return words[passed] if settled else UNSETTLED
+
+
+def in_unit(text: str, unit: str) -> str:
+    """A number of a criterion with its unit, ``L`` or ``deg``."""
+    return f"{text}{' L' if unit == 'L' else '°'}"
+
+
+def probability_within(margin: float, std: float) -> float | None:
+    """Probability that a normal value with that margin to its limit is within it.
+
+    Parameters
+    ----------
+    margin, std : float
+        In one unit; there is no probability without a margin or a positive standard uncertainty.
+
+    Examples
+    --------
+    >>> probability_within(0.0, 1.0), round(probability_within(1.959964, 1.0), 4)
+    (0.5, 0.975)
+    >>> probability_within(1.0, 0.0)
+    """
+    if not (math.isfinite(margin) and std > 0.0):
+        return None
+    return 0.5 * (1.0 + math.erf(margin / std / math.sqrt(2.0)))
 
 
 def verdict_sections(verdicts: Sequence[Verdict]) -> list[Section]:
@@ -149,6 +204,7 @@ def judge(
     speed: float,
     manoeuvre: str,
     scale: str,
+    std: Mapping[str, float] | None = None,
     conditions: tuple[str, ...] = (),
     side: Side = "",
     unsettled: tuple[str, ...] = (),
@@ -165,21 +221,23 @@ def judge(
         Ship length [m], test speed [m/s].
     manoeuvre, scale, conditions, side
         As in `Verdict`.
+    std : mapping of str to float, optional
+        Standard uncertainties of numbers that were measured.
     unsettled : tuple of str
         As in `Verdict`; they are among its conditions.
     """
     limit = criterion.limit_for(L, speed)
-    value = metrics.get(metric.judged(criterion), math.nan)
+    name = metric.judged(criterion)
+    value = metrics.get(name, math.nan)
     return Verdict(
         criterion=criterion.name,
         limit=limit,
         value=value,
-        margin=limit - value,
-        passed=None if math.isnan(value) or unsettled else value <= limit,
         conditions=tuple(dict.fromkeys((*unsettled, *conditions))),
         scale=scale,
         unit="L" if metric.length else metric.unit,
         manoeuvre=manoeuvre,
+        probability=probability_within(limit - value, (std or {}).get(name, math.nan)),
         side=side,
         unsettled=unsettled,
     )
@@ -253,29 +311,49 @@ def side_of(rudder_deg: float) -> Side:
     return "" if not rudder_deg else "port" if rudder_deg < 0 else "starboard"
 
 
+def manoeuvre_words(manoeuvre: str, rudder_deg: float, switch_deg: float | None = None) -> str:
+    """A manoeuvre with its angles and the side of the first order.
+
+    Parameters
+    ----------
+    manoeuvre : str
+        Its name.
+    rudder_deg : float
+        Positive to starboard, 0 where the rudder is not laid [deg].
+    switch_deg : float, optional
+        Heading at which a zigzag switches [deg].
+
+    Examples
+    --------
+    >>> manoeuvre_words("turning", -35.0), manoeuvre_words("zigzag", 10.0, 10.0)
+    ('turning 35°, to port', 'zigzag 10/10, to starboard')
+    """
+    words = manoeuvre.replace("_", " ")
+    if not rudder_deg:
+        return words
+    angles = f"{abs(rudder_deg):g}" + ("°" if switch_deg is None else f"/{switch_deg:g}")
+    return f"{words} {angles}, to {side_of(rudder_deg)}"
+
+
 def _sailed(track: Track) -> str:
-    """The manoeuvre in words, with the side."""
-    to = side_of(track.rudder_deg)
-    side = f", to {to}" if to else ""
-    angle = f" {abs(track.rudder_deg):g}°" if to else ""
-    return f"{track.manoeuvre.replace('_', ' ')}{angle}{side}"
+    return manoeuvre_words(track.manoeuvre, track.rudder_deg, track.settings.get("switch_deg"))
 
 
-def track_conditions(track: Track, full_speed: float | None = None) -> tuple[str, ...]:
+def track_conditions(
+    track: Track, conditions: Iterable[Condition] | None = None
+) -> tuple[str, ...]:
     """Conditions of the standard that a simulated manoeuvre does not meet, or does not show.
 
     Parameters
     ----------
     track : Track
         The manoeuvre.
-    full_speed : float, optional
-        Speed at 85 % of the engine's output [m/s].
+    conditions : iterable of Condition, optional
+        Of the ship that sailed; without them what a track knows: its length and its approach.
     """
-    ship = length_condition(track.L)
-    approach = approach_condition(track.speed, full_speed)
-    found = [] if ship.met else [ship.words]
-    if not approach.met:
-        found.append(approach.words)
+    if conditions is None:
+        conditions = (length_condition(track.L), approach_condition(track.speed, None))
+    found = [item.words for item in conditions if item.words and not item.met]
     if track.tested and track.tested.below + track.tested.above > 0.0:
         found.append(f"{_sailed(track)}: {track.tested.words}")
     return tuple(found)

@@ -71,6 +71,6 @@ def manoeuvre_of(name: str | Manoeuvre) -> Manoeuvre:
     from pmmkit.channels import did_you_mean
 
     raise UnknownNameError(
-        f"There is no manoeuvre {name!r}{did_you_mean(name, known) or ';'} There are: "
+        f"There is no manoeuvre {name!r}{did_you_mean(name, known) or '.'} There are: "
         f"{', '.join(known)}."
     )

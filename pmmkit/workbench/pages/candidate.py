@@ -7,6 +7,7 @@ from typing import Any
 
 from pmmkit.effects.effect import Effect
 from pmmkit.models.step import odds
+from pmmkit.presentation import WIDE
 from pmmkit.workbench.pages.numbers import short
 
 
@@ -59,9 +60,9 @@ def candidate_page(
 def coefficients_page(
     names: Sequence[str], values: Sequence[float], stds: Sequence[float], typical: Sequence[float]
 ) -> list[dict[str, Any]]:
-    """Coefficients with their standard deviations and usual sizes."""
+    """Coefficients with half of their 95 % intervals and usual sizes."""
     rows = zip(names, values, stds, typical, strict=True)
     return [
-        {"name": name, "value": short(value), "std": short(std), "typical": short(usual)}
+        {"name": name, "value": short(value), "half": short(WIDE * std), "typical": short(usual)}
         for name, value, std, usual in rows
     ]

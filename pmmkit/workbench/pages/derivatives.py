@@ -11,6 +11,7 @@ from pmmkit.errors import TableError
 from pmmkit.figures.correlations import correlated
 from pmmkit.models.reference import Reference, published_of
 from pmmkit.numerics import Array
+from pmmkit.presentation import plus_minus
 from pmmkit.reduction import Reduction
 from pmmkit.tables import DerivativeTable, compare
 from pmmkit.workbench.pages.numbers import short
@@ -36,9 +37,9 @@ def derivatives_page(reduction: Reduction, beside: Reference | None = None) -> d
     dict
         ``speeds``, ``factor`` (what they are told times), ``system``, ``about`` (how to read them),
         ``structure``, ``reference`` (its name), ``notes``, ``verdict`` with its ``use`` and its
-        ``reasons``, and ``rows``: by derivative its
-        ``values`` at each speed (value, low, high), ``published``, ``families``, ``runs`` that move
-        it and what it ``trades`` with.
+        ``reasons``, and ``rows``: by derivative its ``values`` at each speed (value, low, high, and
+        ``told`` in the words of the table), ``published``, ``families``, ``runs`` that move it and
+        what it ``trades`` with.
     """
     table = reduction.table
     reference = beside or published_of(table)
@@ -61,7 +62,11 @@ def derivatives_page(reduction: Reduction, beside: Reference | None = None) -> d
         "rows": [
             {
                 "name": name,
-                "values": [_value(table.value, low, high, k, i) for k in range(len(table.Fn))],
+                "values": [
+                    _value(table.value, low, high, k, i)
+                    | {"told": _told(table, low[k, i], high[k, i], k, i)}
+                    for k in range(len(table.Fn))
+                ],
                 "published": [short(x) for x in published.get(name, [])],
                 "families": [
                     {"title": title, "values": _of_family(table, own, name)}
@@ -79,6 +84,11 @@ def derivatives_page(reduction: Reduction, beside: Reference | None = None) -> d
 
 def _value(values: Array, low: Array, high: Array, k: int, i: int) -> dict[str, Any]:
     return {"value": short(values[k, i]), "low": short(low[k, i]), "high": short(high[k, i])}
+
+
+def _told(table: DerivativeTable, low: float, high: float, k: int, i: int) -> str | None:
+    """A value with half of its interval; None where it is not determined."""
+    return plus_minus(table.factor * float(table.value[k, i]), table.factor * (high - low) / 2)
 
 
 def _of_family(

@@ -10,7 +10,6 @@ import numpy as np
 from pmmkit.campaigns.motion.inertia import Rig
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.diagnosis.captive.held_out import settings_in_words
 from pmmkit.numerics import Array
 from pmmkit.validation.captive import CaptiveRun
 from pmmkit.validation.comparison import Comparison
@@ -56,7 +55,7 @@ def history_page(comparison: Comparison, name: str, buckets: int = BUCKETS) -> d
         "run": run.id,
         "test": run.test,
         "title": kind_of(run.test).title,
-        "words": settings_in_words(run),
+        "words": run.setting,
         "source": run.source,
         "steady": not view.omega,
         "labels": list(view.labels),

@@ -10,7 +10,6 @@ import numpy as np
 
 from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.diagnosis.captive.held_out import settings_in_words
 from pmmkit.validation.comparison import MOST, Comparison
 from pmmkit.validation.statistics import STATISTICS
 from pmmkit.workbench.pages.numbers import short
@@ -67,7 +66,7 @@ def misfit_page(comparison: Comparison) -> dict[str, Any]:
 def _row(name: str, run: Run) -> dict[str, Any]:
     return {
         "run": name,
-        "words": settings_in_words(run),
+        "words": run.setting,
         "speed": short(run.settings.speed),
         "order": _order(run),
         "cells": {},

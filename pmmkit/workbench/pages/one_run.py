@@ -30,5 +30,5 @@ def run_page(comparison: Comparison, name: str, buckets: int = BUCKETS) -> dict[
     """
     for record in comparison.free:
         if record.name == name:
-            return record_page(record, comparison.ship.L)
+            return record_page(record, comparison.ship.L, comparison.floor)
     return history_page(comparison, name, buckets)

@@ -8,10 +8,8 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.diagnosis.captive.held_out import settings_in_words
 from pmmkit.numerics import Array
 from pmmkit.validation.free_running import FORCE_UNITS, FreeRun
-from pmmkit.validation.uncertainty import COVERAGE
 from pmmkit.workbench.pages.numbers import short
 
 DEGREES: Final = math.degrees(1.0)
@@ -30,7 +28,7 @@ SAMPLES: Final = 500
 """Of a record on the screen."""
 
 
-def record_page(record: FreeRun, length: float) -> dict[str, Any]:
+def record_page(record: FreeRun, length: float, floor: float) -> dict[str, Any]:
     """What is drawn of a record.
 
     Parameters
@@ -39,16 +37,20 @@ def record_page(record: FreeRun, length: float) -> dict[str, Any]:
         From a comparison.
     length : float
         Of the ship [m]: the track is told in it.
+    floor : float
+        Of the comparison: share of the measured rms force that counts as uncertain.
 
     Returns
     -------
     dict
         ``kind`` is ``free``; ``t`` [s], ``delta`` [deg], and by motion and by channel of force
-        unit, ``measured``, ``predicted`` and expanded ``uncertainty``, x and y in ship lengths;
-        what is predicted ends where it leaves what a model describes. Forces are those that the
-        water must have exerted by the smoothed motion, and what the model says along it.
+        unit, ``measured``, ``predicted`` and ``uncertainty``, by which the error is judged
+        (`FreeRun.errors`), x and y in ship lengths; what is predicted ends where it leaves what a
+        model describes. Forces are those that the water must have exerted by the smoothed motion,
+        and what the model says along it.
     """
     sailed = np.where(_describes(record), 1.0, np.nan)
+    judged = record.errors(floor)
     kept = np.unique(np.linspace(0, len(record.t) - 1, SAMPLES).round().astype(int))
 
     def told(values: Array, name: str) -> list[float]:
@@ -61,7 +63,7 @@ def record_page(record: FreeRun, length: float) -> dict[str, Any]:
         "run": record.name,
         "test": record.run.test,
         "title": kind_of(record.run.test).title,
-        "words": settings_in_words(record.run),
+        "words": record.run.setting,
         "source": record.run.source,
         "t": short(record.t[kept]),
         "delta": short(DEGREES * record.delta[kept]),
@@ -70,7 +72,7 @@ def record_page(record: FreeRun, length: float) -> dict[str, Any]:
                 "unit": "L" if name in ("x", "y") else unit,
                 "measured": told(record.measured[name], name),
                 "predicted": told(sailed * record.predicted[name], name),
-                "uncertainty": told(COVERAGE * record.std[name], name),
+                "uncertainty": told(sailed * record.doubt(name), name),
             }
             for name, (unit, _) in MOTIONS.items()
         },
@@ -79,7 +81,7 @@ def record_page(record: FreeRun, length: float) -> dict[str, Any]:
                 "unit": FORCE_UNITS[name],
                 "measured": short(force[kept]),
                 "predicted": short(record.force_predicted[name][kept]),
-                "uncertainty": short(COVERAGE * record.force_std[name][kept]),
+                "uncertainty": short(judged[name].uncertainty[kept]),
             }
             for name, force in record.force.items()
         },

@@ -15,7 +15,6 @@ from pmmkit.campaigns.samples.loading import HistoryLoader
 from pmmkit.campaigns.segments import usable
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.diagnosis.captive.held_out import settings_in_words
 from pmmkit.errors import DataError, PmmkitError
 from pmmkit.inspection.sampling import LARGE
 from pmmkit.numerics import Array
@@ -109,7 +108,7 @@ def _shown(
     page: dict[str, Any] = {
         "run": run.id,
         "title": kind_of(run.test).title,
-        "words": settings_in_words(run),
+        "words": run.setting,
         "source": run.source,
         "kind": run.kind,
         "oscillates": run.dynamic,

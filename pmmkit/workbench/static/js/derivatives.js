@@ -2,7 +2,7 @@
 
 import { el, refill, svg } from "./dom.js";
 import { t } from "./words.js";
-import { fixed, num, plainWord } from "./format.js";
+import { num, plainWord } from "./format.js";
 import { frozen } from "./api.js";
 import { roomOf } from "./linear.js";
 
@@ -46,13 +46,6 @@ function chooser(app) {
   return el("p", { class: "head" }, choice, el("button", { class: "primary", disabled: app.busy(), on: { click: () => app.act("reduce", { structure: choice.value, ...app.mine() }) } }, t("reduce")));
 }
 
-function told(item, factor) {
-  if (!item || item.value === null) return "–";
-  const half = item.high === null ? null : (item.high - item.low) / 2;
-  const places = half ? Math.min(Math.max(-Math.floor(Math.log10(factor * half)) + 1, 0), 4) : 3;
-  return half === null ? fixed(factor * item.value, places) : `${fixed(factor * item.value, places)} ± ${fixed(factor * half, places)}`;
-}
-
 function grid(found, choose) {
   return el("table", { class: "plain" },
     el("thead", {}, el("tr", {}, el("th", { scope: "col" }, found.factor > 1 ? "× 10³" : ""), found.speeds.map((speed) => el("th", { scope: "col" }, speed)), found.reference ? el("th", { scope: "col" }, t("published")) : null)),
@@ -60,7 +53,7 @@ function grid(found, choose) {
       const rows = found.rows.filter((row) => row.name.startsWith(channel));
       return rows.length ? el("tbody", {}, rows.map((row) => el("tr", { "data-name": row.name, "aria-selected": "false" },
         el("th", { scope: "row" }, el("button", { class: "link", on: { click: () => choose(row) } }, row.name)),
-        row.values.map((item) => el("td", {}, told(item, found.factor))),
+        row.values.map((item) => el("td", {}, (item.told ?? "–").replaceAll("-", "−"))),
         found.reference ? el("td", { class: "soft" }, published(row.published, found.factor)) : null))) : null;
     }));
 }

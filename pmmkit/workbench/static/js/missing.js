@@ -119,7 +119,7 @@ function coefficients(rows) {
   return el("details", { class: "summary" }, el("summary", {}, t("coefficients")),
     el("table", { class: "plain" },
       el("thead", {}, el("tr", {}, [t("coefficient"), t("value"), "± 95 %", t("usual")].map((text) => el("th", { scope: "col" }, text)))),
-      el("tbody", {}, rows.map((row) => el("tr", {}, el("th", { scope: "row" }, row.name), el("td", {}, num(row.value)), el("td", {}, num(1.96 * row.std, 2)), el("td", {}, num(row.typical, 2)))))));
+      el("tbody", {}, rows.map((row) => el("tr", {}, el("th", { scope: "row" }, row.name), el("td", {}, num(row.value)), el("td", {}, num(row.half, 2)), el("td", {}, num(row.typical, 2)))))));
 }
 
 function rivals(found) {

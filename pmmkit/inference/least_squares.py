@@ -1,23 +1,29 @@
-"""Weighted least squares by pivoted QR, and what the data do and do not determine."""
+"""Least squares by QR of scaled columns, and what the data do and do not determine."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.numerics import Array
 
-ROUNDING = 1e-14
+ROUNDING: Final = 1e-14
 """Columns shorter than this share of the longest are zeros that were rounded."""
-RANK_TOLERANCE = 1e-9
-"""Scaled columns whose remainder after the others is below this count as dependent."""
+RANK_TOLERANCE: Final = 1e-9
+"""Columns of length one whose remainder after the others is below this count as dependent. Those
+that are but for rounding have 4e-15 and less (one drift angle, two angles and three terms), the
+nearest of real libraries 1e-2 (cubic and modulus terms of the S175 together, one yaw amplitude):
+each tolerance from 1e-13 to 1e-3 tells them apart."""
+INVOLVED: Final = 1e-6
+"""Share of a combination that vanishes from which a column is part of it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Fit:
+class LeastSquares:
     """A linear fit ``rows ≈ design @ value``.
 
     Parameters
@@ -47,7 +53,7 @@ class Fit:
     tied: tuple[tuple[str, ...], ...]
 
 
-def fit(names: Sequence[str], design: Array, rows: Array) -> Fit:
+def least_squares(names: Sequence[str], design: Array, rows: Array) -> LeastSquares:
     """Solve least squares with scaled columns by pivoted QR.
 
     Parameters
@@ -61,7 +67,7 @@ def fit(names: Sequence[str], design: Array, rows: Array) -> Fit:
 
     Returns
     -------
-    Fit
+    LeastSquares
         A coefficient is determined if no combination of columns that vanishes contains it.
 
     Notes
@@ -72,7 +78,7 @@ def fit(names: Sequence[str], design: Array, rows: Array) -> Fit:
     Examples
     --------
     >>> v = np.array([-.2, -.1, .1, .2])
-    >>> found = fit(["Yv", "Yvvv", "Yr"], np.stack([v, v**3, 0 * v], 1), -v - 2 * v**3)
+    >>> found = least_squares(["Yv", "Yvvv", "Yr"], np.stack([v, v**3, 0 * v], 1), -v - 2 * v**3)
     >>> found.value
     array([-1., -2., nan])
     """
@@ -91,24 +97,21 @@ def fit(names: Sequence[str], design: Array, rows: Array) -> Fit:
     if len(columns):
         scaled = design[:, columns] / scale[columns]
         q, triangle, order = qr(scaled, mode="economic", pivoting=True, check_finite=False)
-        diagonal = np.abs(np.diagonal(triangle))
-        rank = int(np.sum(diagonal > RANK_TOLERANCE * diagonal[0]))
+        rank = _rank(triangle)
         basic = columns[order[:rank]]
         inverse = np.linalg.inv(triangle[:rank, :rank])
         gain[basic] = (inverse / scale[basic][:, None]) @ q[:, :rank].T
         inflation[basic] = np.sum(inverse**2, axis=1)
         condition = float(np.linalg.cond(scaled[:, order[:rank]]))
-        null = np.zeros((len(columns), len(columns) - rank))
-        null[order[:rank]] = -inverse @ triangle[:rank, rank:]
-        null[order[rank:]] = np.eye(len(columns) - rank)
-        involved = np.abs(null) > 1e-6
+        involved = np.zeros((len(columns), len(columns) - rank), dtype=bool)
+        involved[order] = _vanishing(inverse @ triangle[:rank, rank:])
         determined[columns] = ~involved.any(axis=1)
         tied = _groups(involved, [names[column] for column in columns.tolist()])
     gain[~determined] = 0.0
     value = gain @ rows
     value[~determined] = np.nan
     inflation[~determined] = np.nan
-    return Fit(
+    return LeastSquares(
         names=tuple(names),
         value=value,
         gain=gain,
@@ -117,6 +120,47 @@ def fit(names: Sequence[str], design: Array, rows: Array) -> Fit:
         inflation=inflation,
         tied=tied,
     )
+
+
+def dependent(triangle: Array) -> NDArray[np.bool_]:
+    """Which scaled columns a triangle of a QR decomposition does not determine.
+
+    Parameters
+    ----------
+    triangle : array (q, q)
+        R of a QR decomposition of columns of length one.
+
+    Returns
+    -------
+    array of bool (q,)
+        All that share a combination which vanishes, not only the last of them.
+
+    Examples
+    --------
+    >>> columns = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    >>> dependent(np.linalg.qr(columns, mode="r"))
+    array([ True,  True, False])
+    """
+    from scipy.linalg import qr
+
+    again, order = qr(triangle, mode="r", pivoting=True, check_finite=False)
+    rank = _rank(again)
+    along = np.linalg.solve(again[:rank, :rank], again[:rank, rank:])
+    found = np.zeros(len(again), dtype=bool)
+    found[order] = _vanishing(np.asarray(along, float)).any(axis=1)
+    return found
+
+
+def _rank(triangle: Array) -> int:
+    """Of a triangle of scaled columns in the order of their pivots."""
+    diagonal = np.abs(np.diagonal(triangle))
+    return int(np.sum(diagonal > RANK_TOLERANCE * diagonal[0])) if len(diagonal) else 0
+
+
+def _vanishing(along: Array) -> NDArray[np.bool_]:
+    """Which columns take part in the combinations that vanish (b + r, r): r columns, which stand
+    last, along the b that determine them."""
+    return np.vstack([np.abs(along) > INVOLVED, np.eye(along.shape[1], dtype=bool)])
 
 
 def _groups(involved: NDArray[np.bool_], names: Sequence[str]) -> tuple[tuple[str, ...], ...]:

@@ -1,4 +1,4 @@
-"""Whether a filter is right about itself: size and whiteness of what it did not expect."""
+"""What a filter did not expect: its likelihood, and whether its size and whiteness are right."""
 
 from __future__ import annotations
 
@@ -44,14 +44,33 @@ class Innovations:
         Channels.
     residuals, variances : array (n, c)
         Measured less predicted, and the variance the filter gave it; NaN where nothing was.
-    gated : array (n, c) of bool
-        Residuals that were not taken in.
+    gate : float
+        Residuals beyond so many standard deviations were not taken in.
+
+    Examples
+    --------
+    >>> item = Innovations(names=("psi",), residuals=np.array([[2.0], [np.nan], [40.0]]),
+    ...                    variances=np.full((3, 1), 4.0), gate=5.0)
+    >>> item.gated.ravel()
+    array([False, False,  True])
+    >>> round(item.log_likelihood(), 6)
+    -16.224171
     """
 
     names: tuple[str, ...]
     residuals: Array
     variances: Array
-    gated: NDArray[np.bool_]
+    gate: float = math.inf
+
+    @property
+    def squares(self) -> Array:
+        """Residuals squared over their variance, array (n, c)."""
+        return np.asarray(self.residuals**2 / self.variances)
+
+    @property
+    def gated(self) -> NDArray[np.bool_]:
+        """Residuals that were not taken in, array (n, c)."""
+        return np.asarray(self.residuals**2 > self.gate**2 * self.variances)
 
     @property
     def normalised(self) -> Array:
@@ -59,12 +78,20 @@ class Innovations:
         values = self.residuals / np.sqrt(self.variances)
         return np.where(self.gated, np.nan, values)
 
+    @property
+    def volume(self) -> float:
+        """Sum of the logarithms of the variances, where something was measured."""
+        return float(np.sum(np.log(self.variances[np.isfinite(self.residuals)])))
+
     def log_likelihood(self) -> float:
-        """Of the residuals; a gated one counts as the smallest that was not taken in."""
-        square = self.residuals**2 / self.variances
-        most = np.min(square[self.gated]) if self.gated.any() else np.inf
-        terms = np.minimum(square, most) + np.log(self.variances)
-        return float(-0.5 * np.nansum(terms))
+        """ln of the density of what was measured (prediction error decomposition; Harvey 1989).
+
+        A residual beyond the gate counts as one at the gate, so that the likelihood has no step
+        where one comes to lie beyond it.
+        """
+        squares = np.minimum(self.squares, self.gate**2)
+        count = np.count_nonzero(np.isfinite(self.residuals))
+        return float(-0.5 * (np.nansum(squares) + self.volume + count * math.log(2.0 * math.pi)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -225,7 +252,7 @@ def innovation_tests(innovations: Mapping[str, Innovations], *, lags: int = LAGS
     >>> slow = np.convolve(noise[:, 1], np.ones(5) / 5**0.5, "same")
     >>> item = Innovations(
     ...     names=("psi", "x"), residuals=np.stack([3.1 * noise[:, 0], slow], axis=1),
-    ...     variances=np.ones((2000, 2)), gated=np.zeros((2000, 2), bool))
+    ...     variances=np.ones((2000, 2)))
     >>> for text in innovation_tests({"zigzag": item}).words():
     ...     print(text.partition(": the")[0].partition(": errors")[0])
     psi: innovations are 3.1 times as large as the filter thinks

@@ -1,0 +1,226 @@
+"""One record through a filter of `pmmkit.inference.estimators`, with a model's equations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.equations.layouts import Status
+from pmmkit.errors import DataError, SimulationError
+from pmmkit.identification.binding import Binding
+from pmmkit.identification.record import KINDS, FreeRecord
+from pmmkit.inference import Innovations
+from pmmkit.inference.estimators import room
+from pmmkit.numerics import Array
+
+LOST: Final = {
+    Status.mass: "Record {}: the filter makes the mass matrix indefinite. Give a narrower prior "
+    "for the added masses, or hold them.",
+    Status.unbound: "Record {}: the filter loses the motion. Check the signs of rudder and "
+    "heading, the start values, and the sensors' standard deviations.",
+}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Seen:
+    """A record as filters take it.
+
+    Parameters
+    ----------
+    name : str
+        Of the record.
+    t : array (n,)
+        Instants [s].
+    inputs : array (n, inputs)
+        A row of `InputField` per instant.
+    channels : tuple of str
+        What was measured.
+    measured : array (n, c)
+        NaN where nothing was.
+    kinds : array (c,) of int
+        What each channel is: the place of a state, or an `OverGround`.
+    variances : array (c,)
+        Of the sensors' noise.
+    """
+
+    name: str
+    t: Array
+    inputs: Array
+    channels: tuple[str, ...]
+    measured: Array
+    kinds: NDArray[np.int64]
+    variances: Array
+
+
+def seen(record: FreeRecord, states: Sequence[str], sensors: Mapping[str, float]) -> Seen:
+    """A record with the standard deviations of its sensors."""
+    channels = tuple(record.measured)
+    return Seen(
+        name=record.name,
+        t=record.t,
+        inputs=record.inputs,
+        channels=channels,
+        measured=np.stack([record.measured[name] for name in channels], axis=1),
+        kinds=np.array([kind_of(name, states) for name in channels], np.int64),
+        variances=np.array([sensors[name] ** 2 for name in channels]),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Process:
+    """How states and values move beyond what the equations say, and how they are linearised.
+
+    Parameters
+    ----------
+    diffusion : array (s + m,)
+        Growth of the variances of states and values per second.
+    fading : array (m,)
+        Inverse times in which the values forget [1/s].
+    frozen : array (m,)
+        1 where a value is linearised about the binding's mean, 0 about its estimate.
+    steps : array (s + m,)
+        Of the differences over states and values.
+    longest : float
+        Longest step of the integration [s].
+    """
+
+    diffusion: Array
+    fading: Array
+    frozen: Array
+    steps: Array
+    longest: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pass:
+    """What a filter made of a record.
+
+    Parameters
+    ----------
+    z, P : array (s + m,), array (s + m, s + m)
+        States and values after the last instant, and their covariance.
+    means, variances : array (n, s + m)
+        After each instant.
+    innovations : Innovations
+        Of the channels.
+    kept : array (n, room) or (0, room)
+        For the smoother.
+    """
+
+    z: Array
+    P: Array
+    means: Array
+    variances: Array
+    innovations: Innovations
+    kept: Array
+
+
+def passed(
+    functions: ModuleType,
+    binding: Binding,
+    record: Seen,
+    process: Process,
+    z: Array,
+    P: Array,
+    *,
+    method: Literal["ekf", "ukf"] = "ekf",
+    gate: float = math.inf,
+    store: bool = False,
+) -> Pass:
+    """Run a filter over a record.
+
+    Parameters
+    ----------
+    functions : module
+        Compiled equations of the binding's structure.
+    binding : Binding
+        Its parameters are the values behind the states.
+    record : Seen
+        What was measured.
+    process : Process
+        Process noise and steps.
+    z, P : array (s + m,), array (s + m, s + m)
+        States and values before the first instant, and their covariance.
+    method : {"ekf", "ukf"}
+        Extended or unscented.
+    gate : float
+        Residuals beyond so many standard deviations are not taken in.
+    store : bool
+        Whether to keep what the smoother needs (extended filter).
+
+    Raises
+    ------
+    SimulationError
+        If the motion is lost.
+    """
+    rows, m, n = len(record.t), len(binding.mean), len(z)
+    z, P, means = z.copy(), P.copy(), np.empty((rows, 2 * n))
+    residuals, spreads = np.empty(record.measured.shape), np.empty(record.measured.shape)
+    kept = np.zeros((rows if store else 0, room(n - m, m)))
+    system = (
+        record.t,
+        record.inputs,
+        binding.base,
+        binding.starts,
+        binding.places,
+        binding.slopes,
+        process.longest,
+        process.steps,
+        np.zeros(len(binding.base)),
+        np.zeros((6, n - m)),
+    )
+    begin = (system, record.t, record.measured, record.kinds, record.variances, binding.mean)
+    noise = (z, P, process.fading, process.diffusion, gate, means, residuals, spreads)
+    if method == "ekf":
+        lost = functions.extended(*begin, process.frozen, *noise, kept)
+    else:
+        lost = functions.unscented(*begin, *noise)
+    if lost:
+        raise SimulationError(LOST[Status(lost - 1)].format(record.name))
+    return Pass(
+        z=z,
+        P=P,
+        means=means[:, :n],
+        variances=means[:, n:],
+        innovations=Innovations(
+            names=record.channels, residuals=residuals, variances=spreads, gate=gate
+        ),
+        kept=kept,
+    )
+
+
+def smoothed(functions: ModuleType, found: Pass) -> tuple[Array, Array]:
+    """Means (n, s + m) and covariances (n, s + m, s + m) given the whole record."""
+    rows, n = found.means.shape
+    means, covariances = np.empty((rows, n)), np.empty((rows, n, n))
+    functions.smoothed(found.kept, n, means, covariances)
+    return means, covariances
+
+
+def kind_of(name: str, states: Sequence[str]) -> int:
+    """Number by which the filters know a channel.
+
+    Raises
+    ------
+    DataError
+        If the model has no such state.
+    """
+    if name in KINDS:
+        return KINDS[name]
+    if name not in states:
+        raise DataError(
+            f"The model has no state {name}: leave that channel out, or add a part 'roll'."
+        )
+    return list(states).index(name)
+
+
+def state_steps(states: Sequence[str], speed: float, L: float) -> Array:
+    """Steps of the differences over the states, for a speed [m/s] and a ship length [m]."""
+    sizes = {"u": speed, "v": speed, "r": speed / L}
+    return np.array([1e-6 * sizes.get(name, 1.0) for name in states])
