@@ -57,7 +57,8 @@ def projector(basis: Array, gram: Array | None = None) -> Array:
     """The least-squares map from samples to the coefficients of a basis.
 
     The normal equations serve where the basis is close to orthogonal (Fourier series over whole
-    cycles), which is many times faster than a factorisation of a long record; otherwise QR.
+    cycles), which is many times faster than a factorisation of a long record; otherwise singular
+    values of columns scaled to one length.
 
     Parameters
     ----------
@@ -81,7 +82,8 @@ def projector(basis: Array, gram: Array | None = None) -> Array:
     if well is not None:
         unit, scale = well
         return (np.linalg.inv(unit) / scale / scale[:, None]) @ basis.T
-    return np.asarray(np.linalg.pinv(basis), dtype=np.float64)
+    length = _lengths(basis)
+    return np.asarray(np.linalg.pinv(basis / length) / length[:, None], dtype=np.float64)
 
 
 def coefficients(basis: Array, rows: Array, gram: Array | None = None) -> Array:
@@ -110,7 +112,15 @@ def coefficients(basis: Array, rows: Array, gram: Array | None = None) -> Array:
     if well is not None:
         unit, scale = well
         return np.linalg.solve(unit, (rows @ basis / scale).T).T / scale
-    return np.asarray(np.linalg.lstsq(basis, rows.T, rcond=None)[0].T, dtype=np.float64)
+    length = _lengths(basis)
+    found = np.linalg.lstsq(basis / length, rows.T, rcond=None)[0].T / length
+    return np.asarray(found, dtype=np.float64)
+
+
+def _lengths(basis: Array) -> Array:
+    """Lengths of the columns (m,), one of a column of zeros."""
+    length = np.linalg.norm(basis, axis=0)
+    return np.where(length > 0, length, 1.0)
 
 
 def _scaled(gram: Array) -> tuple[Array, Array] | None:

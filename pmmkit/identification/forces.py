@@ -21,6 +21,7 @@ from pmmkit.identification.binding import bound, driven
 from pmmkit.identification.lack import Lack, Piece, lack_of, lasting
 from pmmkit.identification.parameters import places, replaced, with_parameters
 from pmmkit.identification.prior import Prior
+from pmmkit.inference import least_squares as linear_fit
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.progress import Progress
@@ -232,9 +233,11 @@ def fit_to_forces(
             break
         width = math.sqrt(widened)
     values = found.x * size
-    covariance, lost = _covariance(
-        np.vstack([found.jac[:rows] * width / math.sqrt(widened), found.jac[rows:]]), size
-    )
+    slope = np.vstack([found.jac[:rows] * width / math.sqrt(widened), found.jac[rows:]])
+    linear = linear_fit(names, slope, np.zeros(len(slope)))
+    root, lost = linear.gain * size[:, None], ~linear.determined
+    covariance = np.asarray(root @ root.T)
+    covariance[lost, :] = covariance[:, lost] = np.nan
     lack = None
     if prior is not None and not lost.any():
         jacobian_now = found.jac[:rows] * width / size
@@ -371,19 +374,6 @@ def _pieces(
             for information, score in told.values()
         ]
     return found
-
-
-def _covariance(jacobian: Array, size: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Covariance of the values, and which of them are not determined."""
-    norms = np.linalg.norm(jacobian, axis=0)
-    scale = np.where(norms > 0, norms, 1.0)
-    _, singular, right = np.linalg.svd(jacobian / scale, full_matrices=False)
-    seen = singular > 1e-10 * singular[0]
-    lost = (norms == 0) | (np.abs(right[~seen]) > 1e-6).any(axis=0)
-    root = right[seen].T / singular[seen] / scale[:, None] * size[:, None]
-    covariance: Array = root @ root.T
-    covariance[lost, :] = covariance[:, lost] = np.nan
-    return covariance, lost
 
 
 def _by_channel(

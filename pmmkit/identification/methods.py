@@ -449,20 +449,20 @@ def _sparse(found: Any, prior: Prior, started: float) -> Identified:
 
     What it does not look for (parameters of effects) or no record excites keeps its prior.
     """
-    fitted = found.table.at()
-    spread = dict(zip(found.table.names, found.table.std[0].tolist(), strict=True))
-    held = {name for name in prior.names if name not in fitted and name not in found.left_out}
-    held |= set(found.undetermined)
-    values, std = prior.mean.copy(), prior.std.copy()
-    for i, name in enumerate(prior.names):
-        if name not in held:
-            values[i], std[i] = fitted.get(name, 0.0), spread.get(name, 0.0)
+    table = found.table.select([name for name in found.table.names if name in prior.names])
+    at = [prior.names.index(name) for name in table.names]
+    absent = [prior.names.index(name) for name in found.left_out if name in prior.names]
+    held = {*prior.names} - {*table.names, *found.left_out}
+    values, covariance = prior.mean.copy(), prior.covariance.copy()
+    values[at], values[absent] = table.value[0], 0.0
+    covariance[[*at, *absent], :] = covariance[:, [*at, *absent]] = 0.0
+    covariance[np.ix_(at, at)] = table.covariance[0, :, 0]
     return Identified(
         method="sindy",
         names=prior.names,
         values=values,
-        std=std,
-        covariance=np.diag(std**2),
+        std=np.sqrt(np.diagonal(covariance)),
+        covariance=covariance,
         prior=prior,
         unseen=tuple(name for name in prior.names if name in held),
         model=found.model,

@@ -1,5 +1,8 @@
 """Inference that knows nothing of ships: evidence, errors, filters, propagation, sparsity."""
 
+from pmmkit.inference.collinear import Collinearity
+from pmmkit.inference.convergence import R_HAT, Convergence, convergence
+from pmmkit.inference.equations import Equations
 from pmmkit.inference.information_filter import InformationRoot
 from pmmkit.inference.innovations import (
     LAGS,
@@ -37,26 +40,46 @@ from pmmkit.inference.random_effects import (
     run_effects,
 )
 from pmmkit.inference.restricted import Restricted
+from pmmkit.inference.sparse import (
+    EffectiveSample,
+    Resampling,
+    Selection,
+    SelectionMethod,
+    SparseProblem,
+    ThresholdPath,
+    select_terms,
+)
 
 __all__ = [
     "COVERAGE",
     "KINDS",
     "LAGS",
     "RANK_TOLERANCE",
+    "R_HAT",
+    "Collinearity",
     "Consistency",
+    "Convergence",
+    "EffectiveSample",
+    "Equations",
     "InformationRoot",
     "Innovations",
     "LeastSquares",
     "Normal",
     "Propagated",
     "RepeatedRuns",
+    "Resampling",
     "Restricted",
     "RunEffects",
+    "Selection",
+    "SelectionMethod",
+    "SparseProblem",
     "Taken",
+    "ThresholdPath",
     "autocorrelation",
     "axes",
     "by_kind",
     "chance_of",
+    "convergence",
     "dependent",
     "differences",
     "displaced",
@@ -72,5 +95,6 @@ __all__ = [
     "repeatability",
     "root",
     "run_effects",
+    "select_terms",
     "std_along",
 ]

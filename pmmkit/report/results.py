@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pmmkit.files import write_results
+from pmmkit.inference import Selection
 from pmmkit.models import Model, save_model
 from pmmkit.models.reference import Reference, published_of
 from pmmkit.plotting.style import document
 from pmmkit.reduction import Reduction
 from pmmkit.reduction.methods.method import Estimate
-from pmmkit.reduction.methods.sparse import SHARE
 from pmmkit.reduction.squat import squat, squat_frame
 from pmmkit.report.build import report_answers, report_places
 from pmmkit.report.loop import Loop
@@ -148,7 +148,7 @@ def _with_shares(estimate: Estimate) -> pd.DataFrame:
         for Fn, share in zip(estimate.table.Fn.tolist(), own.tolist(), strict=True)
     ]
     whole = frame.merge(pd.DataFrame(rows), how="outer", on=["Fn", "derivative"], sort=False)
-    beside = np.where(whole["share"] < SHARE, "left out", "a zero offset")
+    beside = np.where(whole["share"] < Selection.SHARE, "left out", "a zero offset")
     told = [f"{estimate.method}: {text}" for text in beside]
     whole["method"] = whole["method"].where(whole["method"].notna(), told)
     whole["runs"] = whole["runs"].fillna(0).astype(int)

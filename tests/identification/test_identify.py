@@ -61,6 +61,13 @@ def test_sparse_regression_is_a_method_too():
     assert found.values == pytest.approx(TRUTH, rel=0.1)
     assert found.model.values("hull_polynomial")["Nv"] == pytest.approx(found.values[0])
     assert set(found.unseen) <= set(NAMES)
+    table = found.detail.table
+    at = [NAMES.index(name) for name in table.names]
+    block = found.covariance[np.ix_(at, at)]
+    assert found.model.covariance_names == table.names
+    np.testing.assert_allclose(block, found.model.covariance, rtol=1e-12)
+    assert np.abs(block - np.diag(np.diagonal(block))).max() > 0.0
+    assert found.std == pytest.approx(np.sqrt(np.diagonal(found.covariance)))
 
 
 def test_all_methods_are_tested():

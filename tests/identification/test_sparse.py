@@ -14,16 +14,6 @@ from pmmkit.effects.state import State
 from pmmkit.equations import prepare
 from pmmkit.equations.histories import water_forces
 from pmmkit.errors import PmmkitError
-from pmmkit.estimation.sparse import (
-    Task,
-    by_groups,
-    compressed,
-    determined,
-    joined,
-    rms,
-    solved,
-    sparse,
-)
 from pmmkit.identification import ForceRecord
 from pmmkit.identification.sparse.regression import (
     look_for_collinearity,
@@ -158,13 +148,31 @@ def test_exact_forces_give_back_their_terms_and_no_others(ship):
 
 
 @pytest.mark.slow
+def test_elimination_finds_the_terms_too(ship):
+    exact = sparse_regression(
+        ship, measured(noise=0.0), LIBRARY + " Yvvv Nvvv", bags=10, method="elimination"
+    )
+    assert exact.table.at() == pytest.approx(TRUTH, rel=1e-9)
+    noisy = sparse_regression(ship, measured(), LIBRARY, bags=40, method="elimination")
+    assert noisy.paths == ()
+    assert set(noisy.table.names) == set(TRUTH)
+    assert noisy.table.at() == pytest.approx(TRUTH, rel=0.03)
+    errors = [x for own in noisy.held_out.values() for x in own.values()]
+    assert min(errors) > 0.85
+    assert max(errors) < 1.2
+    with pytest.raises(PmmkitError, match="knows neither groups"):
+        sparse_regression(ship, measured(), "Yv Yr", method="elimination", groups=[["Yv", "Yr"]])
+
+
+@pytest.mark.slow
 def test_noisy_forces_give_the_terms_with_intervals_that_hold_the_truth(found):
     assert set(found.table.names) == set(TRUTH)
     assert all(found.share[name] >= 0.95 for name in TRUTH)
     assert found.table.at() == pytest.approx(TRUTH, rel=0.03)
     assert np.all(found.table.std < 0.03)
-    ends = found.interval(0.999)
-    assert sum(ends[name][0] <= TRUTH[name] <= ends[name][1] for name in TRUTH) >= 7
+    low, high = found.table.interval(0.999)
+    right = np.array([TRUTH[name] for name in found.table.names])
+    assert np.sum((low[0] <= right) & (right <= high[0])) >= 7
     errors = [x for own in found.held_out.values() for x in own.values()]
     assert len(found.held_out) == 18
     assert min(errors) > 0.85
@@ -185,8 +193,8 @@ def test_terms_that_are_not_there_are_left_out_of_nine_bags_in_ten(ship, seed):
 
 
 @pytest.mark.slow
-def test_the_std_over_bags_of_runs_is_the_scatter_between_campaigns(ship):
-    """Offsets of runs make bags of samples too narrow; bags of runs know of them."""
+def test_the_std_is_the_scatter_between_campaigns(ship):
+    """Offsets of runs make a regression on samples too narrow; the design effect knows of them."""
     results = [
         sparse_regression(
             ship, measured(seed=seed), " ".join(TRUTH), threshold=0.0, bags=60, method="stepwise"
@@ -415,42 +423,6 @@ def test_plain_pysindy_agrees_where_it_can_do_the_whole_task(ship):
     ).fit(v[:, None], t=1.0, x_dot=((Y - empty) / unit)[:, None])
     assert ours.table.names == ("Yv", "Yvvv")
     assert theirs.coefficients()[0] == pytest.approx([*ours.table.value[0], 0.0], rel=1e-6)
-
-
-def systems(rng, runs=6, terms=8):
-    truth = rng.normal(size=terms) * (rng.random(terms) > 0.4)
-    found = []
-    for _ in range(runs):
-        design = rng.normal(size=(30, terms)) * np.geomspace(0.1, 10, terms)
-        target = design @ (truth / np.geomspace(0.1, 10, terms)) + 0.3 * rng.normal(size=30)
-        found.append((compressed(design, target),))
-    return found
-
-
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("threshold", [0.05, 0.3, 1.0])
-def test_our_thresholds_are_those_of_pysindy_where_terms_stand_alone(seed, threshold):
-    whole = joined(systems(np.random.default_rng(seed)))
-    single = tuple((place,) for place in range(8))
-    task = Task(
-        channels=("Y",), columns=tuple(range(8)), groups=single, always=(False,) * 8, method="stlsq"
-    )
-    usual = rms(whole)
-    assert task.plain
-    theirs = sparse(task, whole, usual, threshold)
-    ours = by_groups(task, whole, determined(whole, usual), threshold)
-    np.testing.assert_allclose(ours, theirs, rtol=1e-10)
-
-
-def test_triangles_hold_all_that_least_squares_need():
-    rng = np.random.default_rng(0)
-    runs = [(rng.normal(size=(n, 4)), rng.normal(size=n)) for n in (1, 3, 40, 7)]
-    whole = joined([(compressed(*run),) for run in runs])
-    A, b = (np.concatenate([run[i] for run in runs]) for i in (0, 1))
-    expected = np.linalg.lstsq(A, b, rcond=None)[0]
-    np.testing.assert_allclose(solved(whole, np.ones(4, bool)), expected, rtol=1e-12)
-    left = whole[0].both @ np.append(expected, -1.0)
-    assert np.sum(left**2) == pytest.approx(np.sum((A @ expected - b) ** 2))
 
 
 @pytest.mark.slow

@@ -12,7 +12,6 @@ from few_runs import few
 
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import CampaignError, UnknownNameError
-from pmmkit.estimation.elimination import Elimination
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.agreement import differences, worst
 from pmmkit.reduction.methods.kalman import filtered
@@ -280,22 +279,6 @@ def test_a_record_without_a_third_cycle_is_refused_by_name():
 def test_an_unknown_method_is_refused_with_those_there_are():
     with pytest.raises(UnknownNameError, match="regression, harmonics, sindy, ekf, all"):
         reduce_campaign(captive(), method="magic")
-
-
-def test_elimination_finds_the_set_that_an_exhaustive_search_finds():
-    rng = np.random.default_rng(8)
-    v = rng.uniform(-1, 1, 300)
-    library = np.stack([v, v**3, v * np.abs(v), v**5, np.ones(300)], axis=1)
-    target = 30 * v + 25 * v * np.abs(v) + rng.normal(size=300)
-    chosen = np.flatnonzero(Elimination(300).fit(library, target[:, None]).coef_[0])
-
-    def score(columns):
-        X = library[:, columns]
-        left = target - X @ np.linalg.lstsq(X, target, rcond=None)[0]
-        return left @ left + len(columns) * math.log(300)
-
-    every = [[i for i in range(5) if bits >> i & 1] for bits in range(1, 32)]
-    assert chosen.tolist() == min(every, key=score)
 
 
 @pytest.mark.slow

@@ -11,8 +11,8 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.errors import DataError
-from pmmkit.estimation.convergence import Convergence, convergence
 from pmmkit.executors import Workers, crew_of, each
+from pmmkit.inference import Convergence, convergence
 from pmmkit.numerics import Array
 
 ENSEMBLES: Final = 4

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.errors import DataError, SimulationError
-from pmmkit.estimation.convergence import R_HAT, Convergence
 from pmmkit.executors import Workers
 from pmmkit.identification.lack import Lack
 from pmmkit.identification.posterior.density import (
@@ -31,6 +30,7 @@ from pmmkit.identification.posterior.tree import draws_of, tree_of
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.restarts import filtered
+from pmmkit.inference import R_HAT, Convergence
 from pmmkit.models import Model
 from pmmkit.numerics import Array, root_of
 from pmmkit.progress import Progress

@@ -12,27 +12,14 @@ from numpy.typing import NDArray
 
 from pmmkit.conventions import CHANNELS, canonical, parse_derivative
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.estimation.collinear import Collinearity, collinearity_of, joined_reports
-from pmmkit.estimation.sparse import (
-    EXCITED,
-    Method,
-    System,
-    Task,
-    compressed,
-    joined,
-    null_space,
-    rms,
-)
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.sparse.rows import RunRows, check_records, equations, measured
+from pmmkit.inference import Collinearity, Equations, Resampling, SelectionMethod, SparseProblem
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS, knows_heel
-from pmmkit.numerics import Array
 from pmmkit.structures import Structure, structure_of
 
 Groups = Literal["physics"] | Mapping[str, Sequence[str]] | Sequence[Sequence[str]]
-FEWEST: Final = 3
-"""Runs without which there are no bags of runs."""
 HEEL: Final = frozenset({"phi", "p"})
 """Motions of a run that heels."""
 
@@ -53,10 +40,10 @@ class Request:
         Derivatives held on request.
     rows : tuple of RunRows
         Equations, run by run.
-    tasks : tuple of Task
+    problems : tuple of SparseProblem
         What is solved together.
-    systems : tuple of tuple of System
-        Compressed equations, by task and run.
+    runs : tuple of tuple of Equations
+        By problem and run.
     undetermined, unmeasured : tuple of str
         Terms that no run excites; terms of channels without forces.
     collinearity : Collinearity
@@ -68,8 +55,8 @@ class Request:
     channels: tuple[str, ...]
     fixed: frozenset[str]
     rows: tuple[RunRows, ...]
-    tasks: tuple[Task, ...]
-    systems: tuple[tuple[System, ...], ...]
+    problems: tuple[SparseProblem, ...]
+    runs: tuple[tuple[Equations, ...], ...]
     undetermined: tuple[str, ...]
     unmeasured: tuple[str, ...]
     collinearity: Collinearity
@@ -77,11 +64,9 @@ class Request:
     def exciting(self) -> NDArray[np.int64]:
         """How many runs excite each term, array (m,)."""
         found = np.zeros(len(self.names), dtype=np.int64)
-        for task, systems in zip(self.tasks, self.systems, strict=True):
-            usual = rms(joined(systems))
-            found[list(task.columns)] = sum(
-                (rms(system) > EXCITED * usual).astype(np.int64) for system in systems
-            )
+        for problem, runs in zip(self.problems, self.runs, strict=True):
+            usual = Equations.joined(runs).rms()
+            found[list(problem.columns)] = sum(run.excited(usual).astype(np.int64) for run in runs)
         return found
 
 
@@ -154,7 +139,7 @@ def request(
     fixed: Sequence[str] = (),
     always: Sequence[str] = (),
     groups: Groups | None = None,
-    method: Method = "stlsq",
+    method: SelectionMethod = "stlsq",
     weak: bool | int = False,
     extrapolate: bool = False,
 ) -> Request:
@@ -167,10 +152,10 @@ def request(
     UnknownNameError
         If a name is no derivative, or not in the library.
     """
-    if len(records) < FEWEST:
+    if len(records) < Resampling.FEWEST:
         raise DataError(
             f"{len(records)} records are too few to hold runs out and to draw bags of runs: give "
-            f"at least {FEWEST}, or cut long runs into pieces that are not alike."
+            f"at least {Resampling.FEWEST}, or cut long runs into pieces that are not alike."
         )
     check_records(records)
     held = {canonical(name) for name in fixed}
@@ -208,25 +193,25 @@ def request(
     kept = _listed(always, listed, "always")
     columns = [names.index(name) for name in seen]
     rows = [_chosen(item, columns) for item in rows]
-    tasks = _tasks(rows, seen, wanted, kept, channels, method)
-    systems = tuple(_systems(rows, task) for task in tasks)
+    problems = _problems(rows, seen, wanted, kept, channels, method)
+    runs = tuple(_equations(rows, problem) for problem in problems)
     reports = []
-    for task, runs in zip(tasks, systems, strict=True):
-        whole = joined(runs)
-        own = [seen[column] for column in task.columns]
-        _refuse_null(null_space(whole), own)
-        reports.append(collinearity_of(whole, own, task.channels))
+    for problem, each in zip(problems, runs, strict=True):
+        whole = Equations.joined(each)
+        own = [seen[column] for column in problem.columns]
+        _refuse_dependent(whole.dependent(), own)
+        reports.append(Collinearity.of(whole, own, problem.channels))
     return Request(
         fixed=frozenset(held),
         names=tuple(seen),
         groups=wanted,
         channels=channels,
         rows=tuple(rows),
-        tasks=tuple(tasks),
-        systems=systems,
+        problems=problems,
+        runs=runs,
         undetermined=unseen,
         unmeasured=tuple(name for name in listed if name not in names),
-        collinearity=joined_reports(reports),
+        collinearity=Collinearity.joined(reports),
     )
 
 
@@ -292,14 +277,14 @@ def _chosen(item: RunRows, columns: Sequence[int]) -> RunRows:
     return replace(item, channels=MappingProxyType(own))
 
 
-def _tasks(
+def _problems(
     rows: Sequence[RunRows],
     names: Sequence[str],
     groups: Mapping[str, Sequence[str]],
     always: Sequence[str],
     channels: Sequence[str],
-    method: Method,
-) -> tuple[Task, ...]:
+    method: SelectionMethod,
+) -> tuple[SparseProblem, ...]:
     """Channels sorted into systems that share neither a term nor a group."""
     touched = {name: {name[0]} for name in names}
     for item in rows:
@@ -313,13 +298,13 @@ def _tasks(
     for tie in ties:
         apart = [part for part in parts if not part & tie]
         parts = [*apart, set(tie).union(*(part for part in parts if part & tie))]
-    tasks = []
+    problems = []
     for part in sorted(parts, key=lambda part: min(channels.index(x) for x in part)):
         columns = tuple(place for place, name in enumerate(names) if name[0] in part)
         own = [group for group in listed if group[0][0] in part]
         at = {names[column]: place for place, column in enumerate(columns)}
-        tasks.append(
-            Task(
+        problems.append(
+            SparseProblem(
                 channels=tuple(channel for channel in channels if channel in part),
                 columns=columns,
                 groups=tuple(tuple(at[name] for name in group) for group in own),
@@ -327,31 +312,31 @@ def _tasks(
                 method=method,
             )
         )
-    if not isinstance(method, str) and (always or groups):
+    if method not in ("stlsq", "stepwise") and (always or groups):
         raise DataError(
-            "An optimizer of pysindy knows neither groups nor terms that always stay: take "
-            "method 'stlsq' or 'stepwise' with them."
+            "Elimination or an optimizer of pysindy knows neither groups nor terms that always "
+            "stay: take method 'stlsq' or 'stepwise' with them."
         )
-    return tuple(tasks)
+    return tuple(problems)
 
 
-def _systems(rows: Sequence[RunRows], task: Task) -> tuple[System, ...]:
-    """Compressed equations of a task, run by run."""
-    columns = list(task.columns)
+def _equations(rows: Sequence[RunRows], problem: SparseProblem) -> tuple[Equations, ...]:
+    """The equations of a problem, run by run; none of a channel that a run has not measured."""
+    columns = list(problem.columns)
     none = (np.empty((0, len(columns))), np.empty(0))
     found = []
     for item in rows:
-        system = []
-        for channel in task.channels:
-            design, target = item.channels.get(channel, (np.empty((0, 0)), np.empty(0)))
-            system.append(compressed(*(none if not len(target) else (design[:, columns], target))))
-        found.append(tuple(system))
+        parts = []
+        for channel in problem.channels:
+            X, y = item.channels.get(channel, (np.empty((0, 0)), np.empty(0)))
+            parts.append((X[:, columns], y) if len(y) else none)
+        found.append(Equations.of(*parts))
     return tuple(found)
 
 
-def _refuse_null(null: Array, names: Sequence[str]) -> None:
+def _refuse_dependent(dependent: NDArray[np.bool_], names: Sequence[str]) -> None:
     """Refuse terms of which a mixture gives no force in any run."""
-    tied = [name for name, part in zip(names, null.T, strict=True) if np.any(np.abs(part) > 1e-6)]
+    tied = [name for name, lost in zip(names, dependent, strict=True) if lost]
     if tied:
         raise DataError(
             f"These records cannot tell {', '.join(tied)} apart: some mixture of them gives no "

@@ -10,10 +10,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.estimation.collinear import Collinearity
-from pmmkit.estimation.sparse import Path, joined, solved
 from pmmkit.identification.sparse.request import Request, derivatives
 from pmmkit.identification.sparse.rows import homes
+from pmmkit.inference import Collinearity, Equations, Selection, ThresholdPath
 from pmmkit.models import Model, Part
 from pmmkit.models.build import NEEDED
 from pmmkit.models.step import Step
@@ -21,13 +20,11 @@ from pmmkit.numerics import Array
 from pmmkit.tables import DerivativeTable
 
 FEW: Final = 8
-"""Runs below which intervals over bags are called rough."""
+"""Runs below which intervals are called rough."""
 FEWEST_BEHIND: Final = 3
 """Runs below which a term is said to rest on few."""
 MISFIT: Final = 2.0
 """Residual over the stated standard deviation from which it is named."""
-UNDECIDED: Final = (0.2, 0.8)
-"""Shares of the bags between which the runs do not decide on a term."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,8 +36,9 @@ class SparseRegression:
     model : Model
         With the terms that stay, without those left out; simulate it like any other.
     table : DerivativeTable
-        The terms that stay: least squares on all runs with these terms alone; covariance over
-        the bags, in which a bag that leaves a term out counts as zero.
+        The terms that stay: least squares on all runs with these terms alone; their covariance
+        is that of the regression, with rows worth what errors shared by a run leave of them, and
+        of the choice. Channels that share no term are independent.
     names : tuple of str
         The terms that were looked for.
     share : mapping of str to float
@@ -48,7 +46,7 @@ class SparseRegression:
     coefficients : array (bags, terms)
         Values in each bag, columns as `names`; zero where left out, NaN where the runs of the bag
         do not determine the term.
-    paths : tuple of Path
+    paths : tuple of ThresholdPath
         Thresholds tried and what held-out runs say of them, by channels solved together.
     held_out : mapping of str to mapping of str to float
         By run and channel: rms error over the standard deviation of the force, of a fit to other
@@ -69,7 +67,7 @@ class SparseRegression:
     names: tuple[str, ...]
     share: Mapping[str, float]
     coefficients: Array
-    paths: tuple[Path, ...]
+    paths: tuple[ThresholdPath, ...]
     held_out: Mapping[str, Mapping[str, float]]
     collinearity: Collinearity
     groups: Mapping[str, tuple[str, ...]]
@@ -83,31 +81,14 @@ class SparseRegression:
         """Thresholds taken, by channel, in standard deviations of a sample."""
         return {channel: path.chosen for path in self.paths for channel in path.channels}
 
-    def interval(self, confidence: float = 0.95) -> dict[str, tuple[float, float]]:
-        """Quantiles of the values over the bags, by term.
-
-        Parameters
-        ----------
-        confidence : float
-            Part of the bags between the two ends.
-        """
-        ends = [(1 - confidence) / 2, (1 + confidence) / 2]
-        found = {}
-        for name, values in zip(self.names, self.coefficients.T, strict=True):
-            known = values[np.isfinite(values)]
-            low, high = np.quantile(known, ends) if len(known) else (np.nan, np.nan)
-            found[name] = (float(low), float(high))
-        return found
-
 
 def assembled(
     model: Model,
     asked: Request,
+    selection: Selection,
     *,
-    coefficients: Array,
-    shares: Array,
-    stays: NDArray[np.bool_],
-    paths: Sequence[Path],
+    covariance: Array,
+    paths: Sequence[ThresholdPath],
     errors: Mapping[str, Mapping[str, float]],
 ) -> SparseRegression:
     """Put the result together from the bags and the held-out errors.
@@ -118,19 +99,18 @@ def assembled(
         What was known.
     asked : Request
         What was asked for.
-    coefficients : array (bags, terms)
-        Values in each bag.
-    shares : array (terms,)
-        Inclusion shares.
-    stays : array of bool (terms,)
-        Terms that stay.
-    paths : sequence of Path
+    selection : Selection
+        Of the terms of all channels.
+    covariance : array (s, s)
+        Of the s terms that stay.
+    paths : sequence of ThresholdPath
         Thresholds tried.
     errors : mapping
         Held-out errors by run and channel.
     """
+    stays = selection.stays
     value, misfit = _values(asked, stays)
-    table = _table(model, asked, coefficients, value, stays)
+    table = _table(model, asked, covariance, value, stays)
     names = np.array(asked.names)
     left_out = tuple(str(name) for name in names[~stays])
     held = tuple(
@@ -142,8 +122,8 @@ def assembled(
         model=_with_terms(model, table, left_out),
         table=table,
         names=asked.names,
-        share=MappingProxyType(dict(zip(asked.names, shares.tolist(), strict=True))),
-        coefficients=coefficients,
+        share=MappingProxyType(dict(zip(asked.names, selection.shares.tolist(), strict=True))),
+        coefficients=selection.coefficients,
         paths=tuple(paths),
         held_out=MappingProxyType({run: MappingProxyType(own) for run, own in errors.items()}),
         collinearity=asked.collinearity,
@@ -153,7 +133,7 @@ def assembled(
         held=held,
         warnings=(
             *asked.collinearity.warnings,
-            *_doubts(asked, shares, left_out, errors, misfit),
+            *_doubts(asked, selection, left_out, errors, misfit),
             *_assumed(asked, [name for name in held if name not in asked.fixed]),
         ),
     )
@@ -162,20 +142,18 @@ def assembled(
 def _values(asked: Request, stays: NDArray[np.bool_]) -> tuple[Array, dict[str, float]]:
     """Least squares on all runs with the terms that stay; rms of what is left, by channel."""
     value = np.zeros(len(asked.names))
-    misfit = {}
-    for task, systems in zip(asked.tasks, asked.systems, strict=True):
-        columns = list(task.columns)
-        whole = joined(systems)
-        x = solved(whole, stays[columns])
-        value[columns] = x
-        for channel, part in zip(task.channels, whole, strict=True):
-            left = part.both @ np.append(x, -1.0)
-            misfit[channel] = float(np.sqrt(np.sum(left**2) / part.rows))
+    misfit: dict[str, float] = {}
+    for problem, runs in zip(asked.problems, asked.runs, strict=True):
+        columns = list(problem.columns)
+        whole = Equations.joined(runs)
+        value[columns] = whole.least_squares(stays[columns])
+        left = np.sqrt(whole.squares(value[columns]) / whole.rows)
+        misfit.update(zip(problem.channels, left.tolist(), strict=True))
     return value, misfit
 
 
 def _table(
-    model: Model, asked: Request, coefficients: Array, value: Array, stays: NDArray[np.bool_]
+    model: Model, asked: Request, covariance: Array, value: Array, stays: NDArray[np.bool_]
 ) -> DerivativeTable:
     """The terms that stay, pooled over speeds."""
     n = int(stays.sum())
@@ -184,27 +162,15 @@ def _table(
         names=tuple(name for name, stay in zip(asked.names, stays, strict=True) if stay),
         Fn=np.array([np.nan]),
         value=value[None, stays],
-        covariance=_covariance(coefficients[:, stays]).reshape(1, n, 1, n),
+        covariance=covariance.reshape(1, n, 1, n),
         dof=np.maximum(runs - 1, 1).astype(float)[None, :],
         method=np.full((1, n), "sparse regression"),
         runs=runs[None, :],
         convention=model.convention,
         ship=model.ship,
         water=model.water,
-        notes=("Standard deviations are those over bags of runs.",),
+        notes=("Standard deviations hold errors shared by a run and the choice of terms.",),
     )
-
-
-def _covariance(values: Array) -> Array:
-    """Covariance over the bags that determine every term; variances alone where these are few."""
-    whole = values[np.isfinite(values).all(axis=1)]
-    if len(whole) >= max(2, len(values) / 2):
-        return np.atleast_2d(np.cov(whole, rowvar=False))
-    counts = np.isfinite(values).sum(axis=0)
-    spread = [
-        np.nanvar(x, ddof=1) if n > 1 else np.nan for x, n in zip(values.T, counts, strict=True)
-    ]
-    return np.diag(spread)
 
 
 def _with_terms(model: Model, table: DerivativeTable, left_out: Sequence[str]) -> Model:
@@ -256,7 +222,7 @@ def _joint_covariance(
 
 def _doubts(
     asked: Request,
-    shares: Array,
+    selection: Selection,
     left_out: Sequence[str],
     errors: Mapping[str, Mapping[str, float]],
     misfit: Mapping[str, float],
@@ -264,7 +230,7 @@ def _doubts(
     """What of the result rests on little, in words."""
     said = []
     if len(errors) < FEW:
-        said.append(f"Intervals over bags of {len(errors)} runs are rough.")
+        said.append(f"Intervals from {len(errors)} runs are rough.")
     said += [
         f"{name} rests on {number} of {len(errors)} runs: a bag without "
         f"{'it' if number == 1 else 'them'} says nothing of the term."
@@ -273,8 +239,10 @@ def _doubts(
     ]
     said += [
         f"{name} stays in {part:.0%} of the bags: these runs do not decide on it."
-        for name, part in zip(asked.names, shares.tolist(), strict=True)
-        if UNDECIDED[0] < part < UNDECIDED[1]
+        for name, part, open_ in zip(
+            asked.names, selection.shares.tolist(), selection.undecided, strict=True
+        )
+        if open_
     ]
     said += [
         f"{channel}: what is left is {size:.3g} times the stated standard deviation. A term is "

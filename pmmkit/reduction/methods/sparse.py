@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pmmkit.estimation.elimination import Elimination
-from pmmkit.estimation.sparse import (
-    Method,
-    System,
-    Task,
-    bagged,
-    choose_threshold,
-    compressed,
-    folds_of,
-    joined,
-    shares_of,
-    solved,
+from pmmkit.inference import (
+    EffectiveSample,
+    Equations,
+    Resampling,
+    Selection,
+    SparseProblem,
+    optional_columns,
+    select_terms,
 )
-from pmmkit.inference import optional_columns
 from pmmkit.numerics import Array
 from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.estimate import ChannelFit
@@ -31,13 +25,6 @@ from pmmkit.reduction.methods.over_time import OverTime, determined
 from pmmkit.reduction.solve import Solution
 
 TITLE: Final = "sparse regression"
-BAGS: Final = 100
-SHARE: Final = 0.6
-"""Part of the bags in which a term must be taken."""
-UNDECIDED: Final = (0.2, 0.8)
-"""Shares between which the runs do not decide on a term."""
-FEWEST: Final = 3
-"""Runs of a channel without which there are no bags of runs."""
 TELLABLE: Final = 1e4
 """Variance inflation up to which a further term can be told from the others at all."""
 
@@ -50,32 +37,27 @@ class Choice:
     ----------
     names : tuple of str
         Terms that were looked for.
-    shares : array (m,)
-        Part of the bags in which each was taken.
+    selection : Selection
+        Their shares of the bags, and which stay.
     fit : ChannelFit
-        Least squares with those that are kept.
+        Least squares with those that stay.
     moved : array (s, s)
-        Covariance that the choice itself brings, of the kept terms.
+        Covariance that the choice itself brings, of the terms that stay.
     """
 
     names: tuple[str, ...]
-    shares: Array
+    selection: Selection
     fit: ChannelFit
     moved: Array
 
 
-def by_sparse_regression(
-    evidence: Evidence, *, chooser: Method | None = None, seed: int = 0
-) -> Estimate:
+def by_sparse_regression(evidence: Evidence, *, seed: int = 0) -> Estimate:
     """Derivatives of those terms of a library that the runs ask for.
 
     Parameters
     ----------
     evidence : Evidence
         With the runs over time, and the library.
-    chooser : "stlsq", "stepwise" or optimizer of pysindy, optional
-        How terms are chosen: by thresholds that runs held out choose, as in
-        `pmmkit.estimation.sparse`, or by the rule of an optimizer. By default `Elimination`.
     seed : int
         Of the bags.
 
@@ -83,11 +65,11 @@ def by_sparse_regression(
     -----
     Forces along the recorded motion are linear in the derivatives, so nothing is differenced.
     Rows are whitened by the noise of their record and the scatter between runs; columns have unit
-    rms. A hundred bags of whole runs give the share in which each term is taken (Brunton, Proctor
-    and Kutz 2016; Fasel et al. 2022); kept are those of `SHARE` and more. Their values are least
-    squares on all runs, with the covariance of the regression. What the choice itself brings
-    stands on top: the squared differences to the values with each set of terms that a bag took,
-    weighted by exp(-½ BIC) of its fit to all runs (Buckland, Burnham and Augustin 1997).
+    rms. Terms are chosen by elimination in a hundred bags of whole runs, which give the share in
+    which each is taken (Brunton, Proctor and Kutz 2016; Fasel et al. 2022); kept are those of
+    60 % and more (`pmmkit.inference.select_terms`). Their values are least squares on all runs,
+    with the covariance of the regression and, on top, of the choice itself
+    (`pmmkit.inference.Selection.covariance_of_choice`).
     """
     found: list[tuple[int, Choice]] = []
     same: list[tuple[int, ChannelFit]] = []
@@ -96,21 +78,21 @@ def by_sparse_regression(
     for group, channel in evidence.channels:
         base = determined(channel.base)
         same.append((group, channel.fitted(base)))
-        if len(channel.blocks) < FEWEST:
+        if len(channel.blocks) < Resampling.FEWEST:
             few = f"{len(channel.blocks)} runs are too few to choose from."
             said.append(f"{channel.base.channel}: {few}")
             continue
-        found.append((group, chosen(channel, _tellable(channel, len(base)), chooser, rng)))
+        found.append((group, chosen(channel, _tellable(channel, len(base)), rng)))
     whole = _with_choice(evidence.over_time((group, item.fit) for group, item in found), found)
     table = evidence.tabled(whole, TITLE, _columns(evidence, found))
     shares = _shares(found, len(table.Fn))
-    out = np.stack([shares[name] < SHARE for name in table.names], axis=1)
+    out = np.stack([shares[name] < Selection.SHARE for name in table.names], axis=1)
     return Estimate(
         method=TITLE,
         table=table.with_(method=np.where(out, f"{TITLE}: left out", table.method)),
         shares=shares,
         same_terms=evidence.tabled(evidence.over_time(same), TITLE),
-        notes=(*said, *_undecided(shares)),
+        notes=(*said, *_undecided(found)),
     )
 
 
@@ -122,9 +104,7 @@ def _tellable(channel: OverTime, count: int) -> list[str]:
     return [*base, *(more[place] for place in further)]
 
 
-def chosen(
-    channel: OverTime, names: Sequence[str], chooser: Method | None, rng: np.random.Generator
-) -> Choice:
+def chosen(channel: OverTime, names: Sequence[str], rng: np.random.Generator) -> Choice:
     """Choose among the terms of a channel.
 
     Parameters
@@ -133,49 +113,26 @@ def chosen(
         Whitened equations.
     names : sequence of str
         Terms to choose among.
-    chooser : "stlsq", "stepwise" or optimizer of pysindy, optional
-        As for `by_sparse_regression`.
     rng : Generator
         Of folds and bags.
     """
     at = [channel.names.index(name) for name in names]
-    systems = [
-        (compressed(X[:, at], y),) for X, y in zip(channel.design, channel.rows, strict=True)
-    ]
+    runs = [Equations.of((X[:, at], y)) for X, y in zip(channel.design, channel.rows, strict=True)]
     independent = sum(len(block.rows) for block in channel.base.blocks)
-    task = Task(
-        channels=(channel.base.channel,),
-        columns=tuple(range(len(names))),
-        groups=tuple((place,) for place in range(len(names))),
-        always=(False,) * len(names),
-        method=Elimination(independent) if chooser is None else chooser,
+    sample = EffectiveSample(size=independent, variance=np.ones(1))
+    selection = select_terms(
+        SparseProblem.single(channel.base.channel, len(names), "elimination"),
+        runs,
+        Resampling.of(len(runs), Resampling.BAGS, rng),
+        sample=sample,
     )
-    folds = folds_of(len(systems), rng)
-    cut = choose_threshold(task, systems, folds).chosen if task.thresholds else 0.0
-    draws = rng.integers(len(systems), size=(BAGS, len(systems)))
-    coefficients = bagged(task, systems, draws, cut)
-    shares = shares_of(coefficients)
-    stays = ~(shares < SHARE)
-    taken = np.where(np.isnan(coefficients), stays, coefficients != 0)
+    kept = [name for name, stay in zip(names, selection.stays, strict=True) if stay]
     return Choice(
         names=tuple(names),
-        shares=shares,
-        fit=channel.fitted([name for name, stay in zip(names, stays, strict=True) if stay]),
-        moved=_moved(joined(systems), stays, taken, np.log(max(independent, 2))),
+        selection=selection,
+        fit=channel.fitted(kept),
+        moved=selection.covariance_of_choice(runs, sample),
     )
-
-
-def _moved(
-    whole: System, stays: NDArray[np.bool_], taken: NDArray[np.bool_], penalty: float
-) -> Array:
-    """How far sets of terms that fit all runs as well move the values of those that stay."""
-    sets = np.unique(np.concatenate([taken, stays[None]]), axis=0)
-    values = np.stack([solved(whole, own) for own in sets])
-    left = [sum(np.sum((both[:, :-1] @ x - both[:, -1]) ** 2) for both, _ in whole) for x in values]
-    score = np.array(left) + penalty * sets.sum(axis=1)
-    weight = np.exp((score.min() - score) / 2)
-    change = (values - solved(whole, stays))[:, stays]
-    return np.asarray((change.T * (weight / weight.sum())) @ change)
 
 
 def _with_choice(solution: Solution, found: Sequence[tuple[int, Choice]]) -> Solution:
@@ -205,15 +162,21 @@ def _columns(evidence: Evidence, found: Sequence[tuple[int, Choice]]) -> Columns
 def _shares(found: Sequence[tuple[int, Choice]], groups: int) -> dict[str, Array]:
     shares: dict[str, Array] = {}
     for group, item in found:
-        for name, share in zip(item.names, item.shares.tolist(), strict=True):
+        for name, share in zip(item.names, item.selection.shares.tolist(), strict=True):
             shares.setdefault(name, np.full(groups, np.nan))[group] = share
     return shares
 
 
-def _undecided(shares: Mapping[str, Array]) -> list[str]:
+def _undecided(found: Sequence[tuple[int, Choice]]) -> list[str]:
     """Terms on which the bags of runs are of two minds."""
-    low, high = UNDECIDED
-    names = [name for name, own in shares.items() if np.any((own > low) & (own < high))]
-    if not names:
+    names = dict.fromkeys(name for _, item in found for name in item.names)
+    open_ = {
+        name
+        for _, item in found
+        for name, doubt in zip(item.names, item.selection.undecided, strict=True)
+        if doubt
+    }
+    said = [name for name in names if name in open_]
+    if not said:
         return []
-    return [f"Taken in some bags of runs and not in others: {', '.join(names)}."]
+    return [f"Taken in some bags of runs and not in others: {', '.join(said)}."]

@@ -8,7 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.estimation.sparse import System, unit
+from pmmkit.inference.equations import Equations, unit_columns
+from pmmkit.inference.least_squares import RANK_TOLERANCE
 from pmmkit.numerics import Array
 
 ALIKE: Final = 0.95
@@ -34,12 +35,68 @@ class Collinearity:
         For terms with a large inflation, the terms that mimic them most.
     condition : mapping of str to float
         Condition number of the columns of unit length, by the channels solved together.
+
+    Examples
+    --------
+    >>> v = np.linspace(-.3, .3, 50)
+    >>> X = np.stack([v, v * np.abs(v), v**3], axis=1)
+    >>> found = Collinearity.of(Equations.of((X, v)), ["Yv", "Yv|v|", "Yvvv"], ["Y"])
+    >>> found.pairs[0][:2], round(found.condition["Y"])
+    (('Yv|v|', 'Yvvv'), 51)
     """
 
     pairs: tuple[tuple[str, str, float], ...]
     inflation: Mapping[str, float]
     mixtures: Mapping[str, tuple[str, ...]]
     condition: Mapping[str, float]
+
+    @classmethod
+    def of(
+        cls, equations: Equations, names: Sequence[str], channels: Sequence[str]
+    ) -> Collinearity:
+        """From the scaled columns of all runs.
+
+        Parameters
+        ----------
+        equations : Equations
+            Of all runs; its columns are independent.
+        names : sequence of str
+            Terms, one per column.
+        channels : sequence of str
+            Channels of the equations, for the message.
+        """
+        X, _, _ = equations.scaled
+        columns, _ = unit_columns(X)
+        cosines = columns.T @ columns
+        singular = np.linalg.svd(columns, compute_uv=False)
+        inverse = np.linalg.inv(np.linalg.qr(columns, mode="r"))
+        inflation = np.sum(inverse**2, axis=1)
+        order = [
+            (i, j)
+            for i in range(len(names))
+            for j in range(i + 1, len(names))
+            if abs(cosines[i, j]) > ALIKE
+        ]
+        order.sort(key=lambda pair: -abs(cosines[pair]))
+        return cls(
+            pairs=tuple((names[i], names[j], float(cosines[i, j])) for i, j in order),
+            inflation=dict(zip(names, inflation.tolist(), strict=True)),
+            mixtures={
+                names[i]: _mimics(columns, i, names)
+                for i in np.flatnonzero(inflation > INFLATED).tolist()
+            },
+            condition={", ".join(channels): float(singular[0] / singular[-1])},
+        )
+
+    @classmethod
+    def joined(cls, reports: Sequence[Collinearity]) -> Collinearity:
+        """Of several systems as one."""
+        return cls(
+            pairs=tuple(pair for report in reports for pair in report.pairs),
+            inflation={k: x for report in reports for k, x in report.inflation.items()},
+            mixtures={k: x for report in reports for k, x in report.mixtures.items()},
+            condition={k: x for report in reports for k, x in report.condition.items()},
+        )
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -66,55 +123,9 @@ class Collinearity:
         return tuple(said)
 
 
-def joined_reports(reports: Sequence[Collinearity]) -> Collinearity:
-    """The reports of several systems as one."""
-    return Collinearity(
-        pairs=tuple(pair for report in reports for pair in report.pairs),
-        inflation={k: x for report in reports for k, x in report.inflation.items()},
-        mixtures={k: x for report in reports for k, x in report.mixtures.items()},
-        condition={k: x for report in reports for k, x in report.condition.items()},
-    )
-
-
-def collinearity_of(system: System, names: Sequence[str], channels: Sequence[str]) -> Collinearity:
-    """Look at the scaled columns of one system.
-
-    Parameters
-    ----------
-    system : System
-        Equations of all runs; its columns are independent.
-    names : sequence of str
-        Terms, one per column.
-    channels : sequence of str
-        Channels of the system, for the message.
-    """
-    design, _, _ = unit(system)
-    columns = design / np.linalg.norm(design, axis=0)
-    angles = columns.T @ columns
-    singular = np.linalg.svd(columns, compute_uv=False)
-    inverse = np.linalg.inv(np.linalg.qr(columns, mode="r"))
-    inflation = np.sum(inverse**2, axis=1)
-    order = [
-        (i, j)
-        for i in range(len(names))
-        for j in range(i + 1, len(names))
-        if abs(angles[i, j]) > ALIKE
-    ]
-    order.sort(key=lambda pair: -abs(angles[pair]))
-    return Collinearity(
-        pairs=tuple((names[i], names[j], float(angles[i, j])) for i, j in order),
-        inflation=dict(zip(names, inflation.tolist(), strict=True)),
-        mixtures={
-            names[i]: _mimics(columns, i, names)
-            for i in np.flatnonzero(inflation > INFLATED).tolist()
-        },
-        condition={", ".join(channels): float(singular[0] / singular[-1])},
-    )
-
-
 def _mimics(columns: Array, place: int, names: Sequence[str]) -> tuple[str, ...]:
     """Terms with at least a fifth of the largest part in the mixture nearest to a column."""
     others = [j for j in range(len(names)) if j != place]
-    parts = np.abs(np.linalg.lstsq(columns[:, others], columns[:, place], rcond=None)[0])
+    parts = np.abs(np.linalg.lstsq(columns[:, others], columns[:, place], rcond=RANK_TOLERANCE)[0])
     order = np.argsort(-parts)
     return tuple(names[others[j]] for j in order if parts[j] > 0.2 * parts.max())

@@ -1,1 +1,0 @@
-"""Estimation that knows nothing of ships: sparse least squares."""
