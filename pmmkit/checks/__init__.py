@@ -41,6 +41,7 @@ from pmmkit.checks.agreement import examine as agreement
 from pmmkit.checks.finding import Check, CheckFinding, accepted, loudest_first, refuse
 from pmmkit.checks.reading import Known, summarise
 from pmmkit.checks.summary import Summary
+from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.executors import Workers, each, opened
 
@@ -214,10 +215,12 @@ def settled(findings: Sequence[CheckFinding]) -> list[CheckFinding]:
     """
     causes = {item.cause for item in findings if item.cause}
     slips = {x.cause for x in findings if x.severity == "error" and x.cause and len(x.runs) > 1}
+    known = catalogue()
+    own = {check for cause in causes if cause in known for check in known[cause].own_checks}
     gone = set()
-    if causes and "moment point" not in causes:
+    if causes and "moment reference" not in own:
         gone.add(("moment reference", "warning"))
-    if slips and not causes & {"moment point", "inertia"}:
+    if slips and not own & {"moment reference", "inertia"}:
         gone |= {("moment reference", "warning"), ("inertia", "error")}
     return [x for x in findings if (x.check, x.severity) not in gone]
 

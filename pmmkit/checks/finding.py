@@ -43,8 +43,8 @@ class CheckFinding:
     by_run : mapping of str to mapping
         Numbers of each run, in the order in which they are shown.
     cause : str
-        What is thought to be wrong: the word by which the catalogue has the fault, or the name of
-        a slip; empty where the check names none.
+        What is thought to be wrong: the name of the fault in the catalogue, or what a slip is
+        called; empty where the check names none.
     """
 
     check: str

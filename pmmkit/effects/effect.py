@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from types import MappingProxyType
@@ -12,9 +12,9 @@ from typing import Any, Final, Literal, get_args
 from pmmkit.bibliography import cite
 from pmmkit.channels import did_you_mean
 from pmmkit.conventions import parse_derivative
-from pmmkit.effects.seen import Move, Observed, Vessel
+from pmmkit.effects.seen import Acts, Move, Vessel
+from pmmkit.effects.suspect import Suspect
 from pmmkit.errors import UnknownNameError
-from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section
 
 Kind = Literal["force", "mass", "state", "terms", "freed", "fault"]
@@ -82,6 +82,9 @@ class Parameter:
         Whether its grid is that of the speeds tested [m/s].
     expected : float
         Value about which a coefficient is expected, where that is not zero.
+    step : float
+        Of a coefficient of a fault: by how much it is moved to find what a unit of it does; 1 where
+        it acts in proportion.
     uncertain : bool
         Whether no model knows it exactly, so that a fit to records may move it.
     """
@@ -100,6 +103,7 @@ class Parameter:
     continuous: bool = True
     of_the_tests: bool = False
     expected: float = 0.0
+    step: float = 1.0
     uncertain: bool = False
 
     @property
@@ -190,15 +194,18 @@ class Effect(Described):
         From a vessel to how each coefficient moves its values, where that does not follow from
         the kind; of kind terms, for vessels that have a part of their own for it, and nothing for
         others; of a fault, what it does to a model that was made from faulty tests.
-    columns : callable, optional
-        Of kind fault: from a run and a value of the nonlinear parameter to the harmonics of each
-        coefficient by channel.
+    acts : callable, optional
+        Of kind fault: from captive records and the values of its parameters to what the gauges
+        show. The columns of the diagnosis are its slope, the suspects of the checks its values.
+    suspects : tuple of Suspect
+        Of kind fault: as what the checks of captive tests ask for it.
+    own_checks : tuple of str
+        Of kind fault: checks of captive tests that look for it by themselves, and know it by signs
+        that other faults would give too.
     each_run : bool
         Of kind fault: whether each run and channel draws a size of its own.
     check : str
         A run, or a check at the bench, that shows it.
-    known_as : str
-        Of kind fault: the word by which the checks of captive tests suspect it.
     excites : tuple of str
         What tests must hold to show it at all, words of `effects.seen.EXCITES`.
     not_captive, not_free_running : str
@@ -228,10 +235,11 @@ class Effect(Described):
     grows_with: Mapping[str, str] = field(default_factory=_none)
     frees: str = ""
     moves: Callable[[Vessel], Mapping[str, Move]] | None = None
-    columns: Callable[[Observed, float], Mapping[str, Sequence[Array]]] | None = None
+    acts: Acts | None = None
+    suspects: tuple[Suspect, ...] = ()
+    own_checks: tuple[str, ...] = ()
     each_run: bool = False
     check: str = ""
-    known_as: str = ""
     excites: tuple[str, ...] = ()
     not_captive: str = ""
     not_free_running: str = ""
@@ -245,7 +253,8 @@ class Effect(Described):
         )
 
     def _sections(self) -> list[Section]:
-        told = [self.summary, f"Source: {self.source}." if self.source else "", self.asked]
+        source = f"Source: {self.source}." if self.source else ""
+        told = [self.summary, source, self.asked, self.suspected]
         if self.check:
             told.append(f"To be sure: {self.check}.")
         tables = []
@@ -278,6 +287,12 @@ class Effect(Described):
         asked = " and ".join(where for where, reason in places if not reason)
         why = [f"Not in {where}: {reason}." for where, reason in places if reason]
         return " ".join([f"Asked in {asked or 'no tests'}.", *why])
+
+    @property
+    def suspected(self) -> str:
+        """As what the checks of captive tests ask for it, in words; empty where they do not."""
+        names = ", ".join(dict.fromkeys(form.name for form in self.suspects))
+        return f"The checks of captive tests suspect: {names}." if names else ""
 
     def parameter_table(self) -> tuple[list[str], list[list[str]]]:
         """The heads and rows that say what its parameters are, in cells of text."""

@@ -10,6 +10,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
@@ -95,8 +98,21 @@ class Vessel(Protocol):
         """Whether a part of the model uses a value, with the options it has."""
 
 
+Forces = Mapping[str, Array]
+"""By channel, in a form of which sums and multiples have a meaning: harmonics, histories, or the
+histories that each derivative multiplies."""
+
+
+Factor = Callable[[Array, Array], NDArray[np.complex128]]
+"""From the numbers n of harmonics and ω [rad/s] to what multiplies them; e^(-iφ) delays by φ."""
+
+
 class Observed(Protocol):
-    """A captive run, and what a fitted base says of it."""
+    """Captive records and the forces of the water on the model, as faults see them.
+
+    One run, or several one after another: what is told of a run is then told of each sample (n,).
+    Faults that the checks suspect act on several; others may ask for one number.
+    """
 
     @property
     def ship(self) -> Ship:
@@ -108,30 +124,34 @@ class Observed(Protocol):
 
     @property
     def motion(self) -> State:
-        """Motion of midship at n samples."""
+        """Motion of midship at n samples, as it is stated or was recorded."""
 
     @property
     def heading(self) -> Array:
         """Heading in the tank at the samples [rad]."""
 
     @property
+    def drift(self) -> float | Array:
+        """Heading about which the model is swung [rad]."""
+
+    @property
     def t(self) -> Array:
         """Time of the samples [s]."""
 
     @property
-    def speed(self) -> float:
+    def speed(self) -> float | Array:
         """Speed of the carriage [m/s]."""
 
     @property
-    def omega(self) -> float:
+    def omega(self) -> float | Array:
         """Angular frequency of the oscillation [rad/s]; 0 for a steady run."""
 
     @property
-    def sways(self) -> bool:
+    def sways(self) -> bool | Array:
         """Whether the rig oscillates the model across the tank."""
 
     @property
-    def yaws(self) -> bool:
+    def yaws(self) -> bool | Array:
         """Whether the rig oscillates the heading."""
 
     @property
@@ -139,16 +159,25 @@ class Observed(Protocol):
         """Where the run stands between the first (0) and the last (1) of the campaign."""
 
     @property
-    def expected(self) -> Mapping[str, Array]:
-        """Harmonics of the forces of the base, by channel [N, N m]."""
+    def forces(self) -> Forces:
+        """The forces of the water along the motion, by channel [N, N m]."""
+
+    def along(self, motion: State, *, speed: float | Array | None = None) -> Forces:
+        """The forces of the water if the model, or its carriage, went otherwise."""
 
     def project(self, history: Array) -> Array:
-        """Harmonics of a history (n,)."""
+        """A history (n,) in the form of the forces."""
 
-    def filtered(self, factor: Callable[[int], complex]) -> Mapping[str, Array]:
-        """Harmonics of the forces of the base, the n-th multiplied by a complex factor."""
+    def shaped(self, force: Array, shape: Callable[[Array], Array]) -> Array:
+        """A force of which each instant is changed by itself: from samples to samples."""
 
-    def changed(
-        self, motion: State, step: float, *, speed: float | None = None
-    ) -> Mapping[str, Array]:
-        """Change of the forces of the base per unit of a step that leads to another motion."""
+    def times(self, force: Array, history: Array) -> Array:
+        """A force times a history (n,)."""
+
+    def filtered(self, factor: Factor, *channels: str) -> dict[str, Array]:
+        """The forces of some channels, or of all, with each harmonic times a factor."""
+
+
+Acts = Callable[[Observed, Mapping[str, float]], Forces]
+"""What the gauges show in the channels that a fault changes, from the records and the values of its
+parameters [N, N m]."""

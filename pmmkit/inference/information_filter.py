@@ -23,6 +23,8 @@ class InformationRoot:
     -----
     Rows of equations, whitened by their own noise (which may be correlated), are taken in by an
     orthogonal triangularisation, so that nothing is squared and a vague prior costs no digits.
+    `Normal` holds the same knowledge as products, which add up and come apart again, where columns
+    are in units of their prior.
 
     Examples
     --------

@@ -1,17 +1,6 @@
 """The loop: compare, diagnose, add, watch the error fall, undo, replay."""
 
-from pmmkit.loop.error_fall import ErrorFall
-from pmmkit.loop.joint_fall import JointFall
-from pmmkit.loop.record_fall import RecordError, RecordFall
+from pmmkit.loop.fall import Fall, FallRow, Told
 from pmmkit.loop.session import Session, begin, fit, replay
 
-__all__ = [
-    "ErrorFall",
-    "JointFall",
-    "RecordError",
-    "RecordFall",
-    "Session",
-    "begin",
-    "fit",
-    "replay",
-]
+__all__ = ["Fall", "FallRow", "Session", "Told", "begin", "fit", "replay"]

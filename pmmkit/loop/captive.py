@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
+from typing import Final
 
 from pmmkit.campaigns.run import Campaign
+from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
 from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
@@ -17,17 +19,29 @@ from pmmkit.diagnosis.captive.refit import Refit, froude_numbers, places_of, ref
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.refit import Found, stepped
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
 from pmmkit.executors import Workers
-from pmmkit.loop.error_fall import ErrorFall
-from pmmkit.loop.evidence import BASE, only_campaign
+from pmmkit.loop.evidence import only_campaign
+from pmmkit.loop.fall import ALL, BASE, Fall, FallRow, Told
 from pmmkit.models import Model
-from pmmkit.models.changes import before_of
 from pmmkit.models.step import Step
 from pmmkit.presentation import counted
 from pmmkit.structures import Structure
+
+FORCE: Final = "force"
+"""All channels of captive tests together, each over its rms force."""
+TOLD: Final = Told(
+    of=FORCE,
+    judged=(FORCE,),
+    left_out="conditions",
+    total="{} of the rms force",
+    how="Each condition was left out of the fit in turn, with its repeats, and predicted from all "
+    "others: root mean square of the error in newtons and in per cent of the channel's rms force, "
+    "beside what noise alone gives.",
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,15 +137,19 @@ class CaptiveTests:
 
         return cache(made)
 
-    def fall(self, steps: Sequence[Step]) -> ErrorFall:
+    def fall(self, steps: Sequence[Step]) -> Fall:
         """Held-out errors of the base and after each step."""
         blocks = self._with(steps)
         first = len(self.begun)
         names = (BASE, *(step.effect for step in steps))
-        return ErrorFall(
-            steps=names,
-            errors=tuple(self._left_out(blocks[: first + number]) for number in range(len(names))),
-        )
+        found = [self._left_out(blocks[: first + number]) for number in range(len(names))]
+        rows = [
+            row
+            for name, before, after in zip(names, [None, *found], found, strict=False)
+            for row in _fall_rows(name, self.title, after, before)
+        ]
+        mine = tuple(replace(step, campaign="") for step in steps)
+        return Fall(added=mine, rows=tuple(rows), told={self.title: TOLD})
 
     def held_out_errors(self, _steps: Sequence[Step]) -> dict[str, dict[str, float]]:
         """None: conditions of captive tests are left out in turn instead."""
@@ -147,7 +165,17 @@ class CaptiveTests:
         """
         source, fit, found = self._sailing(self._names(steps))
         made = found.model.with_(notes=tuple(dict.fromkeys((*found.model.notes, *found.notes))))
-        return made.stepped(*self._fitted(steps, fit, self._with(steps), source, made))
+        blocks = self._with(steps)
+        plain = Step(
+            action="fitted",
+            campaign=self.campaign.title or self.campaign.ship.name,
+            count=fit.std.size,
+            Fn=froude_numbers(self.campaign),
+            faults=tuple(x.candidate.name for x in blocks if x.candidate.kind == "fault"),
+        )
+        errors = [x / 100.0 for x in self.fall(steps).totals] if steps else []
+        taken = [self._found(block, fit, made) for block in blocks[len(self.begun) :]]
+        return stepped(source, made, plain, steps, taken, errors)
 
     def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
         """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
@@ -177,48 +205,17 @@ class CaptiveTests:
     def _names(self, steps: Sequence[Step]) -> tuple[str, ...]:
         return (*self.begun, *(step.effect for step in steps))
 
-    def _fitted(
-        self, taken: Sequence[Step], fit: JointFit, blocks: Sequence[Block], old: Model, new: Model
-    ) -> tuple[Step, ...]:
-        """The steps with what the fit says of each."""
-        plain = Step(
-            action="fitted",
-            campaign=self.campaign.title or self.campaign.ship.name,
-            count=fit.std.size,
-            Fn=froude_numbers(self.campaign),
-            faults=tuple(x.candidate.name for x in blocks if x.candidate.kind == "fault"),
+    def _found(self, block: Block, fit: JointFit, made: Model) -> Found:
+        """What the fit says of an effect, and where it stands in the ship of it."""
+        c = block.candidate
+        known = catalogue().get(c.name)
+        names = list(known.typical) if c.kind == "fault" and known else c.coefficients
+        return Found(
+            coefficients=dict(zip(names, coefficients_of(block, fit)[0], strict=True)),
+            places=places_of(block, made, self.own) if c.kind == "physics" else (),
+            parameter=c.parameter,
+            value=block.value if c.parameter else None,
         )
-        if not taken:
-            return (plain,)
-        errors = [item.share() for item in self.fall(taken).errors]
-        steps = []
-        brought: set[str] = set()
-        for number, step in enumerate(taken):
-            block = blocks[len(self.begun) + number]
-            c = block.candidate
-            kept = c.kind == "physics" and old.convention == new.convention
-            places = [x for x in places_of(block, new, self.own) if x not in brought]
-            brought.update(places)
-            known = catalogue().get(c.name)
-            labels = list(known.typical) if c.kind == "fault" and known else c.coefficients
-            values = dict(zip(labels, coefficients_of(block, fit)[0], strict=True))
-            steps.append(
-                replace(
-                    plain,
-                    action=step.action,
-                    effect=step.effect,
-                    coefficients={name: x for name, x in values.items() if math.isfinite(x)},
-                    system="prime" if c.kind == "physics" else "",
-                    parameter=c.parameter,
-                    value=block.value if c.parameter else None,
-                    log_odds=step.log_odds,
-                    note=step.note,
-                    error_before=_finite(errors[number]),
-                    error_after=_finite(errors[number + 1]),
-                    before=before_of(old, new, places) if kept else None,
-                )
-            )
-        return tuple(steps)
 
 
 def captive_tests(
@@ -253,5 +250,38 @@ def captive_tests(
     )
 
 
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+def _fall_rows(
+    step: str, campaign: str, after: HeldOut, before: HeldOut | None
+) -> Iterator[FallRow]:
+    """Errors after a step: of all channels together and of each, of all kinds of test and of each.
+
+    The channels are judged together, on the scale of their forces; free-running records have no
+    such scale.
+    """
+    better = math.nan if before is None else after.better_than(before)
+    force = after.of_channel(kind="force")
+    for test in (None, *dict.fromkeys(after.tests)):
+        group, share = test or ALL, better if test is None else math.nan
+        yield FallRow(
+            step=step,
+            campaign=campaign,
+            group=group,
+            quantity=FORCE,
+            error=100.0 * after.share(test),
+            level=100.0 * after.share(test, kind="level"),
+            unit="%",
+            better=share,
+        )
+        levels = after.of_channel(test, kind="level")
+        for channel, error in after.of_channel(test).items():
+            yield FallRow(
+                step=step,
+                campaign=campaign,
+                group=group,
+                quantity=channel,
+                error=error,
+                level=levels[channel],
+                unit=CHANNEL_UNITS[channel],
+                force=force[channel],
+                better=share,
+            )

@@ -3,70 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.together.result import Together
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import DataError
+from pmmkit.loop.fall import Fall
 from pmmkit.models import Model
 from pmmkit.models.step import Step
-from pmmkit.presentation import Grid
 
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.figure import Figure
-
-BASE: Final = "base"
-"""First line of an error fall: the model before any step."""
 Said_co = TypeVar("Said_co", bound=Diagnosis | Together, covariant=True)
 """What a diagnosis is, of one campaign or of several."""
-FALLS: Final = 0.995
-"""A step whose held-out error is above this share of the one before does not lower it."""
-
-
-class Fall(Protocol):
-    """How the error of what is left out falls with each step."""
-
-    @property
-    def steps(self) -> tuple[str, ...]:
-        """``base``, then the effects in the order in which they were added."""
-
-    @property
-    def errors(self) -> tuple[Any, ...]:
-        """After each."""
-
-    @property
-    def totals(self) -> tuple[float, ...]:
-        """The one number of each step [`unit`]."""
-
-    @property
-    def unit(self) -> str:
-        """Of `totals`."""
-
-    @property
-    def of(self) -> str:
-        """What `totals` are errors of."""
-
-    @property
-    def useless(self) -> tuple[str, ...]:
-        """Steps that do not lower the error."""
-
-    @property
-    def how(self) -> str:
-        """What was left out, and what the numbers are, in a sentence."""
-
-    def table(self) -> Grid:
-        """A row per step."""
-
-    def remarks(self) -> list[str]:
-        """What is to be said of the steps."""
-
-    def plot(self) -> Figure:
-        """Errors after each step."""
-
-    def to_pandas(self) -> pd.DataFrame:
-        """The errors as data."""
 
 
 class Evidence(Protocol[Said_co]):

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.diagnose import complete_model
-from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.findings import UNITS, Diagnosis
 from pmmkit.diagnosis.free_running.bands import band
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, why_not_asked
 from pmmkit.diagnosis.free_running.contest import MOST, Contest
@@ -20,7 +20,7 @@ from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer, contest_ab
 from pmmkit.diagnosis.free_running.findings import held_out_errors, model_of, moved
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import Names
-from pmmkit.diagnosis.free_running.left_out import each, left_out_windows, predicted
+from pmmkit.diagnosis.free_running.left_out import ERRORS, each, left_out_windows, predicted
 from pmmkit.diagnosis.free_running.noise_level import noise_level
 from pmmkit.diagnosis.free_running.question import records_of
 from pmmkit.diagnosis.free_running.refit import refitted
@@ -32,8 +32,8 @@ from pmmkit.effects.seen import OUTSIDE
 from pmmkit.errors import DataError, ModelError
 from pmmkit.identification.as_tested import known_faults
 from pmmkit.identification.record import FreeRecord
-from pmmkit.loop.evidence import BASE, only_campaign
-from pmmkit.loop.record_fall import RecordError, RecordFall
+from pmmkit.loop.evidence import only_campaign
+from pmmkit.loop.fall import ALL, BASE, Fall, FallRow, Told
 from pmmkit.models import Model
 from pmmkit.models.step import Step
 from pmmkit.plotting.records import Sailed
@@ -44,6 +44,15 @@ DRAWN: Final = 3
 """Records of which tracks are drawn."""
 BASE_FITTED: Final = "base fitted to the other records"
 WITH_EFFECTS: Final = "with the effects"
+TOLD: Final = Told(
+    of="heading",
+    judged=tuple(ERRORS),
+    left_out="records",
+    total="heading {}",
+    how="Each record was left out of the fit in turn and sailed by what all others say, over "
+    "windows with its measured rudder: root mean square error, the noise of the sensors taken off, "
+    "beside what a model would leave that lacks nothing.",
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -127,16 +136,29 @@ class FreeRecords:
         first = len(self.begun)
         return tuple(names[: first + number] for number in range(len(steps) + 1))
 
-    def fall(self, steps: Sequence[Step]) -> RecordFall:
-        """Errors of records left out one after another, of the base and after each step."""
+    def fall(self, steps: Sequence[Step]) -> Fall:
+        """Errors of records left out one after another, of the base and after each step.
+
+        The level of each is that of the last step: before it, what is missing stands among the
+        unknown forces.
+        """
         names, sets = (BASE, *(step.effect for step in steps)), self.sets(steps)
-        return RecordFall(
-            errors=tuple(
-                RecordError(step=name, **self.system.errors(own, sets[-1]))
-                for name, own in zip(names, sets, strict=True)
-            ),
-            levels=MappingProxyType(noise_level(self.system.fit(sets[-1]))),
-        )
+        levels = noise_level(self.system.fit(sets[-1]))
+        rows = [
+            FallRow(
+                step=step,
+                campaign=self.title,
+                group=ALL,
+                quantity=quantity,
+                error=error,
+                level=levels.get(quantity, math.nan),
+                unit=UNITS[quantity],
+            )
+            for step, names in zip(names, sets, strict=True)
+            for quantity, error in self.system.errors(names, sets[-1]).items()
+        ]
+        mine = tuple(replace(step, campaign="") for step in steps)
+        return Fall(added=mine, rows=tuple(rows), told={self.title: TOLD})
 
     def held_out_errors(self, steps: Sequence[Step]) -> dict[str, dict[str, float]]:
         """Errors of records that are held out: model as given, base refitted, with the effects."""

@@ -18,7 +18,8 @@ from pmmkit.errors import DataError, ModelError
 from pmmkit.executors import Workers
 from pmmkit.identification.record import FreeRecord
 from pmmkit.loop.captive import captive_tests
-from pmmkit.loop.evidence import Evidence, Fall
+from pmmkit.loop.evidence import Evidence
+from pmmkit.loop.fall import Fall
 from pmmkit.loop.records import free_running
 from pmmkit.loop.saved import SavedSession, read_session
 from pmmkit.loop.several import Tests, several_campaigns

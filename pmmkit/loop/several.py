@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
@@ -22,14 +22,33 @@ from pmmkit.errors import DataError, ModelError
 from pmmkit.executors import Workers
 from pmmkit.identification.record import FreeRecord
 from pmmkit.loop.captive import CaptiveTests, captive_tests
-from pmmkit.loop.joint_fall import JointFall
+from pmmkit.loop.fall import Fall
 from pmmkit.loop.records import FreeRecords, free_running
 from pmmkit.models import Model
-from pmmkit.models.step import Step
+from pmmkit.models.changes import restored
+from pmmkit.models.edit import without_effect
+from pmmkit.models.step import Action, Step
 from pmmkit.presentation import counted
 from pmmkit.structures import Structure
 
 Tests = Campaign | Sequence[FreeRecord]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Brought:
+    """What captive tests bring into the model of the records.
+
+    Parameters
+    ----------
+    campaign : str
+        The tests.
+    effects, alone : tuple of str
+        All that they are asked for, fitted together; those that they alone can be asked for.
+    """
+
+    campaign: str
+    effects: Names
+    alone: Names
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -108,7 +127,7 @@ class SeveralCampaigns:
             What is added: effects that captive tests alone can be asked for are in the model of
             the records.
         """
-        records = self._records(self._captive_alone(steps))
+        records = self._records(self._brought(steps))
         found: dict[str, CaptiveTests | FreeRecords] = {**self.captive, **records}
         return {name: found[name] for name in self.order}
 
@@ -144,17 +163,15 @@ class SeveralCampaigns:
         """What the campaigns say together of a base with some steps."""
         return self._answer(tuple(steps), seed)[0]
 
-    def fall(self, steps: Sequence[Step]) -> JointFall:
+    def fall(self, steps: Sequence[Step]) -> Fall:
         """Errors of what is left out of each campaign, of the base and after each step."""
-        found = self.each(steps)
-        return JointFall(
+        found = {name: item.fall(asked) for name, (item, asked) in self.each(steps).items()}
+        return Fall(
             added=tuple(steps),
-            taken=MappingProxyType(
-                {name: tuple(x in asked for x in steps) for name, (_, asked) in found.items()}
+            rows=tuple(
+                replace(row, campaign=name) for name, own in found.items() for row in own.rows
             ),
-            falls=MappingProxyType(
-                {name: item.fall(asked) for name, (item, asked) in found.items()}
-            ),
+            told={name: told for name, own in found.items() for told in own.told.values()},
         )
 
     def held_out_errors(self, steps: Sequence[Step]) -> Mapping[str, Mapping[str, float]]:
@@ -200,25 +217,29 @@ class SeveralCampaigns:
                 return made
         raise ModelError(f"{' + '.join(names)} was not named.")
 
-    def _captive_alone(self, steps: Sequence[Step]) -> Names:
-        """Effects that captive tests alone can be asked for."""
+    def _brought(self, steps: Sequence[Step]) -> Brought | None:
+        """What captive tests bring into the model of the records: effects that they alone can be
+        asked for, fitted together with all else that they are asked for."""
         if not steps or not self.free:
-            return ()
-        free = {name for item in self._records(()).values() for name in item.kinds}
-        alone = {
-            name
-            for item in self.captive.values()
-            for name, kind in item.kinds.items()
-            if kind == "physics" and name not in item.begun and name not in free
-        }
-        return tuple(step.effect for step in steps if step.effect in alone)
+            return None
+        free = {name for item in self._records(None).values() for name in item.kinds}
+        for name, item in self.captive.items():
+            asked = _asked(name, item, steps)
+            alone = tuple(
+                x.effect
+                for x in asked
+                if item.kinds[x.effect] == "physics" and x.effect not in free
+            )
+            if alone:
+                return Brought(campaign=name, effects=tuple(x.effect for x in asked), alone=alone)
+        return None
 
     @cached_property
-    def _records(self) -> Callable[[Names], Mapping[str, FreeRecords]]:
+    def _records(self) -> Callable[[Brought | None], Mapping[str, FreeRecords]]:
         """Records about a base to which captive tests have brought some effects, each once."""
 
-        def made(names: Names) -> dict[str, FreeRecords]:
-            based = self._base(names).model
+        def made(brought: Brought | None) -> dict[str, FreeRecords]:
+            based = self._base(brought).model
             asked = {name: x for name, x in self.settings.items() if name not in CHOSEN}
             found = {}
             for name, item in self.free.items():
@@ -237,16 +258,12 @@ class SeveralCampaigns:
         return cache(made)
 
     @cached_property
-    def _base(self) -> Callable[[Names], Based]:
+    def _base(self) -> Callable[[Brought | None], Based]:
         """The model as captive tests know it, with effects that they alone can be asked for."""
 
-        def made(names: Names) -> Based:
-            if names:
-                steps = [Step(action="effect_added", effect=name) for name in names]
-                name, first = next(
-                    (k, x) for k, x in self.captive.items() if set(names) & set(x.kinds)
-                )
-                return Based(model=first.model(_asked(name, first, steps)))
+        def made(brought: Brought | None) -> Based:
+            if brought is not None:
+                return Based(model=self._ship_of(brought))
             tests = [
                 Fitted(name=name, system=item.system, model=partial(_fitted, item))
                 for name, item in self.captive.items()
@@ -254,6 +271,27 @@ class SeveralCampaigns:
             return known_from(self.given_model, tests)
 
         return cache(made)
+
+    def _ship_of(self, brought: Brought) -> Model:
+        """The ship of captive tests without what the records are asked for themselves.
+
+        It was in the fit: a base without it would have taken its place.
+        """
+        item = self.captive[brought.campaign]
+        made = item.model(
+            [Step(action=_action(item, name), effect=name) for name in brought.effects]
+        )
+        first = len(self.given_model.steps)
+        kept = list(made.steps[:first])
+        bare = made
+        for step in reversed(made.steps[first:]):
+            if step.action == "fault_corrected" or step.effect in brought.alone:
+                kept.insert(first, step)
+            elif step.before is not None:
+                bare = restored(bare, step.before)
+            else:
+                bare = without_effect(bare, step.effect)
+        return bare.with_(steps=tuple(kept))
 
     @cached_property
     def _answer(self) -> Callable[[tuple[Step, ...], int], tuple[Together, tuple[Vote, ...]]]:
@@ -281,7 +319,7 @@ class SeveralCampaigns:
     @property
     def _notes(self) -> list[str]:
         """Of the bases."""
-        based = self._base(())
+        based = self._base(None)
         campaigns = [(name, x) for name, x in self.free.items() if isinstance(x, Campaign)]
         each = [carried(based.model, name, item).notes for name, item in campaigns]
         return [*based.notes, *(text for own in each for text in own)]
@@ -373,6 +411,10 @@ def _asked(name: str, item: CaptiveTests | FreeRecords, steps: Sequence[Step]) -
     """The steps that a campaign can be asked for, and does not have."""
     mine = [x for x in steps if x.campaign in ("", name)]
     return [x for x in mine if x.effect in item.kinds and x.effect not in item.begun]
+
+
+def _action(item: CaptiveTests, effect: str) -> Action:
+    return "fault_corrected" if item.kinds[effect] == "fault" else "effect_added"
 
 
 def _fitted(item: CaptiveTests) -> Model | None:

@@ -253,7 +253,7 @@ def _refuse(entry: Effect) -> None:
     if entry.faulty:
         raise ModelError(
             f"{entry.name} is a fault of the measurement: it corrects the data, it does not enter "
-            f"a model. {entry.summary} To be sure: {entry.check}."
+            f"a model. {entry.summary}{f' To be sure: {entry.check}.' if entry.check else ''}"
         )
     if not entry.coefficients and entry.moves is None:
         raise ModelError(

@@ -178,7 +178,8 @@ class Model(Described):
         whole = (*self.steps, *steps)
         misfit = tuple(text for step in whole for text in step.misfit)
         others = tuple(text for text in self.notes if text not in misfit)
-        fitted = any(whole[place].error_after is not None for place in added(whole))
+        taken = [whole[place] for place in added(whole)]
+        fitted = any(x.error_after is not None and not x.error_of for x in taken)
         stands = () if fitted else misfit
         return replace(self, notes=(*stands, *others), steps=whole)
 

@@ -85,7 +85,10 @@ class Step:
     log_odds : float, optional
         ln of the odds for the effect.
     error_before, error_after : float, optional
-        Error of conditions left out of the fit, over the rms forces, without and with the effect.
+        Error of what is left out of the fit, without and with the effect.
+    error_of : str
+        What these are errors of: ``heading`` of records [deg]; by default all forces of captive
+        tests, over their rms.
     campaign : str
         Title of the tests.
     count : int, optional
@@ -133,6 +136,7 @@ class Step:
     log_odds: float | None = None
     error_before: float | None = None
     error_after: float | None = None
+    error_of: str = ""
     campaign: str = ""
     count: int | None = None
     faults: tuple[str, ...] = ()
@@ -251,7 +255,7 @@ def added(steps: Sequence[Step]) -> tuple[int, ...]:
 
 
 def _added(step: Step) -> str:
-    if step.campaign and step.error_before is not None:
+    if step.error_before is not None:
         return _explained(step)
     inner = {} if step.value is None else {step.parameter: step.value}
     values = {**step.coefficients, **inner, **step.numbers}
@@ -265,18 +269,23 @@ def _explained(step: Step) -> str:
     """What a fit took in, with the error that it takes away."""
     why = step.note or ("" if step.log_odds is None else odds(step.log_odds))
     before, after = (
-        "unknown" if x is None else f"{100 * x:.2f} %"
+        "unknown" if x is None else f"{x:.3g}°" if step.error_of else f"{100 * x:.2f} %"
         for x in (step.error_before, step.error_after)
     )
-    return (
-        f"Added {step.effect}{f' ({why})' if why else ''}: error of left-out conditions {before} "
-        f"to {after} of the rms forces of {step.campaign}."
-    )
+    of = f" of {step.campaign}" if step.campaign else ""
+    if step.error_of:
+        fall = f"{step.error_of} {before} to {after} where records{of} are left out"
+    else:
+        fall = f"left-out conditions {before} to {after} of the rms forces{of}"
+    # The numbers of a fault stand in no part of the model.
+    numbers = step.coefficients.items() if step.action == "fault_corrected" else ()
+    said = "".join(f", {name} = {_listed(x, '.4g', ' | ')}" for name, x in numbers)
+    return f"Added {step.effect}{said}{f' ({why})' if why else ''}: error of {fall}."
 
 
 def _fitted(step: Step) -> str:
     faults = f", {', '.join(step.faults)} corrected" if step.faults else ""
-    return f"Fitted {step.count} coefficients to {step.campaign}{faults}."
+    return f"Fitted {step.count} coefficients to {step.campaign or 'records'}{faults}."
 
 
 def _scaled(step: Step) -> str:

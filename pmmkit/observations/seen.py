@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.effects.seen import Factor
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View
@@ -30,10 +32,8 @@ class Expects(Protocol):
     def expected(self, view: View) -> Mapping[str, Array]:
         """All harmonics of the forces that are predicted in a view, by channel [N, N m]."""
 
-    def change(
-        self, view: View, moved: Callable[[View], tuple[State, float]], step: float
-    ) -> Mapping[str, Array]:
-        """Harmonics of how the prediction changes per unit of something, by a small step."""
+    def along(self, view: View, motion: State, speed: float) -> Mapping[str, Array]:
+        """The same if the model, or its carriage, went otherwise."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,11 @@ class Seen:
     def heading(self) -> Array:
         """Heading in the tank [rad]."""
         return self.view.heading
+
+    @property
+    def drift(self) -> float:
+        """Heading about which the model is swung [rad]."""
+        return self.view.run.settings.drift
 
     @property
     def t(self) -> Array:
@@ -93,32 +98,46 @@ class Seen:
         """Where the run stands between the first (0) and the last (1) of the campaign."""
         return self.view.day
 
-    @property
-    def expected(self) -> Mapping[str, Array]:
+    @cached_property
+    def _expected(self) -> Mapping[str, Array]:
+        return self.base.expected(self.view)
+
+    @cached_property
+    def forces(self) -> Mapping[str, Array]:
         """Harmonics of the predicted forces that the forces have [N, N m]."""
-        found = self.base.expected(self.view)
-        return MappingProxyType({name: self.view.pick(x) for name, x in found.items()})
+        return MappingProxyType({name: self.view.pick(x) for name, x in self._expected.items()})
+
+    def along(self, motion: State, *, speed: float | Array | None = None) -> Mapping[str, Array]:
+        """The same if the model, or its carriage, went otherwise."""
+        found = self.base.along(self.view, motion, self.speed if speed is None else float(speed))
+        return {name: self.view.pick(x) for name, x in found.items()}
 
     def project(self, history: Array) -> Array:
         """Harmonics of a history."""
         return self.view.project(history)
 
-    def filtered(self, factor: Callable[[int], complex]) -> Mapping[str, Array]:
-        """Harmonics of the predicted forces, the n-th multiplied by a complex factor."""
-        expected = self.base.expected(self.view)
+    def shaped(self, force: Array, shape: Callable[[Array], Array]) -> Array:
+        """Harmonics of a force of which each instant is changed by itself."""
+        return self.view.project(shape(self._history(force)))
+
+    def times(self, force: Array, history: Array) -> Array:
+        """Harmonics of a force times a history."""
+        return self.view.project(self._history(force) * history)
+
+    def _history(self, force: Array) -> Array:
+        """A force at the samples, from the harmonics that it has."""
+        kept = slice(None) if self.view.kept is None else self.view.kept
+        return np.asarray(self.view.basis[:, kept] @ force)
+
+    def filtered(self, factor: Factor, *channels: str) -> dict[str, Array]:
+        """Harmonics of predicted forces, each times a factor."""
+        expected = {name: self._expected[name] for name in channels or self._expected}
         count = max(map(len, expected.values()), default=1)
-        factors = np.array([factor(n) for n in range((count - 1) // 2 + 1)], complex)
+        factors = factor(np.arange((count - 1) // 2 + 1.0), np.asarray(self.omega))
         return {
             name: self.view.pick(times_factors(harmonics, factors))
             for name, harmonics in expected.items()
         }
-
-    def changed(
-        self, motion: State, step: float, *, speed: float | None = None
-    ) -> Mapping[str, Array]:
-        """Change of the predicted forces per unit of a step that leads to another motion."""
-        after = (motion, self.view.speed if speed is None else speed)
-        return self.base.change(self.view, lambda _: after, step)
 
 
 def times_factors(harmonics: Array, factors: NDArray[np.complex128]) -> Array:

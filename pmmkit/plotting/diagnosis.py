@@ -1,20 +1,17 @@
-"""Diagnosis: evidence of every effect, what the runs could show, how the error falls."""
+"""Diagnosis: evidence of every effect, and what the runs could show."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.errors import DataError
 from pmmkit.escaping import figure_text
 from pmmkit.plotting import style
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _MOST: Final = 14
@@ -119,84 +116,6 @@ def coverage(names: Sequence[str], hides: Sequence[float], shown: Sequence[bool]
 
 
 _LARGEST: Final = 30.0
-
-
-def error_fall(
-    steps: Sequence[str],
-    errors: Mapping[str, Sequence[float]],
-    forces: Mapping[str, float],
-    shares: Mapping[str, Sequence[float]],
-) -> Figure:
-    """Held-out error after each step: by channel, and by test type.
-
-    Parameters
-    ----------
-    steps : sequence of str
-        The base, then what was added.
-    errors : mapping of str to sequence of float
-        By channel, after each step [N, N m].
-    forces : mapping of str to float
-        What they are errors of [N, N m].
-    shares : mapping of str to sequence of float
-        Error over force by test type, after each step.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    DataError
-        If there is no step.
-    """
-    if not steps:
-        raise DataError("There is no step to draw.")
-    with style.styled():
-        figure = style.canvas(4.2)
-        left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.0, 1.4))
-        _bars(
-            left,
-            steps,
-            [[100 * own[i] / forces[x] for x, own in errors.items()] for i in range(len(steps))],
-            [f"{x}\n{_in_newtons(own, x)}" for x, own in errors.items()],
-        )
-        left.set_ylabel("error of left-out conditions,\n% of the channel's rms force")
-        _bars(
-            right,
-            steps,
-            [[100 * own[i] for own in shares.values()] for i in range(len(steps))],
-            [test.replace("_", "\n") for test in shares],
-        )
-        left.set_title("by channel")
-        right.set_title("by test type, root mean square of the channels")
-        style.legend_below(figure, [left])
-    return figure
-
-
-def _bars(axis: Axes, steps: Sequence[str], values: list[list[float]], places: list[str]) -> None:
-    width = 0.8 / len(steps)
-    for number, (step, heights) in enumerate(zip(steps, values, strict=True)):
-        at = np.arange(len(places)) + (number - 0.5 * (len(steps) - 1)) * width
-        label = _words((step,)) if number == 0 else f"+ {_words((step,))}"
-        axis.bar(
-            at,
-            heights,
-            width=0.92 * width,
-            color=style.colour(number),
-            hatch=style.hatch(number),
-            edgecolor="white",
-            lw=0.0,
-            label=label,
-        )
-    axis.set_xticks(range(len(places)), places)
-    axis.grid(visible=False, axis="x")
-
-
-def _in_newtons(errors: Sequence[float], channel: str) -> str:
-    """The fall of a channel in its unit."""
-    unit = CHANNEL_UNITS[channel]
-    ends = [errors[0], *errors[-1:]] if len(errors) > 1 else errors
-    return f"{' → '.join(f'{x:.3g}' for x in ends)} {unit}"
 
 
 def _words(names: tuple[str, ...]) -> str:

@@ -1,9 +1,8 @@
-"""Free-running records left out: how their errors fall, and how they were sailed."""
+"""Free-running records left out, as they were measured and as they were sailed."""
 
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
@@ -22,76 +21,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 DEGREES: Final = 180.0 / math.pi
-TICK: Final = 10
-"""Letters in a line under a bar; one word may be longer."""
-
-
-def waterfall(
-    steps: Sequence[str],
-    errors: Mapping[tuple[str, str], Sequence[float]],
-    levels: Mapping[tuple[str, str], float] | None = None,
-) -> Figure:
-    """Error of left-out records after each step, a panel for each kind of error.
-
-    Parameters
-    ----------
-    steps : sequence of str
-        The base, then what was added.
-    errors : mapping of (str, str) to sequence of float
-        After each step, by what it is an error of and its unit.
-    levels : mapping of (str, str) to float, optional
-        What noise alone gives of them.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    DataError
-        If there is no step.
-    """
-    if not steps or not errors:
-        raise DataError("There is no step to draw.")
-    with style.styled():
-        figure = style.canvas(3.0)
-        axes = np.atleast_1d(figure.subplots(1, len(errors)))
-        for axis, ((name, unit), values) in zip(axes, errors.items(), strict=True):
-            axis.bar(
-                range(len(steps)),
-                values,
-                width=0.75,
-                color=[style.colour(number) for number in range(len(steps))],
-                label="error",
-            )
-            for number, value in enumerate(values):
-                axis.annotate(
-                    f"{value:.3g}",
-                    (number, value),
-                    (0.0, 2.0),
-                    textcoords="offset points",
-                    ha="center",
-                    fontsize="small",
-                )
-            level = (levels or {}).get((name, unit))
-            if level is not None:
-                axis.axhline(level, color=style.LIMIT, lw=1.0, ls="--", label="noise alone")
-            axis.set_ylim(0.0, 1.15 * max(*values, level or 0.0) or 1.0)
-            axis.set_xlim(-0.7, len(steps) - 0.3)
-            axis.set_xticks(range(len(steps)), _ticks(steps))
-            axis.grid(visible=False, axis="x")
-            axis.set_title(name)
-            axis.set_ylabel(f"error [{unit}]")
-        if levels:
-            style.legend_below(figure, axes.tolist())
-    return figure
-
-
-def _ticks(steps: Sequence[str]) -> list[str]:
-    """The steps in short lines."""
-    lines = [textwrap.wrap(step.replace("_", " "), TICK) for step in steps]
-    words = ["\n".join(map(figure_text, own)) for own in lines]
-    return [f"+ {word}" if number else word for number, word in enumerate(words)]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -60,9 +60,8 @@ def write_free_diagnosis(
         after = after.add(item)
     loop = Loop(base=evidence.base, session=session, diagnosis=found, fall=after.fall())
     shown = sum(item.shown for item in found.covered)
-    ends = dict.fromkeys(
-        f"{item.heading:.2g}" for item in (loop.fall.errors[0], loop.fall.errors[-1])
-    )
+    headings = loop.fall.errors("heading")
+    ends = dict.fromkeys(f"{x:.2g}" for x in (headings[0], headings[-1]))
     facts = {
         "effects these records can show": f"{shown} of {len(found.covered)}",
         "heading of records left out, rms error": f"{' → '.join(ends)}°",

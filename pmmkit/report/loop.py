@@ -9,8 +9,7 @@ from pathlib import Path
 from pmmkit.checks.finding import CheckFinding
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.files import write_text
-from pmmkit.loop import Session
-from pmmkit.loop.evidence import Fall
+from pmmkit.loop import Fall, Session
 from pmmkit.presentation import Section, sections_of
 from pmmkit.report.checked import checked_section
 from pmmkit.workbench.page_file import page_file, state_of

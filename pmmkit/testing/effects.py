@@ -35,6 +35,7 @@ from pmmkit.models.edit import with_effect, without_effect
 from pmmkit.models.roles import parts_of
 from pmmkit.models.vessel import Sailing
 from pmmkit.ship_library import ships
+from pmmkit.testing.faults import acts_on_records, declared_fault
 
 _FROUDE: Final = 0.142
 """Froude number at which models are tried."""
@@ -250,8 +251,8 @@ def _kind(case: _Case) -> Iterator[str]:
     yield from _OF_KIND[effect.kind](effect)
     if not effect.enters and (effect.force is not None or effect.outputs or effect.states):
         yield f"it is of kind {effect.kind} and has a force"
-    if effect.kind != "fault" and effect.columns is not None:
-        yield "it has columns and is no fault"
+    if effect.kind != "fault" and (effect.acts is not None or effect.suspects):
+        yield "it acts on records and is no fault"
 
 
 def _of_part(effect: Effect) -> Iterator[str]:
@@ -295,22 +296,13 @@ def _of_freed(effect: Effect) -> Iterator[str]:
             yield "it moves nothing"
 
 
-def _of_fault(effect: Effect) -> Iterator[str]:
-    if effect.columns is None and not effect.not_captive:
-        yield "it has no columns"
-    if not effect.coefficients:
-        yield "it has no size"
-    if effect.roles:
-        yield "a fault has no role in a model"
-
-
 _OF_KIND: Final[Mapping[str, Callable[[Effect], Iterator[str]]]] = {
     "force": _of_part,
     "mass": _of_part,
     "state": _of_part,
     "terms": _of_terms,
     "freed": _of_freed,
-    "fault": _of_fault,
+    "fault": declared_fault,
 }
 
 
@@ -333,7 +325,8 @@ def _asked(case: _Case) -> Iterator[str]:
         effect.not_captive or effect.not_free_running
     ):
         yield "it gives a reason why a diagnosis does not ask for it, and has nothing to ask for"
-    if effect.faulty and effect.moves is None and not effect.not_free_running:
+    sized = effect.coefficients and effect.moves is None
+    if effect.faulty and sized and not effect.not_free_running:
         yield "free-running records cannot be asked for it, and no reason is given"
 
 
@@ -521,6 +514,10 @@ def _compiled(case: _Case) -> Iterator[str]:
             yield "compiled equations are not those that are interpreted"
 
 
+def _on_records(case: _Case) -> Iterator[str]:
+    return acts_on_records(case.effect)
+
+
 def _captive(case: _Case) -> Iterator[str]:
     effect = case.effect
     if not asked_in_captive(effect):
@@ -588,6 +585,7 @@ RULES: Final[Mapping[str, Callable[[_Case], Iterator[str]]]] = {
     "in and out of a model": _enters,
     "Froude's law": _by_froude,
     "compiled and interpreted": _compiled,
+    "what records show": _on_records,
     "captive tests can be asked": _captive,
     "free-running records can be asked": _free_running,
 }

@@ -169,7 +169,7 @@ class Trial(Track):
     def _headline(self) -> str:
         rudder = "" if self.manoeuvre == STOPPING.name else f", rudder {self.rudder_deg:+.1f}°"
         approach = f"{self.speed:.2f}"
-        if self.speed_std > 0.0:
+        if math.isfinite(self.speed_std) and self.speed_std > 0.0:
             approach = with_uncertainty(self.speed, WIDE * self.speed_std, "plus-minus")
         on = f"{self.heading_deg:05.1f}°"
         return f"{self.run}: {self.manoeuvre}{rudder}, approach {approach} m/s on {on}"

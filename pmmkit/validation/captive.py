@@ -27,6 +27,7 @@ from pmmkit.observations.views import (
 )
 from pmmkit.presentation import listed
 from pmmkit.progress import Progress
+from pmmkit.simulation.spread import Spread
 from pmmkit.validation.faults import shown_too_much, sizes_told
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
 from pmmkit.validation.statistics import ChannelError
@@ -38,6 +39,7 @@ from pmmkit.validation.uncertainty import (
     scales,
     sources_of,
     stated_share,
+    stated_spread,
 )
 
 
@@ -190,6 +192,7 @@ def compare_captive(
         )
     scatter = repeat_scatter(views)
     scale = scales(views)
+    known: dict[float, Spread | None] = {}
     found: list[CaptiveRun] = []
     outside: list[str] = []
     for number, view in enumerate(views, start=1):
@@ -202,8 +205,21 @@ def compare_captive(
             outside.append(view.run.id)
             continue
         beside = shown_too_much(view, predictor, faults, turning=turning)
+        if view.speed not in known:
+            known[view.speed] = stated_spread(predictor, view.speed)
         found.append(
-            _compared(view, forces, beside, predictor, campaign, rig, scatter, scale, floor)
+            _compared(
+                view,
+                forces,
+                beside,
+                predictor,
+                campaign,
+                rig,
+                scatter,
+                scale,
+                floor,
+                known[view.speed],
+            )
         )
     if outside:
         notes.append(
@@ -228,8 +244,9 @@ def _compared(
     scatter: Repeatability,
     scale: Mapping[str, float],
     floor: float,
+    known: Spread | None,
 ) -> CaptiveRun:
-    model = model_share(view, predictor, turning=bool(np.any(view.motion.rps)))
+    model = model_share(view, predictor, known, turning=bool(np.any(view.motion.rps)))
     history = {
         name: x for name, x in forces(view.motion, view.instants).items() if name in view.force
     }

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.faults.fault import slopes
 from pmmkit.effects.state import State
 from pmmkit.models.step import Step
 from pmmkit.numerics import Array
@@ -34,16 +35,10 @@ class InTheTank:
 
     def expected(self, view: View) -> dict[str, Array]:
         """All harmonics of the forces that the model predicts in a view [N, N m]."""
-        return self._along(view, view.motion, view.speed)
+        return self.along(view, view.motion, view.speed)
 
-    def change(
-        self, view: View, moved: Callable[[View], tuple[State, float]], step: float
-    ) -> dict[str, Array]:
-        """Harmonics of how the prediction changes per unit of something, by a small step."""
-        after, before = self._along(view, *moved(view)), self.expected(view)
-        return {name: view.pick(after[name] - x) / step for name, x in before.items()}
-
-    def _along(self, view: View, motion: State, speed: float) -> dict[str, Array]:
+    def along(self, view: View, motion: State, speed: float) -> dict[str, Array]:
+        """The same if the model, or its carriage, went otherwise."""
         forces = self.predictor.forces(speed, turning=self.turning)(motion, view.instants)
         return {name: view.harmonics(x) for name, x in forces.items() if name in view.force}
 
@@ -61,11 +56,7 @@ def sizes_told(steps: Mapping[str, Step]) -> dict[str, tuple[float, ...]]:
     for name, step in steps.items():
         effect = catalogue()[name]
         labels = [item.name for item in effect.coefficients]
-        if (
-            effect.columns is not None
-            and not effect.each_run
-            and set(labels) <= {*step.coefficients}
-        ):
+        if effect.acts is not None and not effect.each_run and set(labels) <= {*step.coefficients}:
             found[name] = tuple(float(step.coefficients[x]) for x in labels)  # type: ignore[arg-type]
     return found
 
@@ -86,12 +77,12 @@ def shown_too_much(
     turning : bool
         Whether the propeller turns.
     """
-    base = InTheTank(predictor=predictor, turning=turning)
+    seen = Seen(view, InTheTank(predictor=predictor, turning=turning))
     found: dict[str, Array] = {}
     for name, sizes in sizes_told(steps).items():
-        columns = catalogue()[name].columns
-        assert columns is not None
-        shown = columns(Seen(view, base), steps[name].value or 0.0)
+        effect = catalogue()[name]
+        at = {effect.nonlinear.name: steps[name].value or 0.0} if effect.nonlinear else {}
+        shown = slopes(effect, seen, at, list(effect.typical))
         for channel, own in shown.items():
             for size, column in zip(sizes, own, strict=True):
                 found[channel] = found.get(channel, 0.0) + size * column

@@ -120,7 +120,16 @@ def _less(first: Share, second: Share) -> dict[str, Array]:
     return {name: x - second[name] for name, x in first.items()}
 
 
-def model_share(view: View, predictor: Predictor, *, turning: bool) -> dict[str, Array]:
+def stated_spread(predictor: Predictor, speed: float) -> Spread | None:
+    """How the values of a model differ by what it states, at a speed [m/s]; None of nothing."""
+    if not is_uncertain(predictor.model):
+        return None
+    return spread_of(predictor.model, speed, extrapolate=predictor.extrapolate)
+
+
+def model_share(
+    view: View, predictor: Predictor, known: Spread | None, *, turning: bool
+) -> dict[str, Array]:
     """Standard uncertainty of the prediction from what a model states of its values.
 
     Parameters
@@ -129,6 +138,8 @@ def model_share(view: View, predictor: Predictor, *, turning: bool) -> dict[str,
         The run.
     predictor : Predictor
         The model.
+    known : Spread, optional
+        From `stated_spread` at the speed of the run.
     turning : bool
         Whether the propeller turns in the run.
 
@@ -140,9 +151,8 @@ def model_share(view: View, predictor: Predictor, *, turning: bool) -> dict[str,
     """
     model = predictor.model
     zero = {name: np.zeros(view.rows) for name in view.force}
-    if not is_uncertain(model):
+    if known is None:
         return zero
-    known = spread_of(model, view.speed, extrapolate=predictor.extrapolate)
     jacobian = {name: np.zeros((view.rows, len(known.names))) for name in view.force}
     terms = [i for i, name in enumerate(known.names) if "." not in name and name[0] in view.force]
     for channel in view.force:
@@ -159,16 +169,18 @@ def model_share(view: View, predictor: Predictor, *, turning: bool) -> dict[str,
                 )
             )
     others = [i for i, name in enumerate(known.names) if "." in name]
-    steps = np.eye(len(known.names))[others]
-    ships = known.independent.of_normal(displaced(np.zeros(len(known.names)), steps))
-    said = [
-        _of_ship(view, predictor, known, values, i, turning=turning)
-        for i, values in zip(np.repeat(others, 2), ships, strict=True)
-    ]
-    for channel in view.force if others else ():
-        changes = differences(np.stack([forces[channel] for forces in said]))
-        jacobian[channel][:, others] = (changes / known.std[others, None]).T
-    return {name: std_along(J, known.covariance) for name, J in jacobian.items()}
+    if others:
+        steps = np.eye(len(known.names))[others]
+        ships = known.independent.of_normal(displaced(np.zeros(len(known.names)), steps))
+        said = [
+            _of_ship(view, predictor, known, values, i, turning=turning)
+            for i, values in zip(np.repeat(others, 2), ships, strict=True)
+        ]
+        for channel in view.force:
+            changes = differences(np.stack([forces[channel] for forces in said]))
+            jacobian[channel][:, others] = (changes / known.std[others, None]).T
+    C = known.covariance
+    return {name: std_along(J, C) for name, J in jacobian.items()}
 
 
 def _of_ship(

@@ -109,8 +109,12 @@ or the scatter are unlike a hull's, the same is asked of all runs together. What
   drift to the other side: slips, refused where the evidence is overwhelming (20 to the base e);
 - gains, lags in seconds, phases and filters, of all forces or of one, clocks that start when they
   like, amplitude, drift, the points of motion and of moments, the mass of the model, an amplifier
-  that bends: faults, named from 9 to the base e on; their words come from the entries of the
-  [catalogue of effects](effects.md).
+  that bends: faults, named from 9 to the base e on.
+
+All of them are entries of the [catalogue of effects](effects.md), each with one action on a
+record: what a laboratory with this fault would have written down. The checks try its values, the
+diagnosis its slope; an entry of your own is found without being told
+([own_effects.md](own_effects.md)).
 
 Causes that the runs cannot tell from the best are named beside it. A gain, unit or length that is
 off in all runs alike, and Izz, show in no comparison of runs: the notes of every table say so, and
@@ -125,7 +129,8 @@ campaigns.
 def effect_page(effect: Effect, signature: Signature | None = None) -> str:
     lines = [f"### `{effect.name}`", "", effect.summary, ""]
     kind = KINDS.get(effect.kind, effect.kind)
-    lines.append(f"Family {effect.family}, kind {kind}. Source: {effect.source}.")
+    source = f" Source: {effect.source}." if effect.source else ""
+    lines.append(f"Family {effect.family}, kind {kind}.{source}")
     if effect.options:
         lines.append("")
         lines += [
@@ -139,6 +144,7 @@ def effect_page(effect: Effect, signature: Signature | None = None) -> str:
     if effect.derivatives:
         lines += ["", "Takes derivatives by name."]
     lines += ["", effect.asked] if effect.asked else []
+    lines += ["", effect.suspected] if effect.suspected else []
     if effect.check:
         lines += ["", f"To be sure: {effect.check}."]
     return "\n".join([*lines, *(signature_lines(signature) if signature else ())])

@@ -64,19 +64,18 @@ def main() -> None:
         print(f"\n## Base {base}: run scatter {100 * scatter.offset:g} % of the rms force")
         print("\n".join(said))
         fall = session.fall()
-        tests = list(dict.fromkeys(fall.errors[0].tests))
+        tests = fall.groups()
         print(
             "\n| | all [%] | X [N] | Y [N] | N [N m] | "
             + " | ".join(f"{name.replace('_', ' ')} [%]" for name in tests)
             + " |"
         )
         print("|---|" + "---|" * (4 + len(tests)))
-        for number, (step, item) in enumerate(zip(fall.steps, fall.errors, strict=True)):
-            own = item.of_channel()
+        for number, step in enumerate(fall.steps):
             cells = [
-                f"{100 * item.share():.2f}",
-                *(f"{own[name]:.2f}" for name in "XYN"),
-                *(f"{100 * item.share(test):.1f}" for test in tests),
+                f"{fall.totals[number]:.2f}",
+                *(f"{fall.errors(name)[number]:.2f}" for name in "XYN"),
+                *(f"{fall.errors(fall.of, group=test)[number]:.1f}" for test in tests),
             ]
             print(f"| {'+ ' if number else ''}{step} | " + " | ".join(cells) + " |")
         print("does not lower it:", ", ".join(fall.useless) or "none")

@@ -83,7 +83,7 @@ def ends(number: int, ways: Sequence[str], programme: str) -> list[End]:
         told("reduce tests.h5 --structure cubic --fn pooled --out reduced --parts", SHIP)
         for way in ways:
             steps, verdict, model = WAYS[way](campaign)
-            fall = model_of_steps(campaign, steps).fall().errors[-1]
+            fall = model_of_steps(campaign, steps).fall()
             found.append(
                 End(
                     fault=fault,
@@ -91,7 +91,7 @@ def ends(number: int, ways: Sequence[str], programme: str) -> list[End]:
                     way=way,
                     steps=steps,
                     verdict=verdict,
-                    over_noise=fall.share() / fall.share(kind="level"),
+                    over_noise=fall.totals[-1] / fall.levels(fall.of)[-1],
                     diameter=diameter(model),
                 )
             )

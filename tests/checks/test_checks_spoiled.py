@@ -16,7 +16,7 @@ from pmmkit.campaigns.run import Correction
 from pmmkit.checks import CHECKS, examine, summarise
 from pmmkit.checks.agreement.posterior import agreement
 from pmmkit.checks.agreement.rows import groups_of
-from pmmkit.checks.agreement.suspects import SUSPECTS
+from pmmkit.checks.agreement.suspects import suspects
 from pmmkit.checks.agreement.usual import MAIN, SPREAD
 from pmmkit.checks.gauges import change_facts, hold_facts
 from pmmkit.checks.untold import untold
@@ -142,10 +142,13 @@ def test_the_known_inertia_of_a_balance_is_found_in_the_readings():
     assert np.abs(inside).max() > 0.2 * np.abs(group.rows[group.known]).max()
 
 
-def test_every_suspect_of_the_catalogue_is_a_fault_there():
-    names = {suspect.effect for suspect in SUSPECTS if suspect.effect}
-    assert names == {entry.known_as for entry in catalogue().values() if entry.known_as}
-    assert all(entry.faulty for entry in catalogue().values() if entry.known_as)
+def test_suspects_are_what_the_faults_of_the_catalogue_declare():
+    asked = suspects()
+    assert {item.effect.name for item in asked} == {
+        entry.name for entry in catalogue().values() if entry.suspects
+    }
+    assert all(item.effect.faulty for item in asked)
+    assert {"fault_misalignment", "fault_time_lag", "slip_sign"} <= {x.effect.name for x in asked}
     assert set(MAIN) <= set(SPREAD)
     assert {"gauges", "agreement"} <= {check.name for check in CHECKS}
 

@@ -363,7 +363,7 @@ def test_an_effect_is_fitted_to_records_and_taken_out_again(tmp_path, capsys):
     assert {"error_fall.csv", "error_fall.svg"} == {file.name for file in out.iterdir()}
     made = load_model(target)
     assert made.steps[-1].effect == "asymmetry"
-    assert "By hand" in made.history[-1]
+    assert "(by hand)" in made.history[-1]
     assert {"Y0", "N0"} <= made.values("hull_polynomial").keys()
     assert "turning" in content
 

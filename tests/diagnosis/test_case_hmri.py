@@ -34,7 +34,7 @@ def test_what_is_named_lowers_the_error_step_by_step(campaign, base, expected, f
     assert set(found.best) == expected
     for item in found.findings:
         session = session.add(item.effect)
-    shares = [item.share() for item in session.fall().errors]
+    shares = session.fall().totals
     assert all(after < before for before, after in pairwise(shares))
     assert shares[-1] < fall * shares[0]
     assert session.diagnose().verdict == "unexplained"

@@ -14,6 +14,7 @@ from pmmkit.effects import catalogue as registry
 from pmmkit.effects.catalogue import effect_of, forget_effect
 from pmmkit.effects.primitives import fabs, maximum
 from pmmkit.effects.seen import Move
+from pmmkit.effects.suspect import Suspect
 from pmmkit.equations import Prepared
 from pmmkit.models import Part, load_model
 from pmmkit.testing import effects as contract
@@ -170,12 +171,32 @@ def of_kind(kind, **more):
     return replace(KEEL, kind=kind, **(bare | more))
 
 
-def nothing(run, value):
-    return {"Y": (run.project(0.0 * run.t),)}
+def nothing(run, at):
+    return {"Y": run.forces["Y"] + at["Yvv"] * run.project(0.0 * run.t)}
 
 
-def infinite(run, value):
-    return {"Y": (run.project(0.0 * run.t) + float("nan"),)}
+def infinite(run, at):
+    return {"Y": run.forces["Y"] + at["Yvv"] * float("nan")}
+
+
+def squared(run, at):
+    return {"Y": (1.0 + at["Yvv"] ** 2) * run.forces["Y"]}
+
+
+def always(run, at):
+    return {"Y": 1.1 * run.forces["Y"]}
+
+
+def short(run, at):
+    return {"Y": run.forces["Y"][:0]}
+
+
+def a_fault(acts, **more):
+    return of_kind("fault", acts=acts, not_captive="", not_free_running="a reason", **more)
+
+
+def as_suspect(**more):
+    return Suspect(name="keel", says=lambda _: "it is so", remedy="Mend it.", **more)
 
 
 def aside(vessel):
@@ -220,9 +241,23 @@ WRONG = {
     "terms with a force": (of_kind("terms", force=keel, outputs=("Y",)), "and has a force"),
     "freed": (of_kind("freed", frees="keel"), "no part of a model"),
     "freed value": (of_kind("freed", frees="propeller"), "propeller has no Yvv"),
-    "fault": (of_kind("fault", not_captive="", not_free_running="a reason"), "it has no columns"),
-    "fault at sea": (of_kind("fault", columns=nothing), "free-running records cannot be asked"),
-    "columns": (replace(KEEL, columns=nothing), "has columns and is no fault"),
+    "fault": (of_kind("fault", not_captive="", not_free_running="a reason"), "does not act on"),
+    "fault at sea": (of_kind("fault", acts=nothing), "free-running records cannot be asked"),
+    "acts": (replace(KEEL, acts=nothing), "acts on records and is no fault"),
+    "fault without a size": (
+        of_kind("fault", acts=nothing, parameters=(), not_captive=""),
+        "it has no size",
+    ),
+    "suspect": (
+        a_fault(nothing, suspects=(as_suspect(at=lambda value: {"colour": value}),)),
+        "suspected by colour",
+    ),
+    "suspect of unknown size": (
+        a_fault(nothing, suspects=(as_suspect(unknown="weight"),)),
+        "suspected by weight",
+    ),
+    "proportion": (a_fault(squared), "not in proportion to Yvv"),
+    "at zero": (a_fault(always), "where Yvv is zero"),
     "argument": (force_of(lambda v, size, colour: (v * size,)), "nobody gives the force colour"),
     "asked": (
         of_kind("freed", frees="hull_polynomial", parameters=(), moves=aside, not_captive=""),
@@ -258,19 +293,9 @@ WRONG = {
         sized(typical=None),
         "no ship of the library takes it",
     ),
-    "idle": (
-        of_kind("fault", columns=nothing, not_captive="", not_free_running="a reason"),
-        "acts in no standard test",
-    ),
-    "infinite": (
-        of_kind("fault", columns=infinite, not_captive="", not_free_running="a reason"),
-        "are not finite",
-    ),
-    "shape": (
-        of_kind("fault", columns=lambda run, value: {"Y": (run.project(run.t)[:1],)},
-                not_captive="", not_free_running="a reason"),
-        "have the shape",
-    ),
+    "idle": (a_fault(nothing), "acts in no standard test"),
+    "infinite": (a_fault(infinite), "are not finite"),
+    "shape": (a_fault(short), "has the shape"),
     "moves": (
         of_kind("freed", frees="propeller", parameters=(), moves=aside),
         "moves propeller.colour",

@@ -12,13 +12,14 @@ from small_campaign import RHO, TRUTH, L
 
 import pmmkit as pk
 from pmmkit import converted, figures
-from pmmkit.errors import TableError
+from pmmkit.errors import DataError, TableError
 from pmmkit.figures.correlations import correlated
 from pmmkit.figures.forests import farthest
 from pmmkit.figures.identification import window_figure
 from pmmkit.figures.residuals import summed_up
 from pmmkit.plotting import style
-from pmmkit.plotting.diagnosis import coverage, error_fall, evidence
+from pmmkit.plotting.diagnosis import coverage, evidence
+from pmmkit.plotting.fall import LEVEL, Bars, Panel, fall
 from pmmkit.plotting.metrics import importance
 from pmmkit.plotting.programme import left_by_the_fit, record
 from pmmkit.plotting.seen import seen
@@ -164,11 +165,37 @@ def test_sets_of_several_effects_have_room_for_their_names():
 
 
 def test_bars_of_the_steps_differ_in_grey():
-    figure = error_fall(
-        ["base", "a", "b"], {"X": [3.0, 2.0, 1.0]}, {"X": 10.0}, {"drift": [0.3, 0.2, 0.1]}
-    )
+    bars = tuple(Bars(label=name, errors=(3.0, 2.0, 1.0)) for name in "XY")
+    figure = fall(["base", "a", "b"], [Panel(title="by channel", scale="%", bars=bars)])
     hatches = {container[0].get_hatch() for container in figure.axes[0].containers}
     assert len(hatches) == 3
+
+
+@pytest.mark.parametrize("count", [2, 4])
+@pytest.mark.parametrize("level", [0.2, 0.9, 0.97, 1.0, 1.04, 1.1, 1.15, 1.3])
+def test_the_level_crosses_no_number_of_a_fall_and_no_number_another(count, level):
+    steps = ["base", "fault_misalignment (tank)", "yaw_sway_coupling", "current"][:count]
+    errors = (2.00123, 1.00123, 1.00234, 1.00345)[:count]
+    panels = [
+        Panel(title=name, scale="error [m]", bars=(Bars(label="", errors=errors, level=level),))
+        for name in "abcd"
+    ]
+    figure = fall(steps, panels)
+    figure.draw_without_rendering()
+    for axis in figure.axes:
+        (line,) = (item for item in axis.get_lines() if item.get_label() == LEVEL)
+        at = axis.transData.transform((0.0, line.get_ydata()[0]))[1]
+        boxes = [text.get_window_extent() for text in axis.texts]
+        assert len(boxes) == count
+        assert not any(box.y0 < at < box.y1 for box in boxes)
+        labels = [text.get_window_extent() for text in axis.get_xticklabels()]
+        for own in (boxes, labels):
+            assert not any(a.overlaps(b) for a, b in itertools.combinations(own, 2))
+
+
+def test_without_a_step_there_is_no_fall_to_draw():
+    with pytest.raises(DataError, match="no step"):
+        fall((), ())
 
 
 def test_what_hides_beyond_the_axis_is_marked():

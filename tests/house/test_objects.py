@@ -17,7 +17,8 @@ from matplotlib.figure import Figure
 import pmmkit as pk
 import pmmkit.diagnosis
 from pmmkit.effects.catalogue import effect_of
-from pmmkit.loop import JointFall, RecordError, RecordFall
+from pmmkit.loop import Fall, FallRow
+from pmmkit.loop.records import TOLD
 from pmmkit.models import Part, Step
 from pmmkit.presentation import Described
 from pmmkit.reduction.parts import Parts
@@ -204,26 +205,33 @@ def parts():
     )
 
 
-def record_fall():
-    """Errors of records left out that an effect halves."""
-    base = {"position": 0.3, "heading": 2.0, "speed": 0.01, "yaw_rate": 0.2}
-    after = {name: value / 2 for name, value in base.items()}
-    rows = (RecordError(step="base", **base), RecordError(step="asymmetry", **after))
-    return RecordFall(errors=rows)
-
-
 def joint_fall():
     """Of captive tests and of records, a fault of the records among the steps."""
     steps = (
         Step(action="effect_added", effect="asymmetry"),
         Step(action="fault_corrected", effect="current", campaign="sea <2>"),
     )
-    errors = record_fall().errors
-    sea = replace(record_fall(), errors=(*errors, replace(errors[-1], step="current")))
-    return JointFall(
+    tank = added().fall()
+    names = {step.effect: steps[0].effect for step in tank.added}
+    before = {"position": (0.3, "m"), "heading": (2.0, "deg"), "yaw_rate": (0.2, "deg/s")}
+    sea = [
+        FallRow(
+            step=step,
+            campaign="sea <2>",
+            group="all",
+            quantity=quantity,
+            error=error * factor,
+            level=0.1,
+            unit=unit,
+        )
+        for step, factor in (("base", 1.0), ("asymmetry", 0.5), ("current", 0.5))
+        for quantity, (error, unit) in before.items()
+    ]
+    rows = (replace(x, step=names.get(x.step, x.step), campaign="tank <1>") for x in tank.rows)
+    return Fall(
         added=steps,
-        taken={"tank <1>": (True, False), "sea <2>": (True, True)},
-        falls={"tank <1>": added().fall(), "sea <2>": sea},
+        rows=(*rows, *sea),
+        told={"tank <1>": tank.told[tank.campaigns[0]], "sea <2>": TOLD},
     )
 
 
@@ -245,9 +253,7 @@ MADE = {
     "MethodComparison": identified,
     "Identified": cache(lambda: identified().found["ekf"]),
     "Session": added,
-    "ErrorFall": cache(lambda: added().fall()),
-    "RecordFall": record_fall,
-    "JointFall": joint_fall,
+    "Fall": joint_fall,
     "Diagnosis": diagnosis,
     "Together": cache(
         lambda: pmmkit.diagnosis.together(
@@ -297,9 +303,10 @@ SAID = {
     "MethodComparison": ("prior", "ekf", "regression", "±", "Notes"),
     "Identified": ("prior", "ekf", "±", "passes"),
     "Session": ("<tank>", "Steps", "evidence", "it is large", "0.5 %"),
-    "RecordFall": ("base", "+ ", "heading [deg]", "yaw rate [deg/s]", "-50 %"),
-    "JointFall": ("tank <1>: force [%]", "sea <2>: heading [deg]", "+ current (sea <2>)"),
-    "ErrorFall": ("base", "+ ", "static drift [%]", "N [N m]", "better in"),
+    "Fall": (
+        *("tank <1>: force [%]", "sea <2>: heading [deg]", "+ current (sea <2>)"),
+        *("base", "noise alone", "-50 %", "better in"),
+    ),
     "Together": ("Verdict: ", "tank <1>", "price off", "odds of 1 to 80"),
     "Diagnosis": ("Verdict: An effect is missing.", "±", "usual size", "could not show", "hide"),
     "Finding": ("Evidence", "±", "usual size", "Error of what was left out"),
@@ -330,9 +337,7 @@ DRAWN = (
     "Campaign",
     "Reduction",
     "DerivativeTable",
-    "ErrorFall",
-    "RecordFall",
-    "JointFall",
+    "Fall",
     "Diagnosis",
     "Track",
     "Ensemble",

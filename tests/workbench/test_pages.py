@@ -162,7 +162,7 @@ def test_what_hides_is_named_with_its_share_of_the_misfit(missing, session):
     assert {item["kind"] for item in named} == {"physics", "fault"}
     assert max(item["share"]["all"] for item in named) > 0.3
     before, after = (
-        state.fall().errors[-1].share() for state in (session, session.add("yaw_sway_coupling"))
+        state.fall().totals[-1] for state in (session, session.add("yaw_sway_coupling"))
     )
     own = next(item for item in named if item["effect"] == "yaw_sway_coupling")
     assert own["share"]["all"] == pytest.approx(1 - (after / before) ** 2, abs=0.02)

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from pmmkit.campaigns.motion.nominal import has_nominal
-from pmmkit.campaigns.run import Run
-from pmmkit.checks.agreement.actions import as_set
 from pmmkit.checks.agreement.posterior import Agreement, evidence
-from pmmkit.checks.agreement.rows import Group
-from pmmkit.checks.agreement.suspects import Suspect
+from pmmkit.checks.agreement.records import Records
+from pmmkit.checks.agreement.suspects import Suspected, record_of
 from pmmkit.checks.agreement.usual import MAIN
 from pmmkit.checks.summary import Summary
 from pmmkit.inference import log_normal
@@ -32,7 +30,7 @@ REFINED: Final = 5
 """Suspects that are looked at more closely."""
 SAME_PERIOD: Final = 0.02
 
-Judge = Callable[[Suspect, float], tuple[float, float]]
+Judge = Callable[[Suspected, float], tuple[float, float]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +39,7 @@ class Answer:
 
     Parameters
     ----------
-    suspect : Suspect
+    suspect : Suspected
         What may be wrong.
     value : float
         How much of it.
@@ -51,7 +49,7 @@ class Answer:
         Squared misfit that is left over its expected value.
     """
 
-    suspect: Suspect
+    suspect: Suspected
     value: float
     gain: float
     left: float
@@ -62,7 +60,7 @@ class Answer:
         return self.suspect.says(self.value)
 
 
-def of_one(found: Agreement, place: int, suspects: Iterable[Suspect]) -> list[Answer]:
+def of_one(found: Agreement, place: int, suspects: Iterable[Suspected]) -> list[Answer]:
     """What may be wrong with one run, the best explanation first."""
     group = found.group.only([place])
     mean, covariance = found.without(place)
@@ -70,22 +68,22 @@ def of_one(found: Agreement, place: int, suspects: Iterable[Suspect]) -> list[An
     white = [found.white.whitener[place, c][known[c]] for c in range(3)]
     rows = np.concatenate([found.white.rows[place, c][known[c]] for c in range(3)])
     noise = np.diag(np.concatenate([np.full(known[c].sum(), found.excess[c]) for c in range(3)]))
-    base = group.histories()
-    expected = base @ mean
+    told = Records(group=group, histories=group.histories())
+    valued = replace(told, value=mean)
 
     def over(harmonics: Array) -> Array:
         return np.concatenate([white[c] @ harmonics[c] for c in range(3)])
 
-    def judged(suspect: Suspect, value: float) -> tuple[float, float]:
-        design = over(group.design(suspect.histories(group, value, base))[0])
+    def judged(suspect: Suspected, value: float) -> tuple[float, float]:
+        design = over(group.design(suspect.histories(told, value))[0])
         rest, spread = rows - design @ mean, noise + design @ covariance @ design.T
-        if suspect.column is not None:
-            along = over(suspect.column(group, expected, value)[0])
+        if suspect.unknown:
+            along = over(suspect.column(valued, value)[0])
             spread = spread + np.outer(along, along)
         left = float(rest @ np.linalg.solve(spread, rest)) / max(len(rest), 1)
         return log_normal(rest, spread), left
 
-    design = over(group.design(base)[0])
+    design = over(group.design(told.histories)[0])
     rest, spread = rows - design @ mean, design @ covariance @ design.T
     none = np.logaddexp.reduce(
         [math.log(chance) + log_normal(rest, times**2 * noise + spread) for times, chance in TAILS]
@@ -94,29 +92,27 @@ def of_one(found: Agreement, place: int, suspects: Iterable[Suspect]) -> list[An
     asked = [
         suspect
         for suspect in (*suspects, *_records_of_others(found, place))
-        if suspect.scope != "all" and suspect.applies(run)
+        if suspect.scope != "all" and suspect.concerns(run)
     ]
     return _answers(asked, judged, float(none))
 
 
 def of_all(
-    agreements: Sequence[Agreement], kept: Sequence[Array], suspects: Iterable[Suspect]
+    agreements: Sequence[Agreement], kept: Sequence[Array], suspects: Iterable[Suspected]
 ) -> list[Answer]:
     """What may be wrong with all runs at all speeds, the best explanation first."""
     groups = [found.group for found in agreements]
-    base = [group.histories() for group in groups]
-    expected = [own @ found.value for own, found in zip(base, agreements, strict=True)]
+    told = [Records(group=group, histories=group.histories()) for group in groups]
+    valued = [replace(own, value=found.value) for own, found in zip(told, agreements, strict=True)]
 
-    def judged(suspect: Suspect, value: float) -> tuple[float, float]:
+    def judged(suspect: Suspected, value: float) -> tuple[float, float]:
         gains, left = [], []
         for place, (found, group) in enumerate(zip(agreements, groups, strict=True)):
-            design = group.design(suspect.histories(group, value, base[place]))
-            mean, covariance = group.usual.mean, _set_free(group, suspect.free)
+            design = group.design(suspect.histories(told[place], value))
+            mean, covariance = group.usual.mean, group.usual.covariance
             scatter = None
-            if suspect.column is not None:
-                column = suspect.column(group, expected[place], value)
-                touched = np.array([suspect.applies(item.run) for item in group.summaries])
-                column = np.where(touched[:, None, None], column, 0.0)
+            if suspect.unknown:
+                column = suspect.column(valued[place], value)
                 if suspect.each_run:
                     scatter = column
                 else:
@@ -133,20 +129,20 @@ def of_all(
             left.append(misfit)
         return sum(gains) / (len(gains) if suspect.by_size else 1), max(left)
 
-    nothing = [
-        evidence(found, group.design(own), group.usual.mean, group.usual.covariance, which)[0]
-        for found, group, own, which in zip(agreements, groups, base, kept, strict=True)
-    ]
+    nothing = []
+    for found, own, which in zip(agreements, told, kept, strict=True):
+        usual, design = found.group.usual, found.group.design(own.histories)
+        nothing.append(evidence(found, design, usual.mean, usual.covariance, which)[0])
     asked = [
         suspect
         for suspect in suspects
         if suspect.scope != "one"
-        and any(suspect.applies(item.run) for group in groups for item in group.summaries)
+        and any(suspect.concerns(item.run) for group in groups for item in group.summaries)
     ]
     return _answers(asked, judged, 0.0)
 
 
-def _answers(asked: Sequence[Suspect], judged: Judge, none: float) -> list[Answer]:
+def _answers(asked: Sequence[Suspected], judged: Judge, none: float) -> list[Answer]:
     """The suspects that explain most, each at its best value."""
     tried = [{value: judged(suspect, value) for value in suspect.grid} for suspect in asked]
     order = sorted(range(len(asked)), key=lambda k: -max(x for x, _ in tried[k].values()))
@@ -160,7 +156,7 @@ def _answers(asked: Sequence[Suspect], judged: Judge, none: float) -> list[Answe
 
 
 def _refined(
-    suspect: Suspect, given: dict[float, tuple[float, float]], judged: Judge
+    suspect: Suspected, given: dict[float, tuple[float, float]], judged: Judge
 ) -> tuple[float, tuple[float, float]]:
     """The value that explains most, between those of the grid where it may be."""
     tried = dict(given)
@@ -175,28 +171,14 @@ def _refined(
     return value, tried[value]
 
 
-def _records_of_others(found: Agreement, place: int) -> list[Suspect]:
+def _records_of_others(found: Agreement, place: int) -> list[Suspected]:
     """That the record is that of another run of the group, by its settings."""
     own = found.group.summaries[place]
     return [
-        _record_of(other.run)
+        record_of(other.run, found.group.campaign.motion_reference_x)
         for other in found.group.summaries
         if other is not own and has_nominal(other.run) and _may_be(own, other)
     ]
-
-
-def _record_of(run: Run) -> Suspect:
-    return Suspect(
-        name="record of another run",
-        says=lambda _: (
-            f"its file is the record of {run.id} ({', '.join(run.settings.words)}), or of a run "
-            f"with those settings: files or settings are exchanged"
-        ),
-        remedy="Look which file belongs to which run.",
-        move=lambda group, _: as_set(group, run),
-        scope="one",
-        slip=True,
-    )
 
 
 def _may_be(one: Summary, other: Summary) -> bool:
@@ -205,13 +187,3 @@ def _may_be(one: Summary, other: Summary) -> bool:
     if one.run.dynamic != other.run.dynamic or abs(a - b) > SAME_PERIOD * max(a, b):
         return False
     return one.run.settings != other.run.settings or one.run.test != other.run.test
-
-
-def _set_free(group: Group, free: Sequence[str]) -> Array:
-    if not free:
-        return group.usual.covariance
-    wide = group.usual.covariance.copy()
-    for name in free:
-        at = group.usual.names.index(name)
-        wide[at, at] = 1.0
-    return wide

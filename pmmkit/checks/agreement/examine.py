@@ -11,11 +11,10 @@ import numpy as np
 from pmmkit.checks.agreement.asking import STRANGE, Answer, of_all, of_one
 from pmmkit.checks.agreement.posterior import Agreement, agreement
 from pmmkit.checks.agreement.rows import CHANNELS, groups_of
-from pmmkit.checks.agreement.suspects import SUSPECTS, Suspect
+from pmmkit.checks.agreement.suspects import Suspected, suspects
 from pmmkit.checks.agreement.usual import MAIN
 from pmmkit.checks.expected import is_shallow
 from pmmkit.checks.finding import Check, CheckFinding, figure, name_runs
-from pmmkit.effects.catalogue import catalogue
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE
 
@@ -65,7 +64,7 @@ def examine_agreement(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
         key=lambda entry: -entry[0],
     )
     odd = [(item, place) for _, item, place in far]
-    single = [(item, place, of_one(item, place, SUSPECTS)) for item, place in odd[:MOST]]
+    single = [(item, place, of_one(item, place, suspects())) for item, place in odd[:MOST]]
     deep = not is_shallow(campaign)
     few = len(odd) <= FEW
     common: list[Answer] = []
@@ -95,7 +94,7 @@ def _common(found: Sequence[Agreement], without: Sequence[tuple[Agreement, int]]
     kept = [
         np.array([(id(item), k) not in left for k in range(len(item.misfit))]) for item in found
     ]
-    return [x for x in of_all(found, kept, SUSPECTS) if x.gain > NAMED and x.left < EXPLAINED]
+    return [x for x in of_all(found, kept, suspects()) if x.gain > NAMED and x.left < EXPLAINED]
 
 
 def _explain(answers: Sequence[Answer]) -> list[Answer]:
@@ -211,7 +210,7 @@ def _named(found: Agreement, place: int, good: Sequence[Answer], missed: Array) 
         remedy=_remedy(best.suspect, 'exclude the run (action = "exclude", with the reason)'),
         numbers={"value": best.value, "evidence": best.gain, "missed": float(missed.max())},
         channels=best.suspect.channels if len(best.suspect.channels) < len(CHANNELS) else (),
-        cause=best.suspect.effect or best.suspect.name,
+        cause=best.suspect.cause,
     )
 
 
@@ -232,7 +231,7 @@ def _at_odds(
         remedy="Look at its record and its settings; compare the derivatives with and without it, "
         'and exclude it (action = "exclude") if it is at fault.',
         numbers={"missed": float(missed.max())},
-        cause=best.suspect.effect if best.gain > 0 else "",
+        cause=best.suspect.cause if best.gain > 0 and not best.suspect.slip else "",
     )
 
 
@@ -242,7 +241,7 @@ def _of_all(answers: Sequence[Answer], found: Sequence[Agreement]) -> CheckFindi
         item.run.id
         for own in found
         for item in own.group.summaries
-        if best.suspect.applies(item.run)
+        if best.suspect.concerns(item.run)
     )
     return CheckFinding(
         check="agreement",
@@ -254,7 +253,7 @@ def _of_all(answers: Sequence[Answer], found: Sequence[Agreement]) -> CheckFindi
         remedy=_remedy(best.suspect, ""),
         numbers={"value": best.value, "evidence": best.gain},
         channels=best.suspect.channels if len(best.suspect.channels) < len(CHANNELS) else (),
-        cause=best.suspect.effect or best.suspect.name,
+        cause=best.suspect.cause,
     )
 
 
@@ -263,10 +262,9 @@ def _rivals(answers: Sequence[Answer]) -> tuple[Answer, list[Answer]]:
     return best, [x for x in answers[1:3] if x.gain > best.gain - RIVAL]
 
 
-def _remedy(suspect: Suspect, other: str) -> str:
-    word = suspect.effect
-    known = [entry for entry in catalogue().values() if word and entry.known_as == word]
-    shows = f" What would show it: {known[0].check}." if known else ""
+def _remedy(suspect: Suspected, other: str) -> str:
+    check = "" if suspect.slip else suspect.effect.check
+    shows = f" What would show it: {check}." if check else ""
     return f"{suspect.remedy}{f' Or {other}.' if other else ''}{shows}"
 
 

@@ -128,7 +128,7 @@ class Group:
             heading=self.heading[at],
         )
 
-    def histories(self, motion: State | None = None) -> Array:
+    def histories(self, motion: State | None = None, speed: float | Array | None = None) -> Array:
         """What each parameter multiplies, (n, 32, 3, p), along the motion or another."""
         moved = self.motion if motion is None else motion
         count, names = len(self.summaries), self.usual.names
@@ -141,7 +141,7 @@ class Group:
                 ship=self.campaign.ship,
                 water=self.campaign.water,
                 convention=Convention(),
-                approach_speed=self.speed,
+                approach_speed=self.speed if speed is None else speed,
             )
             out[:, row, at] = columns
         rig = rig_of(self.campaign)

@@ -31,7 +31,7 @@ from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
-    from pmmkit.loop.evidence import Fall
+    from pmmkit.loop import Fall
     from pmmkit.models import Model
     from pmmkit.simulation.track import Track
 

@@ -335,8 +335,8 @@ def _missing(loop: Loop | None) -> list[str]:
     """What a simpler structure lacks, and how the error falls with it."""
     if loop is None:
         return []
-    steps = zip(loop.fall.steps, loop.fall.errors, strict=True)
-    shares = [f"{name} {100 * item.share():.1f}" for name, item in steps]
+    steps = zip(loop.fall.steps, loop.fall.totals, strict=True)
+    shares = [f"{name} {error:.1f}" for name, error in steps]
     end = loop.end or loop.diagnosis
     return [
         "",

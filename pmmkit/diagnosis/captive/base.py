@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -72,8 +72,7 @@ class Base:
 
     def predicted(self, view: View) -> Forces:
         """The same, whatever another base expected there."""
-        forces = self.forces(view.motion, view.speed)
-        return {channel: view.harmonics(history) for channel, history in forces.items()}
+        return self.along(view, view.motion, view.speed)
 
     def design(self, names: Sequence[str], views: Sequence[View]) -> Array:
         """Harmonics of what derivatives multiply in views, one below the other (n, len(names))."""
@@ -90,16 +89,9 @@ class Base:
             ]
         return np.concatenate(parts)
 
-    def change(
-        self, view: View, moved: Callable[[View], tuple[State, float]], step: float
-    ) -> Forces:
-        """Harmonics of how the prediction changes per unit of something, by a small step."""
-        motion, speed = moved(view)
-        after = self.forces(motion, speed)
-        return {
-            channel: view.pick(view.harmonics(after[channel]) - before) / step
-            for channel, before in self.expected(view).items()
-        }
+    def along(self, view: View, motion: State, speed: float) -> Forces:
+        """All harmonics of the forces that are predicted if the model went otherwise in a view."""
+        return {name: view.harmonics(x) for name, x in self.forces(motion, speed).items()}
 
     def law(self, speed: float) -> float:
         """F = (U/reference)² - 1, in which the literature writes the dependence on speed."""

@@ -13,6 +13,7 @@ from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.stretch import MOTION, Stretch, stretches
 from pmmkit.effects.catalogue import arguments_of
 from pmmkit.effects.effect import BY_SPEED, Effect
+from pmmkit.effects.faults.fault import slopes
 from pmmkit.effects.primitives import over_arrays
 from pmmkit.numerics import Array
 from pmmkit.observations.seen import Seen, times_factors
@@ -29,7 +30,7 @@ Together = Callable[[Sequence[View], Base, float], Sequence[Mapping[str, Array]]
 
 def columns_of(effect: Effect) -> Columns:
     """The columns of an effect, by its kind."""
-    if effect.columns is not None:
+    if effect.acts is not None:
         return _of_a_fault(effect)
     terms = terms_of(effect)
     if terms:
@@ -40,13 +41,13 @@ def columns_of(effect: Effect) -> Columns:
 
 def together_of(effect: Effect) -> Together | None:
     """The columns of an effect in several views at once, of a kind for which that is faster."""
-    given = effect.columns is not None or terms_of(effect)
+    given = effect.acts is not None or terms_of(effect)
     return None if given else of_a_force(effect)
 
 
 def terms_of(effect: Effect) -> Terms:
     """Derivatives that the coefficients of an effect stand for; none where it is no such effect."""
-    if effect.columns is not None or effect.kind != "terms":
+    if effect.acts is not None or effect.kind != "terms":
         return ()
     return tuple(effect.derivatives_of(name) for name in effect.typical)
 
@@ -65,11 +66,11 @@ def spread_over(
 
 
 def _of_a_fault(effect: Effect) -> Columns:
-    function, count = effect.columns, len(effect.coefficients)
-    assert function is not None
+    inner, names = effect.nonlinear, list(effect.typical)
 
     def columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
-        return spread_over(view, function(Seen(view, base), value), count)
+        at = {inner.name: value} if inner is not None else {}
+        return spread_over(view, slopes(effect, Seen(view, base), at, names), len(names))
 
     return columns
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -15,13 +14,14 @@ from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.joint_fit import JointFit
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.system import Block
+from pmmkit.diagnosis.refit import Fitted, put_back
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.errors import ModelError, Problem, UnknownNameError
 from pmmkit.models import Model
 from pmmkit.models.edit import with_effect, without_effect
-from pmmkit.models.model import Part, needs_roll
+from pmmkit.models.model import needs_roll
 from pmmkit.models.terms import home_of
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE
@@ -188,16 +188,75 @@ def refitted(
     if left:
         notes.append(f"Fitted, but the model has no place for them: {', '.join(left)}.")
     taken = table.select([name for name in known if name not in left])
-    changed = _with_table(model, taken, Fn, campaign)
-    for block in effects:
-        entry = _entry(block.candidate.name, own)
-        if entry is not None and entry.enters:
-            changed = _with_part(changed, entry, block, fit, froude_numbers(campaign))
-    return Refit(model=changed, notes=tuple(notes))
+    parts = [
+        (entry, block)
+        for block in effects
+        if (entry := _entry(block.candidate.name, own)) is not None and entry.enters
+    ]
+    source = f"measured: {campaign.title or campaign.ship.name}"
+    made = model.with_(convention=_target(model.convention))
+    for entry, block in parts:
+        made = _with_part(made, entry, block, fit, froude_numbers(campaign), source)
+    derivatives = {
+        (home_of(model, name), name): tuple(taken[name].tolist()) if len(Fn) else taken[name].item()
+        for name in taken.names
+    }
+    coefficients = {
+        (entry.name, name): value
+        for entry, block in parts
+        for name, value in made.parts[entry.name].values.items()
+        if name in block.candidate.coefficients
+    }
+    beside = [
+        f"{block.candidate.name}: {name}"
+        for _, block in parts
+        for name in block.candidate.coefficients
+    ]
+    fitted = Fitted(
+        values={**derivatives, **coefficients},
+        known=(*derivatives, *coefficients),
+        covariance=_together(fit, beside, taken, base, campaign, model.convention, Fn, own),
+        sources=dict.fromkeys((*derivatives, *coefficients), source),
+        Fn=tuple(Fn),
+    )
+    return Refit(model=put_back(made, fitted), notes=tuple(notes))
+
+
+def _together(
+    fit: JointFit,
+    beside: Sequence[str],
+    taken: DerivativeTable,
+    base: Base,
+    campaign: Campaign,
+    convention: Convention,
+    Fn: Sequence[float],
+    own: Sequence[Effect],
+) -> Array:
+    """Covariance of derivatives, as a table has them, and of coefficients that are none, at one
+    Froude number after another.
+
+    The derivatives of a table are those of the fit by an affine map: a coefficient of deviation s
+    moves them as C e / s of the fit's values does.
+    """
+    rows, count = taken.value.shape
+    n, m = rows * count, len(beside)
+    at = [fit.names.index(label) for label in beside]
+    cross = np.zeros((rows, count, m))
+    for k, place in enumerate(at):
+        size = fit.std[place]
+        moved = replace(fit, values=fit.values + fit.covariance[:, place] / size)
+        table = in_convention(moved, base, campaign, convention, Fn, own).select(taken.names)
+        cross[:, :, k] = size * (table.value - taken.value)
+    whole = np.empty((rows, count + m, rows, count + m))
+    whole[:, :count, :, :count] = taken.covariance
+    whole[:, :count, :, count:] = cross[:, :, None, :]
+    whole[:, count:, :, :count] = np.moveaxis(cross, 2, 0)[None]
+    whole[:, count:, :, count:] = fit.covariance[np.ix_(at, at)][None, :, None, :]
+    return whole.reshape(n + rows * m, n + rows * m)
 
 
 def _with_part(
-    model: Model, effect: Effect, block: Block, fit: JointFit, Fn: Sequence[float]
+    model: Model, effect: Effect, block: Block, fit: JointFit, Fn: Sequence[float], source: str
 ) -> Model:
     """A model with an effect that is a part of its own, at the values of a fit."""
     c = block.candidate
@@ -210,6 +269,7 @@ def _with_part(
         value=block.value,
         Fn=Fn,
         coefficients=dict(zip(c.coefficients, values.tolist(), strict=True)),
+        source=source,
     )
     return made.with_(steps=model.steps)
 
@@ -277,36 +337,6 @@ def froude_numbers(campaign: Campaign) -> tuple[float, ...]:
         for run in campaign.runs
     }
     return tuple(sorted(found))
-
-
-def _with_table(
-    model: Model, table: DerivativeTable, Fn: Sequence[float], campaign: Campaign
-) -> Model:
-    """A model with the values and the covariance of a table."""
-    parts = dict(model.parts)
-    source = f"measured: {campaign.title or campaign.ship.name}"
-    for name in table.names:
-        home = home_of(model, name)
-        part = parts.get(home, Part(effect=home))
-        column = table[name]
-        value = tuple(column.tolist()) if len(Fn) else float(column[0])
-        parts[home] = replace(
-            part,
-            values=MappingProxyType({**part.values, name: value}),
-            sources=MappingProxyType({**part.sources, name: source}),
-        )
-    size = table.value.size
-    covariance = table.covariance.reshape(size, size)
-    rows = model.Fn or tuple(Fn)
-    copies = max(len(rows), 1) // max(len(Fn), 1)
-    spread = np.tile(covariance, (copies, copies))
-    return model.with_(
-        parts=MappingProxyType(parts),
-        Fn=rows,
-        covariance=(spread + spread.T) / 2,
-        covariance_names=table.names,
-        convention=_target(model.convention),
-    )
 
 
 def effects_of(model: Model) -> tuple[str, ...]:

@@ -14,10 +14,12 @@ from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.columns import TermTable, channels_of_terms
 from pmmkit.diagnosis.captive.drawn import Drawn, OwnColumns
-from pmmkit.effects.state import State
+from pmmkit.effects.faults.alignment import MISALIGNMENT
+from pmmkit.effects.faults.fault import slopes
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places
+from pmmkit.observations.seen import Seen
 from pmmkit.observations.views import View, scale_of
 from pmmkit.observations.whitening import Piece
 
@@ -31,8 +33,6 @@ TURNED: Final = 6
 """Variables of the smooth floor that change sign in a mirrored motion."""
 SMOOTH: Final = 0.8
 """Length scale of the floor over the range of each variable."""
-STEP: Final = 1e-4
-"""Change of the drift for its derivative [rad]."""
 LEAST: Final = 1e-4
 """Least standard deviation of a mean or harmonic, over the channel's rms force."""
 
@@ -196,7 +196,7 @@ def run_columns(
     k harmonics, which its pieces have in common (n, 3 + k)."""
     harmonics = max(view.rows for view in views)
     turned = {
-        i: base.change(view, _turned, math.degrees(STEP))
+        i: slopes(MISALIGNMENT, Seen(view, base), {}, ["turned"])
         for i, view in enumerate(views)
         if view.run.settings.drift and not view.run.kind_of_test.swings_hull
     }
@@ -205,20 +205,13 @@ def run_columns(
         drift, each = np.zeros(len(c.y)), np.zeros((len(c.y), harmonics))
         for i, rows in zip(c.views, c.rows, strict=True):
             if i in turned:
-                drift[rows] = turned[i][c.name]
+                drift[rows] = turned[i][c.name][0]
             first = int(views[i].has_mean)
             own = range(rows.start + first, rows.stop)
             each[own, range(first, views[i].rows)] = c.scale * base.reference**2
         offset = offset_column(c, views, base)
         found[c.name] = np.column_stack([offset, predicted[c.name], drift, each])
     return found
-
-
-def _turned(view: View) -> tuple[State, float]:
-    """The motion of a model that drifts a little more."""
-    m = view.motion
-    c, s = math.cos(STEP), math.sin(STEP)
-    return m.with_(u=c * m.u + s * m.v, v=c * m.v - s * m.u), view.speed
 
 
 def floor_features(channel: Channel, views: Sequence[View], base: Base, seed: int = 12345) -> Array:

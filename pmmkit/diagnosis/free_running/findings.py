@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
-from types import MappingProxyType
+from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Final
 
 import numpy as np
@@ -17,14 +16,16 @@ from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, Names, Numbers, Screen
 from pmmkit.diagnosis.free_running.left_out import left_out_errors, mean_log
+from pmmkit.diagnosis.refit import Fitted, Place, put_back
 from pmmkit.effects.effect import Parameter
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.equations.prepared import values_at
 from pmmkit.identification.parameters import places
 from pmmkit.identification.predict import predict, reference, smoothed_without
-from pmmkit.identification.record import FreeRecord
+from pmmkit.identification.record import FreeRecord, title_of
 from pmmkit.models import Model
-from pmmkit.models.model import place_name
+from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.step import Value
 from pmmkit.numerics import Array
 
 BEYOND: Final = 2.0
@@ -78,67 +79,96 @@ def _unknown(fit: Fit) -> Array:
     return whole
 
 
-def model_of(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> Model:
+def model_of(
+    model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float, tests: str | None = None
+) -> Model:
     """The model with the values of a fit, their covariance, and the parts of its effects.
 
     What a fit moves is moved alike at all Froude numbers, and is as uncertain at each. What it
     leaves a little beyond the least or the most that there is, by less than it knows of it, is put
-    there. Values that the fit cannot move, and what is no value of a model, do not differ.
+    there. Values that the fit cannot move, and what is no value of a model, do not differ. What the
+    model had is known from there and from the records, and its source says both.
+
+    Parameters
+    ----------
+    model : Model
+        As it was given.
+    every : sequence of FreeCandidate
+        Who took part.
+    fit : Fit
+        To records.
+    speed : float
+        Of the approach [m/s].
+    tests : str, optional
+        Whose values these are; by default the title of the records.
 
     Raises
     ------
     ModelError
         If a value is further beyond.
     """
-    made = replace(model, covariance=None, covariance_names=())
+    made = model
     for item in every:
         if item.name in fit.names:
             made = item.added_to(made)
     change = {name: x for name, x in moved(fit).items() if name not in OUTSIDE}
     numbers = values_at(made, speed, extrapolate=True)
-    at = places(made, list(change))
     whole = _unknown(fit)
     deviations = np.sqrt(np.maximum(np.diagonal(whole), 0.0)).tolist()
     std = dict(zip(fit.place.question.numbers.values, deviations, strict=True))
-    for (effect, name), (place, x) in zip(at, change.items(), strict=True):
+    values: dict[Place, Value] = {}
+    for (effect, name), (label, x) in zip(places(made, list(change)), change.items(), strict=True):
         own = made.parts[effect].values.get(name)
-        known, unsure = made.parts[effect].known.parameter(name), std[place]
-        if isinstance(own, tuple):
-            more = tuple(_within(known, value + x, unsure) for value in own)
-            made = made.with_values(effect, **{name: more})
-        else:
-            one = _within(known, float(numbers[effect][name]) + x, unsure)
-            made = made.with_values(effect, **{name: one})
-    return _with_covariance(made, fit, whole)
+        within = partial(_within, made.parts[effect].known.parameter(name), unsure=std[label])
+        values[effect, name] = (
+            tuple(within(value + x) for value in own)
+            if isinstance(own, tuple)
+            else within(float(numbers[effect][name]) + x)
+        )
+    title = _title(fit) if tests is None else tests
+    known, covariance = _known(made, fit, values, whole)
+    return put_back(
+        made,
+        Fitted(
+            values=values,
+            known=known,
+            covariance=covariance,
+            sources={place: _source(model, place, title) for place in values},
+        ),
+    )
 
 
-def _with_covariance(model: Model, fit: Fit, whole: Array) -> Model:
-    """A model with what a fit leaves unknown of its values."""
+def _title(fit: Fit) -> str:
+    """Title of the records of a fit."""
+    return title_of([item.record for item in fit.place.question.stretches]) or "records"
+
+
+def _source(model: Model, place: Place, title: str) -> str:
+    """Where a value comes from that records tell more of, or alone."""
+    effect, name = place
+    part = model.parts.get(effect)
+    stated = effect not in DERIVATIVE_PARTS and part is not None and part.known.parameter(name)
+    if part is None or (name not in part.values and not stated):
+        return f"measured: {title}"
+    said = f"; fitted to {title}"
+    return f"{part.source_of(name).removesuffix(said)}{said}"
+
+
+def _known(
+    model: Model, fit: Fit, values: Mapping[Place, Value], whole: Array
+) -> tuple[tuple[Place, ...], Array]:
+    """Values of a model of which a fit knows how uncertain they are, and their covariance."""
     numbers = fit.place.question.numbers
     moves = [
         i for i, name in enumerate(numbers.values) if name not in OUTSIDE and whole[i, i] > 0.0
     ]
     at = places(model, [numbers.values[i] for i in moves])
-    held = [k for k, (effect, name) in enumerate(at) if name in model.parts[effect].values]
-    if not held:
-        return model
-    rows = max(len(model.Fn), 1)
-    own = whole[np.ix_(moves, moves)][np.ix_(held, held)]
-    names = tuple(place_name(*at[k]) for k in held)
-    parts = {
-        effect: replace(
-            part,
-            std=MappingProxyType(
-                {name: x for name, x in part.std.items() if place_name(effect, name) not in names}
-            ),
-        )
-        for effect, part in model.parts.items()
-    }
-    return model.with_(
-        parts=MappingProxyType(parts),
-        covariance=np.tile(0.5 * (own + own.T), (rows, rows)),
-        covariance_names=names,
-    )
+    held = [
+        k
+        for k, (effect, name) in enumerate(at)
+        if (effect, name) in values or name in model.parts[effect].values
+    ]
+    return tuple(at[k] for k in held), whole[np.ix_(moves, moves)][np.ix_(held, held)]
 
 
 def _within(parameter: Parameter | None, value: float, unsure: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -13,11 +14,14 @@ from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
 from pmmkit.diagnosis.free_running.system import FreeSystem
+from pmmkit.diagnosis.refit import Found, stepped
 from pmmkit.errors import DataError, Problem, Remedy, Way
 from pmmkit.identification.record import title_of
 from pmmkit.models import Model
-from pmmkit.models.changes import before_of
-from pmmkit.models.step import Step, odds
+from pmmkit.models.step import Step
+
+HEADING: Final = "heading"
+"""The error of records that a step tells [deg]."""
 
 
 def refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -> Model:
@@ -44,38 +48,35 @@ def refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) ->
 
 def _refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -> Model:
     every = {item.name: item for item in system.every}
-    names = tuple(begun)
-    fit = system.fit(names)
-    count = len(system.base.names) if fit.spread or np.any(system.base.known) else 0
-    first = Step(action="fitted", count=count, campaign="records")
-    made = model_of(system.model, system.every, fit, system.speed)
-    made = made.with_(steps=(*system.model.steps, *([first] if count else [])))
-    last = (*names, *(step.effect for step in steps))
-    for step in steps:
-        before = system.errors(names, last)["heading"]
-        names = (*names, step.effect)
-        fit = system.fit(names)
-        if not np.any(fit.z[fit.place.question.numbers.columns[step.effect]]):
+    names = (*begun, *(step.effect for step in steps))
+    sets = [names[: len(begun) + number] for number in range(len(steps) + 1)]
+    for step, own in zip(steps, sets[1:], strict=True):
+        taken = system.fit(own)
+        if not np.any(taken.z[taken.place.question.numbers.columns[step.effect]]):
             raise DataError(_not_found(step.effect))
-        after = model_of(system.model, system.every, fit, system.speed)
-        fall = f"{before:.2f} to {system.errors(names, last)['heading']:.2f}"
-        said = f"error of heading of records left out {fall}°"
-        why = step.note or ("" if step.log_odds is None else f"evidence {odds(step.log_odds)}")
-        taken = replace(
-            step_of(made, after, every[step.effect], fit),
-            log_odds=step.log_odds,
-            note="; ".join(text for text in (why, said) if text),
-        )
-        made = after.with_(steps=(*made.steps, taken))
+    fit = system.fit(names)
+    made = model_of(system.model, system.every, fit, system.speed)
     title = title_of(system.records)
-    return made.with_(steps=tuple(_as_fitted(step, every, fit, title) for step in made.steps))
+    kept = [
+        step if step.campaign not in ("", title) else _as_fitted(step, every, fit, title)
+        for step in made.steps
+    ]
+    plain = Step(
+        action="fitted",
+        campaign=title,
+        count=int(np.count_nonzero(np.diagonal(fit.covariance) > 0.0)),
+        faults=tuple(name for name in names if every[name].kind == "fault"),
+    )
+    found = [_found(every[step.effect], fit, made) for step in steps]
+    errors = [system.errors(own, names)[HEADING] for own in sets]
+    return stepped(
+        system.model, made.with_(steps=tuple(kept)), plain, steps, found, errors, HEADING
+    )
 
 
 def _as_fitted(step: Step, every: Mapping[str, FreeCandidate], fit: Fit, title: str) -> Step:
     """A step with what the last fit says of its fault: it belongs to that fit's model."""
     if step.action != "fault_corrected" or step.effect not in fit.names:
-        return step
-    if step.campaign not in ("", title):
         return step
     return replace(step, campaign=title, coefficients=_coefficients(every[step.effect], fit))
 
@@ -89,32 +90,16 @@ def _coefficients(item: FreeCandidate, fit: Fit) -> dict[str, float]:
     }
 
 
-def step_of(old: Model, new: Model, item: FreeCandidate, fit: Fit) -> Step:
-    """The step by which a fit to records took an effect in.
-
-    Parameters
-    ----------
-    old, new : Model
-        Before and after.
-    item : FreeCandidate
-        The effect.
-    fit : Fit
-        To the records.
-    """
-    found = _coefficients(item, fit)
-    if item.kind == "fault":
-        return Step(action="fault_corrected", effect=item.name, coefficients=found)
-    part = () if item.part is None else (item.part.effect,)
-    home = {name: f"{effect}.{name}" for effect, own in new.parts.items() for name in own.values}
-    places = [*part, *(home.get(name, name) for name in item.values)]
-    return Step(
-        action="effect_added",
-        effect=item.name,
-        coefficients=found,
-        system="prime",
-        source="diagnosis",
-        before=before_of(old, new, places),
-    )
+def _found(item: FreeCandidate, fit: Fit, made: Model) -> Found:
+    """What the fit says of an effect, and where it stands in the ship of it."""
+    places: tuple[str, ...] = ()
+    if item.kind == "physics":
+        part = () if item.part is None else (item.part.effect,)
+        home = {
+            name: f"{effect}.{name}" for effect, own in made.parts.items() for name in own.values
+        }
+        places = (*part, *(home.get(name, name) for name in item.values))
+    return Found(coefficients=_coefficients(item, fit), places=places)
 
 
 def _not_found(name: str) -> Problem:

@@ -249,5 +249,5 @@ def _model(vote: RecordsVote, fit: Fit, names: Names, found: Next) -> Model:
     covariance = np.zeros_like(fit.covariance)
     covariance[np.ix_(used, used)] = found.covariance
     own = replace(fit, names=names, z=z, covariance=covariance)
-    made = model_of(vote.model, vote.system.every, own, vote.system.speed)
+    made = model_of(vote.model, vote.system.every, own, vote.system.speed, "several campaigns")
     return replace(made, name=f"{made.name}, another laboratory", notes=(*made.notes, NOTE))

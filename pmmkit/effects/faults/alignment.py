@@ -9,34 +9,37 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.effects.faults.fault import STEP, Columns, fault, one, size
-from pmmkit.effects.seen import CURRENT, RUDDER_ZERO, Move, Observed, Vessel
+from pmmkit.effects.faults.fault import DEGREES, STEP, fault, size
+from pmmkit.effects.seen import CURRENT, RUDDER_ZERO, Forces, Move, Observed, Vessel
+from pmmkit.effects.suspect import Suspect, both_signs
+
+ANGLES: Final = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0)
+"""Angles of the model that the checks try, to either side [deg]."""
 
 
-def turned(run: Observed, value: float) -> Columns:
-    """The model stands turned by a degree on the carriage: its drift is larger than stated."""
-    del value
-    m, c, s = run.motion, math.cos(STEP), math.sin(STEP)
+def turned(run: Observed, at: Mapping[str, float]) -> Forces:
+    """The model stands turned on the carriage: its drift is larger than stated."""
+    m, angle = run.motion, math.radians(at["turned"])
+    c, s = math.cos(angle), math.sin(angle)
     moved = m.with_(
         u=c * m.u + s * m.v,
         v=c * m.v - s * m.u,
         udot=c * m.udot + s * m.vdot,
         vdot=c * m.vdot - s * m.udot,
     )
-    return one(run.changed(moved, math.degrees(STEP)))
+    return run.along(moved)
 
 
-def drifting_water(run: Observed, value: float) -> Columns:
-    """Water that moves across the tank to starboard [m/s]."""
-    del value
-    m, psi = run.motion, run.heading
+def drifting_water(run: Observed, at: Mapping[str, float]) -> Forces:
+    """Water that moves across the tank to starboard."""
+    m, psi, water = run.motion, run.heading, at["current"]
     moved = m.with_(
-        u=m.u - STEP * np.sin(psi),
-        v=m.v - STEP * np.cos(psi),
-        udot=m.udot - STEP * np.cos(psi) * m.r,
-        vdot=m.vdot + STEP * np.sin(psi) * m.r,
+        u=m.u - water * np.sin(psi),
+        v=m.v - water * np.cos(psi),
+        udot=m.udot - water * np.cos(psi) * m.r,
+        vdot=m.vdot + water * np.sin(psi) * m.r,
     )
-    return one(run.changed(moved, STEP))
+    return run.along(moved)
 
 
 def current_over_ground(vessel: Vessel) -> Mapping[str, Move]:
@@ -45,13 +48,11 @@ def current_over_ground(vessel: Vessel) -> Mapping[str, Move]:
     return {name: Move(values={name: 1.0}, typical=usual) for name in CURRENT}
 
 
-def rudder_off(run: Observed, value: float) -> Columns:
-    """The rudder a degree further to the side that turns to starboard than stated."""
-    del value
+def rudder_off(run: Observed, at: Mapping[str, float]) -> Forces:
+    """The rudder further to the side that turns to starboard than stated."""
     if not np.any(run.motion.delta):
         return {}
-    moved = run.motion.with_(delta=run.motion.delta + STEP)
-    return one(run.changed(moved, math.degrees(STEP)))
+    return run.along(run.motion.with_(delta=run.motion.delta + math.radians(at["angle"])))
 
 
 def rudder_column_off(vessel: Vessel) -> Mapping[str, Move]:
@@ -61,22 +62,49 @@ def rudder_column_off(vessel: Vessel) -> Mapping[str, Move]:
     return {"angle": Move(values=unit, typical=0.5)}
 
 
-EFFECTS: Final = (
-    fault(
-        "fault_misalignment",
-        "alignment",
-        "The model stands turned on the carriage.",
-        turned,
-        (size("turned", "deg", 0.26, "angle of the model, bow to starboard"),),
-        known_as="drift",
-        check="turn the model by 180° and repeat static drift",
+MISALIGNMENT: Final = fault(
+    "fault_misalignment",
+    "alignment",
+    "The model stands turned on the carriage.",
+    turned,
+    (size("turned", "deg", 0.26, "angle of the model, bow to starboard", step=DEGREES),),
+    check="turn the model by 180° and repeat static drift",
+    suspects=(
+        Suspect(
+            name="drift",
+            says=lambda value: (
+                f"the model stood turned by {value:+.1f}° against the drift angle that is stated"
+            ),
+            remedy="Correct drift_deg (and the kind of test), or look at the mount.",
+            at=lambda value: {"turned": value},
+            grid=both_signs(ANGLES),
+            continuous=True,
+        ),
+        Suspect(
+            name="drift as set",
+            says=lambda value: (
+                f"in runs with a drift angle the model stood turned by {value:+.1f}° "
+                f"against the drift that is stated"
+            ),
+            remedy="Correct drift_deg of these runs, or look at the turntable.",
+            at=lambda value: {"turned": value},
+            grid=both_signs(ANGLES),
+            continuous=True,
+            applies=lambda kind: kind.drifts,
+            scope="all",
+        ),
     ),
+)
+
+
+EFFECTS: Final = (
+    MISALIGNMENT,
     fault(
         "current",
         "alignment",
         "Water moves across the tank, or over the ground.",
         drifting_water,
-        (size("current", "m/s", 0.0075, "velocity of the water"),),
+        (size("current", "m/s", 0.0075, "velocity of the water", step=STEP),),
         check="static drift at low speed, or after a longer wait; the same run on two headings",
         moves=current_over_ground,
         sources=("ittc_7.5-02-06-04", "ittc_7.5-04-02-01"),
@@ -86,7 +114,7 @@ EFFECTS: Final = (
         "asymmetry",
         "The rudder stands, or its column is, off by a constant angle.",
         rudder_off,
-        (size("angle", "deg", 0.5, "of the rudder, turning to starboard"),),
+        (size("angle", "deg", 0.5, "of the rudder, turning to starboard", step=DEGREES),),
         check="the rudder against a template, or a straight run with the propeller stopped",
         excites=("rudder",),
         moves=rudder_column_off,

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+import numpy as np
+
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.seen import Observed
+from pmmkit.effects.seen import Acts, Forces, Observed
+from pmmkit.effects.suspect import Suspect
 from pmmkit.numerics import Array
 
 STEP: Final = 1e-4
 """Small step [rad, m/s or a share] for derivatives: far above rounding, far below a curve."""
+DEGREES: Final = math.degrees(STEP)
+"""The same for angles in degrees."""
 ITTC_CAPTIVE: Final = "ittc_7.5-02-06-02"
 ITTC_UNCERTAINTY: Final = "ittc_7.5-02-06-04"
 AT_SEA: Final = "free-running records hold no force: they do not know this fault"
-
-Columns = Mapping[str, Sequence[Array]]
-"""By channel, the harmonics of each coefficient."""
 
 
 def fault(
     name: str,
     family: str,
     summary: str,
-    columns: Callable[[Observed, float], Columns],
+    acts: Acts,
     sizes: tuple[Parameter, ...],
     *,
     check: str,
@@ -37,18 +40,78 @@ def fault(
         kind="fault",
         summary=summary,
         parameters=sizes,
-        columns=columns,
+        acts=acts,
         sources=sources,
         check=check,
         **({} if "moves" in more else {"not_free_running": AT_SEA}) | more,
     )
 
 
-def size(name: str, unit: str, typical: float, text: str, expected: float = 0.0) -> Parameter:
-    """A coefficient of a fault."""
-    return Parameter(name=name, unit=unit, typical=typical, text=text, expected=expected)
+def suspicion(
+    name: str, family: str, summary: str, acts: Acts, suspects: tuple[Suspect, ...], **more: Any
+) -> Effect:
+    """A slip or fault that the checks look for, and no diagnosis."""
+    return Effect(
+        name=name,
+        family=family,
+        kind="fault",
+        summary=summary,
+        acts=acts,
+        suspects=suspects,
+        **more,
+    )
 
 
-def one(changes: Mapping[str, Array]) -> Columns:
-    """Columns of a fault with one coefficient."""
-    return {channel: (column,) for channel, column in changes.items()}
+def size(
+    name: str, unit: str, typical: float, text: str, expected: float = 0.0, *, step: float = 1.0
+) -> Parameter:
+    """A coefficient of a fault; by default it acts in proportion."""
+    return Parameter(name=name, unit=unit, typical=typical, text=text, expected=expected, step=step)
+
+
+def beside(run: Observed, more: Mapping[str, Array]) -> Forces:
+    """The forces of some channels with histories (n,) that the gauges show beside them."""
+    return {
+        channel: run.forces[channel] + run.project(history)
+        for channel, history in more.items()
+        if channel in run.forces
+    }
+
+
+def shown_by(effect: Effect, run: Observed, at: Mapping[str, float]) -> Forces:
+    """What a fault shows of records; parameters that are not named are zero."""
+    assert effect.acts is not None
+    none = dict.fromkeys((item.name for item in effect.parameters), 0.0)
+    return effect.acts(run, none | dict(at))
+
+
+def slopes(
+    effect: Effect, run: Observed, at: Mapping[str, float], names: Sequence[str]
+) -> dict[str, tuple[Array, ...]]:
+    """What a unit of some parameters of a fault changes in the forces, by channel.
+
+    ∂F/∂s ≈ [F(s = h) - F(s = 0)]/h with the `step` h of the parameter; with h = 1 this is exact
+    where the fault acts in proportion.
+
+    Parameters
+    ----------
+    effect : Effect
+        A fault that acts on records.
+    run : Observed
+        The records.
+    at : mapping of str to float
+        The other parameters; those that are not named are zero.
+    names : sequence of str
+        The parameters.
+    """
+    found = []
+    for name in names:
+        item = effect.parameter(name)
+        assert item is not None
+        shown = shown_by(effect, run, {**at, name: item.step})
+        found.append({c: (x - run.forces[c]) / item.step for c, x in shown.items()})
+    channels = dict.fromkeys(channel for own in found for channel in own)
+    return {
+        c: tuple(own[c] if c in own else np.zeros_like(run.forces[c]) for own in found)
+        for c in channels
+    }

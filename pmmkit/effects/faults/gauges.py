@@ -8,33 +8,37 @@ from typing import Final
 import numpy as np
 
 from pmmkit.effects.effect import Parameter
-from pmmkit.effects.faults.fault import AT_SEA, Columns, fault, one, size
-from pmmkit.effects.seen import Move, Observed, Vessel
+from pmmkit.effects.faults.fault import AT_SEA, beside, fault, size, suspicion
+from pmmkit.effects.seen import Forces, Move, Observed, Vessel
+from pmmkit.effects.suspect import CHANNELS, Suspect, both_signs, larger_or_smaller
 from pmmkit.numerics import Array
 
+SHARES: Final = (0.8, 0.9, 0.95, 1.05, 1.1, 1.25)
+"""Factors that the checks try on forces."""
+POINTS: Final = (0.02, 0.05, 0.1, 0.2)
+"""Levers that the checks try, to either side, over the length."""
+FORGOTTEN: Final = 0.3
+"""Usual size of a share of the mass that is doubted: about what a wrong mass was off by."""
 
-def _of_both_gauges(shown: Array) -> Columns:
+
+def _of_both_gauges(run: Observed, at: Mapping[str, float], shown: Array) -> Forces:
     """The same history in newtons on the gauge of Y, and in newton metres on that of N."""
-    none = np.zeros_like(shown)
-    return {"Y": (shown, none), "N": (none, shown)}
+    return beside(run, {name: at[name] * shown for name in ("Y", "N")})
 
 
-def zero(run: Observed, value: float) -> Columns:
+def zero(run: Observed, at: Mapping[str, float]) -> Forces:
     """Constant newtons of the gauges."""
-    del value
-    return _of_both_gauges(run.project(np.ones_like(run.t)))
+    return _of_both_gauges(run, at, np.ones_like(run.t))
 
 
-def creep(run: Observed, value: float) -> Columns:
+def creep(run: Observed, at: Mapping[str, float]) -> Forces:
     """Gauges that creep over a record [N/min, N m/min]."""
-    del value
-    return _of_both_gauges(run.project(run.t / 60.0))
+    return _of_both_gauges(run, at, run.t / 60.0)
 
 
-def creep_over_the_day(run: Observed, value: float) -> Columns:
+def creep_over_the_day(run: Observed, at: Mapping[str, float]) -> Forces:
     """Gauges that show more from run to run, by so much from the first to the last [N, N m]."""
-    del value
-    return _of_both_gauges(run.project(np.full_like(run.t, run.day)))
+    return _of_both_gauges(run, at, np.full_like(run.t, run.day))
 
 
 Y_IN_X: Final = 0.0
@@ -42,25 +46,81 @@ X_IN_Y: Final = 1.0
 """Places of the forms of `cross_talk` in its grid, as findings and saved steps hold them."""
 
 
-def cross_talk(run: Observed, into: float) -> Columns:
+def cross_talk(run: Observed, at: Mapping[str, float]) -> Forces:
     """Share of one channel in another."""
-    shown = run.expected
+    shown, share = run.forces, at["share"]
     if "X" not in shown or "Y" not in shown:
         return {}
-    return one({"X": shown["Y"]} if into == Y_IN_X else {"Y": shown["X"]})
+    if at["into"] == Y_IN_X:
+        return {"X": shown["X"] + share * shown["Y"]}
+    return {"Y": shown["Y"] + share * shown["X"]}
 
 
-def gain(run: Observed, value: float) -> Columns:
-    """The side force shown too large, by a share."""
-    del value
-    return one({"Y": run.expected["Y"]}) if "Y" in run.expected else {}
+def gain(run: Observed, at: Mapping[str, float]) -> Forces:
+    """Forces shown too large, each by a share of its own."""
+    shares = {"Y": at["share"], "X": at["of X"], "N": at["of N"]}
+    return {
+        channel: (1.0 + share) * run.forces[channel]
+        for channel, share in shares.items()
+        if share and channel in run.forces
+    }
 
 
-def point(run: Observed, value: float) -> Columns:
-    """Moments about a point one ship length forward of the one stated."""
-    del value
-    shown = run.expected
-    return one({"N": run.ship.L * shown["Y"]}) if {"Y", "N"} <= set(shown) else {}
+def _of_gain(value: float, *channels: str) -> Mapping[str, float]:
+    """Gains of some channels that show their force so many times too large."""
+    names = {"Y": "share", "X": "of X", "N": "of N"}
+    return {names[channel]: value - 1.0 for channel in channels}
+
+
+def _own_gain(channel: str) -> Suspect:
+    return Suspect(
+        name=f"gain of {channel}",
+        says=lambda value: (
+            f"the gauge of {channel} shows {abs(100 * (value - 1)):.1f} % too "
+            f"{'much' if value > 1 else 'little'} (its gain)"
+        ),
+        remedy=f"Look at the calibration of {channel} in this run: a weight shows it.",
+        at=lambda value: _of_gain(value, channel),
+        grid=(0.3, 0.5, 0.7, *SHARES, 1.5, 2.0),
+        continuous=True,
+        scope="one",
+        channels=(channel,),
+    )
+
+
+def clipping(run: Observed, at: Mapping[str, float]) -> Forces:
+    """An amplifier that bends: it ends at so many times the largest force."""
+
+    def bent(force: Array) -> Array:
+        end = at["end"] * np.abs(force).max()
+        return np.asarray(end * np.tanh(force / end))
+
+    shown = {c: x for c, x in run.forces.items() if at.get(c)}
+    return {c: x + at[c] * (run.shaped(x, bent) - x) for c, x in shown.items()}
+
+
+def _clipped(channel: str) -> Suspect:
+    return Suspect(
+        name=f"{channel} clipped",
+        says=lambda value: (
+            f"the amplifier of {channel} bends at large forces: it is clipped softly, to an end of "
+            f"{value:.1f} times the largest"
+        ),
+        remedy=f"Look at the range of the gauge and the amplifier of {channel}.",
+        at=lambda value: {"end": value},
+        unknown=channel,
+        spread=lambda _: 1.0,
+        grid=(0.9, 1.2, 1.6, 2.2),
+        channels=(channel,),
+    )
+
+
+def point(run: Observed, at: Mapping[str, float]) -> Forces:
+    """Moments about a point so many ship lengths forward of the one stated: N - x Y."""
+    shown = run.forces
+    if not {"Y", "N"} <= set(shown):
+        return {}
+    return {"N": shown["N"] - at["x over L"] * run.ship.L * shown["Y"]}
 
 
 def point_of_the_model(vessel: Vessel) -> Mapping[str, Move]:
@@ -74,15 +134,20 @@ def point_of_the_model(vessel: Vessel) -> Mapping[str, Move]:
     return {"x over L": Move(values=arm, typical=0.01)} if "Nv" in arm else {}
 
 
-def inertia(run: Observed, value: float) -> Columns:
-    """A share of the ship's mass left in the forces."""
-    del value
-    m, mass = run.motion, run.ship.mass
-    return one(
+def inertia(run: Observed, at: Mapping[str, float]) -> Forces:
+    """A share of what hangs below the balance left in the forces, as if it were a point mass."""
+    m, ship = run.motion, run.ship
+    mass = ship.mass if ship.balance_mass is None else ship.balance_mass
+    x = ship.xG if ship.balance_xG is None else ship.balance_xG
+    share = at["mass share"] * mass
+    across = m.vdot + m.u * m.r
+    return beside(
+        run,
         {
-            "X": run.project(-mass * (m.udot - m.v * m.r)),
-            "Y": run.project(-mass * (m.vdot + m.u * m.r)),
-        }
+            "X": -share * (m.udot - m.v * m.r - x * m.r**2),
+            "Y": -share * (across + x * m.rdot),
+            "N": -share * x * across,
+        },
     )
 
 
@@ -126,9 +191,27 @@ EFFECTS: Final = (
         "gauges",
         "The side force gauge shows too much.",
         gain,
-        (size("share", "-", 0.03, "of the side force"),),
-        known_as="gain",
+        (
+            size("share", "-", 0.03, "of the side force"),
+            Parameter(name="of X", text="share of the longitudinal force"),
+            Parameter(name="of N", text="share of the moment"),
+        ),
         check="weights; oscillate the dry model",
+        suspects=(
+            *map(_own_gain, CHANNELS),
+            Suspect(
+                name="gain of all",
+                says=lambda value: (
+                    f"all forces are {larger_or_smaller(value)} than they should be (a gain, or "
+                    f"the speed of the carriage by half of it)"
+                ),
+                remedy="Look at the amplifier and at the speed of the carriage.",
+                at=lambda value: _of_gain(value, *CHANNELS),
+                grid=SHARES,
+                continuous=True,
+                scope="one",
+            ),
+        ),
     ),
     fault(
         "fault_moment_point",
@@ -136,9 +219,23 @@ EFFECTS: Final = (
         "Moments about another point than stated.",
         point,
         (size("x over L", "-", 0.01, "the point forward of the one stated"),),
-        known_as="moment point",
         check="a weight at a known lever",
         moves=point_of_the_model,
+        own_checks=("moment reference",),
+        suspects=(
+            Suspect(
+                name="moment point",
+                says=lambda value: (
+                    f"the moments refer to a point {abs(value):.3f} L "
+                    f"{'forward' if value > 0 else 'aft'} of the one stated"
+                ),
+                remedy="Find the point to which the moments refer and write moment_reference_x.",
+                at=lambda value: {"x over L": value},
+                grid=both_signs(POINTS),
+                continuous=True,
+                channels=("N",),
+            ),
+        ),
     ),
     fault(
         "fault_inertia",
@@ -146,9 +243,24 @@ EFFECTS: Final = (
         "Part of the model's inertia left in the forces.",
         inertia,
         (size("mass share", "-", 0.02, "of the mass"),),
-        known_as="inertia",
         check="oscillate the dry model; weigh it",
         moves=inertia_of_the_model,
+        own_checks=("inertia",),
+        suspects=(
+            Suspect(
+                name="mass",
+                says=lambda _: (
+                    "the mass that is taken off as the model's inertia is not the one that "
+                    "oscillated"
+                ),
+                remedy="Weigh what hangs below the balance (balance_mass), or oscillate the dry "
+                "model.",
+                unknown="mass share",
+                spread=lambda _: FORGOTTEN,
+                scope="all",
+                by_size=True,
+            ),
+        ),
     ),
     fault(
         "fault_gauge_drift",
@@ -173,5 +285,19 @@ EFFECTS: Final = (
         check="zero records between the runs; repeat the first run at the end",
         excites=("repeats",),
         not_free_running=AT_SEA,
+    ),
+    suspicion(
+        "fault_gauge_clipping",
+        "gauges",
+        "An amplifier that bends at large forces.",
+        clipping,
+        tuple(map(_clipped, CHANNELS)),
+        parameters=(
+            *(
+                Parameter(name=c, text=f"share of the bend in {c}; 1 is all of it")
+                for c in CHANNELS
+            ),
+            Parameter(name="end", text="end of the amplifier over the largest force"),
+        ),
     ),
 )

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from itertools import accumulate
 from typing import Any
 
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.diagnosis.findings import UNITS
-from pmmkit.loop import ErrorFall, JointFall, RecordFall
-from pmmkit.loop.evidence import Fall
+from pmmkit.loop.fall import Fall
 from pmmkit.workbench.pages.numbers import short
 
 
@@ -26,56 +21,41 @@ def fall_page(fall: Fall) -> dict[str, Any]:
     dict
         ``unit``, ``of`` (``force`` or ``heading``), ``how``, ``remarks``, ``steps``: by step its
         name, ``error``, the ``level`` of noise alone where it is known, and errors by channel with
-        their units. Of several campaigns ``campaigns``: these by title, with each step.
+        their units. Of several campaigns ``campaigns``: these by title, with each step; one that a
+        campaign was not asked for leaves its errors as they are.
     """
-    if isinstance(fall, JointFall):
-        return {"campaigns": [_one_of(fall, name) for name in fall.falls]}
+    if len(fall.campaigns) > 1:
+        return {
+            "campaigns": [
+                {**fall_page(fall.only(name)), "title": name, "steps": _steps(fall, name)}
+                for name in fall.campaigns
+            ]
+        }
     return {
         "unit": fall.unit,
         "of": fall.of,
         "how": fall.how,
         "remarks": list(fall.remarks()),
         "useless": list(fall.useless),
-        "steps": _captive(fall) if isinstance(fall, ErrorFall) else _records(fall),
+        "steps": _steps(fall, fall.campaigns[0]),
     }
 
 
-def _one_of(fall: JointFall, name: str) -> dict[str, Any]:
-    """One of several campaigns: a step that it was not asked for leaves its errors as they are."""
-    page = fall_page(fall.falls[name])
-    rows = page["steps"]
-    places = accumulate(fall.taken[name], initial=0)
-    steps = [{**rows[place], "step": step} for step, place in zip(fall.steps, places, strict=True)]
-    return {**page, "title": name, "steps": steps}
-
-
-def _captive(fall: ErrorFall) -> list[dict[str, Any]]:
+def _steps(fall: Fall, name: str) -> list[dict[str, Any]]:
+    """The errors of one campaign after each step."""
+    of, units = fall.told[name].of, fall.units(name)
+    errors = {x: fall.errors(x, name) for x in fall.quantities(name)}
+    levels = fall.levels(of, name)
     return [
         {
-            "step": name,
-            "error": short(100.0 * item.share()),
-            "level": short(100.0 * item.share(kind="level")),
+            "step": step,
+            "error": short(errors[of][place]),
+            "level": short(levels[place]),
             "channels": {
-                channel: {"error": short(error), "unit": CHANNEL_UNITS[channel]}
-                for channel, error in item.of_channel().items()
+                x: {"error": short(own[place]), "unit": units[x]}
+                for x, own in errors.items()
+                if units[x] != "%"
             },
         }
-        for name, item in zip(fall.steps, fall.errors, strict=True)
-    ]
-
-
-def _records(fall: Fall) -> list[dict[str, Any]]:
-    assert isinstance(fall, RecordFall)
-    return [
-        {
-            "step": item.step,
-            "error": short(item.heading),
-            "level": short(fall.levels.get(fall.of, math.nan)),
-            "channels": {
-                name: {"error": short(getattr(item, name)), "unit": unit}
-                for name, unit in UNITS.items()
-                if hasattr(item, name)
-            },
-        }
-        for item in fall.errors
+        for place, step in enumerate(fall.steps)
     ]

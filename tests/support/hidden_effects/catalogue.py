@@ -147,8 +147,8 @@ def rig_change(m: Motion, effects: dict[str, float]) -> Force:
         if not size or m.plan.test not in acts:
             continue
         if name == "fault_pmm_amplitude":
-            share = SIZES[name]["share"]
-            other = replace(m, v=m.v * (1 + share), vdot=m.vdot * (1 + share))
+            longer = replace(m.plan, sway=m.plan.sway * (1 + SIZES[name]["share"]))
+            other = motion_of(longer, m.t)
         elif name == "fault_pmm_phase":
             turn = np.radians(SIZES[name]["deg"]) * m.plan.speed / m.plan.omega
             other = replace(m, v=m.v + turn * m.r, vdot=m.vdot + turn * m.rdot)

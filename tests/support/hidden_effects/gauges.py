@@ -61,7 +61,7 @@ def read(force: Force, m: Motion, effects: dict[str, float], foreign: bool) -> F
     F["Y"] *= 1 + size("fault_gauge_gain", 0.0) * SIZES["fault_gauge_gain"]["Y"]
     if share := size("outside_dead_zone", 0.0):
         F["Y"] = dead_zone(F["Y"], share * DEAD_ZONE)
-    F["N"] += (
+    F["N"] -= (
         size("fault_moment_point", 0.0)
         * SIZES["fault_moment_point"]["x_over_L"]
         * (SHIP.L * F["Y"])
