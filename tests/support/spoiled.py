@@ -1,6 +1,8 @@
 """Ways to spoil a captive campaign: slips of the hand, faults of gauges, clocks, rigs and files.
 
-Each takes a campaign of the virtual tank and gives one in which a run, or every run, is wrong.
+Each takes a campaign of the virtual tank and gives one in which a run, or every run, is wrong. They
+are written here by hand and share nothing with the actions of the catalogue that the checks look
+for: a campaign that is spoiled and searched by one function would prove nothing.
 """
 
 from __future__ import annotations

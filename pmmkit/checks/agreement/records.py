@@ -8,6 +8,7 @@ from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.checks.agreement.rows import CHANNELS, PHASES, Group
 from pmmkit.effects.seen import Factor
@@ -130,12 +131,18 @@ class Records:
             found[name] = np.fft.irfft(spectrum, PHASES, axis=1)
         return found
 
-    def as_histories(self, forces: Mapping[str, Array], others: Array) -> Array:
-        """Forces of some channels over the units of the group, in the place of theirs in others."""
+    def as_histories(
+        self, forces: Mapping[str, Array], others: Array, touched: NDArray[np.bool_]
+    ) -> Array:
+        """Forces of some channels and runs over the units of the group, the rest as in others."""
         out = others.copy()
         for k, name in enumerate(CHANNELS):
             if name in forces:
-                out[:, :, k] = _over(forces[name], self._unit(k, forces[name].ndim))
+                shown = _over(forces[name], self._unit(k, forces[name].ndim))
+                if touched.all():
+                    out[:, :, k] = shown
+                else:
+                    out[touched, :, k] = shown[touched]
         return out
 
     def _by_channel(self, histories: Array) -> Mapping[str, Array]:

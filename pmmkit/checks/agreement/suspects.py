@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.campaigns.motion.kinematics import motion_at_phase, move_motion
 from pmmkit.campaigns.run import Run
@@ -45,8 +46,8 @@ class Suspected(Suspect):
         told = records.histories
         if self.unknown:
             return told
-        found = records.as_histories(shown_by(self.effect, records, self.at(value)), told)
-        return np.where(self._touched(records.group)[:, None, None, None], found, told)
+        shown = shown_by(self.effect, records, self.at(value))
+        return records.as_histories(shown, told, self._touched(records.group))
 
     def column(self, valued: Records, value: float) -> Array:
         """Harmonics (n, 3, 7) of what its unknown size multiplies, over its standard deviation."""
@@ -54,11 +55,11 @@ class Suspected(Suspect):
         shown = valued.as_histories(
             {name: self.spread(value) * own for name, (own,) in slope.items()},
             np.zeros(valued.histories.shape[:-1]),
+            self._touched(valued.group),
         )
-        columns = valued.group.design(shown[..., None])[..., 0]
-        return np.where(self._touched(valued.group)[:, None, None], columns, 0.0)
+        return valued.group.design(shown[..., None])[..., 0]
 
-    def _touched(self, group: Group) -> Array:
+    def _touched(self, group: Group) -> NDArray[np.bool_]:
         return np.array([self.concerns(item.run) for item in group.summaries])
 
 
