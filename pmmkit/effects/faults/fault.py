@@ -51,6 +51,7 @@ def suspicion(
     name: str, family: str, summary: str, acts: Acts, suspects: tuple[Suspect, ...], **more: Any
 ) -> Effect:
     """A slip or fault that the checks look for, and no diagnosis."""
+    more.setdefault("remark", "a slip that files hold, no formula of a source")
     return Effect(
         name=name,
         family=family,
