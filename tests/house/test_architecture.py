@@ -69,7 +69,7 @@ def declared_groups() -> set[str]:
 
 
 def test_every_contract_stands_in_the_plan():
-    """The plan and the recipes name what checks an entry; what it asks of one kind stands beside."""
+    """The plan and the recipes name what checks an entry; what one kind is asked stands beside."""
     recipes = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     beside = {"faults"}
     modules = {module.name: module for module in pkgutil.iter_modules(testing.__path__)}
