@@ -51,7 +51,7 @@ _TOLD: Final = (
 written beside the symbol."""
 
 
-class Told(NamedTuple):
+class SettingInWords(NamedTuple):
     """A setting as people read it."""
 
     symbol: str
@@ -142,11 +142,11 @@ class Settings:
         return tuple(f"{item.symbol} {item.value:{item.form}}{item.unit}" for item in self.told)
 
     @property
-    def told(self) -> tuple[Told, ...]:
+    def told(self) -> tuple[SettingInWords, ...]:
         """What is set besides the speed and is not zero; a circle by its rate."""
         angles = {"°": math.degrees, "°/s": math.degrees}
         return tuple(
-            Told(symbol, word, angles.get(unit, float)(value), unit, form)
+            SettingInWords(symbol, word, angles.get(unit, float)(value), unit, form)
             for name, symbol, word, unit, form in _TOLD
             if (value := getattr(self, name))
         )

@@ -20,7 +20,7 @@ Place = tuple[str, str]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Fitted:
+class FittedValues:
     """What a fit says of values of a model, by name.
 
     Parameters
@@ -44,20 +44,20 @@ class Fitted:
     Fn: tuple[float, ...] = ()
 
 
-def put_back(model: Model, fitted: Fitted) -> Model:
+def put_back(model: Model, fitted: FittedValues) -> Model:
     """A model with fitted values, their sources and their covariance, and with no other one.
 
     Parameters
     ----------
     model : Model
         Has the parts of the values, or they are derivatives.
-    fitted : Fitted
+    fitted : FittedValues
         What a fit says.
 
     Examples
     --------
     >>> from pmmkit.models import load_model
-    >>> one = Fitted(
+    >>> one = FittedValues(
     ...     values={("hull_polynomial", "Yv"): -0.3}, known=(("hull_polynomial", "Yv"),),
     ...     covariance=np.array([[1e-4]]), sources={("hull_polynomial", "Yv"): "measured: tank"},
     ... )
@@ -93,7 +93,7 @@ def put_back(model: Model, fitted: Fitted) -> Model:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
+class FittedEffect:
     """What the last fit says of an effect that a step took in.
 
     Parameters
@@ -118,7 +118,7 @@ def stepped(
     new: Model,
     fit: Step,
     steps: Sequence[Step],
-    found: Sequence[Found],
+    found: Sequence[FittedEffect],
     errors: Sequence[float],
     of: str = "",
 ) -> Model:
@@ -132,7 +132,7 @@ def stepped(
         Campaign, Froude numbers and number of coefficients of the fit, and the faults it corrected.
     steps : sequence of Step
         What was added, one after another, with its odds and a remark.
-    found : sequence of Found
+    found : sequence of FittedEffect
         What the fit says of each.
     errors : sequence of float
         Errors of what is left out, of the base and after each step.

@@ -31,7 +31,7 @@ from pmmkit.equations.structure import ACCELERATIONS, FORCES, Structure, Used
 from pmmkit.inference import estimators
 from pmmkit.syntax.printing import python_function, python_lines
 from pmmkit.syntax.reading import functions, statements
-from pmmkit.syntax.tree import Binary, Call, Item, Member, Name, Node, Number, Span, replaced
+from pmmkit.syntax.tree import Binary, Call, Member, Name, Node, Number, Span, Subscript, replaced
 
 MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U", "beta", "Fn")
 CONTROLS: Final = ("delta", "n", "n_order", "bucket")
@@ -259,14 +259,14 @@ def _in_lanes(begin: Mapping[str, int], lanes: int) -> Callable[[Node], Node]:
 
     def rule(node: Node) -> Node:
         match node:
-            case Item(of=Name(word=word), at=Number(value=at)) if word in begin:
+            case Subscript(of=Name(word=word), at=Number(value=at)) if word in begin:
                 first = Number(begin[word] + lanes * int(at))
-                return Item(Name("s"), Binary("+", first, Name("lane")))
-            case Item(
+                return Subscript(Name("s"), Binary("+", first, Name("lane")))
+            case Subscript(
                 of=Name(word=word), at=Span(low=Number(value=low), high=Number(value=high))
             ) if word in begin:
                 ends = (Number(begin[word] + lanes * int(at)) for at in (low, high))
-                return Item(Name("s"), Span(*ends))
+                return Subscript(Name("s"), Span(*ends))
             case Call(function=Name(word=word)) if word in _OF_LANES or word.startswith("effect_"):
                 return replace(node, function=Name(f"lane_{word.removeprefix('effect_')}"))
         return node
@@ -344,7 +344,7 @@ def _at_the_moment(structure: Structure, lines: Sequence[str]) -> list[str]:
 
     def own(node: Node) -> Node:
         match node:
-            case Item(of=Name(word="k"), at=Number(value=place)) if place in structure.follows:
+            case Subscript(of=Name(word="k"), at=Number(value=place)) if place in structure.follows:
                 return Name(f"k_{place}")
         return node
 

@@ -19,13 +19,13 @@ from pmmkit.diagnosis.captive.refit import Refit, froude_numbers, places_of, ref
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.diagnosis.refit import Found, stepped
+from pmmkit.diagnosis.refit import FittedEffect, stepped
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
 from pmmkit.executors import Workers
 from pmmkit.loop.evidence import only_campaign
-from pmmkit.loop.fall import ALL, BASE, Fall, FallRow, Told
+from pmmkit.loop.fall import ALL, BASE, ErrorWords, Fall, FallRow
 from pmmkit.models import Model
 from pmmkit.models.step import Step
 from pmmkit.presentation import counted
@@ -33,7 +33,7 @@ from pmmkit.structures import Structure
 
 FORCE: Final = "force"
 """All channels of captive tests together, each over its rms force."""
-TOLD: Final = Told(
+TOLD: Final = ErrorWords(
     of=FORCE,
     judged=(FORCE,),
     left_out="conditions",
@@ -205,12 +205,12 @@ class CaptiveTests:
     def _names(self, steps: Sequence[Step]) -> tuple[str, ...]:
         return (*self.begun, *(step.effect for step in steps))
 
-    def _found(self, block: Block, fit: JointFit, made: Model) -> Found:
+    def _found(self, block: Block, fit: JointFit, made: Model) -> FittedEffect:
         """What the fit says of an effect, and where it stands in the ship of it."""
         c = block.candidate
         known = catalogue().get(c.name)
         names = list(known.typical) if c.kind == "fault" and known else c.coefficients
-        return Found(
+        return FittedEffect(
             coefficients=dict(zip(names, coefficients_of(block, fit)[0], strict=True)),
             places=places_of(block, made, self.own) if c.kind == "physics" else (),
             parameter=c.parameter,

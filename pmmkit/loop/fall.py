@@ -64,7 +64,7 @@ class FallRow:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
+class ErrorWords:
     """How the errors of one kind of tests are told.
 
     Parameters
@@ -99,13 +99,13 @@ class Fall(Described):
         In the order in which they were added.
     rows : tuple of FallRow
         Of each campaign for the base and the steps that it was asked for.
-    told : mapping of str to Told
+    told : mapping of str to ErrorWords
         By campaign, in their order.
     """
 
     added: tuple[Step, ...]
     rows: tuple[FallRow, ...]
-    told: Mapping[str, Told]
+    told: Mapping[str, ErrorWords]
 
     @property
     def campaigns(self) -> tuple[str, ...]:

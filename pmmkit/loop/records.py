@@ -33,7 +33,7 @@ from pmmkit.errors import DataError, ModelError
 from pmmkit.identification.as_tested import known_faults
 from pmmkit.identification.record import FreeRecord
 from pmmkit.loop.evidence import only_campaign
-from pmmkit.loop.fall import ALL, BASE, Fall, FallRow, Told
+from pmmkit.loop.fall import ALL, BASE, ErrorWords, Fall, FallRow
 from pmmkit.models import Model
 from pmmkit.models.step import Step
 from pmmkit.plotting.records import Sailed
@@ -44,7 +44,7 @@ DRAWN: Final = 3
 """Records of which tracks are drawn."""
 BASE_FITTED: Final = "base fitted to the other records"
 WITH_EFFECTS: Final = "with the effects"
-TOLD: Final = Told(
+TOLD: Final = ErrorWords(
     of="heading",
     judged=tuple(ERRORS),
     left_out="records",

@@ -7,18 +7,17 @@ from dataclasses import dataclass
 
 from pmmkit.syntax.tree import (
     Assign,
+    Augmented,
     Binary,
     Call,
-    Change,
-    Choice,
-    Comparison,
+    Compare,
+    Conditional,
     Do,
     Expression,
     For,
     Function,
     If,
-    Item,
-    Jump,
+    Leave,
     Logic,
     Member,
     Name,
@@ -27,6 +26,7 @@ from pmmkit.syntax.tree import (
     Several,
     Span,
     Statement,
+    Subscript,
     Unary,
     Unwritable,
     While,
@@ -79,11 +79,11 @@ class PythonPrinter:
                 rank = OPERATORS[sign].rank
                 parts = [self.printed(item).within(rank + 1) for item in inner]
                 return Printed(self.mark(sign).join(parts), rank)
-            case Comparison(signs=signs, inner=inner):
+            case Compare(signs=signs, inner=inner):
                 return self.comparison(signs, [self.printed(x).within(SUM) for x in inner])
-            case Choice(test=test, yes=yes, no=no):
+            case Conditional(test=test, yes=yes, no=no):
                 return self.choice(self.printed(test), self.printed(yes), self.printed(no))
-            case Item(of=of, at=at):
+            case Subscript(of=of, at=at):
                 return self.item(of, at)
             case Call():
                 return Printed(self.call(tree))
@@ -190,7 +190,7 @@ def _statement(node: Statement) -> list[str]:
     match node:
         case Assign(target=target, value=value):
             return [f"{_open(target)} = {_open(value)}"]
-        case Change(target=target, sign=sign, value=value):
+        case Augmented(target=target, sign=sign, value=value):
             return [f"{text(target)} {sign}= {text(value)}"]
         case Do(value=value):
             return [text(value)]
@@ -203,7 +203,7 @@ def _statement(node: Statement) -> list[str]:
         case For(target=target, over=over, body=body, otherwise=no):
             behind = ["else:", *_within(no)] if no else []
             return [f"for {_open(target)} in {text(over)}:", *_within(body), *behind]
-        case Jump(word=word):
+        case Leave(word=word):
             return [word]
         case Return(value=None):
             return ["return"]

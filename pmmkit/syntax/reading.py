@@ -12,18 +12,17 @@ from typing import Any, Final
 
 from pmmkit.syntax.tree import (
     Assign,
+    Augmented,
     Binary,
     Call,
-    Change,
-    Choice,
-    Comparison,
+    Compare,
+    Conditional,
     Do,
     Expression,
     For,
     Function,
     If,
-    Item,
-    Jump,
+    Leave,
     Logic,
     Member,
     Name,
@@ -33,6 +32,7 @@ from pmmkit.syntax.tree import (
     Span,
     Statement,
     Stray,
+    Subscript,
     Unary,
     Unwritable,
     While,
@@ -76,7 +76,7 @@ def statements(text: str) -> tuple[Statement, ...]:
     Examples
     --------
     >>> statements("y += 1")
-    (Change(target=Name(word='y'), sign='+', value=Number(value=1)),)
+    (Augmented(target=Name(word='y'), sign='+', value=Number(value=1)),)
     """
     return _block(ast.parse(text).body)
 
@@ -142,9 +142,9 @@ def _statement(node: ast.stmt) -> Statement:
         case ast.AnnAssign(target=target, value=ast.expr() as value):
             return Assign(_value(target), _value(value))
         case ast.AugAssign(target=target, op=op, value=value) if type(op) in _BINARY:
-            return Change(_value(target), _BINARY[type(op)], _value(value))
+            return Augmented(_value(target), _BINARY[type(op)], _value(value))
         case ast.Expr(value=ast.Constant()) | ast.Pass():
-            return Jump("pass")
+            return Leave("pass")
         case ast.Expr(value=value):
             return Do(_value(value))
         case ast.If(test=test, body=yes, orelse=no):
@@ -154,9 +154,9 @@ def _statement(node: ast.stmt) -> Statement:
         case ast.For(target=target, iter=over, body=body, orelse=no):
             return For(_value(target), _value(over), _block(body), _block(no))
         case ast.Break():
-            return Jump("break")
+            return Leave("break")
         case ast.Continue():
-            return Jump("continue")
+            return Leave("continue")
         case ast.Return(value=None):
             return Return(None)
         case ast.Return(value=ast.expr() as value):
@@ -184,13 +184,11 @@ def _value(node: ast.expr) -> Expression:
             return Logic("and" if isinstance(op, ast.And) else "or", _values(values))
         case ast.Compare(left=left, ops=ops, comparators=others):
             if all(type(op) in _COMPARED for op in ops):
-                return Comparison(
-                    tuple(_COMPARED[type(op)] for op in ops), _values([left, *others])
-                )
+                return Compare(tuple(_COMPARED[type(op)] for op in ops), _values([left, *others]))
         case ast.IfExp(test=test, body=yes, orelse=no):
-            return Choice(_value(test), _value(yes), _value(no))
+            return Conditional(_value(test), _value(yes), _value(no))
         case ast.Subscript(value=value, slice=at):
-            return Item(_value(value), _value(at))
+            return Subscript(_value(value), _value(at))
         case ast.Slice(lower=low, upper=high, step=None):
             low_end, high_end = (None if end is None else _value(end) for end in (low, high))
             return Span(low_end, high_end)

@@ -82,7 +82,7 @@ class Logic(Node):
 
 
 @dataclass(frozen=True)
-class Comparison(Node):
+class Compare(Node):
     """A chain of comparisons: each operand with the one before it."""
 
     signs: tuple[str, ...]
@@ -90,7 +90,7 @@ class Comparison(Node):
 
 
 @dataclass(frozen=True)
-class Choice(Node):
+class Conditional(Node):
     """One of two values."""
 
     test: Expression
@@ -99,7 +99,7 @@ class Choice(Node):
 
 
 @dataclass(frozen=True)
-class Item(Node):
+class Subscript(Node):
     """What stands at a place of a list; places count from 0."""
 
     of: Expression
@@ -136,9 +136,9 @@ Expression = (
     | Unary
     | Binary
     | Logic
-    | Comparison
-    | Choice
-    | Item
+    | Compare
+    | Conditional
+    | Subscript
     | Span
     | Several
     | Stray
@@ -154,7 +154,7 @@ class Assign(Node):
 
 
 @dataclass(frozen=True)
-class Change(Node):
+class Augmented(Node):
     """A value changed by an operator: ``x += 1``."""
 
     target: Expression
@@ -198,7 +198,7 @@ class For(Node):
 
 
 @dataclass(frozen=True)
-class Jump(Node):
+class Leave(Node):
     """``break``, ``continue`` or ``pass``."""
 
     word: str
@@ -211,7 +211,7 @@ class Return(Node):
     value: Expression | None
 
 
-Statement = Assign | Change | Do | If | While | For | Jump | Return | Stray
+Statement = Assign | Augmented | Do | If | While | For | Leave | Return | Stray
 
 
 @dataclass(frozen=True)

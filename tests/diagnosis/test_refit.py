@@ -8,7 +8,7 @@ from hidden_effects import hidden_campaign
 
 import pmmkit as pk
 from pmmkit.diagnosis.captive.joint_fit import joint_fit
-from pmmkit.diagnosis.refit import Fitted, Found, put_back, stepped
+from pmmkit.diagnosis.refit import FittedValues, Found, put_back, stepped
 from pmmkit.models.step import Step
 from tests.support.uncoupled import uncoupled
 
@@ -23,7 +23,7 @@ def fitted(**changes):
         "covariance": np.array([[4e-4, 1e-4], [1e-4, 9e-4]]),
         "sources": dict.fromkeys(places, "measured: tank"),
     }
-    return Fitted(**given | changes)
+    return FittedValues(**given | changes)
 
 
 def test_values_come_with_their_covariance_and_source_and_leave_the_rest():
@@ -84,7 +84,7 @@ def test_each_step_brings_its_own_places_and_a_fault_none():
         "left out."
     )
     assert stepped(ship, made, plain, (), (), ()).history[-1] == (
-        "Fitted 5 coefficients to sea, current corrected."
+        "FittedValues 5 coefficients to sea, current corrected."
     )
 
 

@@ -14,15 +14,15 @@ from pmmkit.syntax.reading import expression, function_of, functions, statements
 from pmmkit.syntax.tree import (
     Binary,
     Call,
-    Choice,
-    Comparison,
-    Item,
+    Compare,
+    Conditional,
     Logic,
     Member,
     Name,
     Number,
     Several,
     Stray,
+    Subscript,
     Unary,
     Unwritable,
     names,
@@ -47,11 +47,11 @@ def _grown(inner):
     return st.one_of(
         st.builds(Unary, st.sampled_from(("-", "+", "not")), inner),
         st.builds(Binary, SIGNS, inner, inner),
-        st.builds(Choice, inner, inner, inner),
-        st.builds(Comparison, st.tuples(COMPARED), two),
-        st.builds(Comparison, st.tuples(COMPARED, COMPARED), three),
+        st.builds(Conditional, inner, inner, inner),
+        st.builds(Compare, st.tuples(COMPARED), two),
+        st.builds(Compare, st.tuples(COMPARED, COMPARED), three),
         st.builds(Logic, st.sampled_from(("and", "or")), st.one_of(two, three)),
-        st.builds(Item, inner, inner),
+        st.builds(Subscript, inner, inner),
         st.builds(Member, NAMES, st.just("real")),
         st.builds(Call, NAMES, few),
         st.builds(Several, few),
@@ -139,7 +139,7 @@ def test_names_are_replaced_and_nothing_is_changed_in_place():
 
     def rule(node):
         match node:
-            case Item(of=Name(word="k"), at=Number(value=at)):
+            case Subscript(of=Name(word="k"), at=Number(value=at)):
                 return Name(f"k_{at}")
         return node
 

@@ -14,7 +14,7 @@ from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.joint_fit import JointFit
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.system import Block
-from pmmkit.diagnosis.refit import Fitted, put_back
+from pmmkit.diagnosis.refit import FittedValues, put_back
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
@@ -212,7 +212,7 @@ def refitted(
         for _, block in parts
         for name in block.candidate.coefficients
     ]
-    fitted = Fitted(
+    fitted = FittedValues(
         values={**derivatives, **coefficients},
         known=(*derivatives, *coefficients),
         covariance=_together(fit, beside, taken, base, campaign, model.convention, Fn, own),

@@ -16,7 +16,7 @@ from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, Names, Numbers, Screen
 from pmmkit.diagnosis.free_running.left_out import left_out_errors, mean_log
-from pmmkit.diagnosis.refit import Fitted, Place, put_back
+from pmmkit.diagnosis.refit import FittedValues, Place, put_back
 from pmmkit.effects.effect import Parameter
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.equations.prepared import values_at
@@ -129,7 +129,7 @@ def model_of(
     known, covariance = _known(made, fit, values, whole)
     return put_back(
         made,
-        Fitted(
+        FittedValues(
             values=values,
             known=known,
             covariance=covariance,

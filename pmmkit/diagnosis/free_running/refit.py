@@ -14,7 +14,7 @@ from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
 from pmmkit.diagnosis.free_running.system import FreeSystem
-from pmmkit.diagnosis.refit import Found, stepped
+from pmmkit.diagnosis.refit import FittedEffect, stepped
 from pmmkit.errors import DataError, Problem, Remedy, Way
 from pmmkit.identification.record import title_of
 from pmmkit.models import Model
@@ -90,7 +90,7 @@ def _coefficients(item: FreeCandidate, fit: Fit) -> dict[str, float]:
     }
 
 
-def _found(item: FreeCandidate, fit: Fit, made: Model) -> Found:
+def _found(item: FreeCandidate, fit: Fit, made: Model) -> FittedEffect:
     """What the fit says of an effect, and where it stands in the ship of it."""
     places: tuple[str, ...] = ()
     if item.kind == "physics":
@@ -99,7 +99,7 @@ def _found(item: FreeCandidate, fit: Fit, made: Model) -> Found:
             name: f"{effect}.{name}" for effect, own in made.parts.items() for name in own.values
         }
         places = (*part, *(home.get(name, name) for name in item.values))
-    return Found(coefficients=_coefficients(item, fit), places=places)
+    return FittedEffect(coefficients=_coefficients(item, fit), places=places)
 
 
 def _not_found(name: str) -> Problem:

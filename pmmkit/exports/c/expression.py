@@ -23,15 +23,15 @@ from pmmkit.exports.c.kinds import (
 from pmmkit.syntax.tree import (
     Binary,
     Call,
-    Choice,
-    Comparison,
-    Item,
+    Compare,
+    Conditional,
     Logic,
     Member,
     Name,
     Number,
     Span,
     Stray,
+    Subscript,
     Unary,
     Unwritable,
 )
@@ -118,9 +118,9 @@ class Writer:
                 return self._operation(sign, self._numeric(left), self._numeric(right))
             case Logic(sign=sign, inner=inner):
                 return self._both_or_either(sign, inner)
-            case Comparison(signs=signs, inner=inner):
+            case Compare(signs=signs, inner=inner):
                 return self._comparison(signs, [self._numeric(item) for item in inner])
-            case Choice(test=test, yes=yes, no=no):
+            case Conditional(test=test, yes=yes, no=no):
                 decided = self.of(test).known
                 if decided is not None:
                     return self.of(yes if decided else no)
@@ -128,7 +128,7 @@ class Writer:
                 asked = self._numeric(test).within(OR)
                 text = f"{asked} ? {a.within(OR)} : {b.within(OR)}"
                 return Expression(text, joined(a.kind, b.kind), CHOICE)
-            case Item(of=whole, at=at):
+            case Subscript(of=whole, at=at):
                 return self._item(self.of(whole), at)
             case Call():
                 return self._call(tree)

@@ -19,19 +19,19 @@ from pmmkit.exports.c.kinds import (
 )
 from pmmkit.syntax.tree import (
     Assign,
+    Augmented,
     Call,
-    Change,
     Do,
     For,
     Function,
     If,
-    Item,
-    Jump,
+    Leave,
     Name,
     Return,
     Several,
     Statement,
     Stray,
+    Subscript,
     Unwritable,
     While,
     names,
@@ -96,15 +96,15 @@ class Body:
 
     def _statement(self, node: Statement) -> list[str]:
         match node:
-            case Jump(word="pass"):
+            case Leave(word="pass"):
                 return []
-            case Jump(word=word):
+            case Leave(word=word):
                 return [f"{word};"]
             case Do(value=Call() as call):
                 return [f"{self._expressions.of(call).text};"]
             case Assign(target=target, value=value):
                 return self._assigned(target, value)
-            case Change(target=target, sign="+" | "-" | "*" | "/" as sign, value=value):
+            case Augmented(target=target, sign="+" | "-" | "*" | "/" as sign, value=value):
                 return self._changed(target, sign, value)
             case If(test=test, yes=yes, no=no):
                 return self._branches(test, yes, no)
@@ -196,7 +196,7 @@ class Body:
         if isinstance(target, Name):
             self._named(target.word, found.kind)
             return identifier(target.word)
-        if isinstance(target, Item):
+        if isinstance(target, Subscript):
             place = self._expressions.of(target)
             if self._expressions.of(target.of).kind != LIST or not found.kind.is_number:
                 raise Unwritable("a value put where there is no place for it")
@@ -259,7 +259,7 @@ def _read(tree: Function) -> frozenset[str]:
         match node:
             case Assign(target=target, value=value):
                 found |= names(value) | _places(target)
-            case Change(target=target, value=value):
+            case Augmented(target=target, value=value):
                 found |= names((target, value))
             case Do(value=value) | While(test=value) | If(test=value) | For(over=value):
                 found |= names(value)
@@ -272,7 +272,7 @@ def _places(target: Tree) -> frozenset[str]:
     """Names that say where a value is put."""
     if isinstance(target, Several):
         return frozenset().union(*map(_places, target.inner))
-    return names(target) if isinstance(target, Item) else frozenset()
+    return names(target) if isinstance(target, Subscript) else frozenset()
 
 
 def _calls(value: Tree) -> bool:
@@ -285,5 +285,5 @@ def _entangled(targets: Sequence[Tree], values: Sequence[Tree]) -> bool:
     for target, value in zip(targets, values, strict=True):
         if changed & names(value):
             return True
-        changed |= names(target.of if isinstance(target, Item) else target)
+        changed |= names(target.of if isinstance(target, Subscript) else target)
     return False

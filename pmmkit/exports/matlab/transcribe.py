@@ -16,17 +16,16 @@ from typing import Any, Final
 from pmmkit.syntax.reading import expression, function_of
 from pmmkit.syntax.tree import (
     Assign,
+    Augmented,
     Binary,
     Call,
-    Change,
-    Choice,
-    Comparison,
+    Compare,
+    Conditional,
     Expression,
     For,
     Function,
     If,
-    Item,
-    Jump,
+    Leave,
     Logic,
     Member,
     Name,
@@ -34,6 +33,7 @@ from pmmkit.syntax.tree import (
     Return,
     Several,
     Statement,
+    Subscript,
     Unary,
     Unwritable,
     While,
@@ -163,7 +163,7 @@ class _Writer:
     ) -> list[Expression] | None:
         for statement in block:
             match statement:
-                case Jump(word="pass"):
+                case Leave(word="pass"):
                     pass
                 case Assign(target=Name(word=word), value=value):
                     self._assign(known, word, self._value(value, known, outside))
@@ -175,7 +175,7 @@ class _Writer:
                         if not isinstance(target, Name):
                             raise Unwritable("a value put into a list")
                         self._assign(known, target.word, item)
-                case Change(target=Name(word=word) as target, sign=sign, value=value):
+                case Augmented(target=Name(word=word) as target, sign=sign, value=value):
                     whole = Binary(sign, target, value)
                     self._assign(known, word, self._value(whole, known, outside))
                 case If(test=test, yes=yes, no=no):
@@ -232,21 +232,21 @@ class _Writer:
             case Binary(sign=sign, left=left, right=right) if OPERATORS[sign].matlab:
                 first = self._value(left, known, outside)
                 return Binary(sign, first, self._value(right, known, outside))
-            case Comparison(signs=signs, inner=inner):
+            case Compare(signs=signs, inner=inner):
                 return _compared(signs, [self._value(item, known, outside) for item in inner])
             case Logic(sign=sign, inner=inner):
                 return self._joined(sign, inner, known, outside)
-            case Choice(test=test, yes=yes, no=no):
+            case Conditional(test=test, yes=yes, no=no):
                 asked = self._value(test, known, outside)
                 if isinstance(asked, Number):
                     return self._value(yes if asked.value else no, known, outside)
                 values = (self._value(item, known, outside) for item in (yes, no))
                 return Call(Name("where"), (asked, *values))
-            case Item(of=Name(word=word), at=Number() as place):
+            case Subscript(of=Name(word=word), at=Number() as place):
                 if isinstance(known.get(word), Name):
-                    return Item(known[word], place)
+                    return Subscript(known[word], place)
                 raise Unwritable("a table of its own")
-            case Item():
+            case Subscript():
                 raise Unwritable("a table of its own")
             case Call():
                 found = self._call(tree, known, outside)
@@ -301,6 +301,6 @@ def _compared(signs: tuple[str, ...], operands: Sequence[Expression]) -> Express
     """A chain of comparisons, decided where all is known."""
     values = [item.value for item in operands if isinstance(item, Number)]
     if len(values) < len(operands):
-        return Comparison(signs, tuple(operands))
+        return Compare(signs, tuple(operands))
     links = zip(signs, values[:-1], values[1:], strict=True)
     return Number(float(all(OPERATORS[sign].compute(a, b) for sign, a, b in links)))
