@@ -8,7 +8,7 @@ from hidden_effects import hidden_campaign
 
 import pmmkit as pk
 from pmmkit.diagnosis.captive.joint_fit import joint_fit
-from pmmkit.diagnosis.refit import FittedValues, Found, put_back, stepped
+from pmmkit.diagnosis.refit import FittedEffect, FittedValues, put_back, stepped
 from pmmkit.models.step import Step
 from tests.support.uncoupled import uncoupled
 
@@ -63,9 +63,9 @@ def test_each_step_brings_its_own_places_and_a_fault_none():
         Step(action="fault_corrected", effect="current"),
     ]
     found = [
-        Found(coefficients={"Yv": -0.3, "lost": float("nan")}, places=(f"{HULL}.Yv",)),
-        Found(coefficients={"aH": 0.4}, places=(f"{HULL}.Yv", "rudder_mmg.aH")),
-        Found(coefficients={"current_x": 0.2}),
+        FittedEffect(coefficients={"Yv": -0.3, "lost": float("nan")}, places=(f"{HULL}.Yv",)),
+        FittedEffect(coefficients={"aH": 0.4}, places=(f"{HULL}.Yv", "rudder_mmg.aH")),
+        FittedEffect(coefficients={"current_x": 0.2}),
     ]
     plain = Step(action="fitted", campaign="sea", count=5, faults=("current",))
     told = stepped(ship, made, plain, steps, found, (3.0, 2.0, 2.0, float("nan")), "heading")
