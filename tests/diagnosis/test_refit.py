@@ -84,7 +84,7 @@ def test_each_step_brings_its_own_places_and_a_fault_none():
         "left out."
     )
     assert stepped(ship, made, plain, (), (), ()).history[-1] == (
-        "FittedValues 5 coefficients to sea, current corrected."
+        "Fitted 5 coefficients to sea, current corrected."
     )
 
 
