@@ -147,6 +147,18 @@ def root_of(covariance: Array) -> Array:
     return root
 
 
+def precision_over(covariance: Array, scale: Array) -> Array:
+    """Inverse of a covariance (m, m) of numbers that are counted in units `scale` (m,).
+
+    Examples
+    --------
+    >>> precision_over(np.diag([4e-12, 9.0]), np.array([1e-6, 3.0]))
+    array([[0.25, 0.  ],
+           [0.  , 1.  ]])
+    """
+    return np.linalg.inv(covariance / np.outer(scale, scale)).astype(float)
+
+
 def unwrapped(psi: Array) -> Array:
     """An angle without jumps of 2π [rad]; what is not known stays NaN and is passed over.
 

@@ -22,7 +22,7 @@ from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.inference import Innovations
 from pmmkit.models import Model
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, precision_over
 from pmmkit.progress import Progress
 
 GATE: Final = 5.0
@@ -298,7 +298,7 @@ def _lack(
     if np.any(setup.wander > 0.0):
         return lack_of(setup.prior, covariance, [], {})
     scale = setup.prior.std
-    known = np.linalg.inv(setup.prior.covariance / np.outer(scale, scale))
+    known = setup.prior.precision
     start, there = setup.prior.mean / scale, values / scale
     pieces = []
     for number, record in enumerate(setup.records):
@@ -308,7 +308,7 @@ def _lack(
                 z, P, _ = _pass(alone, method, roughness, values)
             except SimulationError:
                 continue
-            told = np.linalg.inv(P / np.outer(scale, scale))
+            told = precision_over(P, scale)
             score = told @ (z / scale - there) - known @ (start - there)
             pieces.append(Piece(record=number, information=told - known, score=score))
     samples = {

@@ -156,7 +156,7 @@ def lack_of(
     shift = _shift(pieces, sharper)
     if not colour and shift == 0.0:
         return Lack(covariance=covariance, alone=covariance, colour={}, shift=0.0)
-    known = np.linalg.inv(prior.covariance / scale)
+    known = prior.precision
     told = np.linalg.inv(narrow) - known
     wide = np.asarray(np.linalg.inv(known + told / max(colour.values(), default=1.0)))
     if shift > 0.0:

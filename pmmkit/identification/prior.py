@@ -15,7 +15,7 @@ from pmmkit.errors import DataError
 from pmmkit.identification.parameters import places
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, precision_over
 from pmmkit.simulation.spread import is_uncertain, spread_of
 
 SPREAD: Final = 0.3
@@ -49,6 +49,11 @@ class Prior:
     def std(self) -> Array:
         """Standard deviations (m,)."""
         return np.sqrt(np.diagonal(self.covariance))
+
+    @property
+    def precision(self) -> Array:
+        """Inverse of the covariance over the standard deviations (m, m)."""
+        return precision_over(self.covariance, self.std)
 
 
 def asked_names(model: Model, names: Sequence[str] | None) -> tuple[str, ...]:

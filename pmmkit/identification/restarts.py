@@ -15,6 +15,7 @@ from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.trajectory import fit_trajectories
 from pmmkit.models import Model
+from pmmkit.numerics import precision_over
 from pmmkit.progress import Progress
 
 ROUGH: Final = 0.3
@@ -141,7 +142,7 @@ def _from(found: Filtered, prior: Prior) -> Filtered:
     scale = prior.std
     both = np.outer(scale, scale)
     told, alone, begun, known = (
-        np.linalg.inv(item / both)
+        precision_over(item, scale)
         for item in (found.covariance, found.lack.alone, found.prior.covariance, prior.covariance)
     )
     left = told - begun + known

@@ -201,7 +201,7 @@ def fit_trajectories(
         for share in [item for item in reversed(SHORTER) if item >= begun.share]:
             problem, first = cut(share)
             start = begun.values if found is None else found.values
-            if not math.isfinite(_cost(problem, start, first, _precision(prior))):
+            if not math.isfinite(_cost(problem, start, first, prior.precision)):
                 begun.tried.append(f"windows of {share * length:.3g} s, lost again")
                 break
             found = _weighed(problem, first, start, steps, pool, share)
@@ -243,7 +243,7 @@ def _begun(cut: Callable[[float], tuple[_Problem, Array]], prior: Prior, steps: 
         }.items():
             length = (problem.t[-1] - problem.t[0]) / problem.windows
             text = f"{word} through {problem.windows} windows"
-            if math.isfinite(_cost(problem, values, first, _precision(prior))):
+            if math.isfinite(_cost(problem, values, first, prior.precision)):
                 return _Begun(values=values, share=share, tried=tried)
             tried.append(text)
             steps.tell(0, f"the motion is lost from {text} of about {length:.3g} s")
@@ -251,11 +251,6 @@ def _begun(cut: Callable[[float], tuple[_Problem, Array]], prior: Prior, steps: 
         f"The simulated motion is lost from the start values. Tried: {'; '.join(tried)}. Check the "
         f"signs of rudder and heading, and the values that are held."
     )
-
-
-def _precision(prior: Prior) -> Array:
-    """Inverse of the prior's covariance over its standard deviations."""
-    return np.linalg.inv(prior.covariance / np.outer(prior.std, prior.std)).astype(float)
 
 
 def _weighed(
@@ -396,7 +391,7 @@ def _solved(
 ) -> tuple[TrajectoryFit, Array, float, list[_Piece]]:
     """The fit with these weights, how its windows begin, how errors last, and its windows."""
     prior = problem.prior
-    scale, precision = prior.std, _precision(prior)
+    scale, precision = prior.std, prior.precision
     values, damping = start.copy(), 1e-3
     cost = _cost(problem, values, first, precision)
     converged, count = False, 0

@@ -29,7 +29,7 @@ from pmmkit.diagnosis.together.vote import Ballot, Names, Vote
 from pmmkit.errors import ModelError
 from pmmkit.inference import integrated_out
 from pmmkit.models import Model
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, precision_over
 
 BETWEEN: Final = 0.025
 """Scale of the half-normal prior of what laboratories differ by in values of the base, over their
@@ -189,7 +189,7 @@ def _of_effects(
         at = [labels.index(found.labels[k]) for k in kept]
         size = scale[at]
         S: Array = found.covariance[np.ix_(kept, kept)]
-        told = np.linalg.inv(S / np.outer(size, size)).astype(float)
+        told = precision_over(S, size)
         score[at] = told @ (found.values[kept] / size)
         information[np.ix_(at, at)] = _positive(
             told - np.diag(np.square(size / found.before[kept]))
