@@ -175,6 +175,13 @@ class Normal:
         return -0.5 * float(square) - 0.5 * float(self.volume)
 
     @property
+    def mean(self) -> Array:
+        """Of the coefficients as the data leave them, array (q,)."""
+        away = self.score - self.information @ self.centre
+        moved = np.linalg.solve(self.information + np.eye(len(self.centre)), away)
+        return np.asarray(self.centre + moved, float)
+
+    @property
     def posterior(self) -> tuple[Array, Array]:
         """Mean (…, q) and covariance (…, q, q) of the coefficients as the data leave them."""
         covariance = np.linalg.inv(self.information + np.eye(len(self.centre)))

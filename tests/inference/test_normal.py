@@ -80,6 +80,7 @@ def test_the_posterior_is_ridge_regression(measured):
     below = np.vstack([columns, np.eye(5)])
     truth = np.linalg.lstsq(below, np.concatenate([data, centre]), rcond=None)[0]
     np.testing.assert_allclose(mean, truth, rtol=1e-10)
+    np.testing.assert_allclose(Normal.of(columns, data, centre).mean, truth, rtol=1e-10)
     np.testing.assert_allclose(covariance, np.linalg.inv(below.T @ below), rtol=1e-10)
 
 

@@ -253,22 +253,23 @@ def evidence(
     whitener = found.white.whitener[kept]
     rows, own = found.white.rows[kept], whitener @ design[kept]
     count = found.group.known[kept].sum(axis=(0, 2))
-    root = np.linalg.cholesky(covariance)
-    away, turned = rows - own @ mean, own @ root
+    root = np.asarray(np.linalg.cholesky(covariance), float)
+    away = rows - own @ mean
     moved = None if scatter is None else np.einsum("nckl,ncl->nck", whitener, scatter[kept])
     logs, left, values = [], [], []
     for power in SHRINKS if np.any(found.excess > 1.0) else (0.0,):
         scale = found.excess**power
         strength = 1 / scale
         half = np.sqrt(strength)[:, None]
-        known = Normal.of(_flat(turned * half[..., None]), (away * half).ravel())
+        known = Normal.of(_flat(own * half[..., None]), (away * half).ravel())
         if moved is not None:
             size = strength * np.sum(moved**2, axis=2)
             less = strength / np.sqrt(1 + size)
-            along = _flat((moved[:, :, None, :] @ turned) * less[..., None, None])
+            along = _flat((moved[:, :, None, :] @ own) * less[..., None, None])
             known -= Normal.of(along, (np.sum(away * moved, axis=2) * less).ravel())
             known = replace(known, volume=float(np.log1p(size).sum()))
-        z, _ = known.posterior
+        known = known.in_terms_of(root)
+        z = known.mean
         rest = float(known.square - known.score @ z)
         left.append(rest / max(int(count.sum()), 1))
         values.append(mean + root @ z)
