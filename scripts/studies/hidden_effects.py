@@ -207,7 +207,7 @@ def separations(job: Job, campaign: Any, rivals: Sequence[tuple[str, ...]]) -> l
         for step in range(max(len(own) for own in options)):
             blocks = [b for own in options for b in own[min(step, len(own) - 1) :][:2]]
             at = np.concatenate([b.places for b in blocks])
-            gram = system.gram[np.ix_(at, at)]
+            gram = system.normal.information[np.ix_(at, at)]
             tried.append(square - score[at] @ np.linalg.lstsq(gram, score[at], rcond=1e-9)[0])
         found.append(0.5 * float(min(tried)))
     return found
