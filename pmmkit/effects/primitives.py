@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from math import atan2, cos, exp, fabs, pi, sin, sqrt, tanh
-from types import FunctionType
+from types import FunctionType, MappingProxyType
 from typing import Any, Final
 
 __all__ = [
@@ -184,3 +184,7 @@ def rebound(
     )
     copied.__kwdefaults__ = function.__kwdefaults__
     return wrap(copied)
+
+
+PRIMITIVES: Final = MappingProxyType({name: globals()[name] for name in __all__})
+"""All of this by name: what stands here, a text of effects may use."""

@@ -11,10 +11,10 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, Final
 
-from pmmkit.effects import primitives
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.grammar import function_of_text
 from pmmkit.effects.hull import FACTOR_PLACES
+from pmmkit.effects.primitives import PRIMITIVES, over_arrays
 from pmmkit.equations import layouts
 from pmmkit.equations.layouts import (
     POLYNOMIAL,
@@ -28,7 +28,7 @@ from pmmkit.equations.layouts import (
     StepField,
 )
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, Structure, Used
-from pmmkit.inference import estimators
+from pmmkit.inference.system import FILTERS
 from pmmkit.syntax.printing import python_function, python_lines
 from pmmkit.syntax.reading import functions, statements
 from pmmkit.syntax.tree import Binary, Call, Member, Name, Node, Number, Span, Subscript, replaced
@@ -44,13 +44,7 @@ SAILING: Final = (*ENGINE, "lanes.py")
 """What sails many ships at once."""
 CARRYING: Final = ("equilibrium.py", "integrator.py", "communication.py", "surroundings.py")
 """What a program in another language is made of; with it stands `forces`."""
-ESTIMATING: Final = (
-    "equilibrium.py",
-    "integrator.py",
-    "sensors.py",
-    "intervals.py",
-    str(estimators.__file__),
-)
+ESTIMATING: Final = ("equilibrium.py", "integrator.py", "sensors.py", "intervals.py", FILTERS)
 """What carries records through filters; the filters themselves know nothing of ships."""
 ENTRIES: Final = (
     "rates",
@@ -140,9 +134,9 @@ def _taken_in(item: Used) -> list[str]:
     """The plain function of an effect: imported, or written out where a user's text makes it."""
     name = f"plain_{item.effect}"
     if item.text:
-        words = ", ".join(primitives.__all__)
+        words = ", ".join(PRIMITIVES)
         own = replace(function_of_text(item.effect, item.text), name=name)
-        return [f"from {primitives.__name__} import {words}", *python_function(own), ""]
+        return [f"from {over_arrays.__module__} import {words}", *python_function(own), ""]
     return [
         f"from {effect_of.__module__} import effect_of",
         f"{name} = effect_of({item.effect!r}).force",
@@ -293,7 +287,7 @@ def _loops(function: Any) -> bool:
     return any(
         _loops(other)
         for other in called
-        if isinstance(other, FunctionType) and other.__module__ != primitives.__name__
+        if isinstance(other, FunctionType) and other.__module__ != over_arrays.__module__
     )
 
 

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.effects import primitives
+from pmmkit.effects.primitives import over_arrays
 from pmmkit.equations.code_generation import ENGINE, module_text
 from pmmkit.equations.structure import Structure
 from pmmkit.files import atomic_path, cache_folder
@@ -120,7 +120,10 @@ def _part(values: Any, first: int, size: int) -> Any:
 def _fingerprint(structure: Structure, text: str) -> str:
     """Hash of all that the compiled code depends on."""
     digest = hashlib.sha256(text.encode())
-    for file in (str(primitives.__file__), Path(__file__).with_name("lane_functions.py")):
+    for file in (
+        str(sys.modules[over_arrays.__module__].__file__),
+        Path(__file__).with_name("lane_functions.py"),
+    ):
         digest.update(Path(file).read_bytes())
     for item in structure.used:
         if not item.text:

@@ -7,8 +7,7 @@ from typing import Any, Final
 
 import numba
 
-from pmmkit.effects import primitives
-from pmmkit.effects.primitives import rebound
+from pmmkit.effects.primitives import PRIMITIVES, rebound
 
 _WITHIN: Final[dict[str, Any]] = {
     "nogil": True,
@@ -34,8 +33,5 @@ def use(function: Callable[..., Any], **others: Any) -> Any:
     **others
         Compiled functions that stand for those of the C library, by name.
     """
-    own = {
-        name: inner(getattr(primitives, name))
-        for name in ("where", "maximum", "minimum", "interpolate")
-    }
+    own = {name: inner(PRIMITIVES[name]) for name in ("where", "maximum", "minimum", "interpolate")}
     return rebound(function, own | others, inner)

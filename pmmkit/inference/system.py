@@ -7,12 +7,16 @@ the checker of types.
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+FILTERS: Final = str(Path(__file__).with_name("estimators.py"))
+"""The file of the filters, which is written below a system of one's own."""
 
 
 def transition(system: Any, t: int, points: Array, changes: Array) -> int:
