@@ -30,8 +30,8 @@ def seen(figure: Figure) -> str:
 
     Examples
     --------
-    >>> from pmmkit.plotting import style
-    >>> figure = style.canvas(3.0)
+    >>> from pmmkit.plotting.style import canvas
+    >>> figure = canvas(3.0)
     >>> axis = figure.subplots()
     >>> line = axis.plot([0.0, 2.0], [1.0, 3.5], label="measured")
     >>> text = axis.set_title("yaw rate r [deg/s]"), axis.set_xlabel("time [s]")
