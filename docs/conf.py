@@ -1,6 +1,6 @@
 """Settings of the documentation site, which ``scripts/docs`` builds from a gathered source."""
 
-from pmmkit.version import __version__
+from pmmkit.base import __version__
 
 project = "pmmkit"
 author = copyright = "The pmmkit developers"

@@ -10,35 +10,35 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from pmmkit.bibliography import ITSELF, bibtex
-from pmmkit.campaigns.open_water import open_water
-from pmmkit.conventions import parse_derivative
-from pmmkit.effects.catalogue import effect_of
-from pmmkit.effects.propeller import PROPELLER
-from pmmkit.effects.rudder import RUDDER_MMG
-from pmmkit.errors import MissingPartError
-from pmmkit.models import Model, Part, load_model, to_model
-from pmmkit.models.build import HULL_TERMS, NEEDED, Missing
-from pmmkit.models.like import TURNS, with_stated_parts
-from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.models.particulars import (
+from pmmkit.base import MissingPartError
+from pmmkit.campaigns import open_water
+from pmmkit.conventions import ITSELF, Structure, bibtex, parse_derivative, structures
+from pmmkit.effects import PROPELLER, RUDDER_MMG, effect_of
+from pmmkit.models import (
+    DERIVATIVE_PARTS,
+    HULL_TERMS,
+    NEEDED,
+    SECTIONS,
     STATED,
+    TURNS,
+    DerivativeTable,
+    Missing,
+    Model,
+    Part,
+    lent,
+    load_model,
     parts_from_particulars,
     roll_from_particulars,
     straight_polynomial,
+    to_model,
+    with_stated_parts,
 )
-from pmmkit.models.revise import lent
-from pmmkit.models.stated_parts import SECTIONS
-from pmmkit.reduction import Reduction, reduce_campaign
-from pmmkit.reduction.parts import Parts, hull_alone, parts_of
-from pmmkit.reduction.thrust import thrust_inside
-from pmmkit.structures import Structure, structures
-from pmmkit.tables import DerivativeTable
-from pmmkit.validation.free_running import as_tested
+from pmmkit.reduction import Parts, Reduction, hull_alone, parts_of, reduce_campaign, thrust_inside
+from pmmkit.validation import as_tested
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign
-    from pmmkit.observations.prepare import CycleChoice
+    from pmmkit.campaigns import Campaign
+    from pmmkit.reduction import CycleChoice
 
 
 def reduce(

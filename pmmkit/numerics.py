@@ -30,18 +30,6 @@ def rms(values: ArrayLike) -> float:
 def coverage_factor(dof: ArrayLike, confidence: float) -> Array:
     """Half width of an interval over the standard uncertainty, by Student's t (JCGM 100:2008, G.3).
 
-    Parameters
-    ----------
-    dof : array-like
-        Degrees of freedom; inf where the uncertainty is known.
-    confidence : float
-        What the interval holds, such as 0.95.
-
-    Returns
-    -------
-    array
-        Of the shape of `dof`.
-
     Examples
     --------
     >>> coverage_factor([1.0, 10.0, np.inf], 0.95).round(2)
@@ -60,16 +48,7 @@ def projector(basis: Array, gram: Array | None = None) -> Array:
     cycles), which is many times faster than a factorisation of a long record; otherwise singular
     values of columns scaled to one length.
 
-    Parameters
-    ----------
-    basis : array (n, m)
-        Columns, n much larger than m.
-    gram : array (m, m), optional
-        Their products, where they are known.
-
-    Returns
-    -------
-    array (m, n)
+    basis (n, m); gram (m, m).
 
     Examples
     --------
@@ -89,18 +68,7 @@ def projector(basis: Array, gram: Array | None = None) -> Array:
 def coefficients(basis: Array, rows: Array, gram: Array | None = None) -> Array:
     """Least-squares coefficients of each row of samples on a basis.
 
-    Parameters
-    ----------
-    basis : array (n, m)
-        Columns.
-    rows : array (c, n)
-        Records.
-    gram : array (m, m), optional
-        Products of the columns, where they are known.
-
-    Returns
-    -------
-    array (c, m)
+    basis (n, m); rows (c, n); gram (m, m).
 
     Examples
     --------
@@ -162,11 +130,6 @@ def precision_over(covariance: Array, scale: Array) -> Array:
 def unwrapped(psi: Array) -> Array:
     """An angle without jumps of 2π [rad]; what is not known stays NaN and is passed over.
 
-    Parameters
-    ----------
-    psi : array (n,)
-        Angle [rad].
-
     Examples
     --------
     >>> unwrapped(np.radians([350.0, np.nan, 10.0, 30.0])) * 180.0 / np.pi
@@ -180,11 +143,6 @@ def unwrapped(psi: Array) -> Array:
 
 def turned(psi: Array) -> Array:
     """Change of heading in the sense of the turn as a whole, never going back [rad].
-
-    Parameters
-    ----------
-    psi : array (n,)
-        Heading [rad], wrapped or not.
 
     Examples
     --------

@@ -26,7 +26,7 @@ def within_reach(campaign: Campaign) -> Campaign:
     Examples
     --------
     >>> from pmmkit.campaigns.settings import Settings
-    >>> from pmmkit.ship import Ship, Water
+    >>> from pmmkit.conventions import Ship, Water
     >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
     >>> runs = tuple(Run(id=f"{drift}°", test="static_drift", kind="means", loader=None,
     ...                  settings=Settings(speed=1.0, drift=math.radians(drift)))

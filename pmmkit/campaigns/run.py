@@ -9,14 +9,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+from pmmkit.base import DataError, UnknownNameError
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.kind import TestKind
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.channels import CHANNEL_UNITS, did_you_mean
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, did_you_mean
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
-from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -138,7 +137,7 @@ class Run(Described):
         DataError
             If the run is a row of means or harmonics: it has no history.
         """
-        from pmmkit.plotting.programme import record
+        from pmmkit.campaigns.figures import record
 
         if self.kind != "history":
             raise DataError(
@@ -252,7 +251,7 @@ class Campaign(Described):
         DataError
             If the campaign has no run.
         """
-        from pmmkit.plotting.programme import programme
+        from pmmkit.campaigns.figures import programme
 
         if not self.runs:
             raise DataError(f"Campaign {self.title!r} has no run to draw.")

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns.run import Run
-from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array, unwrapped
 
 if TYPE_CHECKING:
@@ -37,14 +37,8 @@ _AROUND: Final = 1.5
 class Jump:
     """A step of a record that the motion about it does not explain.
 
-    Parameters
-    ----------
-    place : int
-        Index of the sample after the jump.
-    t : float
-        Its time [s].
-    size : float
-        Step beyond what the motion explains [m or rad].
+    `place`: index of the sample after the jump. `size`: step beyond what the motion explains [m
+    or rad].
     """
 
     place: int
@@ -76,14 +70,10 @@ class Cut:
 class Usable:
     """The usable segments of a free-running run.
 
-    Parameters
-    ----------
-    segments : tuple of Run
-        One run for each segment, called ``ZZ10/1``, ``ZZ10/2`` …; the run itself where nothing is
-        cut keeps its name. The data have the heading unwrapped over the whole record (it goes on
-        from segment to segment), and ``fresh``: False where x and y only repeat the sample before.
-    cuts : tuple of Cut
-        What lies between them, in order of time.
+    `segments`: one run for each segment, called ``ZZ10/1``, ``ZZ10/2`` …; the run itself where
+    nothing is cut keeps its name. The data have the heading unwrapped over the whole record (it
+    goes on from segment to segment), and ``fresh``: False where x and y only repeat the sample
+    before. `cuts`: what lies between them, in order of time.
     """
 
     segments: tuple[Run, ...]

@@ -16,17 +16,25 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
 
-from pmmkit.campaigns.open_water import with_open_water
+from pmmkit.base import CampaignError, DataError, Problem, __version__
+from pmmkit.campaigns.open_water_test import with_open_water
 from pmmkit.campaigns.run import Campaign, Correction, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.errors import CampaignError, DataError, Problem
-from pmmkit.files import atomic_path
-from pmmkit.json_text import to_json
-from pmmkit.readers.saved.file import FORMAT, SCHEMA, checksum, loader_of, opened, read_index
-from pmmkit.readers.saved.group import attribute, safe_names, unfit, write_group
-from pmmkit.ship import Ship, Water
-from pmmkit.version import __version__
+from pmmkit.conventions import Ship, Water
+from pmmkit.files import atomic_path, to_json
+from pmmkit.readers import (
+    FORMAT,
+    SCHEMA,
+    attribute,
+    checksum,
+    loader_of,
+    opened,
+    read_index,
+    safe_names,
+    unfit,
+    write_group,
+)
 
 if TYPE_CHECKING:
     pass

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
 
+from pmmkit.base import DataError
 from pmmkit.campaigns.settings import setting_key
-from pmmkit.channels import did_you_mean
-from pmmkit.errors import DataError
+from pmmkit.conventions import did_you_mean
 
 Of = Literal["gauge", "cross-talk", "water", "rig", "hull", "setting"]
 
@@ -18,20 +18,10 @@ Of = Literal["gauge", "cross-talk", "water", "rig", "hull", "setting"]
 class Statable:
     """Something whose standard uncertainty can be stated.
 
-    Parameters
-    ----------
-    name : str
-        Of a `TypeB`.
-    unit : str
-        In a campaign file, where it states none.
-    of : {"gauge", "cross-talk", "water", "rig", "hull", "setting"}
-        What it is an error of: the reading of one channel, what one channel shows of another, the
-        density, the rig and the model on it, the size of the hull, or what a run was set to.
-    title : str
-        In words.
-    zero : str
-        What an error of a setting that all runs share is called, where it is one of the zero and
-        not of the scale.
+    `unit`: in a campaign file, where it states none. `of`: what it is an error of: the reading
+    of one channel, what one channel shows of another, the density, the rig and the model on it,
+    the size of the hull, or what a run was set to. `zero`: what an error of a setting that all
+    runs share is called, where it is one of the zero and not of the scale.
     """
 
     name: str
@@ -109,7 +99,7 @@ STATABLE: Final[Mapping[str, Statable]] = MappingProxyType(
         for name, words in known.items()
     }
 )
-"""By name. What each does to a run is said by `pmmkit.observations.stated`."""
+"""By name. What each does to a run is said by `pmmkit.reduction.observations.stated`."""
 
 
 CENTRE_STD: Final = 0.02

@@ -10,26 +10,13 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from pmmkit.errors import PmmkitError
-from pmmkit.threads import ONE_THREAD
+from pmmkit.base import ONE_THREAD, PmmkitError
 
 DONE, WRONG, USAGE, STOPPED = 0, 1, 2, 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        What stands after ``pmmkit``; that of the process by default.
-
-    Returns
-    -------
-    int
-        0 done, 1 the data or the request is wrong, 2 usage, 3 done but not usable, 130 stopped by
-        the user.
-    """
+    """Run one command."""
     if arguments is None:  # the process is ours
         os.environ.update({name: own for name, own in ONE_THREAD.items() if name not in os.environ})
     given = list(sys.argv[1:] if arguments is None else arguments)

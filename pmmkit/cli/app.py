@@ -13,9 +13,9 @@ from typing import Annotated, Any, Final
 
 import typer
 
+from pmmkit.base import __version__
 from pmmkit.cli import commands
 from pmmkit.cli.output import Outcome, say, tell
-from pmmkit.version import __version__
 
 Json = Annotated[
     bool,
@@ -38,14 +38,7 @@ LISTING: Final = ("--help", "--version")
 
 
 def application(asked: str = "") -> typer.Typer:
-    """The application with the command that is asked for, else with all of them.
-
-    Parameters
-    ----------
-    asked : str
-        First word of a command line. A name of a command spares the time to load the others; one
-        of `LISTING` asks for none of them, so that they have names and summaries but no options.
-    """
+    """The application with the command that is asked for, else with all of them."""
     app = typer.Typer(
         name="pmmkit",
         help="Captive ship-model tests to hydrodynamic derivatives, a model and its manoeuvres.",

@@ -16,11 +16,10 @@ from pmmkit.presentation import aligned, number, plus_minus
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pmmkit.campaigns.run import Campaign
+    from pmmkit.campaigns import Campaign
     from pmmkit.cli.speeds import TypedSpeed
     from pmmkit.models import Model
-    from pmmkit.reduction import Reduction
-    from pmmkit.reduction.depths import Growth
+    from pmmkit.reduction import Growth, Reduction
 
 TABLES: Final = "derivatives_by_depth.csv"
 """All rows of all depths, beside the folders of the depths."""
@@ -37,35 +36,14 @@ def over_depths(
     out: Path,
     reduce: Callable[[Campaign, Path], tuple[Outcome, Reduction]],
 ) -> Outcome:
-    """Reduce runs at each depth of the water into a folder of its own.
-
-    Parameters
-    ----------
-    campaigns : sequence of Campaign
-        One for each depth, the deepest first.
-    out : Path
-        The folder of all results.
-    reduce : callable
-        Reduces a campaign and writes everything to a folder.
-
-    Returns
-    -------
-    Outcome
-        What each depth gave, and how derivatives grow.
-
-    Raises
-    ------
-    CampaignError
-        If runs state no depth beside others that do.
-    """
-    from pmmkit.campaigns.depths import depths, in_words
-    from pmmkit.errors import CampaignError, PmmkitError, Problem
-    from pmmkit.figures import growth_over_depth
+    """Reduce runs at each depth of the water into a folder of its own."""
+    from pmmkit.base import CampaignError, PmmkitError, Problem
+    from pmmkit.campaigns import depths, in_words
     from pmmkit.files import write_results
-    from pmmkit.plotting.style import save
-    from pmmkit.reduction.depths import felt, growth
-    from pmmkit.reduction.squat import squat, squat_frame
-    from pmmkit.tables.by_depth import RATIO, TablesByDepth
+    from pmmkit.models import RATIO, TablesByDepth
+    from pmmkit.plotting import save
+    from pmmkit.reduction import felt, growth, squat, squat_frame
+    from pmmkit.views import growth_over_depth
 
     unstated = [run.id for part in campaigns if part.water.depth is None for run in part.runs]
     if unstated:
@@ -141,7 +119,7 @@ def _stacked(frames: Sequence[pd.DataFrame]) -> pd.DataFrame:
     """Frames below each other, the depth over the draught in front."""
     import pandas as pd
 
-    from pmmkit.tables.by_depth import RATIO
+    from pmmkit.models import RATIO
 
     whole = pd.concat(frames, ignore_index=True)
     whole.insert(0, RATIO, whole.pop(RATIO))
@@ -149,7 +127,7 @@ def _stacked(frames: Sequence[pd.DataFrame]) -> pd.DataFrame:
 
 
 def _row(item: Growth) -> dict[str, Any]:
-    from pmmkit.tables.by_depth import RATIO
+    from pmmkit.models import RATIO
 
     return {
         "derivative": item.name,
@@ -170,7 +148,7 @@ def _frame(grown: Sequence[Growth]) -> pd.DataFrame:
 
 def _growth_lines(grown: Sequence[Growth]) -> list[str]:
     """A row per derivative, measured and by the formulas at each depth."""
-    from pmmkit.reduction.depths import felt
+    from pmmkit.reduction import felt
 
     ratios = list(dict.fromkeys(item.ratio for item in grown))
     found = {(item.name, item.ratio): item for item in grown}
@@ -207,38 +185,12 @@ def swept_over_depth(
     settings: Mapping[str, Any],
     out: Path,
 ) -> Outcome:
-    """Metrics of a manoeuvre over the depth of the water, beside those by the formulas.
-
-    Parameters
-    ----------
-    folder : Path
-        What `over_depths` wrote.
-    ratios : sequence of float
-        Depths over the draught.
-    speed : Speed
-        Approach speed of the ship in the models.
-    manoeuvre : str
-        Its name.
-    settings : mapping
-        For `pmmkit.simulation.sweeps.sweep`.
-    out : Path
-        Folder of the results.
-
-    Raises
-    ------
-    DataError
-        If the folder does not hold results over several depths.
-    ExtrapolationError
-        If a depth lies outside of those of the tests.
-    """
-    from pmmkit.errors import PmmkitError
-    from pmmkit.figures import metrics_over
+    """Metrics of a manoeuvre over the depth of the water, beside those by the formulas."""
+    from pmmkit.base import PmmkitError
     from pmmkit.files import write_results
-    from pmmkit.models.by_depth import carried_by_formulas, model_at_depth
-    from pmmkit.plotting.style import save
-    from pmmkit.simulation.results import sweep_frame, told_metric, told_metrics
-    from pmmkit.simulation.sweeps import sweep
-    from pmmkit.tables.by_depth import RATIO
+    from pmmkit.models import RATIO, carried_by_formulas, model_at_depth
+    from pmmkit.plotting import save
+    from pmmkit.simulation import metrics_over, sweep, sweep_frame, told_metric, told_metrics
 
     models = _models(folder)
     asked = sorted(ratios, reverse=True)
@@ -296,9 +248,9 @@ def swept_over_depth(
 
 def _models(folder: Path) -> dict[float, Model]:
     """Models of a reduction over several depths, by the depth over the draught."""
-    from pmmkit.errors import DataError, Problem
+    from pmmkit.base import DataError, Problem
+    from pmmkit.files import MODEL
     from pmmkit.models import load_model
-    from pmmkit.toml_files import MODEL
 
     read = [load_model(file) for file in sorted(folder.glob(f"{FOLDER}*/{MODEL.file}"))]
     models = {item.water.depth / item.ship.d: item for item in read if item.water.depth}

@@ -13,7 +13,7 @@ import typer
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pmmkit.seakeeping import Explained, Measured, Rao, RaoComparison
+    from pmmkit.seakeeping import Explained, MeasuredTransfer, Rao, RaoComparison
 
 RecordFiles = Annotated[
     list[str] | None,
@@ -32,14 +32,7 @@ RecordScale = Annotated[
 class RecordsBeside:
     """Records beside the computed motions.
 
-    Parameters
-    ----------
-    kinds : mapping of str to str
-        Regular or irregular waves, by file.
-    motions : tuple of RaoComparison
-        Of each motion.
-    cause : Explained
-        What would explain the difference.
+    `kinds`: regular or irregular waves, by file. `cause`: what would explain the difference.
     """
 
     kinds: Mapping[str, str]
@@ -73,7 +66,7 @@ class RecordsBeside:
         """The files that are written."""
         import pandas as pd
 
-        from pmmkit.plotting.style import save
+        from pmmkit.plotting import save
 
         tables = [item.to_pandas() for item in self.motions]
         yield "measured.csv", pd.concat(tables, ignore_index=True)
@@ -82,7 +75,7 @@ class RecordsBeside:
 
     def plot(self) -> Figure:
         """Measured points beside computed curves."""
-        from pmmkit.plotting.waves import beside_measured
+        from pmmkit.seakeeping import beside_measured
 
         return beside_measured(
             {
@@ -92,7 +85,7 @@ class RecordsBeside:
         )
 
 
-Transfers = Mapping[str, tuple[str, Mapping[str, "Measured"]]]
+Transfers = Mapping[str, tuple[str, Mapping[str, "MeasuredTransfer"]]]
 """Of each file the kind of waves, and transfer functions by motion."""
 
 

@@ -16,14 +16,12 @@ from typing import TYPE_CHECKING, Final
 from pmmkit.cli.options import stem
 from pmmkit.cli.output import Outcome, words_of
 from pmmkit.cli.outputs import results_folder
-from pmmkit.escaping import quoted
-from pmmkit.models.standing import estimates_in
-from pmmkit.presentation import WIDE, counted
+from pmmkit.models import estimates_in
+from pmmkit.presentation import WIDE, counted, quoted
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign
-    from pmmkit.checks import CheckFinding
-    from pmmkit.inspection.drafts.questions import Question
+    from pmmkit.campaigns import Campaign
+    from pmmkit.intake import CheckFinding, Question
     from pmmkit.models import Model
 
 _HEADS: Final = {
@@ -39,29 +37,15 @@ _MOST: Final = 12
 
 
 @dataclass(frozen=True, kw_only=True)
-class Way:
+class DraftProgress:
     """How far it went.
 
-    Parameters
-    ----------
-    file : Path
-        The campaign file.
-    results : Path, optional
-        Where results go; a new folder if absent.
-    done : tuple of (str, str)
-        Stages with what came of each.
-    stopped : str
-        What stopped it, in words; empty where nothing did.
-    wrong : bool
-        Whether that is a contradiction of the data.
-    questions : tuple of Question
-        What a person must say or confirm.
-    result : Outcome, optional
-        Of the reduction, or of the measured manoeuvres.
-    interval : (float, float), optional
-        Tactical diameter over L with 95 %, estimates included.
-    then : str
-        The command that comes after, where nothing stopped it and nothing is guessed.
+    `results`: where results go; a new folder if absent. `done`: stages with what came of each.
+    `stopped`: what stopped it, in words; empty where nothing did. `wrong`: whether that is a
+    contradiction of the data. `questions`: what a person must say or confirm. `result`: of the
+    reduction, or of the measured manoeuvres. `interval`: tactical diameter over L with 95 %,
+    estimates included. `then`: the command that comes after, where nothing stopped it and
+    nothing is guessed.
     """
 
     file: Path
@@ -74,14 +58,14 @@ class Way:
     interval: tuple[float, float] | None = None
     then: str = ""
 
-    def after(self, stage: str, words: str) -> Way:
+    def after(self, stage: str, words: str) -> DraftProgress:
         """One stage further."""
         return replace(self, done=(*self.done, (stage, words)))
 
     @property
     def place(self) -> Path:
         """The campaign as it is typed."""
-        from pmmkit.campaigns.file.campaign_file import FILE_NAME
+        from pmmkit.campaigns import FILE_NAME
 
         return self.file.parent if self.file.name == FILE_NAME else self.file
 
@@ -99,27 +83,8 @@ def as_far_as_it_goes(
     ship: str | None = None,
     out: Path | None = None,
 ) -> Outcome:
-    """Bring files to a turn, or to the questions that stand before it.
-
-    Parameters
-    ----------
-    path : Path
-        A folder, a file of measurements, or a campaign. Nothing is written there.
-    reduce, measure : callable
-        What follows the checks: `reduced` of captive tests, `trial` of free-running records.
-    ship : str, optional
-        A ship of the library, for the draft.
-    out : Path, optional
-        Folder of the results, and of the drafted campaign file; a new one by default.
-
-    Raises
-    ------
-    CampaignError
-        If nothing there can be read as measurements.
-    FileExists
-        If a campaign file stands where the draft should go.
-    """
-    from pmmkit.errors import PmmkitError
+    """Bring files to a turn, or to the questions that stand before it."""
+    from pmmkit.base import PmmkitError
 
     way = _with_campaign(path, ship, out)
     try:
@@ -135,26 +100,22 @@ def as_far_as_it_goes(
     return _told(way)
 
 
-def _name(way: Way, campaign: Campaign) -> str:
+def _name(way: DraftProgress, campaign: Campaign) -> str:
     done = "trial" if campaign.kind == "free-running" else "reduced"
     return f"{stem(way.file)}-{done}"
 
 
-def _with_campaign(path: Path, ship: str | None, out: Path | None) -> Way:
+def _with_campaign(path: Path, ship: str | None, out: Path | None) -> DraftProgress:
     """The campaign that is there, or a draft in a folder of its own."""
-    from pmmkit.campaigns.file.campaign_file import FILE_NAME
-    from pmmkit.errors import FileExists
+    from pmmkit.base import FileExists
+    from pmmkit.campaigns import FILE_NAME
     from pmmkit.files import write_text
-    from pmmkit.inspection import look
-    from pmmkit.inspection.drafts.draft import draft_of
-    from pmmkit.inspection.drafts.propose import proposed
-    from pmmkit.inspection.drafts.questions import questions_of
-    from pmmkit.inspection.drafts.write import written
+    from pmmkit.intake import draft_of, look, proposed, questions_of, written
 
     own = path / FILE_NAME if path.is_dir() else path
     if own.is_file() and (own.suffix == ".toml" or look(own).campaigns):
         text = own.read_text("utf-8", errors="replace") if own.suffix == ".toml" else ""
-        found = Way(file=own, questions=questions_of(text))
+        found = DraftProgress(file=own, questions=questions_of(text))
         return found.after("read", f"{quoted(own)} is there and is taken as it stands")
     folder = results_folder(out, f"{stem(path)}-first")
     target = folder / FILE_NAME
@@ -169,15 +130,15 @@ def _with_campaign(path: Path, ship: str | None, out: Path | None) -> Way:
     entries = [*draft.runs, *draft.tables]
     tests = sorted({entry.test or "kind unknown" for entry in entries})
     count = len(entries) + sum(len(saved) for _, saved in draft.saved)
-    way = Way(file=target, results=folder / "results", questions=questions_of(text))
+    way = DraftProgress(file=target, results=folder / "results", questions=questions_of(text))
     way = way.after("read", f"{count} {draft.kind} tests: {', '.join(tests)}")
     return way.after("draft", f"{quoted(target)}; nothing was written to {quoted(path)}")
 
 
-def _checked(way: Way) -> tuple[Way, Campaign]:
+def _checked(way: DraftProgress) -> tuple[DraftProgress, Campaign]:
     """The campaign opened and its runs held against one another."""
-    from pmmkit.campaigns.file.campaign_file import open_campaign
-    from pmmkit.checks import examine
+    from pmmkit.campaigns import open_campaign
+    from pmmkit.intake import examine
 
     campaign = open_campaign(way.file)
     findings = examine(campaign)
@@ -194,12 +155,14 @@ def _contradiction(finding: CheckFinding) -> str:
     return " ".join(filter(None, (f"  {finding.check}: {finding.message}", finding.remedy)))
 
 
-def _reduced(way: Way, campaign: Campaign, reduce: Callable[..., Outcome], results: Path) -> Way:
+def _reduced(
+    way: DraftProgress, campaign: Campaign, reduce: Callable[..., Outcome], results: Path
+) -> DraftProgress:
     """Derivatives, the model and its turn."""
-    from pmmkit.errors import PmmkitError
+    from pmmkit.base import PmmkitError
+    from pmmkit.files import MODEL
     from pmmkit.models import load_model
-    from pmmkit.reduction.choice import AUTO
-    from pmmkit.toml_files import MODEL
+    from pmmkit.reduction import AUTO
 
     guesses = counted(way.guesses, "guess")
     title = f"{campaign.title}, {guesses} not confirmed" if way.guesses else ""
@@ -231,10 +194,10 @@ def _reduced(way: Way, campaign: Campaign, reduce: Callable[..., Outcome], resul
         return way.after("turn", f"its interval is not known: {words_of(error)}")
 
 
-def _turned(way: Way, model: Model) -> Way:
+def _turned(way: DraftProgress, model: Model) -> DraftProgress:
     """The tactical diameter at the middle of the speeds, with its interval."""
-    from pmmkit.metrics import HARD_OVER
-    from pmmkit.simulation.ensemble import monte_carlo
+    from pmmkit.conventions import HARD_OVER
+    from pmmkit.simulation import monte_carlo
 
     froude = model.Fn[len(model.Fn) // 2]
     speed = froude * math.sqrt(model.water.g * model.ship.L)
@@ -249,8 +212,8 @@ def _turned(way: Way, model: Model) -> Way:
 
 def _estimates(model: Model, file: Path) -> Iterator[Question]:
     """What a turn depends on most of what nobody stated, and where it can be."""
-    from pmmkit.inspection.drafts.questions import Question
-    from pmmkit.models.stated_parts import SECTIONS, WANTED
+    from pmmkit.intake import Question
+    from pmmkit.models import SECTIONS, WANTED
 
     lines = file.read_text("utf-8", errors="replace").splitlines() if file.suffix == ".toml" else []
     place = next((k for k, line in enumerate(lines, start=1) if line == "[end]"), len(lines) + 1)
@@ -272,7 +235,7 @@ def _estimates(model: Model, file: Path) -> Iterator[Question]:
             )
 
 
-def _measured(way: Way, measure: Callable[..., Outcome], results: Path) -> Way:
+def _measured(way: DraftProgress, measure: Callable[..., Outcome], results: Path) -> DraftProgress:
     """The manoeuvres of free-running records."""
     result = measure(way.file, run=None, order=None, current=None, data=None, out=results)
     way = replace(
@@ -281,7 +244,7 @@ def _measured(way: Way, measure: Callable[..., Outcome], results: Path) -> Way:
     return way.after("measure", f"{len(result.content['runs'])} manoeuvres")
 
 
-def _told(way: Way) -> Outcome:
+def _told(way: DraftProgress) -> Outcome:
     if not way.stopped:
         way = replace(way, questions=tuple(map(_not_needed, way.questions)))
     lines = [f"{stage:>8}  {words}" for stage, words in way.done]
@@ -309,7 +272,7 @@ def _told(way: Way) -> Outcome:
     return Outcome(content=content, lines=lines, status=status)
 
 
-def _why(way: Way) -> str:
+def _why(way: DraftProgress) -> str:
     """What stopped it: the answers that are missing, each of which is asked below, or the error."""
     missing = sum(item.kind == "needed" for item in way.questions)
     if missing and not way.wrong:

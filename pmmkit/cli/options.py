@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from pmmkit.escaping import quoted
+from pmmkit.presentation import quoted
 
 if TYPE_CHECKING:
-    import pmmkit.campaigns.run
-    from pmmkit.checks import CheckFinding
-    from pmmkit.executors import Workers
+    from pmmkit.base import Workers
+    from pmmkit.campaigns import Campaign as Tests
+    from pmmkit.intake import CheckFinding
 
 Data = Annotated[
     Path | None,
@@ -141,10 +141,10 @@ Given = Annotated[
 
 def sound_campaign(
     path: Path, data: Path | None, executor: Workers = None
-) -> tuple[pmmkit.campaigns.run.Campaign, tuple[CheckFinding, ...]]:
+) -> tuple[Tests, tuple[CheckFinding, ...]]:
     """A campaign that does not contradict itself, and what the checks say of it."""
-    from pmmkit.campaigns.file.campaign_file import open_campaign
-    from pmmkit.checks import examine, refuse
+    from pmmkit.campaigns import open_campaign
+    from pmmkit.intake import examine, refuse
 
     campaign = open_campaign(path, data=data)
     findings = examine(campaign, executor=executor)
@@ -154,9 +154,9 @@ def sound_campaign(
 
 def sound_campaigns(
     paths: Sequence[Path], data: Path | None
-) -> dict[str, tuple[pmmkit.campaigns.run.Campaign, tuple[CheckFinding, ...]]]:
+) -> dict[str, tuple[Tests, tuple[CheckFinding, ...]]]:
     """The same of several campaigns, by their titles as a session knows them."""
-    from pmmkit.campaigns.several import by_title
+    from pmmkit.campaigns import by_title
 
     sound = [sound_campaign(path, data) for path in paths]
     return dict(zip(by_title([campaign for campaign, _ in sound]), sound, strict=True))

@@ -10,11 +10,11 @@ from dataclasses import asdict, dataclass, replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.errors import DataError
-from pmmkit.escaping import lines_of
+from pmmkit.base import DataError
+from pmmkit.presentation import lines_of
 
 if TYPE_CHECKING:
-    from pmmkit.checks import CheckFinding
+    from pmmkit.intake import CheckFinding
     from pmmkit.models import Model
 
 NOT_USABLE: Final = 3
@@ -41,8 +41,8 @@ def marked(outcome: Outcome, model: Model | str) -> Outcome:
     """What a command did with a model, or what was typed for one; where that was made by force,
     this stands above it. A structure has no force."""
     if isinstance(model, str):
+        from pmmkit.conventions import structures
         from pmmkit.models import load_model
-        from pmmkit.structures import structures
 
         if model in structures():
             return outcome
@@ -69,21 +69,13 @@ def say(text: str = "") -> None:
 
 def emit(content: Mapping[str, Any]) -> None:
     """One JSON object on standard output."""
-    from pmmkit.json_text import readable
+    from pmmkit.files import readable
 
     print(readable(content))
 
 
 def tell_error(error: Exception, *, as_json: bool) -> None:
-    """An error in words on standard error, and as JSON on standard output if asked for.
-
-    Parameters
-    ----------
-    error : Exception
-        What went wrong.
-    as_json : bool
-        Whether the command was asked for JSON.
-    """
+    """An error in words on standard error, and as JSON on standard output if asked for."""
     text = lines_of(words_of(error)) or type(error).__name__
     if as_json:
         problems = error.problems if isinstance(error, DataError) else ()

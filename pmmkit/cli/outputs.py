@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from pmmkit.cli.output import say
-from pmmkit.escaping import quoted
+from pmmkit.presentation import quoted
 
 Out = Annotated[
     Path | None,
@@ -31,26 +31,8 @@ def results_folder(
     read: Iterable[str | Path | None] = (),
     force: bool = False,
 ) -> Path:
-    """The folder of the results, which can be written.
-
-    Parameters
-    ----------
-    out : Path, optional
-        The folder that was named: it is taken, with a word on results that stand there.
-    default : str or Path
-        Its name otherwise; the next free one where that is taken.
-    read : iterable of str or Path
-        Model files that the command reads, of a command that writes a model.
-    force : bool
-        Allow the model that is written to replace one of them.
-
-    Raises
-    ------
-    FileExists
-        If the folder cannot be written, or its model is one that the command reads.
-    """
-    from pmmkit.files import check_folder, free_folder, is_empty_place
-    from pmmkit.toml_files import MODEL
+    """The folder of the results, which can be written."""
+    from pmmkit.files import MODEL, check_folder, free_folder, is_empty_place
 
     folder = out or free_folder(Path(default))
     check_folder(folder)
@@ -71,26 +53,7 @@ def results_file(
     force: bool = False,
     option: str = "--output",
 ) -> Path:
-    """The file of the result.
-
-    Parameters
-    ----------
-    target : Path, optional
-        The file that was named: one that is there is replaced, with a word.
-    default : str or Path
-        Its name otherwise; the next free one where that is taken.
-    read : iterable of str or Path
-        What the command reads, which is replaced only by `force`.
-    force : bool
-        Allow that.
-    option : str
-        By which the file is named.
-
-    Raises
-    ------
-    FileExists
-        If the file is one that the command reads.
-    """
+    """The file of the result."""
     from pmmkit.files import free_file
 
     if target is None:
@@ -108,7 +71,7 @@ def keep_what_was_read(
     target: Path, read: Iterable[str | Path | None], *, force: bool, option: str
 ) -> None:
     """Refuse to write over what the command reads, unless `force` is set."""
-    from pmmkit.errors import FileExists
+    from pmmkit.base import FileExists
 
     if force or not target.exists():
         return

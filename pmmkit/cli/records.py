@@ -12,8 +12,8 @@ from pmmkit.cli.options import numbers, patterns, sensors_of, stated, typed_agai
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign
-    from pmmkit.identification.chosen import Chosen
+    from pmmkit.campaigns import Campaign
+    from pmmkit.identification import Chosen
     from pmmkit.models import Model
 
 WINDOW: Final = 60.0
@@ -77,7 +77,7 @@ Window = Annotated[
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class RecordOptions:
     """What was typed about free-running records, as text."""
 
     candidates: str | None = None
@@ -104,7 +104,7 @@ class Asked:
 
     def chosen(self, campaign: Campaign, model: Model) -> tuple[Chosen, Chosen | None]:
         """The records that are used, and those held out."""
-        from pmmkit.identification.chosen import chosen_records
+        from pmmkit.identification import chosen_records
 
         return chosen_records(
             campaign,
@@ -149,7 +149,7 @@ class Asked:
 
     def together(self) -> dict[str, Any]:
         """Settings of the records where several campaigns vote together."""
-        from pmmkit.effects.catalogue import effect_of
+        from pmmkit.effects import effect_of
 
         names = self.names
         return stated(
@@ -181,7 +181,7 @@ class Asked:
 
 def errors_table(errors: Mapping[str, Mapping[str, float]]) -> str:
     """Errors of windows, a line for each model."""
-    from pmmkit.identification.comparing import UNITS
+    from pmmkit.identification import UNITS
 
     names = [name for name in UNITS if any(name in row for row in errors.values())]
     head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in names]

@@ -11,9 +11,9 @@ import typer
 from pmmkit.cli.speeds import typed_list
 
 if TYPE_CHECKING:
-    from pmmkit.models.model import Model
+    from pmmkit.models import Model
     from pmmkit.seakeeping import Hull, MotionInWaves, Rao, Sea
-    from pmmkit.simulation.track import Track
+    from pmmkit.simulation import Track
 
 WaveHeight = Annotated[
     float | None,
@@ -48,14 +48,9 @@ def stated_sea(height: float | None, period: float | None) -> Sea | None:
 class Carried:
     """A model in a sea.
 
-    Parameters
-    ----------
-    model : Model
-        That feels its mean drift; the one that was given in a calm.
-    motions : Rao or None
-        From which the drift was found; None where the model has a table of its own.
-    notes : tuple of str
-        What there is to say of the sea.
+    `model`: that feels its mean drift; the one that was given in a calm. `motions`: from which
+    the drift was found; None where the model has a table of its own. `notes`: what there is to
+    say of the sea.
     """
 
     model: Model
@@ -73,23 +68,10 @@ def carried(
 ) -> Carried:
     """A model that feels the mean drift of a sea: by its own table, else by strip theory.
 
-    Parameters
-    ----------
-    model : Model
-        The model.
-    sea : Sea or None
-        None is a calm.
-    name : str
-        As the model was asked for, which may be that of a hull too.
-    speed : float
-        Of the approach [m/s].
-    from_deg : float
-        Where the waves come from [deg].
-    speeds : str, optional
-        Those of the table, as they were typed.
+    speed [m/s].
     """
-    from pmmkit.identification.seas import other_period
-    from pmmkit.models.roles import parts_of
+    from pmmkit.identification import other_period
+    from pmmkit.models import parts_of
 
     if sea is None:
         if speeds is not None:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from pmmkit.cli.output import say
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign
-    from pmmkit.cli.records import Asked
-    from pmmkit.effects.effect import Effect
-    from pmmkit.loop import Session
+    from pmmkit.campaigns import Campaign
+    from pmmkit.cli.records import RecordOptions
+    from pmmkit.diagnosis import Session
+    from pmmkit.effects import Effect
     from pmmkit.models import Model
 
 
@@ -19,34 +19,15 @@ def session_about(
     model: Model,
     campaigns: Mapping[str, Campaign],
     effects: Sequence[str],
-    asked: Asked,
+    asked: RecordOptions,
     floor: float | None,
     noise: float | None,
     own: Sequence[Effect],
 ) -> Session[Any]:
-    """A session in which free-running records are asked for nothing but the effects.
-
-    Parameters
-    ----------
-    model : Model
-        The base.
-    campaigns : mapping of str to Campaign
-        By name, at least one.
-    effects : sequence of str
-        What is to be added, a fault with its campaign behind ``@``.
-    asked : Asked
-        Options of free-running records.
-    floor, noise, own
-        As for `begin`.
-
-    Raises
-    ------
-    DataError
-        If options of records are given with captive tests alone, or the other way round.
-    """
-    from pmmkit.campaigns.several import sailing
-    from pmmkit.errors import DataError
-    from pmmkit.loop.session import begin
+    """A session in which free-running records are asked for nothing but the effects."""
+    from pmmkit.base import DataError
+    from pmmkit.campaigns import sailing
+    from pmmkit.diagnosis import begin
 
     one = campaigns[sailing(campaigns)]
     names = [name.partition("@")[0] for name in effects]

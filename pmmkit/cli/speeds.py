@@ -13,8 +13,8 @@ from pmmkit.cli.output import say
 from pmmkit.conventions import is_unit, unit_factor
 
 if TYPE_CHECKING:
-    from pmmkit.models.model import Model
-    from pmmkit.ship import Ship, Water
+    from pmmkit.conventions import Ship, Water
+    from pmmkit.models import Model
 
 WAYS: Final = "8.0 [m/s], '15.5 kn' or 'Fn 0.2'"
 """How a speed is typed."""
@@ -29,12 +29,7 @@ _TYPED: Final = re.compile(
 class TypedSpeed:
     """A speed as it was typed.
 
-    Parameters
-    ----------
-    value : float
-        In its unit.
-    unit : str
-        Of a speed; ``fn`` for a Froude number, empty where none was typed, which are m/s.
+    `unit`: of a speed; ``fn`` for a Froude number, empty where none was typed, which are m/s.
     """
 
     value: float
@@ -64,11 +59,6 @@ class TypedSpeed:
 def typed(text: str) -> TypedSpeed:
     """A speed out of text.
 
-    Raises
-    ------
-    typer.BadParameter
-        If it is none.
-
     Examples
     --------
     >>> typed("8.0"), typed("8 m/s"), typed("15.5 knots"), typed("Fn=0.2")
@@ -95,11 +85,6 @@ def typed_list(text: str) -> tuple[TypedSpeed, ...]:
     """Speeds out of text such as ``6,9,12``, ``10,12,15 kn`` or ``Fn 0.1,0.15``.
 
     A unit that stands once is that of all.
-
-    Raises
-    ------
-    typer.BadParameter
-        If they are none, or some have a unit and others not.
 
     Examples
     --------
@@ -136,11 +121,6 @@ def _unreadable(text: str) -> typer.BadParameter:
 
 def approach(speed: TypedSpeed | None, model: Model) -> float:
     """The speed [m/s] at which a model is to sail: the one typed, else the only one tested.
-
-    Raises
-    ------
-    typer.BadParameter
-        If none was typed and the model does not settle it; with the speeds that it was tested at.
 
     Examples
     --------

@@ -11,17 +11,16 @@ import typer
 from pmmkit.cli.output import Outcome
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign
-    from pmmkit.tables import DerivativeTable
+    from pmmkit.campaigns import Campaign
+    from pmmkit.models import DerivativeTable
 
 
 def submitted(what: str, data: Path | None) -> Campaign | DerivativeTable | None:
     """A campaign or a derivative table by its path; None where a model is meant."""
-    from pmmkit.campaigns.run import Campaign
-    from pmmkit.exports.subject import read_subject
-    from pmmkit.remote import as_url
-    from pmmkit.ship_library import ships
-    from pmmkit.tables import DerivativeTable
+    from pmmkit.campaigns import Campaign
+    from pmmkit.exports import read_subject
+    from pmmkit.files import as_url
+    from pmmkit.models import DerivativeTable, ships
 
     here = as_url(what) is None
     if what in ships() or (here and not Path(what).expanduser().exists()):
@@ -34,9 +33,9 @@ def compare_tables(
     table: DerivativeTable, measured: Path, folder: Path, names: tuple[str, str], *, drawn: bool
 ) -> Outcome:
     """A derivative table beside another: differences with their uncertainty, bars side by side."""
-    from pmmkit.exports.subject import read_subject
+    from pmmkit.exports import read_subject
     from pmmkit.files import write_results
-    from pmmkit.tables import DerivativeTable, compare, worst_deviation
+    from pmmkit.models import DerivativeTable, compare, worst_deviation
 
     reference = read_subject(measured)
     if not isinstance(reference, DerivativeTable):
@@ -67,9 +66,8 @@ def _files(
     names: tuple[str, str],
     drawn: bool,
 ) -> Iterator[tuple[str, Any]]:
-    from pmmkit.figures.derivative_bars import derivative_bars
-    from pmmkit.figures.derivatives import beside_reference
-    from pmmkit.plotting.style import figure_files
+    from pmmkit.plotting import figure_files
+    from pmmkit.views import beside_reference, derivative_bars
 
     yield "derivatives_beside.csv", beside
     if drawn:

@@ -11,7 +11,7 @@ from pmmkit.cli.options import sound_campaigns, stated
 from pmmkit.cli.output import Outcome, marked, say, warned
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign
+    from pmmkit.campaigns import Campaign
 
 
 def together_outcome(
@@ -24,29 +24,13 @@ def together_outcome(
     free: dict[str, Any],
     drawn: bool,
 ) -> Outcome:
-    """The answer of several campaigns, printed and written.
-
-    Parameters
-    ----------
-    name : str
-        Model file or library ship.
-    paths : sequence of Path
-        The campaigns.
-    folder : Path
-        For the results.
-    data : Path, optional
-        Folder of measurements, of all campaigns.
-    captive, free : dict
-        Settings of captive tests and of free-running records, as for `together`.
-    drawn : bool
-        Whether to draw figures.
-    """
-    from pmmkit.diagnosis.together.together import together
-    from pmmkit.errors import DataError
+    """The answer of several campaigns, printed and written."""
+    from pmmkit.base import DataError
+    from pmmkit.conventions import structures
+    from pmmkit.diagnosis import joint_diagnosis
     from pmmkit.files import write_results
     from pmmkit.models import load_model, save_model
-    from pmmkit.plotting.style import save
-    from pmmkit.structures import structures
+    from pmmkit.plotting import save
 
     if name in structures():
         raise DataError(
@@ -61,7 +45,9 @@ def together_outcome(
         head.append(f"{title}: {len(campaign.runs)} runs, {campaign.kind}")
         warnings += warned(checked)
         checks[title] = [item.to_dict() for item in checked]
-    found = together(model, asked, captive=stated(**captive), free=stated(**free), progress=say)
+    found = joint_diagnosis(
+        model, asked, captive=stated(**captive), free=stated(**free), progress=say
+    )
     content = {**found.to_dict(), "model": model.name, "checks": checks}
     results: list[tuple[str, Any]] = [
         ("diagnosis.json", content),

@@ -7,21 +7,11 @@ from difflib import get_close_matches
 from typing import Any
 
 from pmmkit.cli.output import emit, say
-from pmmkit.escaping import lines_of
+from pmmkit.presentation import lines_of
 
 
 def tell_usage(error: Any, given: Sequence[str], *, as_json: bool) -> None:
-    """An error of usage in words on standard error, with an example; as JSON if asked for.
-
-    Parameters
-    ----------
-    error : Exception
-        As typer raises it.
-    given : sequence of str
-        What was typed after ``pmmkit``.
-    as_json : bool
-        Whether the command was asked for JSON.
-    """
+    """An error of usage in words on standard error, with an example; as JSON if asked for."""
     # typer puts the kind of its own error before a refused choice
     told = error.format_message().replace(": Value error, ", ": ")
     message = " ".join([lines_of(told), *_hints(error, given)])
@@ -46,7 +36,7 @@ def _hints(error: Any, given: Sequence[str]) -> Iterator[str]:
 
 def _stray(given: Sequence[str]) -> Iterator[str]:
     """Manoeuvres that stand where a command or an argument is expected."""
-    from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
+    from pmmkit.simulation import manoeuvres
 
     for ahead, word in zip(("", *given), given, strict=False):
         if not ahead.startswith("-") and not word.startswith("-"):

@@ -34,13 +34,7 @@ ROUNDING: Final = 1e-6
 
 
 def could_hide(signal: float) -> float:
-    """Share of its usual size that an effect may have unseen; infinite where nothing shows it.
-
-    Parameters
-    ----------
-    signal : float
-        Squared signal over noise at its usual size.
-    """
+    """Share of its usual size that an effect may have unseen; infinite where nothing shows it."""
     return math.sqrt(HIDES / signal) if signal > ROUNDING else math.inf
 
 
@@ -49,16 +43,7 @@ def mimics(
 ) -> dict[str, float]:
     """Effects that reproduce most of a signature, with the share; the best first.
 
-    Parameters
-    ----------
-    information : array (q, q)
-        Products of the columns of all effects, the base taken off.
-    across : array (q,)
-        Products of these with the signature.
-    signal : float
-        Its squared length.
-    others : mapping of str to array of int
-        Places of the other effects.
+    information (q, q); across (q,).
     """
     found = {}
     for name, at in others.items():
@@ -70,7 +55,7 @@ def mimics(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
+class RankedSet:
     """A set of effects with its evidence.
 
     Parameters

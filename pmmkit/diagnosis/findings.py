@@ -8,10 +8,9 @@ from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.diagnosis.evidence import Entry, Visible
-from pmmkit.models import Model
-from pmmkit.models.step import odds
+from pmmkit.conventions import CHANNEL_UNITS
+from pmmkit.diagnosis.evidence import RankedSet, Visible
+from pmmkit.models import Model, odds
 from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
 
 if TYPE_CHECKING:
@@ -213,15 +212,11 @@ class Finding(Described):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Suspect:
+class SuspectRun:
     """An effect that one run alone decides: that run may be wrong.
 
-    Parameters
-    ----------
-    effect, run : str
-        The effect, and the run to repeat.
-    log_odds : float
-        ln of the odds for it with that run.
+    `effect, run`: the effect, and the run to repeat. `log_odds`: ln of the odds for it with
+    that run.
     """
 
     effect: str
@@ -236,16 +231,10 @@ class Suspect:
 class Nearest:
     """The set of effects that comes nearest to something that is not in the catalogue.
 
-    Parameters
-    ----------
-    effects : tuple of str
-        The set. It is not named.
-    error_before, error_after, error_level : float
-        Held-out error without and with it, and what noise alone gives, over the rms forces.
-    channel : str
-        Channel whose errors stay furthest above noise, ``all`` for all of their harmonics.
-    ratio : float
-        Root mean square of these over what noise gives.
+    `effects`: the set. It is not named. `error_before, error_after, error_level`: held-out
+    error without and with it, and what noise alone gives, over the rms forces. `channel`:
+    channel whose errors stay furthest above noise, ``all`` for all of their harmonics. `ratio`:
+    root mean square of these over what noise gives.
     """
 
     effects: tuple[str, ...]
@@ -296,7 +285,7 @@ class Diagnosis(Described):
         Probability that no effect at all gives a single effect so good.
     covered : tuple of Visible
         What these runs could show.
-    entries : tuple of Entry
+    entries : tuple of RankedSet
         All sets that were looked at.
     floor : float
         What counts as too small to matter, over the rms force of a channel.
@@ -316,7 +305,7 @@ class Diagnosis(Described):
         `effects.seen.OUTSIDE`, no values of a model.
     notes : tuple of str
         What a reader must know.
-    suspected : tuple of Suspect
+    suspected : tuple of SuspectRun
         Effects that one run alone decides.
     nearest : Nearest, optional
         What comes nearest where something is unexplained (captive tests).
@@ -328,7 +317,7 @@ class Diagnosis(Described):
     findings: tuple[Finding, ...]
     chance: float
     covered: tuple[Visible, ...]
-    entries: tuple[Entry, ...]
+    entries: tuple[RankedSet, ...]
     floor: float
     base: Mapping[str, float]
     given: tuple[str, ...] = ()
@@ -337,7 +326,7 @@ class Diagnosis(Described):
     refitted: Model | None = None
     corrections: Mapping[str, float] = field(default_factory=_none)
     notes: tuple[str, ...] = ()
-    suspected: tuple[Suspect, ...] = ()
+    suspected: tuple[SuspectRun, ...] = ()
     nearest: Nearest | None = None
 
     @property
@@ -402,8 +391,8 @@ class Diagnosis(Described):
 
     def plot(self) -> Figure:
         """Evidence of the best effects and sets, what is named in full colour."""
-        from pmmkit.effects.catalogue import is_fault
-        from pmmkit.plotting.diagnosis import evidence
+        from pmmkit.diagnosis.figures import evidence
+        from pmmkit.effects import is_fault
 
         named = [names for names, _ in self.group]
         entries = [item for item in self.entries if len(item.names) == 1 or item.names in named]
@@ -416,7 +405,7 @@ class Diagnosis(Described):
 
     def plot_coverage(self) -> Figure:
         """Share of its usual size that each effect could have and hide from these runs."""
-        from pmmkit.plotting.diagnosis import coverage
+        from pmmkit.diagnosis.figures import coverage
 
         return coverage(
             [item.name for item in self.covered],

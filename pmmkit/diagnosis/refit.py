@@ -9,10 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from pmmkit.models import Model, Part
-from pmmkit.models.changes import before_of
-from pmmkit.models.model import place_name
-from pmmkit.models.step import Step, Value
+from pmmkit.models import Model, Part, Step, Value, before_of, place_name
 from pmmkit.numerics import Array
 
 Place = tuple[str, str]
@@ -23,18 +20,11 @@ Place = tuple[str, str]
 class FittedValues:
     """What a fit says of values of a model, by name.
 
-    Parameters
-    ----------
-    values : mapping of (str, str) to float or tuple of float
-        By part and name; one for each of the model's Froude numbers where they differ.
-    known : tuple of (str, str)
-        Those of which the fit knows how uncertain they are.
-    covariance : array (n, n)
-        Of `known`, alike at all Froude numbers; or of `known` at one Froude number after another.
-    sources : mapping of (str, str) to str
-        Where each value comes from.
-    Fn : tuple of float
-        Froude numbers of the values that differ with them.
+    `values`: by part and name; one for each of the model's Froude numbers where they differ.
+    `known`: those of which the fit knows how uncertain they are. `covariance (n, n)`: of
+    `known`, alike at all Froude numbers; or of `known` at one Froude number after another.
+    `sources`: where each value comes from. `Fn`: Froude numbers of the values that differ with
+    them.
     """
 
     values: Mapping[Place, Value]
@@ -46,13 +36,6 @@ class FittedValues:
 
 def put_back(model: Model, fitted: FittedValues) -> Model:
     """A model with fitted values, their sources and their covariance, and with no other one.
-
-    Parameters
-    ----------
-    model : Model
-        Has the parts of the values, or they are derivatives.
-    fitted : FittedValues
-        What a fit says.
 
     Examples
     --------
@@ -96,15 +79,10 @@ def put_back(model: Model, fitted: FittedValues) -> Model:
 class FittedEffect:
     """What the last fit says of an effect that a step took in.
 
-    Parameters
-    ----------
-    coefficients : mapping of str to float
-        Of the effect; those that are not known do not count.
-    places : tuple of str
-        Parts and values (``hull_polynomial.Yvvr``) of the model that it stands in; none of a fault,
-        which corrects the tests and does not sail with the ship.
-    parameter, value : str, float
-        Nonlinear parameter of the effect.
+    `coefficients`: of the effect; those that are not known do not count. `places`: parts and
+    values (``hull_polynomial.Yvvr``) of the model that it stands in; none of a fault, which
+    corrects the tests and does not sail with the ship. `parameter, value`: nonlinear parameter
+    of the effect.
     """
 
     coefficients: Mapping[str, float]
@@ -122,23 +100,8 @@ def stepped(
     errors: Sequence[float],
     of: str = "",
 ) -> Model:
-    """A model that was fitted, with a step for each effect that was taken in, or one for the fit.
-
-    Parameters
-    ----------
-    old, new : Model
-        Before and after the fit.
-    fit : Step
-        Campaign, Froude numbers and number of coefficients of the fit, and the faults it corrected.
-    steps : sequence of Step
-        What was added, one after another, with its odds and a remark.
-    found : sequence of FittedEffect
-        What the fit says of each.
-    errors : sequence of float
-        Errors of what is left out, of the base and after each step.
-    of : str
-        What these are errors of: ``heading`` [deg]; by default all forces over their rms.
-    """
+    """A model that was fitted, with a step for each effect that was taken in, or one for the
+    fit."""
     if not steps:
         return new.stepped(fit) if fit.count else new
     made = []

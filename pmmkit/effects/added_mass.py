@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from pmmkit.conventions import Convention, force_unit, parse_derivative, speed_unit
-from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.ship import Ship, Water
+from pmmkit.conventions import Convention, Ship, Water, force_unit, parse_derivative, speed_unit
+from pmmkit.effects.definition import Effect, Parameter
 
 INERTIA: Final = "added_mass"
 ADDED_MASS: Final = Effect(

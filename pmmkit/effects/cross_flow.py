@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.primitives import fabs, interpolate, maximum, where
 
 STRIPS: Final = 40
@@ -15,19 +15,7 @@ STRIPS: Final = 40
 def strip(middle: float, growth: float, half: float) -> tuple[float, float]:
     """Integral of w times its size over a strip, and of that times the distance from its middle.
 
-    Parameters
-    ----------
-    middle : float
-        Cross flow w in the middle of the strip [m/s].
-    growth : float
-        What it gains from there to the forward end [m/s].
-    half : float
-        Half the length of the strip [m].
-
-    Returns
-    -------
-    tuple of float
-        In m³/s² and m⁴/s².
+    middle [m/s]; growth [m/s]; half [m].
 
     Examples
     --------
@@ -193,15 +181,7 @@ _HOERNER: Final = (
 def hoerner_cd(B: float, d: float) -> float:
     """Drag coefficient of a section across the flow by Hoerner's curve over B/(2 d).
 
-    Parameters
-    ----------
-    B, d : float
-        Breadth and draught of the section [m].
-
-    Returns
-    -------
-    float
-        Straight lines through the points, constant beyond both ends (B/(2 d) = 0.011 and 4.0).
+    B, d [m].
 
     Notes
     -----

@@ -15,9 +15,7 @@ from typing import Any, Final, NoReturn
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import primitives
 from pmmkit.numerics import ABSURD
-from pmmkit.syntax.printing import python_function
-from pmmkit.syntax.reading import expression, statements
-from pmmkit.syntax.tree import (
+from pmmkit.syntax import (
     Binary,
     Call,
     Expression,
@@ -27,9 +25,12 @@ from pmmkit.syntax.tree import (
     Return,
     Several,
     Unary,
+    expression,
     names,
     nodes,
+    python_function,
     replaced,
+    statements,
 )
 
 MOTION: Final[Mapping[str, Expression]] = {
@@ -126,17 +127,10 @@ def is_expression(text: str) -> bool:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Written:
+class WrittenFunction:
     """A function, and what it asks for and gives.
 
-    Parameters
-    ----------
-    tree : Function
-        Named ``force``.
-    outputs, states : tuple of str
-        As of an `Effect`.
-    words : frozenset of str
-        Words of the motion that stand in it.
+    `outputs, states`: as of an `Effect`. `words`: words of the motion that stand in it.
     """
 
     tree: Function
@@ -162,23 +156,8 @@ def written(
     said: Sequence[tuple[str, str, int]],
     coefficients: Sequence[str],
     parameters: Sequence[str],
-) -> Written:
+) -> WrittenFunction:
     """The force of an effect from its statements.
-
-    Parameters
-    ----------
-    name : str
-        Of the effect; its states are named after it.
-    said : sequence of (channel, expression, place)
-        Each a sum of terms, and each term with one coefficient as a factor. Forces are over
-        ½ρL²U² (moments ½ρL³U²).
-    coefficients, parameters : sequence of str
-        Names that are fitted, and names of the nonlinear parameters.
-
-    Raises
-    ------
-    NotUnderstood
-        With the place in the text.
 
     Examples
     --------
@@ -207,7 +186,7 @@ def written(
         *own.states,
         *(x for x in (*coefficients, *parameters) if x in asked),
     ]
-    return Written(
+    return WrittenFunction(
         tree=Function("force", tuple(arguments), (*_BODY, Return(Several(returned)))),
         outputs=(*channels, *(f"{state}_rate" for state in own.states)),
         states=tuple(own.states),

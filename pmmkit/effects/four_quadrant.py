@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.primitives import (
     atan2,
     cos,
@@ -58,18 +58,6 @@ _TORQUE_SIN: Final = (
 def b4_70(beta: float, pitch: float) -> tuple[float, float]:
     """Thrust and torque coefficient CT*, CQ* of Wageningen B4-70 propellers in four quadrants.
 
-    Parameters
-    ----------
-    beta : float
-        Hydrodynamic advance angle atan2(VA, 0.7 π n D) [rad].
-    pitch : float
-        Pitch over diameter, 0.5 to 1.4.
-
-    Returns
-    -------
-    tuple of float
-        CT* = T/(½ρ V² πD²/4), CQ* = Q/(½ρ V² πD³/4), V² = VA² + (0.7 π n D)².
-
     Notes
     -----
     Harmonics 0 to 13 of Roddy, Hess and Faller (2006), NSWCCD-50-TR-2006/004, appendix B, for the
@@ -111,16 +99,6 @@ def estimate(
     kq2: float,
 ) -> tuple[float, float]:
     """CT* and CQ* from open-water polynomials, completed by the curves of `b4_70`.
-
-    Parameters
-    ----------
-    beta : float
-        Hydrodynamic advance angle [rad].
-    pitch : float
-        Pitch over diameter; 0 if unknown: then that of a B4-70 propeller whose thrust vanishes at
-        the same J.
-    kt0, kt1, kt2, kq0, kq1, kq2 : float
-        KT and KQ as polynomials of J; kq0 = 0 if KQ is unknown.
 
     Notes
     -----

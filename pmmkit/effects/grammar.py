@@ -11,23 +11,23 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, NoReturn
 
+from pmmkit.base import DataError, Problem, UnknownNameError
 from pmmkit.conventions import CHANNELS, bare, canonical, parse_derivative
-from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.definition import Effect, Parameter
+from pmmkit.effects.entries import catalogue
 from pmmkit.effects.expressions import (
     MOST,
     NotUnderstood,
-    Written,
+    WrittenFunction,
     has_meaning,
     is_expression,
     is_power,
     written,
 )
-from pmmkit.errors import DataError, Problem, UnknownNameError
-from pmmkit.escaping import printable
+from pmmkit.files import read_toml
 from pmmkit.numerics import ABSURD
-from pmmkit.syntax.tree import Function
-from pmmkit.toml_files import read_toml
+from pmmkit.presentation import printable
+from pmmkit.syntax import Function
 
 FACTORS: Final = {"v": "v", "r": "r", "u": "u", "p": "p", "phi": "phi", "d": "d", "delta": "d"}
 SCALES: Final = {"X": 6e-4, "Y": 3.2e-3, "N": 1.3e-3, "K": 1e-4}
@@ -222,7 +222,7 @@ def _expressed(
 
 def _written(
     name: str, text: str, channels: Sequence[tuple[str, int]], given: Mapping[str, _Size]
-) -> Written:
+) -> WrittenFunction:
     """The function that expressions make."""
     for label, size in given.items():
         if has_meaning(label, name):

@@ -8,11 +8,19 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.conventions import CHANNELS, Convention, bare, force_unit, parse_derivative, speed_unit
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.conventions import (
+    CHANNELS,
+    Convention,
+    Ship,
+    Water,
+    bare,
+    force_unit,
+    parse_derivative,
+    speed_unit,
+)
+from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
-from pmmkit.ship import Ship, Water
 
 HULL: Final = "hull_polynomial"
 RUDDER_POLYNOMIAL: Final = "rudder_abkowitz"

@@ -75,15 +75,6 @@ def interpolate_rows(
 ) -> float:
     """Straight lines both ways in a table, constant beyond its edges.
 
-    Parameters
-    ----------
-    x, y : float
-        Where.
-    xs, ys : sequence of float
-        Two or more each, ascending.
-    rows : sequence of float
-        The table: a row over `ys` for each of `xs`, one after the other.
-
     Examples
     --------
     >>> table = (0.0, 1.0, 2.0, 10.0, 21.0, 32.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.hull import HULL
 from pmmkit.effects.primitives import exp, fabs, interpolate, maximum, minimum, where
 from pmmkit.effects.seen import Move, Vessel
@@ -31,16 +31,7 @@ def wake_inflow(
 ) -> float:
     """Speed of the water into the propeller disc [m/s].
 
-    Parameters
-    ----------
-    u, v, r, beta, U : float
-        Surge, sway velocity [m/s], yaw rate [rad/s], drift angle [rad] at midship, speed [m/s].
-    L : float
-        Ship length [m].
-    wake : int
-        0 constant, 1 Son and Nomoto, 2 MMG, 3 Kose.
-    wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative, cp : float
-        Parameters of the effect ``propeller``.
+    u, v, r, beta, U [m/s]; L [m].
 
     Notes
     -----

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.primitives import atan2, cos, fabs, maximum, minimum, pi, sin, sqrt, where
 from pmmkit.effects.seen import Move, Vessel
 

@@ -13,9 +13,9 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.conventions import Ship, Water
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
-from pmmkit.ship import Ship, Water
 
 CURRENT: Final = ("current_x", "current_y")
 """Velocity of the water over ground [m/s]; no values of a model."""

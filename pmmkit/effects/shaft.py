@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.primitives import fabs, maximum, minimum, pi, tanh, where
 
 
@@ -22,19 +22,7 @@ def engine_torque(
 ) -> float:
     """What a diesel engine gives of the torque that its governor asks for [N m].
 
-    Parameters
-    ----------
-    wanted : float
-        What the governor asks for [N m].
-    n : float
-        Revolutions of the shaft [1/s].
-    side : float
-        1 set to run ahead, -1 astern.
-    limit : int
-        0 constant torque; 1 torque that falls in proportion from `torque_max` at `n_rated` to the
-        share `torque_at_rest` of it at rest; 2 constant torque and constant power.
-    torque_max, torque_at_rest, n_rated, power_max, astern_share, reverse_below : float
-        Parameters of the effect ``shaft``.
+    n [1/s].
 
     Notes
     -----

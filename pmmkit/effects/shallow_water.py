@@ -6,10 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, Final
 
-from pmmkit.conventions import Derivative, parse_derivative
-from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.errors import DataError
-from pmmkit.ship import Ship
+from pmmkit.base import DataError
+from pmmkit.conventions import Derivative, Ship, parse_derivative
+from pmmkit.effects.definition import Effect, Parameter
 
 SHALLOW_WATER: Final = Effect(
     name="shallow_water",

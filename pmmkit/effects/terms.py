@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.conventions import parse_derivative
-from pmmkit.effects.effect import BY_SPEED, Effect, Parameter
+from pmmkit.effects.definition import BY_SPEED, Effect, Parameter
 from pmmkit.effects.roll import ROLL_PART
 from pmmkit.effects.rudder import stall_of_the_rudder
 from pmmkit.effects.seen import Move, Vessel
@@ -25,14 +25,6 @@ def terms(
     **more: Any,
 ) -> Effect:
     """An effect that is written in derivatives.
-
-    Parameters
-    ----------
-    name, family, summary, sources, check, excites, **more
-        As in `Effect`.
-    sizes : mapping of str to float
-        Derivatives with their usual sizes in the prime system, instantaneous U, Coriolis terms of
-        the added mass inside; `BY_SPEED` behind a name marks its change with the Froude number.
 
     Examples
     --------

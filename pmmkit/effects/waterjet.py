@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.primitives import cos, fabs, maximum, minimum, pi, sin
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.primitives import atan2, cos, fabs, interpolate, pi, sin, where
 from pmmkit.effects.seen import Vessel
 
@@ -15,19 +15,7 @@ def relative_wind(
 ) -> tuple[float, float]:
     """Square of the wind's speed past midship [m²/s²], and where it comes from [rad].
 
-    Parameters
-    ----------
-    u, v : float
-        Surge and sway velocity [m/s].
-    psi : float
-        Heading, from that of the approach [rad].
-    wind_speed, wind_direction : float
-        True wind [m/s], direction it comes from, from the heading of the approach [rad].
-
-    Returns
-    -------
-    float, float
-        The direction is from the bow, -π to π, positive to starboard.
+    u, v [m/s]; wind_speed, wind_direction [m/s].
 
     Examples
     --------

@@ -1,17 +1,14 @@
 """Models, tables, campaigns and tracks for other programs."""
 
-from pmmkit.exports.fmu.unit import model_to_fmu
-from pmmkit.exports.matlab.model import model_to_mss
-from pmmkit.exports.matlab.table import table_to_mss
-from pmmkit.exports.shipmmg import model_to_shipmmg
-from pmmkit.exports.write import ENDINGS, FORMATS, export
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "ENDINGS",
-    "FORMATS",
-    "export",
-    "model_to_fmu",
-    "model_to_mss",
-    "model_to_shipmmg",
-    "table_to_mss",
-]
+from pmmkit.base import lazy
+
+if TYPE_CHECKING:
+    from pmmkit.exports.fmu.unit import approach_of
+    from pmmkit.exports.subject import read_subject
+    from pmmkit.exports.write import ENDINGS, export, file_name
+
+__all__ = ["ENDINGS", "approach_of", "export", "file_name", "read_subject"]
+
+lazy(__name__)

@@ -14,13 +14,6 @@ DATE: Final = (1980, 1, 1, 0, 0, 0)
 def write_archive(target: Path | BinaryIO, files: Iterable[tuple[str, bytes]]) -> None:
     """Write a zip archive without times and owners.
 
-    Parameters
-    ----------
-    target : Path or binary stream
-        Where to.
-    files : iterable of (str, bytes)
-        Names, with ``/`` between folders, and contents, in their order.
-
     Examples
     --------
     >>> import io

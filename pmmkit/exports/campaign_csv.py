@@ -11,17 +11,21 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
-from pmmkit.campaigns.open_water import with_open_water
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.campaigns.samples.column_mapping import required_channels
-from pmmkit.channels import CHANNEL_UNITS, FORCE_CHANNELS
-from pmmkit.errors import CampaignError, DataError, FileExists, Problem
-from pmmkit.escaping import plain, safe_cell
+from pmmkit.base import CampaignError, DataError, FileExists, Problem
+from pmmkit.campaigns import (
+    FILE_NAME,
+    Campaign,
+    Run,
+    open_campaign,
+    required_channels,
+    with_open_water,
+)
+from pmmkit.conventions import CHANNEL_UNITS, FORCE_CHANNELS
 from pmmkit.exports.campaign_toml import campaign_text
 from pmmkit.files import atomic_folder
 from pmmkit.numerics import ABSURD
-from pmmkit.readers.saved.group import safe_names
+from pmmkit.presentation import plain, safe_cell
+from pmmkit.readers import safe_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,30 +38,7 @@ _REMEDY: Final = "Export the campaign as netcdf, which keeps everything."
 
 
 def write_campaign_csv(campaign: Campaign, folder: str | Path) -> list[str]:
-    """Write ``campaign.toml`` and CSV files with ``name [unit]`` headers, all or nothing.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Captive or free-running. Each history becomes a file of its own; rows of means and of
-        harmonics stand together in tables. Runs that are left out are written too and left out by
-        a correction, but for those whose data cannot be read.
-    folder : path
-        Folder to fill, new or without a campaign file.
-
-    Returns
-    -------
-    list of str
-        Names of the files.
-
-    Raises
-    ------
-    CampaignError
-        If runs cannot be read, or hold what CSV cannot keep: all are listed. What was written is
-        read again and compared before it takes its place, so what is there is the same to the bit.
-    FileExists
-        If the folder holds a campaign already.
-    """
+    """Write ``campaign.toml`` and CSV files with ``name [unit]`` headers, all or nothing."""
     if (Path(folder) / FILE_NAME).exists():
         raise FileExists(f"{folder} holds a {FILE_NAME} already. Choose another folder.")
     campaign = with_open_water(campaign)
@@ -222,13 +203,7 @@ def _taken_unasked(name: str) -> bool:
 
 
 def _compare(campaign: Campaign, part: Path, written: set[str]) -> None:
-    """Read what was written and refuse it where it is not the same.
-
-    Raises
-    ------
-    CampaignError
-        With every run that does not come back as it was.
-    """
+    """Read what was written and refuse it where it is not the same."""
     again = open_campaign(part, data=part)
     back = {run.id: run for run in (*again.runs, *(run for run, _ in again.excluded))}
     problems = []

@@ -7,14 +7,11 @@ from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import Any, Final
 
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.campaigns.samples.corrections import OF_SAMPLES
-from pmmkit.campaigns.test_kinds.struts import Struts
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.errors import CampaignError, Problem
-from pmmkit.escaping import comment
+from pmmkit.base import CampaignError, Problem
+from pmmkit.campaigns import OF_SAMPLES, Campaign, Run, Struts, TypeB
 from pmmkit.exports.text import written_by
-from pmmkit.toml_files import toml_text
+from pmmkit.files import toml_text
+from pmmkit.presentation import comment
 
 _DEGREES: Final = {
     "drift": "drift_deg",
@@ -60,26 +57,7 @@ _WATER: Final = ("rho", "g", "nu", "depth", "tank_width", "tank_depth")
 
 
 def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) -> str:
-    """The text of ``campaign.toml`` for runs whose data are SI, in ship axes, corrected.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        The campaign.
-    entries : mapping
-        By run what ``[[runs]]`` says of its file: ``file``, ``columns``, ``row``.
-
-    Returns
-    -------
-    str
-        Corrections of samples, axes and factors of a CFD have been applied already and are told in
-        comments; what the corrections say of runs (left out, inertia inside, means) stands.
-
-    Raises
-    ------
-    CampaignError
-        If a particular is of a kind that TOML does not hold.
-    """
+    """The text of ``campaign.toml`` for runs whose data are SI, in ship axes, corrected."""
     every = [*campaign.runs, *(run for run, _ in campaign.excluded)]
     kept = [run for run in every if run.id in entries]
     data: dict[str, Any] = {
@@ -146,14 +124,7 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
 
 
 def settings_of(run: Run) -> dict[str, Any]:
-    """The settings of a run as a campaign file states them.
-
-    Parameters
-    ----------
-    run : Run
-        The run. Angles become degrees such that reading them gives the same radians, wherever
-        there are such degrees.
-    """
+    """The settings of a run as a campaign file states them."""
     given, stated = run.settings, run.stated
     found: dict[str, Any] = {"speed": given.speed}
     for name, key in _DEGREES.items():

@@ -5,17 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.catalogue import effect_of
-from pmmkit.effects.hull import HULL
-from pmmkit.equations import prepare
-from pmmkit.errors import ModelError, Problem, TableError
-from pmmkit.escaping import PYTHON_FIRST, comment, plain
+from pmmkit.base import ModelError, Problem, TableError
+from pmmkit.effects import HULL, INERTIA, effect_of
 from pmmkit.exports.text import WHICH_SPEED, written_by
-from pmmkit.models import Model
-from pmmkit.simulation.linear import stability
-from pmmkit.simulation.simulate import steering
-from pmmkit.tables import converted, from_values
+from pmmkit.models import Model, converted, from_values
+from pmmkit.presentation import PYTHON_FIRST, comment, plain
+from pmmkit.simulation import prepare, stability, steering
 
 _HULL: Final = (
     "Xvv",
@@ -50,26 +45,7 @@ _DIFFERENT: Final = (
 def model_to_shipmmg(model: Model, *, speed: float | None = None) -> str:
     """The text of a Python module that builds shipmmg's parameter objects from a model.
 
-    Parameters
-    ----------
-    model : Model
-        Hull of the structure ``mmg``, ``propeller`` with a polynomial, ``rudder_mmg`` with the
-        inflow ``mmg``. Derivatives in another system are converted where that is exact.
-    speed : float, optional
-        Speed [m/s] at whose Froude number the values are taken, needed where they depend on it.
-        With it the module also holds the revolutions of self-propulsion and Nomoto's constants.
-
-    Returns
-    -------
-    str
-        ASCII; the same for the same model. The module has ``basic_params``,
-        ``maneuvering_params``, ``rho``, ``rudder_rate``, ``rudder_max``, and with a speed ``u0``,
-        ``nps`` and ``kt_params``.
-
-    Raises
-    ------
-    ModelError
-        With everything that shipmmg has no place for, or that it needs and the model lacks.
+    speed [m/s].
 
     Examples
     --------

@@ -7,15 +7,12 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from pmmkit.campaigns.file.campaign_file import FILE_NAME, PACKED, open_campaign
-from pmmkit.campaigns.run import Campaign
-from pmmkit.errors import DataError, Problem
+from pmmkit.base import DataError, Problem
+from pmmkit.campaigns import FILE_NAME, PACKED, Campaign, open_campaign
 from pmmkit.exports.track import read_track
-from pmmkit.models import Model, load_model
-from pmmkit.readers.hdf5.guard import is_saved_campaign
-from pmmkit.remote import as_url
-from pmmkit.ship_library import ships
-from pmmkit.tables import DerivativeTable, read_table
+from pmmkit.files import as_url
+from pmmkit.models import DerivativeTable, Model, load_model, read_table, ships
+from pmmkit.readers import is_saved_campaign
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,10 +7,9 @@ import re
 from collections.abc import Iterable
 from typing import Final
 
-from pmmkit.errors import Remedy, setting
-from pmmkit.escaping import comment, plain
-from pmmkit.syntax.words import FUNCTIONS
-from pmmkit.version import __version__
+from pmmkit.base import Remedy, __version__, setting
+from pmmkit.presentation import comment, plain
+from pmmkit.syntax import FUNCTIONS
 
 WHICH_SPEED: Final = Remedy("Say at which speed [m/s], such as {}.", (setting("speed", 8),))
 """Where values depend on the speed and none was given."""
@@ -65,13 +64,6 @@ _TAKEN: Final = frozenset(
 
 def matlab_name(text: str, stem: str = "model") -> str:
     """A name that MATLAB and Octave accept for a function or a variable.
-
-    Parameters
-    ----------
-    text : str
-        What the name is made of.
-    stem : str
-        What it starts with where the text does not start with a letter.
 
     Examples
     --------

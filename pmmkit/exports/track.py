@@ -7,14 +7,13 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pmmkit.campaigns.samples.column_mapping import pick, required_channels
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.errors import CampaignError, Problem
-from pmmkit.escaping import printable
+from pmmkit.base import CampaignError, Problem
+from pmmkit.campaigns import pick, required_channels
+from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.files import atomic_path
-from pmmkit.readers.base import Request
-from pmmkit.readers.text.csv import columns
-from pmmkit.simulation.track import CHANNELS
+from pmmkit.presentation import printable
+from pmmkit.readers import Request, columns
+from pmmkit.simulation import CHANNELS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,25 +22,7 @@ if TYPE_CHECKING:
 
 
 def read_track(path: str | Path) -> xr.Dataset:
-    """A ``track.csv`` that a simulation wrote, with the metrics beside it.
-
-    Parameters
-    ----------
-    path : path
-        The CSV file; headers may carry units. ``metrics.json`` (``metrics_x.json`` beside
-        ``track_x.csv``) gives the attributes where it is there.
-
-    Returns
-    -------
-    Dataset
-        The channels over t, SI and radians. Columns that are no channels are named by the
-        attribute ``left_out``.
-
-    Raises
-    ------
-    CampaignError
-        With everything that is wrong with the file.
-    """
+    """A ``track.csv`` that a simulation wrote, with the metrics beside it."""
     file = Path(path)
     request = Request(path=file, shown=file.name)
     picked: list[Any] = []
@@ -68,15 +49,7 @@ def read_track(path: str | Path) -> xr.Dataset:
 
 
 def write_track_csv(track: xr.Dataset, path: str | Path) -> None:
-    """Write a track as CSV with ``name [unit]`` headers, all or nothing.
-
-    Parameters
-    ----------
-    track : Dataset
-        As `Track.to_xarray` or `read_track` gives it.
-    path : path
-        The file.
-    """
+    """Write a track as CSV with ``name [unit]`` headers, all or nothing."""
     import pandas as pd
 
     names = ["t", *(str(name) for name in track.data_vars)]
@@ -86,16 +59,8 @@ def write_track_csv(track: xr.Dataset, path: str | Path) -> None:
 
 
 def write_track_netcdf(track: xr.Dataset, path: str | Path) -> None:
-    """Write a track as NetCDF4, all or nothing; metrics are attributes.
-
-    Parameters
-    ----------
-    track : Dataset
-        As for `write_track_csv`.
-    path : path
-        The file.
-    """
-    from pmmkit.version import __version__
+    """Write a track as NetCDF4, all or nothing; metrics are attributes."""
+    from pmmkit.base import __version__
 
     named = track.assign_attrs(Conventions="CF-1.8", pmmkit=__version__)
     with atomic_path(path) as part:

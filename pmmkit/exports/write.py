@@ -8,23 +8,20 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.campaigns.run import Campaign
-from pmmkit.campaigns.store import save_campaign
-from pmmkit.errors import DataError, FileExists, Problem, Remedy, UnknownNameError, Way, setting
+from pmmkit.base import DataError, FileExists, Problem, Remedy, UnknownNameError, Way, setting
+from pmmkit.campaigns import Campaign, save_campaign
 from pmmkit.exports.campaign_csv import write_campaign_csv
 from pmmkit.exports.fmu.unit import VERSIONS, Version, model_to_fmu
 from pmmkit.exports.matlab.model import model_to_mss
 from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
-from pmmkit.exports.simman import write_simman
+from pmmkit.exports.simman.write import write_simman
 from pmmkit.exports.subject import read_subject
 from pmmkit.exports.text import matlab_name
 from pmmkit.exports.track import write_track_csv, write_track_netcdf
 from pmmkit.files import atomic_path, write_text
-from pmmkit.models import Model
-from pmmkit.simulation.track import Track
-from pmmkit.tables import DerivativeTable, write_table
-from pmmkit.tables.io import sidecar_of
+from pmmkit.models import DerivativeTable, Model, sidecar_of, write_table
+from pmmkit.simulation import Track
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -165,18 +162,7 @@ def _written(
 
 
 def kind_of(subject: object) -> str:
-    """What something is in words: ``model``, ``table``, ``campaign``, ``track``.
-
-    Parameters
-    ----------
-    subject : object
-        What is to be exported.
-
-    Raises
-    ------
-    UnknownNameError
-        If it is nothing of these.
-    """
+    """What something is in words: ``model``, ``table``, ``campaign``, ``track``."""
     kinds: tuple[tuple[type, str], ...] = (
         (Model, "model"),
         (DerivativeTable, "table"),

@@ -9,13 +9,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.seen import ANTENNA, CLOCK_LAG, CURRENT, HEADING_OFFSET, LOG_GAIN, RUDDER_ZERO
+from pmmkit.campaigns import Campaign, Run
+from pmmkit.effects import (
+    ANTENNA,
+    CLOCK_LAG,
+    CURRENT,
+    HEADING_OFFSET,
+    LOG_GAIN,
+    RUDDER_ZERO,
+    catalogue,
+)
 from pmmkit.identification.record import FreeRecord
-from pmmkit.models import Model
-from pmmkit.models.step import faults_of
-from pmmkit.models.vessel import Sailing, moves_of
+from pmmkit.models import Model, Sailing, faults_of, moves_of
 from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
@@ -61,7 +66,7 @@ def offsets(model: Model, campaign: str) -> dict[str, float]:
     Examples
     --------
     >>> from pmmkit.models import load_model
-    >>> from pmmkit.models.step import Step
+    >>> from pmmkit.models import Step
     >>> found = Step(action="fault_corrected", effect="fault_rudder_zero", campaign="trial",
     ...              coefficients={"angle": 180.0 / math.pi})
     >>> ship = load_model("kvlcc2-l7").stepped(found)
@@ -90,20 +95,7 @@ def in_words(found: Mapping[str, float]) -> str:
 
 
 def without(record: FreeRecord, found: Mapping[str, float]) -> FreeRecord:
-    """A record without what it is off by, in the current that there was.
-
-    Parameters
-    ----------
-    record : FreeRecord
-        As measured.
-    found : mapping of str to float
-        By `effects.seen.OUTSIDE`: SI and radians.
-
-    Returns
-    -------
-    FreeRecord
-        Positions of a late clock are those shown so much later; at the end there are none.
-    """
+    """A record without what it is off by, in the current that there was."""
     columns = _columns(record.t, {**record.measured, "delta": record.delta}, found)
     delta = columns.pop("delta")
     north, east = (found.get(*known) for known in zip(CURRENT, record.current, strict=True))

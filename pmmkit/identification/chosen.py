@@ -7,10 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.campaigns.segments import Cut, usable
-from pmmkit.channels import did_you_mean
-from pmmkit.errors import DataError, Problem, UnknownNameError
+from pmmkit.base import DataError, Problem, UnknownNameError
+from pmmkit.campaigns import Campaign, Cut, Run, usable
+from pmmkit.conventions import did_you_mean
 from pmmkit.identification.as_tested import offsets, without
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.record import FreeRecord

@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.effects.seen import CURRENT
-from pmmkit.errors import DataError, ModelError, PmmkitError, UnknownNameError
+from pmmkit.base import DataError, ModelError, PmmkitError, Progress, UnknownNameError
+from pmmkit.effects import CURRENT
+from pmmkit.identification.binding import places
 from pmmkit.identification.methods import METHODS, SECONDS, Identified, identify
-from pmmkit.identification.parameters import places
-from pmmkit.identification.predict import Course, Prediction, predict, smoothed_without
+from pmmkit.identification.prediction import Course, Prediction, predict, smoothed_without
 from pmmkit.identification.prior import Prior, asked_names, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
-from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models import DERIVATIVE_PARTS, Model
 from pmmkit.numerics import Array
 from pmmkit.presentation import (
     WIDE,
@@ -31,7 +30,6 @@ from pmmkit.presentation import (
     number,
     with_uncertainty,
 )
-from pmmkit.progress import Progress
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -106,7 +104,7 @@ class MethodComparison(Described):
 
     def plot(self) -> Figure:
         """Intervals of 95 % before and after, by method."""
-        from pmmkit.plotting.identification import parameters
+        from pmmkit.identification.figures import parameters
 
         return parameters(list(self.found.values()), self.model.convention)
 

@@ -33,15 +33,6 @@ def each_by_itself(item: Smoothed, model: Model, sensors: Mapping[str, float]) -
 
     One motion cannot be that of all sensors: smoothed together some of them are left out, and a
     model that fails there would look right.
-
-    Parameters
-    ----------
-    item : Smoothed
-        With sensors that disagree.
-    model : Model
-        Of the ship.
-    sensors : mapping of str to float
-        Standard deviations of channels that are stated.
     """
     noise = sensors_of([item.record], sensors)
     length = LINE * model.ship.L / item.record.speed
@@ -64,15 +55,6 @@ def each_by_itself(item: Smoothed, model: Model, sensors: Mapping[str, float]) -
 
 def local_lines(t: Array, values: Array, length: float) -> tuple[Array, Array]:
     """Values of straight lines through those nearby, and their variance over that of a value.
-
-    Parameters
-    ----------
-    t : array (n,)
-        Instants, in order.
-    values : array (n,)
-        NaN where there is none: the lines beside it are joined there.
-    length : float
-        Over which a line is laid, half of it to each side; at an end only one is there.
 
     Examples
     --------

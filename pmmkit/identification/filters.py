@@ -12,18 +12,16 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.equations.code_generation import ESTIMATING
-from pmmkit.equations.compilation import compiled
-from pmmkit.errors import DataError, SimulationError
+from pmmkit.base import DataError, Progress, SimulationError
 from pmmkit.identification.binding import Binding, bound, driven
-from pmmkit.identification.lack import Lack, Piece, colour_of, lack_of, stretches
+from pmmkit.identification.lack import LackOfFit, RecordPiece, colour_of, lack_of, stretches
 from pmmkit.identification.passes import Pass, Process, passed, seen, state_steps
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.inference import Innovations
 from pmmkit.models import Model
 from pmmkit.numerics import Array, precision_over
-from pmmkit.progress import Progress
+from pmmkit.simulation import ESTIMATING, compiled
 
 GATE: Final = 5.0
 """Residuals beyond so many of their standard deviations are not taken in."""
@@ -57,7 +55,7 @@ class Filtered:
         Of them, widened by what the model lacks.
     prior : Prior
         Where they came from.
-    lack : Lack
+    lack : LackOfFit
         What says that the model lacks something.
     histories : mapping of str to array
         By record: states and parameters at each instant (n, NS + m).
@@ -80,7 +78,7 @@ class Filtered:
     values: Array
     covariance: Array
     prior: Prior
-    lack: Lack
+    lack: LackOfFit
     histories: Mapping[str, Array]
     spreads: Mapping[str, Array]
     innovations: Mapping[str, Innovations]
@@ -135,49 +133,7 @@ def kalman(
 ) -> Filtered:
     """Identify parameters by a Kalman filter over free-running records, one after another.
 
-    Parameters
-    ----------
-    model : Model
-        Complete; its values outside `prior` are held.
-    records : sequence of FreeRecord
-        The parameters are carried from one to the next.
-    prior : Prior
-        Parameters with their mean and covariance.
-    method : {"ekf", "ukf"}
-        Extended (Joseph form, iterated about its own result) or unscented (2n points).
-    sensors : mapping of str to float, optional
-        Standard deviation of channels, SI and radians; those not named are told from the records.
-    roughness : float, optional
-        Process noise of the accelerations: their standard deviation in U²/L (U²/L² in yaw) when
-        averaged over L/U. By default the one that makes the records most likely.
-    wander : mapping of str to float, optional
-        Parameters that wander: standard deviation of their change in the time L/U.
-    gate : float
-        Residuals beyond so many standard deviations are not taken in.
-    iterations : int
-        Most passes of the extended filter.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-    about : array (m,), optional
-        Values about which the first pass of the extended filter is linearised; by default the
-        prior's mean.
-    first : float
-        Process noise of the passes before it is chosen, as `roughness`.
-    step : float
-        Longest step of the integration in ship lengths over the speed of the approach.
-    progress : callable, optional
-        Told which pass is made.
-
-    Returns
-    -------
-    Filtered
-
-    Raises
-    ------
-    DataError
-        If there is nothing to identify, or a parameter enters in a way that cannot be followed.
-    SimulationError
-        If the motion is lost.
+    about (m,).
 
     Notes
     -----
@@ -293,7 +249,7 @@ def _lack(
     values: Array,
     covariance: Array,
     innovations: Mapping[str, Innovations],
-) -> Lack:
+) -> LackOfFit:
     """What the records say against the model; values that wander need no more room."""
     if np.any(setup.wander > 0.0):
         return lack_of(setup.prior, covariance, [], {})
@@ -310,7 +266,7 @@ def _lack(
                 continue
             told = precision_over(P, scale)
             score = told @ (z / scale - there) - known @ (start - there)
-            pieces.append(Piece(record=number, information=told - known, score=score))
+            pieces.append(RecordPiece(record=number, information=told - known, score=score))
     samples = {
         record.name: setup.L / record.speed / float(np.median(np.diff(record.t)))
         for record in setup.records
@@ -394,13 +350,7 @@ def with_forces(
 ) -> tuple[Array, Array, Array]:
     """State, covariance and diffusion of a filter that looks for unknown forces too.
 
-    Parameters
-    ----------
-    y, variances : array (n,)
-        States at the first instant and their variances, as `first_state` gives them.
-    spread, fading : array (m,)
-        Standard deviation of each force, an Ornstein-Uhlenbeck process about zero, and the rate at
-        which it forgets [1/s].
+    spread, fading (m,); spread, fading [1/s].
     """
     return (
         np.concatenate([y, np.zeros(len(spread))]),

@@ -12,19 +12,22 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.equations import CALM, Conditions
-from pmmkit.equations.histories import water_forces
-from pmmkit.equations.prepared import Numbers, packed, values_at
-from pmmkit.equations.structure import Structure
-from pmmkit.errors import DataError
-from pmmkit.identification.binding import bound, driven
-from pmmkit.identification.lack import Lack, Piece, lack_of, lasting
-from pmmkit.identification.parameters import places, replaced, with_parameters
+from pmmkit.base import DataError, Progress
+from pmmkit.identification.binding import bound, driven, places, replaced, with_parameters
+from pmmkit.identification.lack import LackOfFit, RecordPiece, lack_of, lasting
 from pmmkit.identification.prior import Prior
 from pmmkit.inference import least_squares as linear_fit
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.progress import Progress
+from pmmkit.simulation import (
+    CALM,
+    Conditions,
+    EquationStructure,
+    Numbers,
+    packed,
+    values_at,
+    water_forces,
+)
 
 STEP: Final = 1e-6
 """Step of the differences over the size of a parameter."""
@@ -42,24 +45,10 @@ SAME: Final = 0.1
 class ForceRecord:
     """Forces of the water on a ship along a motion.
 
-    Parameters
-    ----------
-    name : str
-        Of the run.
-    motion : mapping of str to array (n,)
-        As for `water_forces`.
-    forces : mapping of str to array (n,)
-        Measured X, Y [N], N, K [N m] about midship, those there are, without the inertia of the
-        ship; NaN where they are not known.
-    std : mapping of str to float or array (n,)
-        Their standard deviations.
-    speed : float
-        Carriage speed, or the speed of the approach [m/s].
-    conditions : Conditions
-        Wind, current, depth.
-    correlated : int
-        Number of instants over which errors hang together: the covariance of a fit is widened by
-        how far the sums over so many instants scatter.
+    `forces`: measured X, Y [N], N, K [N m] about midship, those there are, without the inertia
+    of the ship; NaN where they are not known. `speed`: carriage speed, or the speed of the
+    approach [m/s]. `correlated`: number of instants over which errors hang together: the
+    covariance of a fit is widened by how far the sums over so many instants scatter.
     """
 
     name: str
@@ -72,27 +61,13 @@ class ForceRecord:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Fitted:
+class FittedForces:
     """What a fit found.
 
-    Parameters
-    ----------
-    model : Model
-        With the fitted values.
-    names : tuple of str
-        As asked for.
-    values : array (m,)
-        Their values.
-    covariance : array (m, m)
-        From the stated standard deviations; NaN for what the records do not determine.
-    undetermined : tuple of str
-        Names of those.
-    rms : mapping of str to float
-        Root mean square of the residuals over their standard deviation, by channel.
-    cost : float
-        Half the sum of squares.
-    lack : Lack or None
-        What says that the model lacks something; None without a prior.
+    `model`: with the fitted values. `covariance (m, m)`: from the stated standard deviations;
+    NaN for what the records do not determine. `rms`: root mean square of the residuals over
+    their standard deviation, by channel. `cost`: half the sum of squares. `lack`: what says
+    that the model lacks something; None without a prior.
     """
 
     model: Model
@@ -102,7 +77,7 @@ class Fitted:
     undetermined: tuple[str, ...]
     rms: Mapping[str, float]
     cost: float
-    lack: Lack | None
+    lack: LackOfFit | None
 
     @property
     def std(self) -> Array:
@@ -118,7 +93,7 @@ def fit_to_forces(
     prior: Prior | None = None,
     extrapolate: bool = False,
     progress: Progress | None = None,
-) -> Fitted:
+) -> FittedForces:
     """Fit derivatives and parameters of effects, linear or not, by least squares.
 
     Parameters
@@ -138,7 +113,7 @@ def fit_to_forces(
 
     Returns
     -------
-    Fitted
+    FittedForces
 
     Raises
     ------
@@ -157,7 +132,7 @@ def fit_to_forces(
 
     Examples
     --------
-    >>> from pmmkit.equations import prepare
+    >>> from pmmkit.simulation import prepare
     >>> from pmmkit.models import load_model
     >>> ship = load_model("s175-3dof")
     >>> motion = {"u": np.full(5, 9.0), "v": np.linspace(-1.0, 1.0, 5), "n": np.full(5, 1.4)}
@@ -245,7 +220,7 @@ def fit_to_forces(
         left = _by_record(records, found.fun[:rows])
         lack = lack_of(prior, covariance, pieces, lasting(left), clustered=True)
         covariance = lack.covariance
-    return Fitted(
+    return FittedForces(
         model=with_parameters(model, at, values),
         names=tuple(names),
         values=values,
@@ -265,11 +240,11 @@ def _packs(
     conditions: Conditions,
     *,
     extrapolate: bool,
-) -> Callable[[Array], tuple[Structure, Sequence[Any]]]:
+) -> Callable[[Array], tuple[EquationStructure, Sequence[Any]]]:
     """Structure and constants for values of parameters; straight lines where they are."""
     at = places(model, names)
 
-    def anew(values: Array) -> tuple[Structure, Sequence[Any]]:
+    def anew(values: Array) -> tuple[EquationStructure, Sequence[Any]]:
         return packed(model, replaced(numbers, at, values), speed, conditions, heeled=True)
 
     if driven(model) is not model:
@@ -351,7 +326,7 @@ def _widened(records: Sequence[ForceRecord], jacobian: Array, residuals: Array) 
 
 def _pieces(
     records: Sequence[ForceRecord], jacobian: Array, residuals: Array, scale: Array, widened: float
-) -> list[Piece]:
+) -> list[RecordPiece]:
     """What windows of the records say, each of several times what hangs together."""
     slopes = jacobian * scale
     found, begin = [], 0
@@ -370,7 +345,7 @@ def _pieces(
                 told[place] = information + own.T @ own, score - own.T @ off
             begin += len(values)
         found += [
-            Piece(record=number, information=information / widened, score=score / widened)
+            RecordPiece(record=number, information=information / widened, score=score / widened)
             for information, score in told.values()
         ]
     return found

@@ -7,17 +7,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from pmmkit.channels import did_you_mean
-from pmmkit.conventions import canonical
-from pmmkit.effects.hull import HULL
-from pmmkit.effects.seen import CURRENT
-from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.identification.parameters import places
+from pmmkit.base import DataError, UnknownNameError
+from pmmkit.conventions import canonical, did_you_mean
+from pmmkit.effects import CURRENT, HULL
+from pmmkit.identification.binding import places
 from pmmkit.identification.prior import Prior, prior_of
-from pmmkit.models import Model, load_model
-from pmmkit.models.hull import hull_table
-from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.tables import DerivativeTable, converted, interpolate, is_table, read_table
+from pmmkit.models import (
+    DERIVATIVE_PARTS,
+    DerivativeTable,
+    Model,
+    converted,
+    hull_table,
+    interpolate,
+    is_table,
+    load_model,
+    read_table,
+)
 
 
 def parameters_of(model: Model, asked: Sequence[str] | None) -> tuple[str, ...]:

@@ -32,17 +32,11 @@ SEEN: Final = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Piece:
+class RecordPiece:
     """What a stretch of a record says of the parameters about their estimate.
 
-    Parameters
-    ----------
-    record : int
-        Number of the record.
-    information : array (m, m)
-        Over the prior's standard deviations.
-    score : array (m,)
-        Information times how far the stretch alone would move the estimate.
+    `record`: number of the record. `information (m, m)`: over the prior's standard deviations.
+    `score (m,)`: information times how far the stretch alone would move the estimate.
     """
 
     record: int
@@ -51,20 +45,14 @@ class Piece:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Lack:
+class LackOfFit:
     """What says that a model lacks something, and the covariance that allows for it.
 
-    Parameters
-    ----------
-    covariance : array (m, m)
-        Nowhere narrower than that of the model alone, which it is where nothing is lacking.
-    alone : array (m, m)
-        Covariance if the model is complete.
-    colour : mapping of str to float
-        Variance of summed innovations over that of white ones of the stated size, by channel that
-        is beyond chance.
-    shift : float
-        Standard deviation by which the values wander from window to window, over the prior's.
+    `covariance (m, m)`: nowhere narrower than that of the model alone, which it is where
+    nothing is lacking. `alone (m, m)`: covariance if the model is complete. `colour`: variance
+    of summed innovations over that of white ones of the stated size, by channel that is beyond
+    chance. `shift`: standard deviation by which the values wander from window to window, over
+    the prior's.
     """
 
     covariance: Array
@@ -102,29 +90,15 @@ class Lack:
 def lack_of(
     prior: Prior,
     covariance: Array,
-    pieces: Sequence[Piece],
+    pieces: Sequence[RecordPiece],
     colour: Mapping[str, float],
     sharper: float = 1.0,
     *,
     clustered: bool = False,
-) -> Lack:
+) -> LackOfFit:
     """Widen a covariance by what the records say against the model.
 
-    Parameters
-    ----------
-    prior : Prior
-        Of the parameters.
-    covariance : array (m, m)
-        As it is if the model is complete.
-    pieces : sequence of Piece
-        Windows of all records.
-    colour : mapping of str to float
-        As `colour_of` gives it.
-    sharper : float
-        By how much more the windows say of how they differ than `pieces` have it.
-    clustered : bool
-        Whether what the windows of a record say together is set against the other records too,
-        where something is missing.
+    covariance (m, m).
 
     Notes
     -----
@@ -145,7 +119,7 @@ def lack_of(
     Examples
     --------
     >>> prior = Prior(names=("Yv",), mean=np.zeros(1), covariance=np.eye(1))
-    >>> pieces = [Piece(record=i, information=np.array([[1e4]]), score=np.array([x * 1e4]))
+    >>> pieces = [RecordPiece(record=i, information=np.array([[1e4]]), score=np.array([x * 1e4]))
     ...           for i, x in enumerate([-0.3, 0.1, 0.4, -0.2])]
     >>> found = lack_of(prior, np.array([[2.5e-5]]), pieces, {})
     >>> round(found.shift, 2), (found.covariance**0.5).round(2)
@@ -155,7 +129,7 @@ def lack_of(
     narrow: Array = covariance / scale
     shift = _shift(pieces, sharper)
     if not colour and shift == 0.0:
-        return Lack(covariance=covariance, alone=covariance, colour={}, shift=0.0)
+        return LackOfFit(covariance=covariance, alone=covariance, colour={}, shift=0.0)
     known = prior.precision
     told = np.linalg.inv(narrow) - known
     wide = np.asarray(np.linalg.inv(known + told / max(colour.values(), default=1.0)))
@@ -169,12 +143,12 @@ def lack_of(
         wide = _larger(wide, narrow + narrow @ spread @ narrow)
     if clustered:
         wide = _larger(wide, _between_records(narrow, pieces))
-    return Lack(
+    return LackOfFit(
         covariance=_larger(narrow, wide) * scale, alone=covariance, colour=dict(colour), shift=shift
     )
 
 
-def _between_records(narrow: Array, pieces: Sequence[Piece]) -> Array:
+def _between_records(narrow: Array, pieces: Sequence[RecordPiece]) -> Array:
     """Covariance by the scatter of scores from record to record; none of a single record."""
     from scipy.stats import norm, t
 
@@ -189,7 +163,7 @@ def _between_records(narrow: Array, pieces: Sequence[Piece]) -> Array:
     return found
 
 
-def _shift(pieces: Sequence[Piece], sharper: float) -> float:
+def _shift(pieces: Sequence[RecordPiece], sharper: float) -> float:
     """The most likely shift between windows; none where none is much less likely."""
     from scipy.optimize import minimize_scalar
 
@@ -229,13 +203,6 @@ def colour_of(
 ) -> dict[str, float]:
     """Variance of sums of innovations over that of white ones, for channels beyond chance.
 
-    Parameters
-    ----------
-    innovations : mapping of str to Innovations
-        By record.
-    samples : mapping of str to float
-        By record: instants in the time L/U.
-
     Examples
     --------
     >>> noise = np.random.default_rng(0).normal(size=(2000, 2))
@@ -269,16 +236,6 @@ def colour_of(
 
 def lasting(residuals: Mapping[str, Sequence[tuple[Array, int]]]) -> dict[str, float]:
     """Variance of sums over several times what hangs together, over that of sums that do not.
-
-    Parameters
-    ----------
-    residuals : mapping of str to sequence of (array (n,), int)
-        By channel, for each record: residuals, and instants over which their errors hang together.
-
-    Returns
-    -------
-    dict of str to float
-        Channels whose residuals last longer, beyond chance.
 
     Examples
     --------

@@ -11,21 +11,18 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.effects.seen import CURRENT
-from pmmkit.errors import DataError, ModelError, UnknownNameError
+from pmmkit.base import DataError, ModelError, Progress, UnknownNameError
+from pmmkit.effects import CURRENT
+from pmmkit.identification.binding import places, with_parameters
 from pmmkit.identification.forces import fit_to_forces
-from pmmkit.identification.parameters import places, with_parameters
 from pmmkit.identification.prior import Prior, asked_names, prior_of
 from pmmkit.identification.record import FreeRecord, title_of
 from pmmkit.identification.restarts import filtered
 from pmmkit.identification.smoother import implied_forces, smooth
 from pmmkit.identification.trajectory import fit_trajectories
-from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS, place_name
-from pmmkit.models.step import Step
+from pmmkit.models import DERIVATIVE_PARTS, Model, Step, place_name
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, with_uncertainty
-from pmmkit.progress import Progress
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,28 +45,11 @@ UNSEEN: Final = 0.9
 class Identified(Described):
     """Parameters of a model, identified.
 
-    Parameters
-    ----------
-    method : str
-        Of `METHODS`.
-    names : tuple of str
-        Parameters.
-    values, std : array (m,)
-        Their values and standard deviations.
-    covariance : array (m, m)
-        Of them.
-    prior : Prior
-        What was known before.
-    unseen : tuple of str
-        Parameters of which the records say nothing; the model keeps their prior.
-    model : Model
-        With the new values and, where it has one set of them for all speeds, their covariance.
-    seconds : float
-        It took.
-    notes : tuple of str
-        What the method has to say: convergence, process noise, how far from white.
-    detail : object
-        The result of the method itself.
+    `values, std (m,)`: their values and standard deviations. `prior`: what was known before.
+    `unseen`: parameters of which the records say nothing; the model keeps their prior. `model`:
+    with the new values and, where it has one set of them for all speeds, their covariance.
+    `notes`: what the method has to say: convergence, process noise, how far from white.
+    `detail`: the result of the method itself.
     """
 
     method: str
@@ -119,7 +99,7 @@ class Identified(Described):
 
     def plot(self) -> Figure:
         """Intervals of 95 % before and after."""
-        from pmmkit.plotting.identification import parameters
+        from pmmkit.identification.figures import parameters
 
         return parameters([self], self.model.convention)
 

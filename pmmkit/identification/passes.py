@@ -11,13 +11,12 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.equations.layouts import Status
-from pmmkit.errors import DataError, SimulationError
+from pmmkit.base import DataError, SimulationError
 from pmmkit.identification.binding import Binding
 from pmmkit.identification.record import KINDS, FreeRecord
-from pmmkit.inference import Innovations
-from pmmkit.inference.estimators import room
+from pmmkit.inference import Innovations, room
 from pmmkit.numerics import Array
+from pmmkit.simulation import Status
 
 LOST: Final = {
     Status.mass: "Record {}: the filter makes the mass matrix indefinite. Give a narrower prior "
@@ -28,25 +27,12 @@ LOST: Final = {
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Seen:
+class RecordView:
     """A record as filters take it.
 
-    Parameters
-    ----------
-    name : str
-        Of the record.
-    t : array (n,)
-        Instants [s].
-    inputs : array (n, inputs)
-        A row of `InputField` per instant.
-    channels : tuple of str
-        What was measured.
-    measured : array (n, c)
-        NaN where nothing was.
-    kinds : array (c,) of int
-        What each channel is: the place of a state, or an `OverGround`.
-    variances : array (c,)
-        Of the sensors' noise.
+    `inputs (n, inputs)`: a row of `InputField` per instant. `measured (n, c)`: naN where
+    nothing was. `kinds (c,)`: what each channel is: the place of a state, or an `OverGround`.
+    `variances (c,)`: of the sensors' noise.
     """
 
     name: str
@@ -58,10 +44,10 @@ class Seen:
     variances: Array
 
 
-def seen(record: FreeRecord, states: Sequence[str], sensors: Mapping[str, float]) -> Seen:
+def seen(record: FreeRecord, states: Sequence[str], sensors: Mapping[str, float]) -> RecordView:
     """A record with the standard deviations of its sensors."""
     channels = tuple(record.measured)
-    return Seen(
+    return RecordView(
         name=record.name,
         t=record.t,
         inputs=record.inputs,
@@ -76,18 +62,10 @@ def seen(record: FreeRecord, states: Sequence[str], sensors: Mapping[str, float]
 class Process:
     """How states and values move beyond what the equations say, and how they are linearised.
 
-    Parameters
-    ----------
-    diffusion : array (s + m,)
-        Growth of the variances of states and values per second.
-    fading : array (m,)
-        Inverse times in which the values forget [1/s].
-    frozen : array (m,)
-        1 where a value is linearised about the binding's mean, 0 about its estimate.
-    steps : array (s + m,)
-        Of the differences over states and values.
-    longest : float
-        Longest step of the integration [s].
+    `diffusion (s + m,)`: growth of the variances of states and values per second. `fading
+    (m,)`: inverse times in which the values forget [1/s]. `frozen (m,)`: 1 where a value is
+    linearised about the binding's mean, 0 about its estimate. `steps (s + m,)`: of the
+    differences over states and values. `longest`: longest step of the integration [s].
     """
 
     diffusion: Array
@@ -101,16 +79,7 @@ class Process:
 class Pass:
     """What a filter made of a record.
 
-    Parameters
-    ----------
-    z, P : array (s + m,), array (s + m, s + m)
-        States and values after the last instant, and their covariance.
-    means, variances : array (n, s + m)
-        After each instant.
-    innovations : Innovations
-        Of the channels.
-    kept : array (n, room) or (0, room)
-        For the smoother.
+    `z, P (s + m,)`: states and values after the last instant, and their covariance.
     """
 
     z: Array
@@ -124,7 +93,7 @@ class Pass:
 def passed(
     functions: ModuleType,
     binding: Binding,
-    record: Seen,
+    record: RecordView,
     process: Process,
     z: Array,
     P: Array,
@@ -135,29 +104,7 @@ def passed(
 ) -> Pass:
     """Run a filter over a record.
 
-    Parameters
-    ----------
-    functions : module
-        Compiled equations of the binding's structure.
-    binding : Binding
-        Its parameters are the values behind the states.
-    record : Seen
-        What was measured.
-    process : Process
-        Process noise and steps.
-    z, P : array (s + m,), array (s + m, s + m)
-        States and values before the first instant, and their covariance.
-    method : {"ekf", "ukf"}
-        Extended or unscented.
-    gate : float
-        Residuals beyond so many standard deviations are not taken in.
-    store : bool
-        Whether to keep what the smoother needs (extended filter).
-
-    Raises
-    ------
-    SimulationError
-        If the motion is lost.
+    z, P (s + m,).
     """
     rows, m, n = len(record.t), len(binding.mean), len(z)
     z, P, means = z.copy(), P.copy(), np.empty((rows, 2 * n))
@@ -204,13 +151,7 @@ def smoothed(functions: ModuleType, found: Pass) -> tuple[Array, Array]:
 
 
 def kind_of(name: str, states: Sequence[str]) -> int:
-    """Number by which the filters know a channel.
-
-    Raises
-    ------
-    DataError
-        If the model has no such state.
-    """
+    """Number by which the filters know a channel."""
     if name in KINDS:
         return KINDS[name]
     if name not in states:

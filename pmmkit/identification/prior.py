@@ -8,15 +8,12 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.effects.hull import HULL
-from pmmkit.effects.seen import CURRENT
-from pmmkit.equations.prepared import values_at
-from pmmkit.errors import DataError
-from pmmkit.identification.parameters import places
-from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.base import DataError
+from pmmkit.effects import CURRENT, HULL
+from pmmkit.identification.binding import places
+from pmmkit.models import DERIVATIVE_PARTS, Model
 from pmmkit.numerics import Array, precision_over
-from pmmkit.simulation.spread import is_uncertain, spread_of
+from pmmkit.simulation import is_uncertain, spread_of, values_at
 
 SPREAD: Final = 0.3
 """Relative standard deviation of a derivative of which nothing else is known."""
@@ -148,14 +145,7 @@ def stated_covariance(
 ) -> dict[tuple[str, str], float]:
     """The covariance of a model's values at a speed, by pairs of names.
 
-    Parameters
-    ----------
-    model : Model
-        As for `spread_of`: one that states nothing has no pairs.
-    speed : float
-        Of the approach [m/s].
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
+    speed [m/s].
     """
     if not is_uncertain(model):
         return {}

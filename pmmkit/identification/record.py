@@ -10,11 +10,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.equations.layouts import NO_SEA, InputField, OverGround, State
-from pmmkit.equations.prepared import Conditions
-from pmmkit.errors import DataError, Problem, Remedy, Way
+from pmmkit.base import DataError, Problem, Remedy, Way
 from pmmkit.numerics import Array
-from pmmkit.signals.noise import white_noise
+from pmmkit.signals import white_noise
+from pmmkit.simulation import NO_SEA, Conditions, InputField, OverGround, State
 
 KINDS: Final[Mapping[str, OverGround]] = {
     "xdot": OverGround.north,
@@ -214,11 +213,6 @@ def sensors_of(records: Sequence[FreeRecord], given: Mapping[str, float]) -> dic
     None falls below a thousandth of the channel's range, because no sensor is so much better than a
     model: on real records a filter that trusts its sensors more overrules its prior with errors of
     the model. State them where they are known.
-
-    Raises
-    ------
-    DataError
-        If a channel is too short to tell and none is given.
     """
     found = {}
     for name in dict.fromkeys(name for record in records for name in record.measured):

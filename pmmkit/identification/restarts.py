@@ -8,7 +8,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from pmmkit.errors import DataError, SimulationError
+from pmmkit.base import DataError, Progress, SimulationError
 from pmmkit.identification.binding import bound, driven
 from pmmkit.identification.filters import STEP, Filtered, kalman
 from pmmkit.identification.prior import Prior
@@ -16,7 +16,6 @@ from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.trajectory import fit_trajectories
 from pmmkit.models import Model
 from pmmkit.numerics import precision_over
-from pmmkit.progress import Progress
 
 ROUGH: Final = 0.3
 """Process noise with which a filter that lost the motion begins anew."""
@@ -45,25 +44,7 @@ def filtered(
     progress: Progress | None = None,
     **settings: Any,
 ) -> tuple[Filtered, tuple[str, ...]]:
-    """A Kalman filter that begins anew, in other ways, where it loses the motion.
-
-    Parameters
-    ----------
-    model, records, prior, method, sensors, extrapolate, progress
-        As for `kalman`.
-    **settings
-        Further settings of `kalman`.
-
-    Returns
-    -------
-    Filtered, tuple of str
-        What had to be tried, the last of which succeeded; nothing where the first way did.
-
-    Raises
-    ------
-    SimulationError
-        If every way loses the motion.
-    """
+    """A Kalman filter that begins anew, in other ways, where it loses the motion."""
     tried: list[str] = []
     error = SimulationError("No way was tried.")
     for way in _ways(
@@ -133,11 +114,6 @@ def _from(found: Filtered, prior: Prior) -> Filtered:
     """The result with the prior that counts in place of the one that the filter began with.
 
     The records add their information to either.
-
-    Raises
-    ------
-    SimulationError
-        If nothing is left of the information.
     """
     scale = prior.std
     both = np.outer(scale, scale)

@@ -10,21 +10,15 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.conventions import parse_derivative
-from pmmkit.effects.added_mass import INERTIA, dimensional
-from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
-from pmmkit.effects.roll import ROLL
-from pmmkit.equations.histories import rigid_body, water_forces
-from pmmkit.equations.prepared import packed, values_at
-from pmmkit.errors import DataError, ModelError, Problem, Remedy, Way
-from pmmkit.identification.predict import reference
+from pmmkit.base import DataError, ModelError, Problem, Remedy, Way
+from pmmkit.conventions import Ship, parse_derivative
+from pmmkit.effects import HULL, INERTIA, ROLL, RUDDER_POLYNOMIAL, dimensional
+from pmmkit.identification.prediction import reference
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed, implied_forces
-from pmmkit.models import Model, Part
-from pmmkit.models.changes import before_of
-from pmmkit.models.step import Step, Value
+from pmmkit.models import Model, Part, Step, Value, before_of
 from pmmkit.numerics import Array
-from pmmkit.ship import Ship
+from pmmkit.simulation import packed, rigid_body, values_at, water_forces
 
 ADDED_INERTIA: Final = 0.2
 """Roll inertia of the water over that of the ship; S175 of the library: 0.19."""
@@ -103,7 +97,7 @@ def with_roll(
     >>> with_roll(load_model("s175-3dof"), [])
     Traceback (most recent call last):
         ...
-    pmmkit.errors.ModelError: Ship S175 of model 's175-3dof' states no GM and no Ixx, without \
+    pmmkit.base.errors.ModelError: Ship S175 of model 's175-3dof' states no GM and no Ixx, without \
 which its heel cannot follow from the forces. State them: GM=… and Ixx=….
     """
     if model.rolls:

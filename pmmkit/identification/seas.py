@@ -9,8 +9,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.identification.record import FreeRecord
-from pmmkit.models import Model
-from pmmkit.models.roles import parts_of
+from pmmkit.models import Model, parts_of
 from pmmkit.numerics import Array
 
 ONE_SEA: Final = 1.2

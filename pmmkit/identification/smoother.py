@@ -10,20 +10,17 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.base import DataError, SimulationError
 from pmmkit.conventions import force_unit
-from pmmkit.equations.code_generation import ESTIMATING
-from pmmkit.equations.compilation import compiled
-from pmmkit.equations.histories import rigid_body
-from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import FORCES, bound, driven
 from pmmkit.identification.filters import GATE, STEP, first_state, with_forces
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.passes import Pass, Process, passed, seen, smoothed, state_steps
 from pmmkit.identification.record import FreeRecord, sensors_of
-from pmmkit.inference import Innovations
-from pmmkit.inference.estimators import room
+from pmmkit.inference import Innovations, room
 from pmmkit.models import Model
 from pmmkit.numerics import Array
+from pmmkit.simulation import ESTIMATING, compiled, rigid_body
 
 MEMORY: Final = 1.0
 """Time over which an unknown force hangs together, in ship lengths over the speed."""

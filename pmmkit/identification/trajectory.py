@@ -13,19 +13,80 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.equations.code_generation import ESTIMATING
-from pmmkit.equations.compilation import compiled
-from pmmkit.errors import DataError, SimulationError
+from pmmkit.base import DataError, Progress, SimulationError
+from pmmkit.campaigns import in_ship_axes
 from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.filters import STEP, first_state
-from pmmkit.identification.lack import Lack, Piece, lack_of
+from pmmkit.identification.lack import LackOfFit, RecordPiece, lack_of
 from pmmkit.identification.passes import kind_of
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
-from pmmkit.identification.starts import first_states
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.progress import Progress
+from pmmkit.simulation import ESTIMATING, compiled
+
+# Start values of the states of windows, from what is measured there and no model.
+
+
+def first_states(
+    record: FreeRecord,
+    begins: NDArray[np.int64],
+    states: Sequence[str],
+    default: Array,
+    length: float,
+) -> Array:
+    """States (w, s) at the first instants of windows: straight lines through what is measured.
+
+    Parameters
+    ----------
+    record : FreeRecord
+        Measurements.
+    begins : array (w + 1,) of int
+        First instants of the windows, and the number of instants.
+    states : sequence of str
+        Names of the states.
+    default : array (s,)
+        For what no measurement tells.
+    length : float
+        Of the lines [s]; three instants at least.
+    """
+    found = np.zeros((len(begins) - 1, len(states)))
+    for w, at in enumerate(begins[:-1].tolist()):
+        stop = int(np.searchsorted(record.t, record.t[at] + length))
+        rows = slice(at, max(stop, min(at + 3, len(record))))
+        lines = {
+            name: line
+            for name, x in record.measured.items()
+            if (line := _line(record.t[rows] - record.t[at], x[rows])) is not None
+        }
+        found[w] = _start(lines, states, default, record.current)
+    return found
+
+
+def _line(t: Array, values: Array) -> Array | None:
+    """Slope and start of a straight line; None where nothing is measured."""
+    there = np.isfinite(values)
+    if there.sum() >= 2:
+        return np.polyfit(t[there], values[there], 1)
+    return np.array([0.0, values[there][0]]) if there.any() else None
+
+
+def _start(
+    lines: Mapping[str, Array], states: Sequence[str], default: Array, current: tuple[float, float]
+) -> Array:
+    """States from slopes and starts of the channels; velocities are through the water."""
+    found = default.copy()
+    place = {name: i for i, name in enumerate(states)}
+    for name, i in place.items():
+        if name in lines:
+            found[i] = lines[name][1]
+    if "psi" in lines and "r" not in lines:
+        found[place["r"]] = lines["psi"][0]
+    if {"x", "y", "psi"} <= set(lines) and "u" not in lines:
+        north, east = lines["x"][0] - current[0], lines["y"][0] - current[1]
+        found[place["u"]], found[place["v"]] = in_ship_axes(north, east, lines["psi"][1])
+    return found
+
 
 WINDOW: Final = 8.0
 """Length of a window in ship lengths over the speed of the approach."""
@@ -46,42 +107,20 @@ LASTING: Final = 1.5
 class TrajectoryFit:
     """What a fit to trajectories found.
 
-    Parameters
-    ----------
-    names : tuple of str
-        Parameters.
-    values : array (m,)
-        Their values.
-    covariance : array (m, m)
-        From the sensors, the prior, and how far the residuals are from white noise.
-    prior : Prior
-        Where they came from.
-    lack : Lack
-        What says that the model lacks something.
-    inflation : float
-        By what the variance is larger than white residuals of the sensors' size would make it, on
-        the geometric mean of the channels.
-    rms : mapping of str to float
-        Root mean square of the residuals over the sensor's standard deviation, by channel.
-    windows : int
-        Number of windows.
-    tried : tuple of str
-        What had to be tried before the motion was not lost.
-    iterations : int
-        Steps of the fit.
-    converged : bool
-        Whether it settled.
-    cost : float
-        Half the sum of squares, prior included.
-    seconds : float
-        It took.
+    `covariance (m, m)`: from the sensors, the prior, and how far the residuals are from white
+    noise. `prior`: where they came from. `lack`: what says that the model lacks something.
+    `inflation`: by what the variance is larger than white residuals of the sensors' size would
+    make it, on the geometric mean of the channels. `rms`: root mean square of the residuals
+    over the sensor's standard deviation, by channel. `tried`: what had to be tried before the
+    motion was not lost. `iterations`: steps of the fit. `cost`: half the sum of squares, prior
+    included.
     """
 
     names: tuple[str, ...]
     values: Array
     covariance: Array
     prior: Prior
-    lack: Lack
+    lack: LackOfFit
     inflation: float
     rms: Mapping[str, float]
     windows: int
@@ -136,39 +175,7 @@ def fit_trajectories(
 ) -> TrajectoryFit:
     """Fit parameters so that the simulated ship follows the measured one through every window.
 
-    Parameters
-    ----------
-    model : Model
-        Complete; its values outside `prior` are held.
-    records : sequence of FreeRecord
-        Records, cut into windows.
-    prior : Prior
-        Parameters with mean and covariance.
-    sensors : mapping of str to float, optional
-        Standard deviations of channels; those not named are told from the records.
-    window : float, optional
-        Length of a window [s]; by default 8 ship lengths at the speed of the approach. Longer ones
-        weigh slow errors more, and gather more of what the model lacks.
-    iterations : int
-        Most steps.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-    jobs : int, optional
-        Threads.
-    progress : callable, optional
-        Told which step is made.
-
-    Returns
-    -------
-    TrajectoryFit
-
-    Raises
-    ------
-    DataError
-        If there is nothing to fit.
-    SimulationError
-        If the simulated motion is lost from the start values, those of the model too, and through
-        short windows.
+    window [s].
 
     Notes
     -----
@@ -362,7 +369,7 @@ def _first_states(
 
 def _lack(
     problem: _Problem, found: TrajectoryFit, pieces: Sequence[_Piece], lasting: float
-) -> Lack:
+) -> LackOfFit:
     """What the windows say against the model.
 
     Of what the windows' scores are too large by, one half (of its logarithm) is laid to errors that
@@ -370,7 +377,7 @@ def _lack(
     """
     scale, share = problem.prior.std, 1.0 / found.inflation
     told = [
-        Piece(
+        RecordPiece(
             record=int(record),
             information=share * item.normal * np.outer(scale, scale),
             score=share * item.score * scale,

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.inference.equations import Equations, unit_columns
-from pmmkit.inference.least_squares import RANK_TOLERANCE
+from pmmkit.inference.linear_fit import RANK_TOLERANCE
 from pmmkit.numerics import Array
 
 ALIKE: Final = 0.95

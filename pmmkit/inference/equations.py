@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.inference.least_squares import RANK_TOLERANCE, dependent, least_squares
+from pmmkit.inference.linear_fit import RANK_TOLERANCE, dependent, least_squares
 from pmmkit.numerics import Array
 
 Flags = NDArray[np.bool_]
@@ -28,12 +28,7 @@ def unit_columns(X: Array) -> tuple[Array, Array]:
 class Triangle(NamedTuple):
     """R of [X y] = Q R: fewer equations of one channel that have the same least squares.
 
-    Parameters
-    ----------
-    both : array (at most p + 1, p + 1)
-        X and y side by side.
-    rows : int
-        Rows that it stands for.
+    `both (at most p + 1, p + 1)`: x and y side by side. `rows`: rows that it stands for.
     """
 
     both: Array

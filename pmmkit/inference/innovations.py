@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
@@ -98,24 +98,12 @@ class Innovations:
 class ChannelTest:
     """Tests of the innovations of one channel.
 
-    Parameters
-    ----------
-    channel : str
-        Which.
-    samples : int
-        Innovations that were taken in.
-    nis : float
-        Mean of the squared innovations over the variance that the filter gave them; 1 is right.
-    band : (float, float)
-        In which it lies in 95 of 100 cases if the filter is right.
-    mean : float
-        Mean innovation over its standard deviation; 0 is right.
-    correlation : array (lags,)
-        Autocorrelation from one sample to the next and further.
-    p_white : float
-        Probability of such correlations if the innovations are white (Ljung and Box 1978).
-    gated : float
-        Share of the measurements that were not taken in.
+    `samples`: innovations that were taken in. `nis`: mean of the squared innovations over the
+    variance that the filter gave them; 1 is right. `band`: in which it lies in 95 of 100 cases
+    if the filter is right. `mean`: mean innovation over its standard deviation; 0 is right.
+    `correlation (lags,)`: autocorrelation from one sample to the next and further. `p_white`:
+    probability of such correlations if the innovations are white (Ljung and Box 1978). `gated`:
+    share of the measurements that were not taken in.
     """
 
     channel: str

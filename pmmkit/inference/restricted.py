@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.inference.least_squares import RANK_TOLERANCE
+from pmmkit.inference.linear_fit import RANK_TOLERANCE
 from pmmkit.numerics import Array
 
 
@@ -21,12 +21,8 @@ from pmmkit.numerics import Array
 class EqualRows:
     """Runs of as many rows each, whitened by their noise.
 
-    Parameters
-    ----------
-    columns : array (r, m, q)
-        All columns: model, columns with a prior, data.
-    kinds : array (k, r, m, m)
-        ``D D'`` of each kind of effect at size one.
+    `columns (r, m, q)`: all columns: model, columns with a prior, data. `kinds (k, r, m, m)`:
+    ``D D'`` of each kind of effect at size one.
     """
 
     columns: Array
@@ -37,14 +33,8 @@ class EqualRows:
 class LikelihoodSlope:
     """The restricted log likelihood at logarithms of sizes.
 
-    Parameters
-    ----------
-    value : float
-        Minus infinity where the covariance is not positive.
-    gradient : array (k,)
-        With respect to the logarithms.
-    information : array (k, k)
-        Average of observed and expected information.
+    `value`: minus infinity where the covariance is not positive. `gradient (k,)`: with respect
+    to the logarithms. `information (k, k)`: average of observed and expected information.
     """
 
     value: float

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.inference.equations import Equations, Flags, unit_columns
-from pmmkit.inference.least_squares import RANK_TOLERANCE
+from pmmkit.inference.linear_fit import RANK_TOLERANCE
 from pmmkit.numerics import Array
 
 UNDECIDED: Final = (0.2, 0.8)
@@ -96,10 +96,7 @@ class Elimination:
     Of the sets on its way the one with the least ``misfit + terms log(n)`` is taken (Schwarz
     1978), for equations whose errors have unit variance.
 
-    Parameters
-    ----------
-    independent : float
-        Independent measurements n behind the equations.
+    `independent`: independent measurements n behind the equations.
 
     Examples
     --------

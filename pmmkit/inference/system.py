@@ -1,8 +1,8 @@
 """What a filter asks of a system, as its functions see it.
 
 Whoever compiles `pmmkit.inference.estimators` writes those of a system in their place
-(`pmmkit.equations.code_generation`); what stands here is for those who read the filters, and for
-the checker of types.
+(`pmmkit.simulation.equations.code_generation`); what stands here is for those who read the filters,
+and for the checker of types.
 """
 
 from __future__ import annotations

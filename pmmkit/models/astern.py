@@ -6,9 +6,8 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
-from pmmkit.effects.four_quadrant import FOUR_QUADRANT_PROPELLER
-from pmmkit.effects.propeller import PROPELLER
-from pmmkit.errors import ModelError
+from pmmkit.base import ModelError
+from pmmkit.effects import FOUR_QUADRANT_PROPELLER, PROPELLER
 from pmmkit.models.model import Model
 from pmmkit.models.step import Step
 

@@ -10,12 +10,7 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
-from pmmkit.conventions import parse_derivative
-from pmmkit.effects.added_mass import INERTIA, dimensional
-from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
-from pmmkit.effects.roll import ROLL_PART
-from pmmkit.effects.shallow_water import SHALLOW_WATER
-from pmmkit.errors import (
+from pmmkit.base import (
     MissingPartError,
     ModelError,
     NotUsableError,
@@ -24,12 +19,14 @@ from pmmkit.errors import (
     TableError,
     setting,
 )
+from pmmkit.conventions import parse_derivative
+from pmmkit.effects import HULL, INERTIA, ROLL_PART, RUDDER_POLYNOMIAL, SHALLOW_WATER, dimensional
 from pmmkit.models.estimates import estimated_table
 from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
 from pmmkit.models.store import load_model
-from pmmkit.tables.table import DerivativeTable
-from pmmkit.tables.verdict import MISFIT
+from pmmkit.models.tables.table import DerivativeTable
+from pmmkit.models.tables.verdict import MISFIT
 
 Missing = Literal["refuse", "zero", "library", "estimate"]
 HULL_TERMS: Final = ("Yv", "Yr", "Nv", "Nr")
@@ -97,7 +94,7 @@ def to_model(
 
     Examples
     --------
-    >>> from pmmkit.tables import from_values
+    >>> from pmmkit.models.tables.table import from_values
     >>> library = load_model("s175-3dof")
     >>> values = {name: value for part in ("hull_polynomial", "added_mass")
     ...           for name, value in library.parts[part].values.items()}

@@ -9,15 +9,13 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.hull import HULL
-from pmmkit.effects.shallow_water import SHALLOWEST, apply
-from pmmkit.errors import ModelError
+from pmmkit.base import ModelError
+from pmmkit.conventions import Ship
+from pmmkit.effects import HULL, INERTIA, SHALLOWEST, apply
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Value
+from pmmkit.models.tables.by_depth import SPEEDS_APART, place_of
 from pmmkit.numerics import Array
-from pmmkit.ship import Ship
-from pmmkit.tables.by_depth import SPEEDS_APART, place_of
 
 NEARLY: Final = 0.99
 """Share of 1.2 draughts from which the formulas are taken as at 1.2: a basin is filled to a

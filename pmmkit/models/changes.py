@@ -115,15 +115,7 @@ def restored(model: Model, before: Before) -> Model:
 
 
 def without_values(model: Model, places: Iterable[str]) -> Model:
-    """A model without some parts, or values and options of parts, nor sources and covariance.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    places : iterable of str
-        Parts, and values and options of parts (``hull_polynomial.Yvvr``, ``rudder_mmg.stall``).
-    """
+    """A model without some parts, or values and options of parts, nor sources and covariance."""
     gone = frozenset(places)
     parts = {
         effect: replace(
@@ -145,13 +137,6 @@ def covariance_of(
     model: Model, names: Collection[str]
 ) -> tuple[NDArray[np.float64] | None, tuple[str, ...]]:
     """The covariance of some derivatives of a model at all its Froude numbers, and their names.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    names : collection of str
-        As in its covariance; those that it does not have do not count.
 
     Examples
     --------

@@ -7,16 +7,13 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Literal, Protocol
 
-from pmmkit.channels import did_you_mean
-from pmmkit.conventions import canonical
-from pmmkit.effects.catalogue import catalogue, effect_of
-from pmmkit.effects.effect import BY_SPEED, Effect, Parameter
-from pmmkit.effects.seen import Move
-from pmmkit.errors import ModelError, Problem, Remedy, UnknownNameError, Way
+from pmmkit.base import ModelError, Problem, Remedy, UnknownNameError, Way
+from pmmkit.conventions import canonical, did_you_mean
+from pmmkit.effects import BY_SPEED, Effect, Move, Parameter, catalogue, effect_of
 from pmmkit.models.changes import before_of, restored
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Before, Step, Value
-from pmmkit.models.terms import Asked, home_of, reference, with_terms, without_terms
+from pmmkit.models.terms import RequestedEffect, home_of, reference, with_terms, without_terms
 from pmmkit.models.vessel import Sailing, moves_of, told
 
 
@@ -92,7 +89,7 @@ def with_effect(
 
     Examples
     --------
-    >>> from pmmkit.models import load_model
+    >>> from pmmkit.models.store import load_model
     >>> slow = with_effect(load_model("s175-3dof"), "memory", coefficients={"Yv_late": -0.002})
     >>> slow.values("memory")
     {'Yv_late': -0.002, 'Nv_late': 0.0, 'lag': 0.5}
@@ -138,7 +135,7 @@ def without_effect(model: Model, effect: Named | Sequence[Named]) -> Model:
 
     Examples
     --------
-    >>> from pmmkit.models import load_model
+    >>> from pmmkit.models.store import load_model
     >>> plain = without_effect(load_model("s175-3dof"), "yaw_sway_coupling")
     >>> "Nvvr" in plain.values("hull_polynomial")
     False
@@ -174,7 +171,7 @@ def _asked(
     value: float | None,
     Fn: tuple[float, ...],
     source: str,
-) -> Asked:
+) -> RequestedEffect:
     """What is asked for, checked against what there is."""
     given: Mapping[str, float] | None = None
     named = isinstance(effect, Effect | str)
@@ -207,7 +204,7 @@ def _asked(
     if given is not None and not moved:
         usual = entry.typical
     sizes = usual if coefficients == "typical" else given or {}
-    return Asked(
+    return RequestedEffect(
         effect=entry,
         coefficients=MappingProxyType({**dict.fromkeys(usual, 0.0), **sizes}),
         known=given is not None or coefficients == "typical",
@@ -269,7 +266,7 @@ def _derivative(label: str) -> bool:
         return False
 
 
-def _with_part(model: Model, asked: Asked) -> Model:
+def _with_part(model: Model, asked: RequestedEffect) -> Model:
     """The model with an effect that is a part of its own."""
     entry = asked.effect
     if asked.name in model.parts:
@@ -312,7 +309,7 @@ def _with_part(model: Model, asked: Asked) -> Model:
     )
 
 
-def _with_moved(model: Model, asked: Asked) -> Model:
+def _with_moved(model: Model, asked: RequestedEffect) -> Model:
     """The model with values that an effect moves."""
     moves = moves_of(asked.effect, Sailing(model, 1.0))
     if not moves:
@@ -367,7 +364,7 @@ def _more(value: Value, size: float) -> Value:
     return tuple(x + size for x in value) if isinstance(value, tuple) else value + size
 
 
-def _was_moved(model: Model, asked: Asked) -> bool:
+def _was_moved(model: Model, asked: RequestedEffect) -> bool:
     """Whether an effect of derivatives came to a model by the values of another part."""
     own = [step for step in model.steps if step.effect == asked.name and step.before is not None]
     return bool(own) and not own[-1].coefficients.keys() & asked.effect.typical.keys()

@@ -10,16 +10,12 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.bibliography import cite
-from pmmkit.conventions import Convention, force_unit
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.hull import HULL
-from pmmkit.effects.propeller import PROPELLER
-from pmmkit.effects.rudder import RUDDER_MMG
-from pmmkit.empirical import (
+from pmmkit.conventions import Convention, Ship, Water, cite, force_unit, viscosity
+from pmmkit.effects import HULL, INERTIA, PROPELLER, RUDDER_MMG
+from pmmkit.models.empirical import (
     METHODS,
     RUDDER_SOURCES,
-    Estimate,
+    HullEstimate,
     StandardError,
     estimate,
     friction_coefficient,
@@ -35,11 +31,10 @@ from pmmkit.models.particulars import (
     propeller_values,
     rudder_errors,
 )
-from pmmkit.models.standing import any_across
+from pmmkit.models.provenance import any_across
 from pmmkit.models.step import Step
-from pmmkit.ship import Ship, Water, viscosity
-from pmmkit.tables import DerivativeTable, from_values
-from pmmkit.tables.convert import converted, to_system
+from pmmkit.models.tables.convert import converted, to_system
+from pmmkit.models.tables.table import DerivativeTable, from_values
 
 RESISTANCE_ERROR: Final = StandardError(
     0.25, ships=(), why="four tests at their scale lie 10 % off, surface and waves are more"
@@ -73,8 +68,8 @@ def estimated_model(
     ship : Ship
         Particulars.
     method : str
-        One of `pmmkit.empirical.METHODS`. Only ``yoshimura-masumoto`` gives surge terms: they
-        stand in the others too. The linear ones (``clarke`` and so on) give a model that says
+        One of `pmmkit.models.empirical.METHODS`. Only ``yoshimura-masumoto`` gives surge terms:
+        they stand in the others too. The linear ones (``clarke`` and so on) give a model that says
         that it holds for small rudder angles.
     speed : float
         Service speed [m/s], for the resistance.
@@ -106,7 +101,7 @@ def estimated_model(
 
     Examples
     --------
-    >>> from pmmkit.ship_library import load_ship
+    >>> from pmmkit.models.library import load_ship
     >>> from pmmkit.simulation import simulate
     >>> model = estimated_model(load_ship("kvlcc2"), speed=7.97, propeller_diameter=9.86,
     ...                         rudder_area=112.5)
@@ -218,7 +213,7 @@ def resistance_derivative(
 
     Examples
     --------
-    >>> from pmmkit.ship_library import load_ship
+    >>> from pmmkit.models.library import load_ship
     >>> value, std = resistance_derivative(load_ship("kvlcc2"), Water(), 7.97, Convention())
     >>> round(value, 5), round(std, 5)
     (-0.00069, 0.00017)
@@ -232,17 +227,6 @@ def resistance_derivative(
 
 def estimated_table(like: DerivativeTable) -> DerivativeTable:
     """Derivatives from the particulars of a table's ship, in the meaning of that table.
-
-    Parameters
-    ----------
-    like : DerivativeTable
-        Ship, water, Froude numbers and convention; its Xuu is kept where it has one.
-
-    Returns
-    -------
-    DerivativeTable
-        Yoshimura and Masumoto's hull, added mass of Zhou and Clarke, resistance by friction, with
-        standard uncertainties. Without surge terms where the table expands them about a speed.
 
     Examples
     --------
@@ -318,7 +302,7 @@ def with_open_couplings(model: Model) -> Model:
     return model.with_(parts=MappingProxyType({**model.parts, HULL: opened}))
 
 
-def _surge(guess: Estimate, ship: Ship) -> tuple[dict[str, float], dict[str, float]]:
+def _surge(guess: HullEstimate, ship: Ship) -> tuple[dict[str, float], dict[str, float]]:
     """Surge terms that a method lacks and their standard errors, in its system and signs."""
     other = estimate(ship, SURGE)
     names = [name for name in other.values if name[0] == "X" and name not in guess.values]

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from pmmkit.base import UnknownNameError
 from pmmkit.conventions import parse_derivative
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.hull import HULL
-from pmmkit.errors import UnknownNameError
+from pmmkit.effects import HULL, INERTIA
 from pmmkit.models.model import Model
 from pmmkit.models.store import load_model
-from pmmkit.tables import DerivativeTable, from_values
+from pmmkit.models.tables.table import DerivativeTable, from_values
 
 
 def hull_table(model: Model | str | Path) -> DerivativeTable:

@@ -11,14 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.conventions import Convention, Derivative, canonical, parse_derivative
-from pmmkit.effects.added_mass import INERTIA, unknown_places
-from pmmkit.effects.catalogue import catalogue, effect_of
-from pmmkit.effects.effect import Effect
-from pmmkit.effects.grammar import written_effect
-from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
-from pmmkit.effects.roll import ROLL_PART
-from pmmkit.errors import (
+from pmmkit.base import (
     ExtrapolationError,
     MissingPartError,
     ModelError,
@@ -26,6 +19,18 @@ from pmmkit.errors import (
     Remedy,
     UnknownNameError,
     Way,
+)
+from pmmkit.conventions import Convention, Derivative, Ship, Water, canonical, parse_derivative
+from pmmkit.effects import (
+    HULL,
+    INERTIA,
+    ROLL_PART,
+    RUDDER_POLYNOMIAL,
+    Effect,
+    catalogue,
+    effect_of,
+    unknown_places,
+    written_effect,
 )
 from pmmkit.models.step import Step, Value, added
 from pmmkit.presentation import (
@@ -38,7 +43,6 @@ from pmmkit.presentation import (
     plus_minus,
     with_uncertainty,
 )
-from pmmkit.ship import Ship, Water
 
 DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
 TAKE_PARTS: Final = Remedy(
@@ -164,7 +168,8 @@ class Model(Described):
 
         Examples
         --------
-        >>> from pmmkit.models import Step, load_model
+        >>> from pmmkit.models.step import Step
+        >>> from pmmkit.models.store import load_model
         >>> forced = Step(action="forced", ship="KCS", names=("Yv is positive.",))
         >>> load_model("kcs").stepped(forced).not_usable
         'NOT USABLE: made by force of derivatives that are not usable. Yv is positive.'

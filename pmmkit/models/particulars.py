@@ -10,16 +10,19 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.propeller import PROPELLER
-from pmmkit.effects.roll import ROLL
-from pmmkit.effects.rudder import RUDDER_MMG
-from pmmkit.empirical import RUDDER_SOURCES, StandardError, rudder_values, shares, wake_fraction
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
+from pmmkit.conventions import Ship, Water
+from pmmkit.effects import PROPELLER, ROLL, RUDDER_MMG, Effect, Parameter
+from pmmkit.models.empirical import (
+    RUDDER_SOURCES,
+    StandardError,
+    rudder_values,
+    shares,
+    wake_fraction,
+)
 from pmmkit.models.model import Part
 from pmmkit.models.wageningen import open_water_curve
 from pmmkit.numerics import Array
-from pmmkit.ship import Ship, Water
 
 STATED: Final = "measured: the campaign file"
 HIGHEST_J: Final = 0.8
@@ -91,19 +94,7 @@ def propeller_diameter(ship: Ship) -> float:
 def propeller_values(ship: Ship, *, D: float) -> dict[str, float]:
     """Propeller of a merchant ship from particulars.
 
-    Parameters
-    ----------
-    ship : Ship
-        Block.
-    D : float
-        Diameter [m].
-
-    Returns
-    -------
-    dict
-        Values of the effect ``propeller``: thrust deduction 0.2, a straight open-water curve, the
-        wake of Taylor, which drift lessens as usual. The revolutions follow from the resistance, so
-        that the curve enters the turn through the loading alone.
+    D [m].
     """
     return {
         "D": D,
@@ -129,15 +120,7 @@ def rudder_area(ship: Ship) -> float:
 
 
 def steering_rate(ship: Ship, full_length: float | None = None) -> float:
-    """Rate of a steering gear that just satisfies SOLAS, 2.32 deg/s on the ship [deg/s].
-
-    Parameters
-    ----------
-    ship : Ship
-        The ship or a model of it, which steers faster by the root of its scale.
-    full_length : float, optional
-        Length of the ship [m]; by default that of `ship`, or 200 m where it is a model in a tank.
-    """
+    """Rate of a steering gear that just satisfies SOLAS, 2.32 deg/s on the ship [deg/s]."""
     usual = USUAL_LENGTH if ship.L < LONGEST_MODEL else ship.L
     return 2.32 * math.sqrt((full_length or usual) / ship.L)
 
@@ -164,7 +147,7 @@ def parts_from_particulars(
 
     Examples
     --------
-    >>> from pmmkit.ship_library import load_ship
+    >>> from pmmkit.models.library import load_ship
     >>> screw, blade = parts_from_particulars(load_ship("kvlcc2"), {"D": 9.86}, {"area": 112.5})
     >>> screw.source_of("D"), screw.source_of("t"), round(screw.std["t"], 3)
     ('measured: the campaign file', 'empirical: usual for a merchant ship', 0.022)
@@ -221,7 +204,7 @@ def roll_from_particulars(ship: Ship, water: Water, *, damped: bool = False) -> 
 
     Examples
     --------
-    >>> from pmmkit.ship_library import load_ship
+    >>> from pmmkit.models.library import load_ship
     >>> roll = roll_from_particulars(load_ship("s175"), Water(rho=1025.0))
     >>> f"{roll.values['damping']:.3g}"
     '3.08e+07'

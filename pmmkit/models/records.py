@@ -17,10 +17,10 @@ from typing import (
     get_type_hints,
 )
 
-from pmmkit.channels import did_you_mean
-from pmmkit.errors import ModelError, Problem
+from pmmkit.base import ModelError, Problem
+from pmmkit.conventions import did_you_mean
+from pmmkit.models.library import number
 from pmmkit.models.step import Value
-from pmmkit.ship_library import number
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

@@ -6,22 +6,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from pmmkit.effects.hull import HULL
-from pmmkit.errors import TableError
+from pmmkit.base import TableError
+from pmmkit.conventions import Ship
+from pmmkit.effects import HULL
 from pmmkit.models.hull import hull_table
+from pmmkit.models.library import load_ship, ships
 from pmmkit.models.model import Model
 from pmmkit.models.store import load_model
-from pmmkit.ship import Ship
-from pmmkit.ship_library import load_ship, ships
-from pmmkit.tables import DerivativeTable, is_table, read_table
-from pmmkit.tables.compare import compare
+from pmmkit.models.tables.compare import compare
+from pmmkit.models.tables.io import is_table, read_table
+from pmmkit.models.tables.table import DerivativeTable
 
 ALIKE: Final = 0.005
 """Share by which the proportions of two models of one ship may differ."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Reference:
+class ReferenceTable:
     """Derivatives of a source that stand beside those of tests.
 
     Parameters
@@ -39,7 +40,7 @@ class Reference:
     model: Model | None = None
 
 
-def reference_of(given: str, name: str = "") -> Reference:
+def reference_of(given: str, name: str = "") -> ReferenceTable:
     """The derivatives of a library ship, a model file or a table, told by its ending.
 
     Parameters
@@ -55,12 +56,12 @@ def reference_of(given: str, name: str = "") -> Reference:
     -0.0424
     """
     if is_table(given):
-        return Reference(table=read_table(given), name=name or Path(given).stem)
+        return ReferenceTable(table=read_table(given), name=name or Path(given).stem)
     model = load_model(given)
-    return Reference(table=hull_table(model), name=name or given, model=model)
+    return ReferenceTable(table=hull_table(model), name=name or given, model=model)
 
 
-def published_of(table: DerivativeTable) -> Reference | None:
+def published_of(table: DerivativeTable) -> ReferenceTable | None:
     """Published derivatives of the ship that was tested, where the library holds it.
 
     Parameters
@@ -77,7 +78,7 @@ def published_of(table: DerivativeTable) -> Reference | None:
     found = [load_model(name) for name in ships() if _alike(load_ship(name), table.ship)]
     for model in sorted(found, key=lambda model: (model.rolls, len(model.parts))):
         source = model.parts[HULL].source.removeprefix("library: ")
-        known = Reference(table=hull_table(model), name=source, model=model)
+        known = ReferenceTable(table=hull_table(model), name=source, model=model)
         try:
             compare(table, known.table)
         except TableError:

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from pmmkit.effects.hull import HULL
-from pmmkit.empirical import form_factor, friction_coefficient, wetted_surface
-from pmmkit.errors import MissingPartError, ModelError, Problem, Remedy, Way
+from pmmkit.base import MissingPartError, ModelError, Problem, Remedy, Way
+from pmmkit.conventions import Ship, Water, viscosity
+from pmmkit.effects import HULL
+from pmmkit.models.empirical import form_factor, friction_coefficient, wetted_surface
 from pmmkit.models.model import Model, Part, place_name
-from pmmkit.models.roles import drives
+from pmmkit.models.provenance import drives
 from pmmkit.models.step import Step, Value
-from pmmkit.ship import Ship, Water, viscosity
 
 
 def scaled(model: Model, length: float) -> Model:
@@ -178,7 +178,7 @@ def full_scale(
 
     Examples
     --------
-    >>> from pmmkit.models import load_model
+    >>> from pmmkit.models.store import load_model
     >>> ship = full_scale(load_model("kvlcc2-l7"), 320.0, speed=7.97, form=0.2)
     >>> round(ship.values("propeller")["wp"], 3), round(ship.values("hull_polynomial")["Xuu"], 4)
     (0.328, -0.0143)

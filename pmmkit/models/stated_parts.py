@@ -7,10 +7,8 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-from pmmkit.channels import did_you_mean
-from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.propeller import PROPELLER
-from pmmkit.effects.rudder import RUDDER_MMG
+from pmmkit.conventions import did_you_mean
+from pmmkit.effects import PROPELLER, RUDDER_MMG, Effect, Parameter
 
 SECTIONS: Final[Mapping[str, Effect]] = MappingProxyType(
     {PROPELLER.name: PROPELLER, "rudder": RUDDER_MMG}
@@ -84,14 +82,14 @@ def words_of(section: str) -> dict[str, tuple[str, ...]]:
     return {**SECTIONS[section].options, **WORDS[section]}
 
 
-def faults_of(section: str, stated: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def problems_of(section: str, stated: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """What is wrong with what a section states: keys, and what to say of them.
 
     The key is empty where the section holds nothing.
 
     Examples
     --------
-    >>> list(faults_of("propeller", {"D": -0.2, "diametr": 0.2}))[0]
+    >>> list(problems_of("propeller", {"D": -0.2, "diametr": 0.2}))[0]
     ('D', 'must be at least 1e-06 m, it is -0.2.')
     """
     numbers, words = numbers_of(section), words_of(section)

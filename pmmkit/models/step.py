@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final, Literal
 
-from pmmkit.errors import ModelError
+from pmmkit.base import ModelError
 
 Value = float | tuple[float, ...]
 Action = Literal[
@@ -38,19 +38,10 @@ def _none() -> Mapping[str, Any]:
 class Before:
     """What a step changed, as it was: enough to take the step back.
 
-    Parameters
-    ----------
-    absent : tuple of str
-        Parts, and values and options of parts (``hull_polynomial.Yvvr``, ``rudder_mmg.stall``),
-        that were not there.
-    values : mapping of str to float or tuple of float
-        Values that were replaced.
-    sources : mapping of str to str
-        Sources that these values had of their own.
-    options : mapping of str to str
-        Words of options that were replaced.
-    pooled : bool
-        Whether the model had no Froude numbers.
+    `absent`: parts, and values and options of parts (``hull_polynomial.Yvvr``,
+    ``rudder_mmg.stall``), that were not there. `values`: values that were replaced. `sources`:
+    sources that these values had of their own. `options`: words of options that were replaced.
+    `pooled`: whether the model had no Froude numbers.
     """
 
     absent: tuple[str, ...] = ()

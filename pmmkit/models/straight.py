@@ -8,15 +8,13 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Final, TypeVar
 
+from pmmkit.base import ModelError
 from pmmkit.conventions import canonical, parse_derivative
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.four_quadrant import FOUR_QUADRANT_PROPELLER
-from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
-from pmmkit.errors import ModelError
+from pmmkit.effects import FOUR_QUADRANT_PROPELLER, HULL, INERTIA, RUDDER_POLYNOMIAL
 from pmmkit.models.astern import as_it_stops, reversed_by_bucket
 from pmmkit.models.changes import covariance_of
 from pmmkit.models.model import Model, Part, needs_roll, place_name
-from pmmkit.models.roles import drives
+from pmmkit.models.provenance import drives
 from pmmkit.models.step import Step
 
 T = TypeVar("T")

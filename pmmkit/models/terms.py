@@ -8,40 +8,25 @@ from types import MappingProxyType
 
 import numpy as np
 
+from pmmkit.base import ModelError, Problem, Remedy, Way
 from pmmkit.conventions import Convention, parse_derivative
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.effect import BY_SPEED, Effect
-from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
-from pmmkit.effects.roll import ROLL_PART
-from pmmkit.errors import ModelError, Problem, Remedy, Way
-from pmmkit.models import Model, Part
+from pmmkit.effects import BY_SPEED, HULL, INERTIA, ROLL_PART, RUDDER_POLYNOMIAL, Effect
 from pmmkit.models.changes import before_of, without_values
-from pmmkit.models.model import needs_roll
+from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
+from pmmkit.models.tables.convert import converted
+from pmmkit.models.tables.table import from_values
 from pmmkit.numerics import Array
-from pmmkit.tables import converted, from_values
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class RequestedEffect:
     """One effect as it is to enter a model.
 
-    Parameters
-    ----------
-    effect : Effect
-        What it is.
-    coefficients : mapping of str to float
-        As the diagnosis gives them.
-    known : bool
-        Whether these are sizes and not just zeros to start from.
-    value : float or None
-        Nonlinear parameter.
-    Fn : tuple of float
-        Froude numbers of the tests; empty where they are those of the model.
-    source : str
-        Where the values come from.
-    moved : bool
-        Whether the model has an effect of derivatives by values of a part of its own.
+    `coefficients`: as the diagnosis gives them. `known`: whether these are sizes and not just
+    zeros to start from. `Fn`: Froude numbers of the tests; empty where they are those of the
+    model. `source`: where the values come from. `moved`: whether the model has an effect of
+    derivatives by values of a part of its own.
     """
 
     effect: Effect
@@ -66,12 +51,12 @@ class Asked:
         return {**self.effect.sizes(self.coefficients), **beyond}
 
 
-def reference(model: Model, asked: Asked) -> float:
+def reference(model: Model, asked: RequestedEffect) -> float:
     """Froude number at which F is zero: the middle of the tests, as in the diagnosis."""
     return float(np.median(_rows(model, asked)))
 
 
-def _rows(model: Model, asked: Asked) -> tuple[float, ...]:
+def _rows(model: Model, asked: RequestedEffect) -> tuple[float, ...]:
     rows = tuple(sorted(set(asked.Fn))) or model.Fn
     if not rows:
         raise ModelError(
@@ -81,7 +66,7 @@ def _rows(model: Model, asked: Asked) -> tuple[float, ...]:
     return rows
 
 
-def with_terms(model: Model, asked: Asked) -> Model:
+def with_terms(model: Model, asked: RequestedEffect) -> Model:
     """The model with the derivatives of an effect that it lacks, in its convention."""
     sizes = asked.derivatives()
     roll = [label for label in sizes if needs_roll(label.removesuffix(BY_SPEED))]
@@ -166,7 +151,7 @@ def _parts(model: Model, values: Mapping[str, Value], source: str) -> Mapping[st
     return MappingProxyType(parts)
 
 
-def _changing(model: Model, asked: Asked, slopes: Mapping[str, float]) -> Model:
+def _changing(model: Model, asked: RequestedEffect, slopes: Mapping[str, float]) -> Model:
     """Derivatives with a value per Froude number: c F more."""
     rows = model.Fn or _rows(model, asked)
     if len(set(rows)) < 2:
@@ -189,7 +174,7 @@ def _changing(model: Model, asked: Asked, slopes: Mapping[str, float]) -> Model:
     return replace(model, Fn=rows, covariance=covariance, parts=parts)
 
 
-def _law(model: Model, asked: Asked, rows: Sequence[float]) -> Array:
+def _law(model: Model, asked: RequestedEffect, rows: Sequence[float]) -> Array:
     """F = (Fn/Fn0)² - 1 at the Froude numbers of the model."""
     return (np.asarray(rows) / reference(model, asked)) ** 2 - 1.0
 
@@ -231,7 +216,7 @@ def _plain(column: Array) -> Value:
     return numbers[0] if len(set(numbers)) == 1 else tuple(numbers)
 
 
-def without_terms(model: Model, asked: Asked) -> Model:
+def without_terms(model: Model, asked: RequestedEffect) -> Model:
     """The model without the derivatives of an effect, or without their change with speed."""
     sizes = asked.derivatives()
     slopes = [label.removesuffix(BY_SPEED) for label in sizes if label.endswith(BY_SPEED)]

@@ -6,13 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from pmmkit.conventions import force_unit, parse_derivative, speed_unit
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.effect import Effect
-from pmmkit.effects.hull import HULL
-from pmmkit.effects.seen import Move
+from pmmkit.conventions import Ship, Water, force_unit, parse_derivative, speed_unit
+from pmmkit.effects import HULL, INERTIA, Effect, Move
 from pmmkit.models.model import Model
-from pmmkit.ship import Ship, Water
 
 
 @dataclass(frozen=True)
@@ -103,7 +99,7 @@ def told(
 
     Examples
     --------
-    >>> from pmmkit.models import load_model
+    >>> from pmmkit.models.store import load_model
     >>> ship = load_model("s175")
     >>> begins = {"rudder_mmg.stall_deg": 20.0, "rudder_mmg.stall_loss": 0.0}
     >>> stalls = told(ship, {"rudder_mmg": {"stall": "smooth"}}, begins)

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.numerics import Array
 
 THRUST: Final = (
@@ -56,24 +56,6 @@ def open_water_curve(
     J: Array, *, pitch: float, area_ratio: float, blades: int
 ) -> tuple[Array, Array]:
     """KT and KQ over the advance ratio.
-
-    Parameters
-    ----------
-    J : array (n,)
-        Advance ratio.
-    pitch, area_ratio : float
-        P/D and AE/A0.
-    blades : int
-        Number of blades.
-
-    Returns
-    -------
-    KT, KQ : array (n,)
-
-    Raises
-    ------
-    DataError
-        If the propeller lies outside the series.
 
     Examples
     --------

@@ -13,7 +13,7 @@ from pmmkit.plotting import style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pmmkit.plotting.history import History
+    from pmmkit.plotting.history import TrackLike
 
 PALE: Final = "#d3d9e6"
 """Fill of a band; opaque, so that it may lie over itself."""
@@ -23,7 +23,7 @@ class Band(Protocol):
     """What is drawn of `Bands`."""
 
     @property
-    def track(self) -> History:
+    def track(self) -> TrackLike:
         """The ship as it is."""
 
     @property

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.conventions import Convention
-from pmmkit.escaping import figure_text
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
+from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

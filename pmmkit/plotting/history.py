@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from pmmkit.numerics import Array
 
 
-class History(Protocol):
+class TrackLike(Protocol):
     """A free-running history: arrays over the time, SI and radians, and what they are of.
 
     A `Track` has this shape, and so has anything else with these attributes.

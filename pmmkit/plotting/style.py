@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from pmmkit.conventions import Convention, latex_symbol
 from pmmkit.files import atomic_path
@@ -18,6 +19,26 @@ from pmmkit.files import atomic_path
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+# Figures that a notebook shows where they are the last word of a cell.
+
+
+DOTS: Final = 130
+"""Dots per inch in a notebook."""
+
+
+class Shown(Figure):
+    """A figure that shows itself in a notebook.
+
+    Notebooks know by themselves only figures of pyplot, whose state is global.
+    """
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png", dpi=DOTS)
+        return buffer.getvalue()
+
 
 WIDTH: Final = 9.0
 """Width of a figure [inch]: a report column at 100 dots per inch."""
@@ -113,7 +134,6 @@ def _families() -> list[str]:
 
 def canvas(height: float, width: float = WIDTH) -> Figure:
     """An empty figure that lays itself out, without pyplot and its global state."""
-    from pmmkit.plotting.shown import Shown
 
     return Shown(figsize=(width, height), layout="constrained")
 

@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.errors import DataError
-from pmmkit.escaping import figure_text
-from pmmkit.metrics import IN_LENGTHS, in_words
+from pmmkit.base import DataError
+from pmmkit.conventions import IN_LENGTHS, in_words
 from pmmkit.numerics import Array, turned
 from pmmkit.plotting import style
 from pmmkit.plotting.bands import PALE, Band
 from pmmkit.plotting.marks import dimension, guide, path_axes
+from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pmmkit.plotting.history import History
+    from pmmkit.plotting.history import TrackLike
 
 _HALF: Final = ((-0.5, 0.36), (-0.47, 0.5), (0.2, 0.5), (0.38, 0.3), (0.5, 0.0))
 _OUTLINE: Final = np.array([*_HALF, *((x, -y) for x, y in _HALF[-2::-1])])
@@ -33,7 +33,7 @@ _EVERY: Final = np.pi / 4
 
 
 def trajectory(
-    tracks: Sequence[History], names: Sequence[str] | None = None, *, band: Band | None = None
+    tracks: Sequence[TrackLike], names: Sequence[str] | None = None, *, band: Band | None = None
 ) -> Figure:
     """Paths of turning circles in ship lengths, approach upwards, midship at the origin.
 
@@ -43,7 +43,7 @@ def trajectory(
 
     Parameters
     ----------
-    tracks : sequence of History
+    tracks : sequence of TrackLike
         The tracks.
     names : sequence of str, optional
         Their names in the legend; Froude number and rudder angle by default.
@@ -77,12 +77,12 @@ def trajectory(
     return figure
 
 
-def turn_histories(tracks: Sequence[History], names: Sequence[str] | None = None) -> Figure:
+def turn_histories(tracks: Sequence[TrackLike], names: Sequence[str] | None = None) -> Figure:
     """Speed, yaw rate, drift, heading, rudder and revolutions, over the time in ship lengths.
 
     Parameters
     ----------
-    tracks : sequence of History
+    tracks : sequence of TrackLike
         The tracks.
     names : sequence of str, optional
         Their names in the legend; Froude number and rudder angle by default.
@@ -127,7 +127,7 @@ def turn_histories(tracks: Sequence[History], names: Sequence[str] | None = None
     return figure
 
 
-def _labels(tracks: Sequence[History], names: Sequence[str] | None) -> list[str]:
+def _labels(tracks: Sequence[TrackLike], names: Sequence[str] | None) -> list[str]:
     if not tracks:
         raise DataError("There is no track to draw.")
     if names:
@@ -135,7 +135,7 @@ def _labels(tracks: Sequence[History], names: Sequence[str] | None) -> list[str]
     return [f"Fn {item.Fn:.3f}, rudder {item.rudder_deg:+.3g}°" for item in tracks]
 
 
-def _path(axis: Axes, track: History, number: int, name: str) -> None:
+def _path(axis: Axes, track: TrackLike, number: int, name: str) -> None:
     length, colour = track.L, style.colour(number)
     ahead, aside, reached = track.x / length, track.y / length, turned(track.psi)
     axis.plot(aside, ahead, color=colour, ls=style.dash(number), label=name)
@@ -196,7 +196,7 @@ def _outline(heading: float) -> Array:
     )
 
 
-def _measures(axis: Axes, track: History, intervals: Mapping[str, tuple[float, float]]) -> None:
+def _measures(axis: Axes, track: TrackLike, intervals: Mapping[str, tuple[float, float]]) -> None:
     """Advance, transfer and tactical diameter as dimension lines, clear of the ship's outlines."""
     names = ("advance", "transfer", "tactical_diameter")
     found = {name: track.metrics.get(name + IN_LENGTHS, np.nan) for name in names}

@@ -12,9 +12,9 @@ from typing import Final, Literal
 
 import numpy as np
 
-from pmmkit.errors import CampaignError, Problem, Remedy, setting
+from pmmkit.base import CampaignError, Problem, Remedy, setting
+from pmmkit.files import Origin
 from pmmkit.numerics import ABSURD, Array
-from pmmkit.remote import Origin
 
 Cell = str | float | None
 Choose = Callable[[tuple[str, ...], int], Sequence[int]]
@@ -285,22 +285,7 @@ _GROUPED: Final = re.compile(
 
 
 def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Columns:
-    """Numbers of some columns of a small file, every cell checked.
-
-    Parameters
-    ----------
-    cells : Cells
-        The file.
-    positions : sequence of int
-        Columns wanted, counted from 0.
-    request : Request
-        It too, for messages and its options.
-
-    Raises
-    ------
-    CampaignError
-        With every cell that is empty, not a number, infinite or absurdly large.
-    """
+    """Numbers of some columns of a small file, every cell checked."""
     table, dropped, found = numbers_of(cells, positions, request)
     if found:
         raise request.error(*abridged(found, request))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import zlib
 from typing import Final
 
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 from pmmkit.readers.base import Request
 
 SMALL: Final = 200_000_000
@@ -43,20 +43,6 @@ def too_large(request: Request, declared: int, size: int, what: str) -> Campaign
 
 def inflated_size(packed: bytes | memoryview, most: int, *, raw: bool = False) -> int:
     """Bytes that a deflated stream expands to, counted without keeping them.
-
-    Parameters
-    ----------
-    packed : bytes
-        The stream.
-    most : int
-        Counting stops beyond this.
-    raw : bool
-        Whether the stream has no header, as in a zip archive.
-
-    Raises
-    ------
-    zlib.error
-        If the stream is damaged.
 
     Examples
     --------

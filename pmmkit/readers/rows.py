@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from pmmkit.channels import did_you_mean, split_unit
-from pmmkit.errors import Problem
+from pmmkit.base import Problem
+from pmmkit.conventions import did_you_mean, split_unit
 from pmmkit.readers.base import Cell, Cells, Request, to_number
 
 Plain = str | float | int | bool

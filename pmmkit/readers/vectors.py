@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.errors import CampaignError, Problem
+from pmmkit.base import CampaignError, Problem
 from pmmkit.numerics import ABSURD, Array
 from pmmkit.readers.base import LISTED, Cell, Cells, Choose, Columns, Request, fault
 
@@ -28,18 +28,8 @@ _SHOWN: Final = 20
 class Vector:
     """A series of numbers or of texts in a container.
 
-    Parameters
-    ----------
-    name : str
-        Its name, with its unit in square brackets where the file states one.
-    length : int
-        Number of values.
-    read : callable
-        Gives the numbers.
-    texts : callable or None
-        Gives the texts, for a series of texts.
-    notes : tuple of str
-        What was done to the numbers.
+    `name`: its name, with its unit in square brackets where the file states one. `texts`: gives
+    the texts, for a series of texts. `notes`: what was done to the numbers.
     """
 
     name: str
@@ -70,24 +60,7 @@ def matrix_columns(
     names: Sequence[str] | None = None,
     unit: str | None = None,
 ) -> list[Vector]:
-    """A matrix as columns ``name(1)``, ``name(2)`` …, or under names of their own.
-
-    Parameters
-    ----------
-    name : str
-        Name of the matrix.
-    shape : tuple of int
-        Rows and columns.
-    read : callable
-        Gives the matrix; called once however many columns are used.
-    lengths : frozenset of int
-        Lengths of the vectors beside it: samples run along the side that has one of them, else
-        along the longer side.
-    names : sequence of str, optional
-        Names of the columns.
-    unit : str, optional
-        Unit of all of them.
-    """
+    """A matrix as columns ``name(1)``, ``name(2)`` …, or under names of their own."""
     known = [side in lengths for side in shape]
     axis = known.index(True) if known.count(True) == 1 else int(shape[1] > shape[0])
     whole = functools.cache(read)
@@ -129,13 +102,7 @@ def headers_of(vectors: Sequence[Vector]) -> tuple[str, ...]:
 def numbers_only(
     vectors: Sequence[Vector], left_out: Sequence[str], request: Request
 ) -> list[Vector]:
-    """The columns of numbers.
-
-    Raises
-    ------
-    CampaignError
-        If there are none.
-    """
+    """The columns of numbers."""
     found = [vector for vector in vectors if vector.texts is None]
     if not found:
         raise request.error(
@@ -148,25 +115,7 @@ def numbers_only(
 def chosen_columns(
     vectors: Sequence[Vector], left_out: Sequence[str], request: Request, choose: Choose
 ) -> Columns:
-    """The columns that `choose` asks for, every number checked.
-
-    Parameters
-    ----------
-    vectors : sequence of Vector
-        What the container offers.
-    left_out : sequence of str
-        What else it holds, for messages.
-    request : Request
-        The file.
-    choose : callable
-        Given the headers and their number: positions wanted.
-
-    Raises
-    ------
-    CampaignError
-        If what is asked for is not there (then what was left out is listed too), if columns
-        differ in length, or with every value that is missing, infinite or absurdly large.
-    """
+    """The columns that `choose` asks for, every number checked."""
     offered = numbers_only(vectors, left_out, request)
     titles = headers_of(offered)
     try:
@@ -202,14 +151,7 @@ def same_length(lengths: Mapping[str, int], request: Request) -> None:
 def checked(
     values: Sequence[Array], titles: Sequence[str], request: Request
 ) -> tuple[tuple[Array, ...], int]:
-    """Columns of finite numbers, and how many rows were left out for want of a value.
-
-    Raises
-    ------
-    CampaignError
-        With the values that are infinite or absurdly large, and those that are missing unless
-        the campaign file says ``missing = "drop"``; or if nothing is left.
-    """
+    """Columns of finite numbers, and how many rows were left out for want of a value."""
     if not values:
         return (), 0
     drop = request.options.missing == "drop"
@@ -243,13 +185,7 @@ def checked(
 
 
 def small_table(vectors: Sequence[Vector], left_out: Sequence[str], request: Request) -> Cells:
-    """The columns of the main length as rows of cells.
-
-    Raises
-    ------
-    CampaignError
-        If there are no columns of numbers.
-    """
+    """The columns of the main length as rows of cells."""
     length = main_length([vector.length for vector in numbers_only(vectors, left_out, request)])
     used = [vector for vector in vectors if vector.length == length]
     table: list[Sequence[Cell]] = [

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from mmap import mmap
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.errors import PmmkitError
+from pmmkit.base import PmmkitError
 from pmmkit.readers.bounds import Damaged, inflated_size
 
 if TYPE_CHECKING:
@@ -31,13 +31,7 @@ _FAULTS: Final = (zipfile.BadZipFile, zlib.error, ValueError, NotImplementedErro
 
 @contextmanager
 def damage_told(error: Callable[[str], Exception]) -> Iterator[None]:
-    """What is wrong with an archive becomes an error of the caller's.
-
-    Parameters
-    ----------
-    error : callable
-        Makes the error of what was found, in words.
-    """
+    """What is wrong with an archive becomes an error of the caller's."""
     try:
         yield
     except PmmkitError:
@@ -47,18 +41,7 @@ def damage_told(error: Callable[[str], Exception]) -> Iterator[None]:
 
 
 def members_of(data: Packed) -> list[zipfile.ZipInfo]:
-    """The entries of an archive, none of which is a link or encrypted.
-
-    Parameters
-    ----------
-    data : bytes or mmap
-        The archive.
-
-    Raises
-    ------
-    Damaged, BadZipFile
-        If it has more than 10,000 entries, two of one name, links, or encrypted ones; or is none.
-    """
+    """The entries of an archive, none of which is a link or encrypted."""
     stream: Any = io.BytesIO(data) if isinstance(data, bytes) else data
     with zipfile.ZipFile(stream) as archive:
         members = archive.infolist()
@@ -71,20 +54,7 @@ def members_of(data: Packed) -> list[zipfile.ZipInfo]:
 
 
 def check_length(data: Packed, item: zipfile.ZipInfo) -> None:
-    """Refuse an entry that is not as long as it says, counted without keeping it.
-
-    Parameters
-    ----------
-    data : bytes or mmap
-        The archive.
-    item : ZipInfo
-        One of its entries.
-
-    Raises
-    ------
-    Damaged, BadZipFile, zlib.error
-        If it is longer or shorter, cut off, or packed in an unusual way.
-    """
+    """Refuse an entry that is not as long as it says, counted without keeping it."""
     packed = _packed(data, item)
     if item.compress_type == zipfile.ZIP_STORED:
         count = len(packed)
@@ -97,15 +67,7 @@ def check_length(data: Packed, item: zipfile.ZipInfo) -> None:
 
 
 def content_of(data: Packed, item: zipfile.ZipInfo) -> bytes:
-    """The bytes of an entry whose length was checked.
-
-    Parameters
-    ----------
-    data : bytes or mmap
-        The archive.
-    item : ZipInfo
-        One of its entries.
-    """
+    """The bytes of an entry whose length was checked."""
     packed = _packed(data, item)
     stored = item.compress_type == zipfile.ZIP_STORED
     return bytes(packed) if stored else zlib.decompress(packed, -15)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
+from pmmkit.models import DerivativeTable
 from pmmkit.presentation import number
 from pmmkit.reduction.methods.method import Estimate
-from pmmkit.tables import DerivativeTable
 
 if TYPE_CHECKING:
     from pmmkit.reduction.reduce import Reduction
@@ -28,23 +28,10 @@ EXPLAINED: Final = 0.5
 class Difference:
     """A derivative for which a method and the regression differ.
 
-    Parameters
-    ----------
-    method, title : str
-        The method.
-    derivative : str
-        Name.
-    Fn : float
-        Froude number; NaN for all speeds.
-    value, basis : float
-        By the method (zero where it leaves the term out) and by the regression.
-    sigma : float
-        Difference over the larger of the two standard uncertainties.
-    cause : {"structure", "excitation", "noise"}
-        The methods' terms differ; families of tests differ; neither, the methods weigh the same
-        noise otherwise. Empty for one that is not beyond the intervals.
-    why : str
-        What shows it.
+    `Fn`: Froude number; NaN for all speeds. `value, basis`: by the method (zero where it leaves
+    the term out) and by the regression. `sigma`: difference over the larger of the two standard
+    uncertainties. `cause`: the methods' terms differ; families of tests differ; neither, the
+    methods weigh the same noise otherwise. Empty for one that is not beyond the intervals.
     """
 
     method: str

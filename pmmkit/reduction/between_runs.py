@@ -7,12 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pmmkit.campaigns.motion.inertia import rig_of
-from pmmkit.campaigns.motion.nominal import has_nominal
-from pmmkit.campaigns.run import Campaign
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.conventions import Convention
+from pmmkit.campaigns import Campaign, TypeB, has_nominal, rig_of
+from pmmkit.conventions import CHANNEL_UNITS, Convention
 from pmmkit.inference import (
     KINDS,
     RepeatedRuns,
@@ -23,11 +19,11 @@ from pmmkit.inference import (
     per_column,
     repeatability,
 )
+from pmmkit.models import CONFIDENCE
 from pmmkit.numerics import Array, coverage_factor
-from pmmkit.observations.equations import Rows, Sensitivity, sensitivity
-from pmmkit.observations.noise import whiteners
-from pmmkit.reduction.estimate import BIRGE_P, Block, ChannelFit, Width
-from pmmkit.tables.table import CONFIDENCE
+from pmmkit.reduction.estimate import BIRGE_P, ChannelFit, RunBlock, Width
+from pmmkit.reduction.observations.equations import Rows, Sensitivity, sensitivity
+from pmmkit.reduction.observations.noise import whiteners
 
 ONE_DEGREE = TypeB(name="drift", std=float(np.radians(1.0)))
 
@@ -36,14 +32,9 @@ ONE_DEGREE = TypeB(name="drift", std=float(np.radians(1.0)))
 class BetweenRuns:
     """What runs draw for themselves, and how large that is.
 
-    Parameters
-    ----------
-    drift : tuple of Sensitivity
-        How the equations of each run change with a degree of drift.
-    readings : tuple of mapping of channel to array (m,)
-        Harmonics of each run as measured, zero where not known [N, N m].
-    scatter : RunEffects, optional
-        Sizes; estimated from the runs where they are not given.
+    `drift`: how the equations of each run change with a degree of drift. `readings (m,)`:
+    harmonics of each run as measured, zero where not known [N, N m]. `scatter`: sizes;
+    estimated from the runs where they are not given.
     """
 
     drift: tuple[Sensitivity, ...]
@@ -64,15 +55,7 @@ class BetweenRuns:
 
 
 def between_runs(rows: Sequence[Rows], campaign: Campaign, convention: Convention) -> BetweenRuns:
-    """What the runs of a campaign draw for themselves, sizes not known.
-
-    Parameters
-    ----------
-    rows : sequence of Rows
-        What each run says.
-    campaign, convention
-        Ship, rig, and meaning of the derivatives.
-    """
+    """What the runs of a campaign draw for themselves, sizes not known."""
     rig = rig_of(campaign)
     return BetweenRuns(
         drift=tuple(
@@ -99,22 +82,18 @@ def _unmoved(rows: Rows) -> Sensitivity:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Drawn:
+class RunDraws:
     """What the runs of one fit draw, block by block.
 
-    Parameters
-    ----------
-    stated : tuple of array (m_i, q)
-        Columns per standard deviation that the campaign states.
-    own : tuple of array (m_i, 3 + m_i)
-        Offset, gain and degree of drift at size one, zero where one is stated; then a column for
-        each harmonic.
+    `stated (m_i, q)`: columns per standard deviation that the campaign states. `own (m_i, 3 +
+    m_i)`: offset, gain and degree of drift at size one, zero where one is stated; then a column
+    for each harmonic.
     """
 
     stated: tuple[Array, ...]
     own: tuple[Array, ...]
 
-    def private(self, blocks: Sequence[Block], sizes: Array) -> dict[int, Array]:
+    def private(self, blocks: Sequence[RunBlock], sizes: Array) -> dict[int, Array]:
         """Columns of each run as `fit_channel` takes them."""
         return {
             block.run: np.concatenate([stated, own * per_column(sizes, len(own))], axis=1)
@@ -124,32 +103,15 @@ class Drawn:
 
 def drawn(
     channel: str,
-    blocks: Sequence[Block],
+    blocks: Sequence[RunBlock],
     values: Mapping[str, float],
     residual: Sequence[Array],
     rows: Sequence[Rows],
     changes: Sequence[Sequence[Sensitivity]],
     between: BetweenRuns,
     size: float,
-) -> Drawn:
-    """What each run of a fit draws for itself.
-
-    Parameters
-    ----------
-    channel : str
-        X, Y, N or K.
-    blocks : sequence of Block
-        Rows of the fit.
-    values : mapping of str to float
-        Derivatives as far as they are known.
-    residual : sequence of array
-        Rows less fit; a gain acts on the fitted reading, since that of the measured one would
-        favour readings that are too small.
-    rows, changes, between
-        Of the same runs: equations, stated uncertainties, what they draw.
-    size : float
-        The channel's rms force [N, N m].
-    """
+) -> RunDraws:
+    """What each run of a fit draws for itself."""
     stated, own = [], []
     for place, block in enumerate(blocks):
         private = [change for change in changes[block.run] if not change.source.shared]
@@ -168,7 +130,7 @@ def drawn(
         }
         left = [np.zeros(count) if name in known else columns[name] for name in KINDS[:-1]]
         own.append(np.column_stack([*left, size * np.diag(~mean)]))
-    return Drawn(stated=tuple(stated), own=tuple(own))
+    return RunDraws(stated=tuple(stated), own=tuple(own))
 
 
 def _drawn_by(source: TypeB, channel: str) -> str | None:
@@ -178,7 +140,7 @@ def _drawn_by(source: TypeB, channel: str) -> str | None:
     return "drift" if source.name == "drift" else None
 
 
-def size_of(blocks: Sequence[Block], channel: str, between: BetweenRuns) -> float:
+def size_of(blocks: Sequence[RunBlock], channel: str, between: BetweenRuns) -> float:
     """Root mean square of the readings of a channel over runs, harmonics together [N, N m]."""
     squares = [
         float(np.sum(between.readings[block.run][channel][block.keep] ** 2)) for block in blocks
@@ -186,7 +148,7 @@ def size_of(blocks: Sequence[Block], channel: str, between: BetweenRuns) -> floa
     return float(np.sqrt(np.mean(squares))) or 1.0
 
 
-def likelihood_of(item: ChannelFit, drawn: Drawn) -> Restricted:
+def likelihood_of(item: ChannelFit, drawn: RunDraws) -> Restricted:
     """The restricted likelihood of what the runs of a fit draw."""
     white = whiteners(_record_noise(item, drawn))
     groups = [
@@ -199,7 +161,7 @@ def likelihood_of(item: ChannelFit, drawn: Drawn) -> Restricted:
     return Restricted.of(groups, len(item.chosen))
 
 
-def repeats_of(item: ChannelFit, drawn: Drawn) -> Restricted | None:
+def repeats_of(item: ChannelFit, drawn: RunDraws) -> Restricted | None:
     """The likelihood of what repeated runs alone say of it; None where no run was repeated."""
     covariances = _record_noise(item, drawn)
     return repeatability(
@@ -214,7 +176,7 @@ def repeats_of(item: ChannelFit, drawn: Drawn) -> Restricted | None:
     )
 
 
-def _conditions(blocks: Sequence[Block]) -> list[list[int]]:
+def _conditions(blocks: Sequence[RunBlock]) -> list[list[int]]:
     """Places of the blocks of runs that repeat each other, and have as many rows."""
     found: dict[tuple[str, int], list[int]] = {}
     for place, block in enumerate(blocks):
@@ -222,7 +184,7 @@ def _conditions(blocks: Sequence[Block]) -> list[list[int]]:
     return list(found.values())
 
 
-def _record_noise(item: ChannelFit, drawn: Drawn) -> list[Array]:
+def _record_noise(item: ChannelFit, drawn: RunDraws) -> list[Array]:
     """Covariance of each block by its noise and what is stated of it."""
     return [
         noise + stated @ stated.T
@@ -236,7 +198,7 @@ def _columns(item: ChannelFit, place: int) -> Array:
     return np.column_stack([block.design[:, item.chosen], item.residual[place]])
 
 
-def _equal_rows(blocks: Sequence[Block]) -> list[list[int]]:
+def _equal_rows(blocks: Sequence[RunBlock]) -> list[list[int]]:
     """Places of blocks of as many rows together."""
     found: dict[int, list[int]] = {}
     for place, block in enumerate(blocks):
@@ -245,20 +207,9 @@ def _equal_rows(blocks: Sequence[Block]) -> list[list[int]]:
 
 
 def widened(
-    item: ChannelFit, drawn: Drawn, scatter: RunEffects, likelihood: Restricted
+    item: ChannelFit, drawn: RunDraws, scatter: RunEffects, likelihood: Restricted
 ) -> ChannelFit:
     """A fit with the intervals of the mixture over all sizes of the scatter.
-
-    Parameters
-    ----------
-    item : ChannelFit
-        Fitted at the mean sizes.
-    drawn : Drawn
-        What its runs draw.
-    scatter : RunEffects
-        Sizes with their weights.
-    likelihood : Restricted
-        Of `likelihood_of` the fit.
 
     Notes
     -----
@@ -294,15 +245,6 @@ def judged(
     item: ChannelFit, scatter: RunEffects, expected: RunEffects, likelihood: Restricted
 ) -> ChannelFit:
     """A fit with how far its misfit is beyond what repeats, or a usual laboratory, allow.
-
-    Parameters
-    ----------
-    item : ChannelFit
-        Fitted.
-    scatter, expected : RunEffects
-        Sizes by all that the fit leaves, and by repeated runs alone.
-    likelihood : Restricted
-        Of `likelihood_of` the fit.
 
     Notes
     -----

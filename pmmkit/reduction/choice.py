@@ -9,27 +9,21 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.conventions import CHANNELS, parse_derivative
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
+from pmmkit.conventions import CHANNELS, Structure, parse_derivative, structures
 from pmmkit.presentation import counted, listed
-from pmmkit.reduction.derivatives import Columns
+from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.solve import Solution
-from pmmkit.structures import Structure, structures
 
 AUTO: Final = "auto"
 """The word for it."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choice:
+class StructureChoice:
     """A structure and why it was taken.
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure.
-    because : str
-        What speaks for it and against larger ones, in words.
+    `because`: what speaks for it and against larger ones, in words.
     """
 
     structure: Structure
@@ -60,29 +54,10 @@ def all_terms() -> Structure:
 
 def largest_determined(
     measured: Collection[str],
-    columns: Callable[[Structure], Columns],
-    fit: Callable[[Columns], Solution],
-) -> Choice:
+    columns: Callable[[Structure], DerivativeNames],
+    fit: Callable[[DerivativeNames], Solution],
+) -> StructureChoice:
     """The largest structure of which the runs determine every term.
-
-    Parameters
-    ----------
-    measured : collection of str
-        Channels of the campaign.
-    columns : callable
-        The derivatives of a structure.
-    fit : callable
-        Fits them.
-
-    Returns
-    -------
-    Choice
-        Of structures of one size the one that leaves least of the forces.
-
-    Raises
-    ------
-    CampaignError
-        If the runs do not even determine the smallest.
 
     Notes
     -----
@@ -110,10 +85,10 @@ def largest_determined(
             f"These runs do not determine the structure {smallest}: nothing shows "
             f"{listed(names)}. Name the derivatives that you want."
         )
-    return Choice(structure=best[1], because=_because(best[1], lacking))
+    return StructureChoice(structure=best[1], because=_because(best[1], lacking))
 
 
-def _judged(columns: Columns) -> set[str]:
+def _judged(columns: DerivativeNames) -> set[str]:
     """The terms that decide: of all channels but X, where there are others; see the notes above."""
     sideways = {
         name

@@ -10,15 +10,12 @@ from typing import Any, Final
 import numpy as np
 from scipy.optimize import least_squares
 
-from pmmkit.campaigns.depths import by_depth
-from pmmkit.campaigns.run import Campaign
-from pmmkit.effects.shallow_water import SHALLOWEST
-from pmmkit.models.by_depth import NEARLY, grown
+from pmmkit.campaigns import Campaign, by_depth
+from pmmkit.effects import SHALLOWEST
+from pmmkit.models import CONFIDENCE, NEARLY, DerivativeTable, TablesByDepth, grown, in_step
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import WIDE, plus_minus
 from pmmkit.reduction.reduce import Reduction, reduce_campaign
-from pmmkit.tables.by_depth import TablesByDepth, in_step
-from pmmkit.tables.table import CONFIDENCE, DerivativeTable
 
 TOLD: Final = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
 """Derivatives of whose growth people speak; the others are in the tables."""
@@ -68,16 +65,10 @@ class Growth:
 class Felt:
     """How much of the effect `shallow_water` the growth between two depths shows.
 
-    Parameters
-    ----------
-    ratio, deepest : float
-        Depths of the water over the draught.
-    share, half : float
-        Share of what the formulas add (0 none, 1 as they say), and half of its 95 % interval, wider
-        where the derivatives do not agree on it.
-    left, without : float
-        Root mean square of what the growth departs from the formulas with that share, and from
-        none at all, in standard uncertainties.
+    `ratio, deepest`: depths of the water over the draught. `share, half`: share of what the
+    formulas add (0 none, 1 as they say), and half of its 95 % interval, wider where the
+    derivatives do not agree on it. `left, without`: root mean square of what the growth departs
+    from the formulas with that share, and from none at all, in standard uncertainties.
     """
 
     ratio: float
@@ -97,20 +88,7 @@ class Felt:
 
 
 def reduce_depths(campaign: Campaign, **settings: Any) -> tuple[Reduction, ...]:
-    """A reduction at each depth of the water, the deepest first.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Captive tests, whose runs may state their `depth`.
-    **settings
-        As for `reduce_campaign`.
-
-    Raises
-    ------
-    CampaignError, ContradictionError
-        As `reduce_campaign`.
-    """
+    """A reduction at each depth of the water, the deepest first."""
     return tuple(reduce_campaign(part, **settings) for part in by_depth(campaign))
 
 

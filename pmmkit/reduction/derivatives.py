@@ -5,20 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from pmmkit.campaigns.run import Run
-from pmmkit.conventions import CHANNELS, bare, parse_derivative
-from pmmkit.structures import Structure
+from pmmkit.campaigns import Run
+from pmmkit.conventions import CHANNELS, Structure, bare, parse_derivative
 
 
 @dataclass(frozen=True, kw_only=True)
-class Columns:
-    """Names by channel: those asked for, and those taken where they spoil nothing.
-
-    Parameters
-    ----------
-    required, optional : mapping of channel to names
-        The derivatives.
-    """
+class DerivativeNames:
+    """Names by channel: those asked for, and those taken where they spoil nothing."""
 
     required: Mapping[str, tuple[str, ...]]
     optional: Mapping[str, tuple[str, ...]]
@@ -30,14 +23,14 @@ class Columns:
             channel: (*self.required[channel], *self.optional[channel]) for channel in self.required
         }
 
-    def only(self, factors: Iterable[str], *, optional: bool = True) -> Columns:
+    def only(self, factors: Iterable[str], *, optional: bool = True) -> DerivativeNames:
         """The columns whose factors are all among those given (constants always are)."""
         allowed = {"0", *factors}
 
         def inside(name: str) -> bool:
             return {bare(factor) for factor in parse_derivative(name).factors} <= allowed
 
-        return Columns(
+        return DerivativeNames(
             required={c: tuple(filter(inside, names)) for c, names in self.required.items()},
             optional={
                 c: tuple(filter(inside, names)) if optional else ()
@@ -46,7 +39,9 @@ class Columns:
         )
 
 
-def columns_of(structure: Structure, runs: Iterable[Run], channels: Iterable[str]) -> Columns:
+def columns_of(
+    structure: Structure, runs: Iterable[Run], channels: Iterable[str]
+) -> DerivativeNames:
     """The derivatives of a structure with what rudder, heel and propeller runs add.
 
     Parameters
@@ -60,7 +55,7 @@ def columns_of(structure: Structure, runs: Iterable[Run], channels: Iterable[str
 
     Returns
     -------
-    Columns
+    DerivativeNames
         Optional ones: the zero offset of Y, N and K, the thrust term of X, and the higher δ and φ
         terms.
     """
@@ -86,7 +81,7 @@ def columns_of(structure: Structure, runs: Iterable[Run], channels: Iterable[str
         _add(optional, {"X": "phiphi"})
         if any(run.settings.drift for run in heeled):
             _add(optional, {"Y": "vvphi vphiphi", "N": "vvphi vphiphi"})
-    return Columns(
+    return DerivativeNames(
         required={channel: tuple(dict.fromkeys(names)) for channel, names in required.items()},
         optional={
             channel: tuple(name for name in names if name not in required[channel])

@@ -10,14 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns.repeats import repeats
-from pmmkit.campaigns.settings import Settings
-from pmmkit.errors import CampaignError, Problem
+from pmmkit.base import CampaignError, Problem
+from pmmkit.campaigns import Settings, repeats
 from pmmkit.inference import LeastSquares, least_squares, optional_columns
 from pmmkit.numerics import Array
-from pmmkit.observations.equations import Rows
-from pmmkit.observations.noise import FLOOR, KIN, Noise, moderated, whiteners
 from pmmkit.presentation import at_froude
+from pmmkit.reduction.observations.equations import Rows
+from pmmkit.reduction.observations.noise import FLOOR, KIN, Noise, moderated, whiteners
 
 ROUNDS = 6
 """Times that values and the noise of runs that state none are found in turns."""
@@ -46,7 +45,7 @@ def solvable(channel: str, Fn: float) -> Iterator[None]:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Block:
+class RunBlock:
     """The usable rows of one run in one channel.
 
     Runs of one kin, the same speed and frequency within a tenth, have like noise a second; the
@@ -69,15 +68,9 @@ class Block:
 class Width:
     """What scatter between runs adds to the uncertainty of a fit of p coefficients.
 
-    Parameters
-    ----------
-    columns : tuple of array (m_i, 3 + m_i)
-        What each block draws for itself, per standard deviation: offset, gain, drift setting, each
-        harmonic.
-    factor : array (p,)
-        By which the standard uncertainties grow, since the sizes are not known exactly.
-    dof : array (p,)
-        Degrees of freedom that stand for that.
+    `columns (m_i, 3 + m_i)`: what each block draws for itself, per standard deviation: offset,
+    gain, drift setting, each harmonic. `factor (p,)`: by which the standard uncertainties grow,
+    since the sizes are not known exactly. `dof (p,)`: degrees of freedom that stand for that.
     """
 
     columns: tuple[Array, ...]
@@ -89,43 +82,24 @@ class Width:
 class ChannelFit:
     """One channel at one Froude number.
 
-    Parameters
-    ----------
-    channel : str
-        The channel.
-    fit : LeastSquares
-        Coefficients; the gain acts on whitened rows.
-    plain : LeastSquares
-        The same by the noise of the records alone: how far the tests part the coefficients, which
-        an error that all rows of a run share says nothing about.
-    chosen : tuple of int
-        Columns of the blocks' designs that were fitted.
-    blocks : tuple of Block
-        The rows that were fitted.
-    whiteners : tuple of array
-        What whitens each block's rows.
-    noise : Noise
-        Covariance of each block's rows by its record [N², (N m)²], and how well it is known.
-    private : tuple of array (m_i, q) or None
-        Errors that each block's run drew on its own, as columns per standard deviation: the
-        scatter between runs, for whatever else is estimated from the same runs.
-    residual : tuple of array
-        Rows minus fit, block by block [N, N m].
-    chi_square : float
-        Squared residuals over noise and scatter between runs; NaN before it was judged.
-    scale : float
-        The same a degree of freedom, by the scatter that repeats show or a usual laboratory has.
-    excessive : bool
-        Whether that is larger than chance allows.
-    width : Width
-        What scatter between runs adds.
+    `fit`: coefficients; the gain acts on whitened rows. `plain`: the same by the noise of the
+    records alone: how far the tests part the coefficients, which an error that all rows of a
+    run share says nothing about. `chosen`: columns of the blocks' designs that were fitted.
+    `blocks`: the rows that were fitted. `whiteners`: what whitens each block's rows. `noise`:
+    covariance of each block's rows by its record [N², (N m)²], and how well it is known.
+    `private (m_i, q)`: errors that each block's run drew on its own, as columns per standard
+    deviation: the scatter between runs, for whatever else is estimated from the same runs.
+    `residual`: rows minus fit, block by block [N, N m]. `chi_square`: squared residuals over
+    noise and scatter between runs; NaN before it was judged. `scale`: the same a degree of
+    freedom, by the scatter that repeats show or a usual laboratory has. `excessive`: whether
+    that is larger than chance allows. `width`: what scatter between runs adds.
     """
 
     channel: str
     fit: LeastSquares
     plain: LeastSquares
     chosen: tuple[int, ...]
-    blocks: tuple[Block, ...]
+    blocks: tuple[RunBlock, ...]
     whiteners: tuple[Array, ...]
     noise: Noise
     private: tuple[Array | None, ...]
@@ -188,22 +162,8 @@ def blocks_of(
     names: Sequence[str],
     held: Mapping[str, float],
     origins: Sequence[str],
-) -> list[Block]:
-    """The usable rows of a channel, run by run.
-
-    Parameters
-    ----------
-    rows : sequence of Rows
-        What each run says.
-    channel : str
-        The channel.
-    names : sequence of str
-        The columns wanted.
-    held : mapping of str to float
-        Derivatives held at known values, taken off the rows.
-    origins : sequence of str
-        Of `origins_of` the runs.
-    """
+) -> list[RunBlock]:
+    """The usable rows of a channel, run by run."""
     blocks = []
     for place, item in enumerate(rows):
         run = item.result.run
@@ -220,7 +180,7 @@ def blocks_of(
             continue
         covariance = item.result.covariance.get(channel)
         blocks.append(
-            Block(
+            RunBlock(
                 run=place,
                 dynamic=run.dynamic,
                 kin=_kin(run.settings),
@@ -247,7 +207,7 @@ def _kin(settings: Settings) -> tuple[int, int]:
 
 def fit_channel(
     channel: str,
-    blocks: Sequence[Block],
+    blocks: Sequence[RunBlock],
     names: Sequence[str],
     required: int,
     private: Mapping[int, Array],
@@ -256,21 +216,7 @@ def fit_channel(
 ) -> ChannelFit:
     """Fit the derivatives of one channel to the rows of one Froude number.
 
-    Parameters
-    ----------
-    channel : str
-        X, Y, N or K.
-    blocks : sequence of Block
-        Rows, a block a run.
-    names : sequence of str
-        Columns of the blocks' designs: the required ones first, then those that are taken only
-        if they do not spoil the others.
-    required : int
-        How many are required.
-    private : mapping of run to array (m_i, q)
-        Errors that each run draws on its own, as columns per standard deviation.
-    stated : Noise, optional
-        Of `stated_noise`, where it is there already.
+    private (m_i, q).
     """
     scatter = [
         private[block.run] if block.run in private and block.covariance is not None else None
@@ -317,14 +263,8 @@ def _freedom(found: LeastSquares, rows: int) -> int:
     return max(rows - int(np.sum(np.any(found.gain != 0, axis=1))), 0)
 
 
-def stated_noise(blocks: Sequence[Block]) -> Noise:
-    """Moderated noise of the runs that state one; equal noise for the rest.
-
-    Parameters
-    ----------
-    blocks : sequence of Block
-        Rows, a block a run.
-    """
+def stated_noise(blocks: Sequence[RunBlock]) -> Noise:
+    """Moderated noise of the runs that state one; equal noise for the rest."""
     rows = np.concatenate([block.rows for block in blocks])
     size = float(np.sqrt(np.mean(rows**2))) or 1.0
     covariances: list[Array] = [np.eye(len(block.rows)) * size**2 for block in blocks]
@@ -350,7 +290,7 @@ def stated_noise(blocks: Sequence[Block]) -> Noise:
     return Noise(covariances=tuple(_believed(covariances, blocks)), doubt=doubt)
 
 
-def _alike(blocks: Sequence[Block]) -> list[tuple[list[int], bool]]:
+def _alike(blocks: Sequence[RunBlock]) -> list[tuple[list[int], bool]]:
     """Places of runs with like noise, of those that state one, and whether they are of one kin.
 
     Static or oscillating runs without enough kin are held to be alike in their noise a second.
@@ -369,7 +309,7 @@ def _alike(blocks: Sequence[Block]) -> list[tuple[list[int], bool]]:
     ]
 
 
-def _believed(noise: Sequence[Array], blocks: Sequence[Block]) -> list[Array]:
+def _believed(noise: Sequence[Array], blocks: Sequence[RunBlock]) -> list[Array]:
     """Noise of a run far quieter than the others of its gauge, such as a dead one, drawn up."""
     stated = [place for place, block in enumerate(blocks) if block.covariance is not None]
     levels = {place: float(np.trace(noise[place])) / len(noise[place]) for place in stated}
@@ -391,7 +331,7 @@ def _whiteners(noise: Noise, scatter: Sequence[Array | None]) -> list[Array]:
     )
 
 
-def _white(blocks: Sequence[Block], whiteners: Sequence[Array]) -> tuple[Array, Array]:
+def _white(blocks: Sequence[RunBlock], whiteners: Sequence[Array]) -> tuple[Array, Array]:
     pairs = list(zip(whiteners, blocks, strict=True))
     design = np.concatenate([white @ block.design for white, block in pairs])
     rows = np.concatenate([white @ block.rows for white, block in pairs])
@@ -399,7 +339,7 @@ def _white(blocks: Sequence[Block], whiteners: Sequence[Array]) -> tuple[Array, 
 
 
 def _noise_from_residuals(
-    blocks: Sequence[Block],
+    blocks: Sequence[RunBlock],
     noise: Noise,
     whiteners: Sequence[Array],
     found: LeastSquares,

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pmmkit.inference import of_others_by_hat
+from pmmkit.models import CONFIDENCE
 from pmmkit.numerics import Array, coverage_factor
-from pmmkit.observations.equations import Rows
 from pmmkit.presentation import at_froude
 from pmmkit.reduction.estimate import ChannelFit, solvable
+from pmmkit.reduction.observations.equations import Rows
 from pmmkit.reduction.solve import Solution
-from pmmkit.tables.table import CONFIDENCE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,24 +25,12 @@ if TYPE_CHECKING:
 class Influence:
     """One run in one channel.
 
-    Parameters
-    ----------
-    run, channel : str
-        Which.
-    Fn : float
-        Froude number of the fit; NaN for one over all speeds.
-    names : tuple of str
-        The derivatives of the channel.
-    shift : array (p,)
-        Their change by the run: with it less without it; NaN where the others do not determine
-        a derivative.
-    share : array (p,)
-        The same over half of the 95 % interval.
-    departure : float
-        Root mean square of what the others predict of it less what it measured, over what noise
-        and scatter between runs allow (externally studentised).
-    chance : float
-        Probability of so much, for one run.
+    `Fn`: Froude number of the fit; NaN for one over all speeds. `names`: the derivatives of the
+    channel. `shift (p,)`: their change by the run: with it less without it; NaN where the
+    others do not determine a derivative. `share (p,)`: the same over half of the 95 % interval.
+    `departure`: root mean square of what the others predict of it less what it measured, over
+    what noise and scatter between runs allow (externally studentised). `chance`: probability of
+    so much, for one run.
     """
 
     run: str
@@ -66,12 +54,8 @@ class Influence:
 class Influences:
     """What each run does to each derivative.
 
-    Parameters
-    ----------
-    items : tuple of Influence
-        A run in a channel each, in the order of the campaign.
-    odd : tuple of Influence
-        Those at odds with the other runs beyond chance.
+    `items`: a run in a channel each, in the order of the campaign. `odd`: those at odds with
+    the other runs beyond chance.
     """
 
     items: tuple[Influence, ...]
@@ -114,7 +98,7 @@ class Influences:
 
     def plot(self) -> Figure:
         """Runs against derivatives, coloured by how far each run moves each."""
-        from pmmkit.plotting.derivatives import influence_map
+        from pmmkit.plotting import influence_map
 
         runs = list(dict.fromkeys(item.run for item in self.items))
         names = list(dict.fromkeys(name for item in self.items for name in item.names))
@@ -132,13 +116,6 @@ class Influences:
 
 def influences(solution: Solution, rows: Sequence[Rows]) -> tuple[Influence, ...]:
     """What each run does to the derivatives that were fitted, by the scatter of all runs.
-
-    Parameters
-    ----------
-    solution : Solution
-        The fits.
-    rows : sequence of Rows
-        What was fitted.
 
     Notes
     -----

@@ -8,25 +8,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmmkit.campaigns.uncertainty import TypeB
+from pmmkit.campaigns import TypeB
 from pmmkit.inference import KINDS, Propagated
 from pmmkit.numerics import Array
-from pmmkit.observations.equations import Sensitivity
 from pmmkit.reduction.estimate import ChannelFit
+from pmmkit.reduction.observations.equations import Sensitivity
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Push:
     """What one error of one standard deviation does to all derivatives.
 
-    Parameters
-    ----------
-    source : TypeB or str
-        A stated uncertainty, or one of `KINDS`: what each run draws for itself.
-    run : int, optional
-        Place of the run that draws it; None for an error of all runs.
-    column : array (P,)
-        Change of the derivatives.
+    `source`: a stated uncertainty, or one of `KINDS`: what each run draws for itself. `run`:
+    place of the run that draws it; None for an error of all runs. `column (P,)`: change of the
+    derivatives.
     """
 
     source: TypeB | str
@@ -43,21 +38,10 @@ class Push:
 class Joint:
     """All channels and Froude numbers together.
 
-    Parameters
-    ----------
-    labels : tuple of (int, str)
-        Froude group and coefficient of each entry.
-    value : array (P,)
-        Values.
-    covariance : array (P, P)
-        Type A and type B together.
-    type_a : array (P, P)
-        Type A alone.
-    pushes : tuple of Push
-        What makes the rest of the covariance: pushes of one common cause add up, others are
-        independent.
-    dof : array (P,)
-        Effective degrees of freedom (Welch and Satterthwaite).
+    `labels`: Froude group and coefficient of each entry. `covariance (P, P)`: type A and type B
+    together. `pushes`: what makes the rest of the covariance: pushes of one common cause add
+    up, others are independent. `dof (P,)`: effective degrees of freedom (Welch and
+    Satterthwaite).
     """
 
     labels: tuple[tuple[int, str], ...]
@@ -74,19 +58,7 @@ def join(
     run_of: Mapping[int, Sequence[int]],
     known: Mapping[int, Mapping[str, float]],
 ) -> Joint:
-    """Put the fits of all channels and Froude numbers together with their shared errors.
-
-    Parameters
-    ----------
-    fits : sequence of (group, ChannelFit)
-        The fits.
-    sensitivities : sequence (run) of sequence (source)
-        How each run's equations change with each source of uncertainty.
-    run_of : mapping of group to runs
-        Place in `sensitivities` of each run of a group.
-    known : mapping of group to values
-        Derivatives that were held.
-    """
+    """Put the fits of all channels and Froude numbers together with their shared errors."""
     labels: list[tuple[int, str]] = []
     starts = []
     for group, item in fits:

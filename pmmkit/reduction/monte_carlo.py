@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.numerics import Array
-from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.reduction.observations.equations import Rows, Sensitivity
 from pmmkit.reduction.solve import Solution, solve, to_table
 
 if TYPE_CHECKING:
@@ -22,20 +22,6 @@ def monte_carlo(reduction: Reduction, *, n: int = 500, seed: int = 0) -> Array:
 
     An independent check of the covariance: the regressors are perturbed and the least squares are
     solved anew, where the covariance follows first-order derivatives.
-
-    Parameters
-    ----------
-    reduction : Reduction
-        What was reduced.
-    n : int
-        Number of draws.
-    seed : int
-        Seed of the random numbers; the same seed gives the same draws.
-
-    Returns
-    -------
-    array (n, k, p)
-        Derivatives in the order of the table of the regression, NaN where not determined.
     """
     groups = [
         (float(froude), members)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pmmkit.conventions import bare, parse_derivative
-from pmmkit.observations.equations import Rows
 from pmmkit.presentation import at_froude, counted, listed
 from pmmkit.reduction.estimate import ChannelFit
+from pmmkit.reduction.observations.equations import Rows
 from pmmkit.reduction.solve import Solution
 
 TOGETHER = 0.95
@@ -24,16 +24,9 @@ INFLATED = 30.0
 class Offset:
     """Force at zero drift, yaw rate and rudder.
 
-    Parameters
-    ----------
-    Fn : float
-        Froude number; NaN for all speeds.
-    channel : str
-        Y, N or K.
-    value, std : float
-        Non-dimensional offset and its standard uncertainty.
-    drift_deg : float or None
-        Drift angle that would give the same force [deg]; None where no slope is known.
+    `Fn`: Froude number; NaN for all speeds. `channel`: Y, N or K. `value, std`: non-dimensional
+    offset and its standard uncertainty. `drift_deg`: drift angle that would give the same force
+    [deg]; None where no slope is known.
     """
 
     Fn: float

@@ -9,14 +9,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.checks import CheckFinding
 from pmmkit.inference import per_column
+from pmmkit.intake import CheckFinding
 from pmmkit.numerics import Array
-from pmmkit.observations.equations import Rows, Sensitivity
-from pmmkit.reduction.between_runs import BetweenRuns, Drawn, drawn, size_of
-from pmmkit.reduction.derivatives import Columns
+from pmmkit.reduction.between_runs import BetweenRuns, RunDraws, drawn, size_of
+from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.influence import Influence, influences
+from pmmkit.reduction.observations.equations import Rows, Sensitivity
 from pmmkit.reduction.solve import Solution, solve
 
 SUSPICIOUS: Final = 0.01
@@ -44,18 +44,9 @@ def runs_at_odds(
     solution: Solution,
     rows: Sequence[Rows],
     sensitivities: Sequence[Sequence[Sensitivity]],
-    columns: Columns,
+    columns: DerivativeNames,
 ) -> tuple[Influence, ...]:
     """Which runs depart from the others beyond chance, in which channel, and how far.
-
-    Parameters
-    ----------
-    found : sequence of Influence
-        What each run does, by the scatter of all.
-    solution : Solution
-        The fits.
-    rows, sensitivities, columns
-        What was fitted, as for `solve`.
 
     Notes
     -----
@@ -114,7 +105,7 @@ def _by_the_others(
     solution: Solution,
     rows: Sequence[Rows],
     sensitivities: Sequence[Sequence[Sensitivity]],
-    columns: Columns,
+    columns: DerivativeNames,
 ) -> dict[str, _Judgement]:
     """A run in each channel, judged by values and scatter of the runs that are not aside."""
     group, members = next(
@@ -181,14 +172,7 @@ def _block_of(run: str, members: Sequence[Rows], item: ChannelFit) -> int | None
 class _Prediction:
     """Coefficients of a fit as other runs have them.
 
-    Parameters
-    ----------
-    value : array (p,)
-        Values; zero where they do not have one.
-    there : array of bool (p,)
-        Which they have.
-    covariance : array (q, q)
-        Of those.
+    `value (p,)`: values; zero where they do not have one.
     """
 
     value: Array
@@ -211,7 +195,7 @@ def _predicted(others: Solution, names: Sequence[str]) -> _Prediction | None:
 
 
 def _allowed(
-    item: ChannelFit, number: int, prediction: _Prediction, draw: Drawn, nodes: Array
+    item: ChannelFit, number: int, prediction: _Prediction, draw: RunDraws, nodes: Array
 ) -> Array:
     """Covariance of a run's departure from what others predict at each size of the scatter,
     array (g, m, m): noise, doubt of the prediction, stated uncertainties, and its own draw."""
@@ -253,15 +237,7 @@ def _judgement(rest: Array, allowed: Array, weight: Array, freedom: float) -> _J
 
 
 def at_odds(odd: Sequence[Influence], *, weighed: bool = False) -> tuple[CheckFinding, ...]:
-    """Runs at odds with the others, as the checks say it.
-
-    Parameters
-    ----------
-    odd : sequence of Influence
-        Runs and channels that are at odds.
-    weighed : bool
-        Whether they were given less weight.
-    """
+    """Runs at odds with the others, as the checks say it."""
     done = "It counts with less weight." if weighed else "It counts with its full weight."
     return tuple(
         CheckFinding(
@@ -286,17 +262,7 @@ def at_odds(odd: Sequence[Influence], *, weighed: bool = False) -> tuple[CheckFi
 def weighed_down(
     rows: Sequence[Rows], solution: Solution, odd: Sequence[Influence]
 ) -> tuple[Rows, ...]:
-    """The rows with less weight for runs at odds: the variance that explains their departure.
-
-    Parameters
-    ----------
-    rows : sequence of Rows
-        The equations of the runs.
-    solution : Solution
-        Of all runs at full weight.
-    odd : sequence of Influence
-        Runs and channels that are at odds.
-    """
+    """The rows with less weight for runs at odds: the variance that explains their departure."""
     departures = {(one.run, one.channel): one.departure for one in odd}
     found = list(rows)
     for group, item in solution.fits:

@@ -10,21 +10,24 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns.open_water import open_water
-from pmmkit.effects.hull import in_channel, regressors
-from pmmkit.effects.primitives import over_arrays
-from pmmkit.effects.rudder import force as rudder_force
-from pmmkit.effects.rudder import normal_force, rudder_flow
-from pmmkit.effects.state import State
-from pmmkit.errors import MissingPartError
-from pmmkit.models import Part
-from pmmkit.models.particulars import straight_polynomial
+from pmmkit.base import MissingPartError
+from pmmkit.campaigns import open_water
+from pmmkit.effects import (
+    State,
+    in_channel,
+    normal_force,
+    over_arrays,
+    regressors,
+    rudder_flow,
+    rudder_force,
+)
+from pmmkit.models import Part, straight_polynomial
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, with_uncertainty
 
 if TYPE_CHECKING:
+    from pmmkit.models import DerivativeTable
     from pmmkit.reduction.reduce import Reduction
-    from pmmkit.tables import DerivativeTable
 
 FADES: Final = 2.0
 """C1 of the wake where the drift tests do not determine how fast it fades."""
@@ -355,8 +358,7 @@ def rudder_amidships(
     parts: Parts, state: State, L: float, rho: float, revolutions: float
 ) -> dict[str, Array]:
     """X, Y [N] and N [N m] of the rudder at zero angle behind its propeller, over histories."""
-    from pmmkit.effects.catalogue import catalogue
-    from pmmkit.effects.propeller import force as propeller_force
+    from pmmkit.effects import catalogue, propeller_force
 
     screw, blade = catalogue()["propeller"], catalogue()["rudder_mmg"]
     motion: dict[str, Any] = {

@@ -7,22 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmmkit.campaigns.open_water import open_water
-from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns import Campaign, Run, open_water
 from pmmkit.numerics import Array
-from pmmkit.observations.prepare import RunResult
+from pmmkit.reduction.observations.prepare import RunResult
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Resistance:
     """Resistance straight ahead without propeller.
 
-    Parameters
-    ----------
-    speed, force : array (n,)
-        Speed [m/s] and resistance [N], ascending speed.
-    coefficients : array (3,)
-        Of R = c1 U + c2 U² + c3 U³ fitted to them; fewer points leave the last ones zero.
+    `speed, force`: speed [m/s] and resistance [N], ascending speed. `coefficients (3,)`: of R =
+    c1 U + c2 U² + c3 U³ fitted to them; fewer points leave the last ones zero.
     """
 
     speed: Array
@@ -40,14 +35,9 @@ class Resistance:
 class Propulsion:
     """Self-propulsion factors from straight runs with the propeller turning.
 
-    Parameters
-    ----------
-    thrust_deduction, std : float
-        t in X = (1 - t) T - R, and its standard uncertainty from the scatter.
-    wake : mapping of float to float
-        Effective wake fraction by speed [m/s], thrust identity; empty without open-water curve.
-    runs : tuple of str
-        The runs it rests on.
+    `thrust_deduction, std`: t in X = (1 - t) T - R, and its standard uncertainty from the
+    scatter. `wake`: effective wake fraction by speed [m/s], thrust identity; empty without
+    open-water curve. `runs`: the runs it rests on.
     """
 
     thrust_deduction: float
@@ -57,18 +47,7 @@ class Propulsion:
 
 
 def resistance(results: Iterable[RunResult]) -> Resistance | None:
-    """Resistance curve from resistance tests (and straight tows without propeller).
-
-    Parameters
-    ----------
-    results : iterable of RunResult
-        All runs.
-
-    Returns
-    -------
-    Resistance or None
-        None where no resistance test is among them.
-    """
+    """Resistance curve from resistance tests (and straight tows without propeller)."""
     points = sorted(
         (item.run.settings.speed, -float(item.measured["X"][0]))
         for item in results
@@ -87,22 +66,7 @@ def resistance(results: Iterable[RunResult]) -> Resistance | None:
 def propulsion(
     results: Iterable[RunResult], campaign: Campaign, curve: Resistance | None
 ) -> Propulsion | None:
-    """Thrust deduction and wake from straight runs with measured thrust.
-
-    Parameters
-    ----------
-    results : iterable of RunResult
-        All runs.
-    campaign : Campaign
-        Its [propeller] may give the diameter and the open-water curve (``J``, ``KT``).
-    curve : Resistance or None
-        The resistance.
-
-    Returns
-    -------
-    Propulsion or None
-        None without thrust, resistance or straight runs in the range of the resistance.
-    """
+    """Thrust deduction and wake from straight runs with measured thrust."""
     if curve is None:
         return None
     straight = [

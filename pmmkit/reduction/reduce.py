@@ -9,43 +9,32 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from pmmkit.campaigns.depths import one_depth
-from pmmkit.campaigns.motion.inertia import rig_of
-from pmmkit.campaigns.reach import within_reach
-from pmmkit.campaigns.run import Campaign
-from pmmkit.campaigns.samples.loading import file_hashes
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.checks import CheckFinding, examine, loudest_first, refuse
-from pmmkit.checks.untold import untold
-from pmmkit.conventions import CHANNELS, Convention
-from pmmkit.errors import CampaignError, ContradictionError, Problem
-from pmmkit.executors import Workers
-from pmmkit.observations.blockage import speed_increase
-from pmmkit.observations.equations import Rows, Sensitivity, excited_alone
-from pmmkit.observations.prepare import CycleChoice, RunResult
-from pmmkit.observations.stated import idle
+from pmmkit.base import CampaignError, ContradictionError, Problem, Workers, __version__
+from pmmkit.campaigns import Campaign, file_hashes, one_depth, rig_of, within_reach
+from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, Structure, structure_of
+from pmmkit.intake import CheckFinding, examine, loudest_first, refuse, untold
+from pmmkit.models import KEY, MISFIT, DerivativeTable, TableVerdict
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.between_runs import between_runs
 from pmmkit.reduction.choice import AUTO, all_terms, largest_determined
-from pmmkit.reduction.derivatives import Columns, columns_of
+from pmmkit.reduction.derivatives import DerivativeNames, columns_of
 from pmmkit.reduction.influence import Influences, influences
 from pmmkit.reduction.methods.families import by_family, by_run
 from pmmkit.reduction.methods.library import library_of
-from pmmkit.reduction.methods.method import Estimate, Evidence
+from pmmkit.reduction.methods.method import Estimate, MethodInputs
 from pmmkit.reduction.methods.over_time import channels_over_time
 from pmmkit.reduction.methods.registry import ALL, estimates, methods_of
 from pmmkit.reduction.notes import Offset, misfits, notes, offsets
+from pmmkit.reduction.observations.equations import Rows, Sensitivity, excited_alone
+from pmmkit.reduction.observations.prepare import CycleChoice, RunResult
+from pmmkit.reduction.observations.stated import idle
 from pmmkit.reduction.odd_runs import at_odds, runs_at_odds, weighed_down
 from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
 from pmmkit.reduction.reading.all_runs import Means, read_all
-from pmmkit.reduction.reading.run import ReductionSettings
+from pmmkit.reduction.reading.run import ReductionSettings, speed_increase
 from pmmkit.reduction.solve import Solution, froude_groups, measured_and_fitted, solve, to_table
 from pmmkit.reduction.surge_zero import surge_zero
 from pmmkit.reduction.verdict import verdict
-from pmmkit.structures import Structure, structure_of
-from pmmkit.tables import DerivativeTable
-from pmmkit.tables.verdict import KEY, MISFIT, Verdict
-from pmmkit.version import __version__
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -86,7 +75,7 @@ class Reduction(Described):
         The equations of each run.
     sensitivities : tuple of tuple of Sensitivity
         How they change with each stated uncertainty.
-    columns : Columns
+    columns : DerivativeNames
         The derivatives asked for.
     convention : Convention
         Meaning of the derivatives.
@@ -98,7 +87,7 @@ class Reduction(Described):
         What each run does to each derivative, and which are at odds with the others.
     families : dict of str to DerivativeTable
         The derivatives from each family of tests alone, by its title.
-    verdict : Verdict
+    verdict : TableVerdict
         Whether the table can be used, and what stands against it; the table keeps it.
     """
 
@@ -114,12 +103,12 @@ class Reduction(Described):
     campaign: Campaign
     rows: tuple[Rows, ...]
     sensitivities: tuple[tuple[Sensitivity, ...], ...]
-    columns: Columns
+    columns: DerivativeNames
     convention: Convention
     solution: Solution
     influences: Influences
     families: dict[str, DerivativeTable]
-    verdict: Verdict
+    verdict: TableVerdict
     because: str = ""
 
     @cached_property
@@ -142,7 +131,7 @@ class Reduction(Described):
 
     def plot(self) -> Figure:
         """What the fit leaves of the measured means and harmonics, by channel."""
-        from pmmkit.plotting.programme import left_by_the_fit
+        from pmmkit.campaigns import left_by_the_fit
 
         return left_by_the_fit(measured_and_fitted(self.rows, self.solution), CHANNEL_UNITS)
 
@@ -338,7 +327,7 @@ def reduce_campaign(
         },
     )
     histories = tuple(item.history for item in read if item.history is not None)
-    evidence = Evidence(
+    evidence = MethodInputs(
         campaign=campaign,
         convention=convention,
         columns=columns,
@@ -389,7 +378,7 @@ def reduce_campaign(
     )
 
 
-def _judged(table: DerivativeTable, found: Verdict) -> DerivativeTable:
+def _judged(table: DerivativeTable, found: TableVerdict) -> DerivativeTable:
     """A table that keeps what was found against it."""
     return table.with_(provenance={**table.provenance, KEY: found.to_dict()})
 
@@ -411,8 +400,8 @@ def _excited(
 
 
 def _integrated(
-    evidence: Evidence, settings: ReductionSettings, tell: Progress, means: Means
-) -> Evidence:
+    evidence: MethodInputs, settings: ReductionSettings, tell: Progress, means: Means
+) -> MethodInputs:
     """The evidence with Fourier coefficients by integrals over the third cycle."""
     read = read_all(
         replace(settings, cycles=settings.cycles or THIRD, integrated=True, library=None),

@@ -11,15 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from pmmkit.campaigns.run import Campaign
+from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Convention, canonical
 from pmmkit.inference import Restricted, RunEffects, run_effects
+from pmmkit.models import DerivativeTable
 from pmmkit.numerics import Array
-from pmmkit.observations.equations import Rows, Sensitivity
-from pmmkit.observations.noise import Noise
 from pmmkit.reduction.between_runs import (
     BetweenRuns,
-    Drawn,
+    RunDraws,
     drawn,
     judged,
     likelihood_of,
@@ -27,10 +26,10 @@ from pmmkit.reduction.between_runs import (
     size_of,
     widened,
 )
-from pmmkit.reduction.derivatives import Columns
+from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.estimate import (
-    Block,
     ChannelFit,
+    RunBlock,
     blocks_of,
     fit_channel,
     origins_of,
@@ -38,7 +37,8 @@ from pmmkit.reduction.estimate import (
     stated_noise,
 )
 from pmmkit.reduction.joint import Joint, join
-from pmmkit.tables import DerivativeTable
+from pmmkit.reduction.observations.equations import Rows, Sensitivity
+from pmmkit.reduction.observations.noise import Noise
 
 ROUNDS = 3
 """Times that values and scatter are found in turns."""
@@ -52,20 +52,10 @@ SPEED_GAP = 0.01
 class Solution:
     """Fits of all channels and Froude numbers.
 
-    Parameters
-    ----------
-    Fn : array (k,)
-        Froude numbers; NaN for one set over all speeds.
-    groups : tuple of tuple of int
-        Runs (places in the list of rows) at each Froude number.
-    fits : tuple of (int, ChannelFit)
-        The fits, each with its Froude group.
-    joint : Joint
-        Values and covariance.
-    between : BetweenRuns
-        Scatter between runs.
-    repeatability : RunEffects
-        Its sizes by repeated runs alone; those of a usual laboratory where none was repeated.
+    `Fn (k,)`: Froude numbers; NaN for one set over all speeds. `groups`: runs (places in the
+    list of rows) at each Froude number. `fits`: the fits, each with its Froude group.
+    `repeatability`: its sizes by repeated runs alone; those of a usual laboratory where none
+    was repeated.
     """
 
     Fn: Array
@@ -97,40 +87,21 @@ def froude_groups(froude: Sequence[float]) -> list[tuple[float, tuple[int, ...]]
 def solve(
     rows: Sequence[Rows],
     sensitivities: Sequence[Sequence[Sensitivity]],
-    columns: Columns,
+    columns: DerivativeNames,
     groups: Sequence[tuple[float, Sequence[int]]],
     between: BetweenRuns,
     known: Mapping[int, Mapping[str, float]] | None = None,
     *,
     intervals: bool = True,
 ) -> Solution:
-    """Fit every channel at every Froude number.
-
-    Parameters
-    ----------
-    rows : sequence of Rows
-        What each run says; its designs have the columns `all_names`.
-    sensitivities : sequence of sequence of Sensitivity
-        How each run's equations change with each source of uncertainty.
-    columns : Columns
-        Derivatives to be fitted, a choice of the designs' columns.
-    groups : sequence of (Fn, runs)
-        Froude numbers and their runs.
-    between : BetweenRuns
-        What runs draw for themselves; its sizes are estimated from all groups where not given.
-    known : mapping of group to values, optional
-        Derivatives that are held at known values.
-    intervals : bool
-        Whether the intervals are those of the mixture over all sizes of the scatter; values do
-        not need it.
-    """
+    """Fit every channel at every Froude number."""
     cases = list(_cases(rows, sensitivities, columns, groups, between, known or {}))
     size = {
         channel: float(np.sqrt(np.mean([case.size**2 for case in own])))
         for channel, own in _by_channel(cases).items()
     }
     scatter = between.scatter or RunEffects.usual(size)
-    draws: list[Drawn] = []
+    draws: list[RunDraws] = []
     fits = [case.begun(size[case.channel]) for case in cases]
     for _ in range(ROUNDS if between.scatter is None else 1):
         draws = [
@@ -172,7 +143,7 @@ class _Case:
     channel: str
     names: Sequence[str]
     required: int
-    blocks: Sequence[Block]
+    blocks: Sequence[RunBlock]
     rows: Sequence[Rows]
     changes: Sequence[Sequence[Sensitivity]]
     between: BetweenRuns
@@ -194,7 +165,7 @@ class _Case:
         private = {block.run: error * np.eye(len(block.rows)) for block in self.blocks}
         return self._fitted(private)
 
-    def drawn(self, found: ChannelFit, size: float) -> Drawn:
+    def drawn(self, found: ChannelFit, size: float) -> RunDraws:
         """What its runs draw for themselves, as far as a fit tells."""
         return drawn(
             self.channel,
@@ -207,7 +178,7 @@ class _Case:
             size,
         )
 
-    def fit(self, draw: Drawn, scatter: RunEffects) -> ChannelFit:
+    def fit(self, draw: RunDraws, scatter: RunEffects) -> ChannelFit:
         """Fit with the mean sizes of the scatter."""
         return self._fitted(draw.private(self.blocks, scatter.sizes(self.channel)))
 
@@ -218,7 +189,7 @@ class _Case:
             )
 
     def judged(
-        self, found: ChannelFit, draw: Drawn, scatter: RunEffects, repeatability: RunEffects
+        self, found: ChannelFit, draw: RunDraws, scatter: RunEffects, repeatability: RunEffects
     ) -> ChannelFit:
         """A fit with the intervals of the mixture over all sizes of the scatter, and its misfit."""
         with solvable(self.channel, self.Fn):
@@ -228,7 +199,7 @@ class _Case:
 
 
 def _by_repeats(
-    fits: Sequence[ChannelFit], draws: Sequence[Drawn], size: Mapping[str, float]
+    fits: Sequence[ChannelFit], draws: Sequence[RunDraws], size: Mapping[str, float]
 ) -> RunEffects:
     """Sizes by repeated runs alone; a usual laboratory's where none was repeated."""
     found: dict[str, list[Restricted]] = {channel: [] for channel in size}
@@ -242,7 +213,7 @@ def _by_repeats(
 def _cases(
     rows: Sequence[Rows],
     sensitivities: Sequence[Sequence[Sensitivity]],
-    columns: Columns,
+    columns: DerivativeNames,
     groups: Sequence[tuple[float, Sequence[int]]],
     between: BetweenRuns,
     known: Mapping[int, Mapping[str, float]],
@@ -279,20 +250,7 @@ def _by_channel(cases: Sequence[_Case]) -> dict[str, list[_Case]]:
 def measured_and_fitted(
     rows: Sequence[Rows], solution: Solution
 ) -> dict[str, dict[str, tuple[Array, Array]]]:
-    """Means and harmonics of the force, and what the fit makes of them.
-
-    Parameters
-    ----------
-    rows : sequence of Rows
-        The equations of each run.
-    solution : Solution
-        Their fits.
-
-    Returns
-    -------
-    dict of str to dict of str to (array (n,), array (n,))
-        By fitted channel and title of the kind of test: measured and fitted [N, N m].
-    """
+    """Means and harmonics of the force, and what the fit makes of them."""
     values = np.nan_to_num(solution.joint.value).tolist()  # what the runs do not tell acts in none
     known = dict(zip(solution.joint.labels, values, strict=True))
     found: dict[str, dict[str, list[Array]]] = {}
@@ -314,7 +272,7 @@ def measured_and_fitted(
 
 def to_table(
     solution: Solution,
-    columns: Columns,
+    columns: DerivativeNames,
     campaign: Campaign,
     convention: Convention,
     *,
@@ -322,23 +280,7 @@ def to_table(
     notes: Sequence[str] = (),
     provenance: Mapping[str, Any] | None = None,
 ) -> DerivativeTable:
-    """The solution as a DerivativeTable; zero offsets that nobody asked for stay out.
-
-    Parameters
-    ----------
-    solution : Solution
-        The fits.
-    columns : Columns
-        What was asked for.
-    campaign : Campaign
-        Ship and water of the table.
-    convention : Convention
-        Meaning of the derivatives.
-    method : str
-        Name of the method.
-    notes, provenance
-        As in DerivativeTable.
-    """
+    """The solution as a DerivativeTable; zero offsets that nobody asked for stay out."""
     found = {name for _, name in solution.joint.labels}
     names = tuple(
         canonical(name)

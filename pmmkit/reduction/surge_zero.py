@@ -8,12 +8,12 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.checks import CheckFinding
 from pmmkit.inference import least_squares
+from pmmkit.intake import CheckFinding
 from pmmkit.numerics import Array
-from pmmkit.observations.noise import whiteners
 from pmmkit.presentation import WIDE, plus_minus
 from pmmkit.reduction.estimate import ChannelFit
+from pmmkit.reduction.observations.noise import whiteners
 from pmmkit.reduction.solve import Solution
 
 APART: Final = 1e-3
@@ -47,12 +47,6 @@ def surge_zero(solution: Solution) -> tuple[CheckFinding, ...]:
 
     It is asked beside the fit and never taken into it: a resistance that does not grow as u² looks
     the same. A warning where nothing but noise is left then, else a remark.
-
-    Parameters
-    ----------
-    solution : Solution
-        The fits. One set over all speeds tells a constant from u² by its rows; sets for each of
-        at least three speeds by their Xuu.
     """
     fits = [item for _, item in solution.fits if item.channel == "X" and "Xuu" in item.fit.names]
     if not fits:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from pmmkit.inference import COVERAGE
-from pmmkit.observations.equations import Rows
+from pmmkit.reduction.observations.equations import Rows
 from pmmkit.reduction.solve import Solution
 
 PLAUSIBLE: Final = (0.3, 1.2)

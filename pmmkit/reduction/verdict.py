@@ -10,19 +10,18 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.checks import CheckFinding
-from pmmkit.effects.added_mass import resolve
+from pmmkit.effects import resolve
 from pmmkit.inference import KINDS
+from pmmkit.intake import CheckFinding
+from pmmkit.models import DerivativeTable, TableVerdict
 from pmmkit.numerics import Array
-from pmmkit.observations.equations import Rows
 from pmmkit.presentation import at_froude, listed
 from pmmkit.reduction.between_runs import in_words
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.influence import Influence, Influences
+from pmmkit.reduction.observations.equations import Rows
 from pmmkit.reduction.solve import SPEED_GAP, Solution
 from pmmkit.reduction.thrust import TOGETHER, thrust_inside
-from pmmkit.tables import DerivativeTable
-from pmmkit.tables.verdict import Verdict
 
 LOST: Final = 0.5
 """Share of the rms force that a fit leaves from which it fits nothing. A structure that lacks a
@@ -67,30 +66,14 @@ def verdict(
     rows: Sequence[Rows],
     *,
     weighed: bool = False,
-) -> Verdict:
-    """Judge a reduction by everything that it found.
-
-    Parameters
-    ----------
-    table, families
-        All runs together, and by family of tests.
-    solution : Solution
-        The fits behind the table.
-    influences : Influences
-        What each run does.
-    findings : sequence of CheckFinding
-        What the checks found.
-    rows : sequence of Rows
-        What was fitted.
-    weighed : bool
-        Whether runs at odds were weighed down, so that they decide nothing.
-    """
+) -> TableVerdict:
+    """Judge a reduction by everything that it found."""
     inside = thrust_inside(solution, rows)
     pushes = solution.Fn[list(inside)]
     far = [] if weighed else [one for one in influences.odd if _far(one, solution, rows)]
     pushed = any(item.result.run.settings.propeller_rps for item in rows)
     wrong = [name for name in _positive(table) if name != "Xuu" or not pushed]
-    return Verdict(
+    return TableVerdict(
         faults=(
             *(str(item) for item in findings if item.severity == "error"),
             *_nothing(table),

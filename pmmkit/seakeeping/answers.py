@@ -21,10 +21,7 @@ _ANGLES: Final = frozenset(MODES[3:])
 class Moments:
     """Spectral moments of a response over frequencies of encounter.
 
-    Parameters
-    ----------
-    m0, m2, m4 : float
-        ∫|H|²|ωₑ|ⁿ S dω, over the frequency of the waves [unit² (rad/s)ⁿ].
+    `m0, m2, m4`: ∫|H|²|ωₑ|ⁿ S dω, over the frequency of the waves [unit² (rad/s)ⁿ].
     """
 
     m0: float
@@ -79,22 +76,12 @@ class Place:
 class AtPlace:
     """What is felt at a place.
 
-    Parameters
-    ----------
-    place : Place
-        Where.
-    vertical, acceleration, relative : Moments
-        Vertical motion [m], vertical acceleration [m/s²], and motion against the wave [m].
-    incidence : float
-        Share of people that vomit within the exposure, by O'Hanlon and McCauley (1974) [%].
-    dose : float
-        Motion sickness dose value of ISO 2631-1 over the exposure [m/s^1.5].
-    dose_incidence : float
-        Km = 1/3 of the dose: share of people that vomit, unadapted adults [%].
-    wet, slam : float or None
-        Probability that a wave wets the deck, and that the keel comes out and slams.
-    wet_per_hour, slams_per_hour : float or None
-        How often.
+    `vertical, acceleration, relative`: vertical motion [m], vertical acceleration [m/s²], and
+    motion against the wave [m]. `incidence`: share of people that vomit within the exposure, by
+    O'Hanlon and McCauley (1974) [%]. `dose`: motion sickness dose value of ISO 2631-1 over the
+    exposure [m/s^1.5]. `dose_incidence`: km = 1/3 of the dose: share of people that vomit,
+    unadapted adults [%]. `wet, slam`: probability that a wave wets the deck, and that the keel
+    comes out and slams.
     """
 
     place: Place

@@ -9,9 +9,9 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.errors import DataError, Problem
+from pmmkit.base import DataError, Problem
 from pmmkit.presentation import Described, Grid, Group, Section
-from pmmkit.seakeeping.hulls.hull import Hull
+from pmmkit.seakeeping.hull_forms.hull import Hull
 from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.strips import coefficients, strips_of
 

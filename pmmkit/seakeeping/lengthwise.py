@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.numerics import Array
-from pmmkit.seakeeping.arrays import Complex
+
+# Kinds of arrays of this room beside `pmmkit.numerics.Array`.
+
+
+Complex = NDArray[np.complex128]
+Flags = NDArray[np.bool_]
+
 
 _GAUSS = 4  # per interval: exact to a hundredth of a percent for waves of two intervals
 
@@ -16,16 +23,7 @@ def weights(x: Array, along: Array) -> Complex:
     f runs straight between stations while the wave is taken as it is, so that waves that are short
     beside the distance of stations are integrated too.
 
-    Parameters
-    ----------
-    x : array, shape (stations,)
-        Places [m], rising.
-    along : array
-        κ = k cos β [1/m].
-
-    Returns
-    -------
-    array, shape (2, *along.shape, stations)
+    x (stations,); x [m]; along [1/m].
 
     Examples
     --------
@@ -45,10 +43,7 @@ def weights(x: Array, along: Array) -> Complex:
 def second(x: Array) -> Array:
     """Weights of stations for ∫ x² f(x) dx, f straight between them.
 
-    Parameters
-    ----------
-    x : array, shape (stations,)
-        Places [m], rising.
+    x (stations,); x [m].
     """
     a, b = x[:-1], x[1:]
     step = b - a

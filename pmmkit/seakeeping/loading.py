@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from pmmkit.errors import DataError
-from pmmkit.seakeeping.hulls.hull import Hull
+from pmmkit.base import DataError
+from pmmkit.seakeeping.hull_forms.hull import Hull
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,9 +14,9 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.numerics import Array
-from pmmkit.seakeeping.arrays import Complex
+from pmmkit.seakeeping.lengthwise import Complex
 
 _POINTS: Final = 120
 _COUNTS: Final = (3, 5, 7, 9, 12)
@@ -33,12 +33,7 @@ _WATERLINE: Final = 30.0  # weight of keel and waterline, whose places are the d
 def at(map_: Array, theta: Array) -> Complex:
     """Points of the section: w = y + ix [m] at the angles θ [rad] of the circle.
 
-    Parameters
-    ----------
-    map_ : array
-        The coefficients dₙ [m], the last axis.
-    theta : array
-        Angles, one axis, which becomes the last.
+    map_ [m].
     """
     powers = 1 - 2 * np.arange(map_.shape[-1])
     return np.asarray(map_ @ np.exp(1j * np.outer(powers, theta)))
@@ -83,11 +78,6 @@ def lewis_area_range(breadth: float, draught: float) -> tuple[float, float]:
 def lewis(breadth: float, draught: float, section_area: float) -> Array:
     """The Lewis form of a breadth [m], a draught [m] and an area [m²].
 
-    Raises
-    ------
-    DataError
-        If no such form exists; the message says between which areas it does.
-
     Examples
     --------
     >>> lewis(2.0, 1.0, 1.570796).round(4) + 0.0
@@ -124,14 +114,7 @@ def fitted(contour: Complex, count: int, smooth: float = 0.0) -> Array:
     Distances are taken along the normal of the map (Gauss and Newton); keel and waterline weigh
     more, so that draught and breadth are kept.
 
-    Parameters
-    ----------
-    contour : array of complex
-        w = y + ix [m] from the keel to the water.
-    count : int
-        Coefficients, 3 or more.
-    smooth : float
-        How much high coefficients are held down, which keeps the map of a hollow section sound.
+    contour [m].
 
     Examples
     --------
@@ -181,17 +164,12 @@ def misfit(map_: Array, contour: Complex) -> float:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Fit:
+class SectionFit:
     """Maps of some sections.
 
-    Parameters
-    ----------
-    maps : array, shape (sections, coefficients)
-        dₙ [m], zero where a section has fewer.
-    misfit : float
-        Largest distance of a section to its map [m].
-    notes : tuple of str
-        Sections that could not be followed, and what stands for them.
+    `maps (sections, coefficients)`: dₙ [m], zero where a section has fewer. `misfit`: largest
+    distance of a section to its map [m]. `notes`: sections that could not be followed, and what
+    stands for them.
     """
 
     maps: Array
@@ -199,7 +177,7 @@ class Fit:
     notes: tuple[str, ...] = ()
 
 
-def fit_sections(contours: Sequence[Complex], labels: Sequence[str]) -> Fit:
+def fit_sections(contours: Sequence[Complex], labels: Sequence[str]) -> SectionFit:
     """Maps that follow sections closely, with as few coefficients as do.
 
     A map is sound where it is conformal and has the section's area to 5 %; the first that has it
@@ -207,12 +185,7 @@ def fit_sections(contours: Sequence[Complex], labels: Sequence[str]) -> Fit:
     the water than below (functions with their poles at the water cannot follow a bulb under a
     neck), a Lewis form of its area and depth stands for it, and a note says so.
 
-    Parameters
-    ----------
-    contours : sequence of array of complex
-        w = y + ix [m] from keel to water.
-    labels : sequence of str
-        How notes name them.
+    contours [m].
     """
     rows, worst, notes = [], 0.0, []
     for contour, label in zip(contours, labels, strict=True):
@@ -232,7 +205,7 @@ def fit_sections(contours: Sequence[Complex], labels: Sequence[str]) -> Fit:
                 f"not {breadth:.3g} m, with {full * wide * depth / wanted:.2f} of its area."
             )
         rows.append(np.pad(map_, (0, _COUNTS[-1] - map_.size)))
-    return Fit(maps=np.array(rows), misfit=worst, notes=tuple(notes))
+    return SectionFit(maps=np.array(rows), misfit=worst, notes=tuple(notes))
 
 
 def _closest(contour: Complex, wanted: float) -> Array | None:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.numerics import Array, rms
 from pmmkit.presentation import Described, Grid, Group, Section, number
-from pmmkit.seakeeping.arrays import Complex
+from pmmkit.seakeeping.lengthwise import Complex
 from pmmkit.seakeeping.transfer import Rao
 from pmmkit.signals import estimate_frequency, harmonics
 
@@ -26,7 +26,7 @@ _ENERGY: Final = 0.02  # of the peak of the spectrum, below which a frequency te
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Measured:
+class MeasuredTransfer:
     """A transfer function that was measured.
 
     Parameters
@@ -44,25 +44,15 @@ class Measured:
     std: Array
 
 
-def from_regular(t: ArrayLike, wave: ArrayLike, motion: ArrayLike, *, encounter: float) -> Measured:
+def from_regular(
+    t: ArrayLike, wave: ArrayLike, motion: ArrayLike, *, encounter: float
+) -> MeasuredTransfer:
     """The transfer function at one frequency from a run in regular waves.
 
     Harmonics and their uncertainty are those of captive tests: whole cycles, and noise that is
     correlated in time.
 
-    Parameters
-    ----------
-    t : array
-        Time [s], transients left out.
-    wave, motion : array
-        Elevation at a probe that moves with the ship [m], and the motion [m or rad].
-    encounter : float
-        Frequency of encounter [rad/s], to a quarter; the record says it closer.
-
-    Returns
-    -------
-    Measured
-        Of one frequency.
+    t [s]; wave, motion [m]; encounter [rad/s].
 
     Examples
     --------
@@ -82,7 +72,7 @@ def from_regular(t: ArrayLike, wave: ArrayLike, motion: ArrayLike, *, encounter:
     if np.abs(size[0]) < 3 * np.abs(size[0]) * spread[0]:
         raise DataError(f"The probe shows no waves at {omega:.3f} rad/s.")
     transfer = size[1] / size[0]
-    return Measured(
+    return MeasuredTransfer(
         encounter=np.array([omega]),
         transfer=np.array([transfer]),
         std=np.array([abs(transfer) * math.hypot(*spread)]),
@@ -91,23 +81,10 @@ def from_regular(t: ArrayLike, wave: ArrayLike, motion: ArrayLike, *, encounter:
 
 def from_irregular(
     t: ArrayLike, wave: ArrayLike, motion: ArrayLike, *, segments: int = 16
-) -> Measured:
+) -> MeasuredTransfer:
     """The transfer function from a run in irregular waves, by cross-spectra.
 
-    Parameters
-    ----------
-    t : array
-        Time at even steps [s].
-    wave, motion : array
-        Elevation at a probe that moves with the ship [m], and the motion [m or rad].
-    segments : int
-        Into which the record is divided (Welch, half overlapping).
-
-    Returns
-    -------
-    Measured
-        At frequencies where the waves have energy and the motion goes with them (coherence above
-        0.3). Its uncertainty follows from the coherence and the number of segments.
+    t [s]; wave, motion [m].
     """
     from scipy.signal import csd
 
@@ -133,7 +110,7 @@ def from_irregular(
     transfer = (across[kept] / own[kept]).astype(np.complex128)
     # half overlapping Hann segments count for about .95 of as many that do not overlap
     noise = np.sqrt((1 - coherence[kept]) / (2 * 0.95 * segments * coherence[kept]))
-    return Measured(
+    return MeasuredTransfer(
         encounter=2 * math.pi * frequency[kept], transfer=transfer, std=np.abs(transfer) * noise
     )
 
@@ -187,7 +164,7 @@ class RaoComparison(Described):
 
 
 def beside(
-    measured: Measured,
+    measured: MeasuredTransfer,
     rao: Rao,
     mode: str,
     *,
@@ -198,7 +175,7 @@ def beside(
 
     Parameters
     ----------
-    measured : Measured
+    measured : MeasuredTransfer
         Of one run, or of several put together.
     rao : Rao
         The motions; at a heading in which each frequency of encounter belongs to one wave.

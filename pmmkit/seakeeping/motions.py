@@ -9,11 +9,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.numerics import Array
-from pmmkit.seakeeping.arrays import Complex, Flags
-from pmmkit.seakeeping.hulls.hull import Hull
-from pmmkit.seakeeping.lengthwise import second, weights
+from pmmkit.seakeeping.hull_forms.hull import Hull
+from pmmkit.seakeeping.lengthwise import Complex, Flags, second, weights
 from pmmkit.seakeeping.loading import Loading, loading_of
 from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.strips import Strips, coefficients, excitation, strips_of

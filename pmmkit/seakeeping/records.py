@@ -11,13 +11,11 @@ from typing import Final, Literal
 
 import numpy as np
 
-from pmmkit.channels import split_unit
-from pmmkit.conventions import unit_factor
-from pmmkit.errors import DataError, Problem
+from pmmkit.base import DataError, Problem
+from pmmkit.conventions import split_unit, unit_factor
 from pmmkit.numerics import Array
-from pmmkit.readers import reader_for
-from pmmkit.readers.base import Request
-from pmmkit.seakeeping.measured import Measured, from_irregular, from_regular
+from pmmkit.readers import Request, reader_for
+from pmmkit.seakeeping.measured import MeasuredTransfer, from_irregular, from_regular
 from pmmkit.seakeeping.transfer import MODES
 from pmmkit.signals import design_matrix
 
@@ -34,14 +32,8 @@ _ORDER: Final = 3
 class MotionRecord:
     """Motions of a ship in waves over time, with a probe of the waves that moves with it.
 
-    Parameters
-    ----------
-    name : str
-        Of the file.
-    t, wave : array
-        Time [s], elevation at the probe [m].
-    motions : mapping of str to array
-        Some of surge, sway, heave [m], roll, pitch, yaw [rad].
+    `t, wave`: time [s], elevation at the probe [m]. `motions`: some of surge, sway, heave [m],
+    roll, pitch, yaw [rad].
     """
 
     name: str
@@ -62,7 +54,7 @@ class MotionRecord:
         rest = wave - terms @ np.linalg.lstsq(terms, wave, rcond=None)[0]
         return omega, bool(np.var(rest) < (1 - _REGULAR) * np.var(wave))
 
-    def transfer(self) -> tuple[Literal["regular", "irregular"], dict[str, Measured]]:
+    def transfer(self) -> tuple[Literal["regular", "irregular"], dict[str, MeasuredTransfer]]:
         """The transfer function of each motion, and as what kind of waves the record was taken."""
         omega, regular = self.regular
         if regular:
@@ -142,12 +134,12 @@ def read_record(path: str | Path, *, scale: float = 1.0) -> MotionRecord:
     )
 
 
-def together(records: Sequence[Mapping[str, Measured]]) -> dict[str, Measured]:
+def together(records: Sequence[Mapping[str, MeasuredTransfer]]) -> dict[str, MeasuredTransfer]:
     """Transfer functions of several records as one for each motion, in rising frequency.
 
     Parameters
     ----------
-    records : sequence of mapping of str to Measured
+    records : sequence of mapping of str to MeasuredTransfer
         Of each record, by motion.
     """
     found = {}
@@ -157,7 +149,7 @@ def together(records: Sequence[Mapping[str, Measured]]) -> dict[str, Measured]:
             continue
         encounter = np.concatenate([part.encounter for part in parts])
         order = np.argsort(encounter, kind="stable")
-        found[name] = Measured(
+        found[name] = MeasuredTransfer(
             encounter=encounter[order],
             transfer=np.concatenate([part.transfer for part in parts])[order],
             std=np.concatenate([part.std for part in parts])[order],

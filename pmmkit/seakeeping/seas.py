@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.base import DataError, UnknownNameError
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section
 
@@ -315,10 +315,7 @@ def sea_states() -> tuple[SeaState, ...]:
 def state_of(Hs: float) -> SeaState:
     """The state of a sea.
 
-    Parameters
-    ----------
-    Hs : float
-        Significant wave height [m].
+    Hs [m].
 
     Examples
     --------

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.numerics import Array
-from pmmkit.seakeeping.arrays import Complex
+from pmmkit.seakeeping.lengthwise import Complex
 from pmmkit.seakeeping.mapping import at, slope
 
 MULTIPOLES: Final = 20  # what is lost of the energy falls with the square of their number
@@ -28,19 +28,13 @@ HEAVE, SWAY, ROLL = 0, 1, 2
 class Sections:
     """What sections do in water when they oscillate.
 
-    Parameters
-    ----------
-    wavenumber : array, shape (frequencies,)
-        K = ω²/g [1/m].
-    points, weights : array of complex, shape (sections, nodes)
-        Points w = y + ix [m] of half of each section, and dw [m] by which sums integrate along it.
-    potentials : array of complex, shape (3, frequencies, sections, nodes)
-        Of unit velocity in heave, sway and roll, of the signs of `normals`, at the points
-        [m²/s per m/s; per rad/s for roll].
-    added : array of complex, shape (3, 3, frequencies, sections)
-        a - ib/ω over ρ [m²; m³ and m⁴ where roll takes part], symmetric (Timman and Newman 1962).
-    far : array of complex, shape (3, frequencies, sections)
-        Amplitude of the waves sent out over that of the motion [-; m for roll].
+    `wavenumber (frequencies,)`: k = ω²/g [1/m]. `points, weights (sections, nodes)`: points w =
+    y + ix [m] of half of each section, and dw [m] by which sums integrate along it. `potentials
+    (3, frequencies, sections, nodes)`: of unit velocity in heave, sway and roll, of the signs
+    of `normals`, at the points [m²/s per m/s; per rad/s for roll]. `added (3, 3, frequencies,
+    sections)`: a - ib/ω over ρ [m²; m³ and m⁴ where roll takes part], symmetric (Timman and
+    Newman 1962). `far (3, frequencies, sections)`: amplitude of the waves sent out over that of
+    the motion [-; m for roll].
     """
 
     wavenumber: Array
@@ -63,16 +57,7 @@ def normals(points: Complex, weights: Complex) -> Array:
 def solve(maps: Array, wavenumber: Array) -> Sections:
     """The radiation problems of sections for all frequencies at once.
 
-    Parameters
-    ----------
-    maps : array, shape (sections, coefficients)
-        Of `pmmkit.seakeeping.mapping`.
-    wavenumber : array, shape (frequencies,)
-        K = ω²/g [1/m], positive.
-
-    Returns
-    -------
-    Sections
+    maps (sections, coefficients); wavenumber (frequencies,); wavenumber [1/m].
 
     Examples
     --------
@@ -115,17 +100,7 @@ def multipoles(maps: Array, theta: Array, wavenumber: Array, *, odd: bool) -> Co
     The first of two is what is in phase, the second what sends out waves (of the first function
     only): each is φ + iψ, the i of the plane.
 
-    Parameters
-    ----------
-    maps : array, shape (sections, coefficients)
-        Of `pmmkit.seakeeping.mapping`.
-    theta : array
-        Angles of the nodes on the circle [rad].
-    wavenumber : array
-        K = ω²/g [1/m].
-    odd : bool
-        For sway and roll, or for heave. Far outward the first function is -πKe^(-Ky-iKx) where
-        odd, -iπe^(-Ky-iKx) where even.
+    maps (sections, coefficients); wavenumber [1/m].
     """
     points = at(maps, theta)
     K = wavenumber[:, None, None]
@@ -163,17 +138,7 @@ def _exponential_integral(z: Complex) -> Complex:
 def strengths(
     functions: Complex, stream: tuple[Array, ...], *, free: bool = False
 ) -> tuple[Complex, Complex]:
-    """Potentials at the nodes and the strength of the first function, by least squares.
-
-    Parameters
-    ----------
-    functions : array of complex
-        Of `multipoles`.
-    stream : tuple of array
-        Stream functions that are wanted on the sections, one for each problem.
-    free : bool
-        Whether a constant may be added to them, as where the potential is odd.
-    """
+    """Potentials at the nodes and the strength of the first function, by least squares."""
     in_phase, outgoing = functions
     columns = np.moveaxis(in_phase.imag + 1j * outgoing.imag, 0, -1)
     if free:

@@ -15,10 +15,9 @@ from typing import Final
 import numpy as np
 
 from pmmkit.numerics import Array
-from pmmkit.seakeeping.arrays import Complex
-from pmmkit.seakeeping.hulls.hull import Hull
-from pmmkit.seakeeping.lengthwise import second, weights
-from pmmkit.seakeeping.mapping import Fit, fit_sections
+from pmmkit.seakeeping.hull_forms.hull import Hull
+from pmmkit.seakeeping.lengthwise import Complex, second, weights
+from pmmkit.seakeeping.mapping import SectionFit, fit_sections
 from pmmkit.seakeeping.sectional import HEAVE, ROLL, SWAY, Sections, normals, solve
 
 GRID: Final = 64
@@ -31,22 +30,12 @@ _LOWEST: Final = 0.05  # √(L/g) times the lowest frequency of the grid
 class Strips:
     """A hull with the radiation of its sections on a grid of frequencies.
 
-    Parameters
-    ----------
-    hull : Hull
-        The hull.
-    fit : Fit
-        Maps of its sections.
-    omega : array
-        The grid [rad/s], in equal steps of the logarithm.
-    sections : Sections
-        Solutions at the grid.
-    g : float
-        Gravity [m/s²].
+    `fit`: maps of its sections. `omega`: the grid [rad/s], in equal steps of the logarithm.
+    `sections`: solutions at the grid.
     """
 
     hull: Hull
-    fit: Fit
+    fit: SectionFit
     omega: Array
     sections: Sections
     g: float
@@ -66,14 +55,7 @@ class Strips:
 def strips_of(hull: Hull, highest: float, *, g: float = 9.81) -> Strips:
     """The sections of a hull solved from long waves up to a frequency of encounter.
 
-    Parameters
-    ----------
-    hull : Hull
-        The hull.
-    highest : float
-        Largest frequency of encounter that will be asked [rad/s].
-    g : float
-        Gravity [m/s²].
+    highest [rad/s]; g [m/s²].
     """
     fit = fit_sections(hull.contours, [f"The section at x = {x:g} m" for x in hull.x])
     scale = math.sqrt(g / hull.L)
@@ -92,14 +74,7 @@ def _divided(contour: Complex) -> Complex:
 def at_frequency(strips: Strips, values: Complex, omega: Array) -> Complex:
     """What stands on the grid (first axis) at frequencies, by cubics through four neighbours.
 
-    Parameters
-    ----------
-    strips : Strips
-        With the grid.
-    values : array, shape (grid, …)
-        Of complex numbers at positive frequencies; negative ones give the conjugate.
-    omega : array
-        Frequencies, whose last axes are those of `values` after the grid.
+    values (grid, …).
     """
     place = np.log(np.maximum(np.abs(omega), strips.omega[0]) / strips.omega[0])
     place = place / math.log(strips.omega[1] / strips.omega[0])
@@ -122,12 +97,7 @@ def at_frequency(strips: Strips, values: Complex, omega: Array) -> Complex:
 def coefficients(strips: Strips, speed: Array, omega: Array) -> Complex:
     """a - ib/ω over ρ of the hull, shape (6, 6, …).
 
-    Parameters
-    ----------
-    strips : Strips
-        The hull.
-    speed, omega : array
-        Speed [m/s] and frequency of encounter with its sign [rad/s], broadcast together.
+    speed, omega [m/s].
     """
     x, added = strips.x, strips.sections.added
     level, tilted = weights(x, np.zeros(1))[:, 0].real
@@ -170,10 +140,8 @@ def coefficients(strips: Strips, speed: Array, omega: Array) -> Complex:
 class Excitation:
     """What waves of unit amplitude do to a hull, over ρ.
 
-    Parameters
-    ----------
-    froude_krylov, total : array of complex, shape (6, speeds, headings, frequencies)
-        By the pressure of the wave alone, and with what the hull diffracts [m³/s²; m⁴/s²].
+    `froude_krylov, total (6, speeds, headings, frequencies)`: by the pressure of the wave
+    alone, and with what the hull diffracts [m³/s²; m⁴/s²].
     """
 
     froude_krylov: Complex
@@ -187,14 +155,7 @@ def excitation(
 
     Diffraction is that of sections at the frequency of encounter, in two dimensions.
 
-    Parameters
-    ----------
-    strips : Strips
-        The hull.
-    speed, heading, omega : array
-        Axes of the result [m/s, rad, rad/s].
-    encounter : array, shape (speeds, headings, frequencies)
-        [rad/s].
+    encounter (speeds, headings, frequencies); encounter [rad/s].
     """
     k = omega**2 / strips.g
     across = np.sin(heading)

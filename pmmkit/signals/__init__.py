@@ -1,39 +1,63 @@
 """Signals: steady windows, noise of autocorrelated records, whole cycles and harmonics."""
 
-from __future__ import annotations
+from typing import TYPE_CHECKING
 
-from pmmkit.signals.cycles import Cycles, whole_cycles
-from pmmkit.signals.frequency import estimate_frequency
-from pmmkit.signals.harmonics import (
-    FourierBasis,
-    Harmonics,
-    design_matrix,
-    harmonics,
-    trapezoid_harmonics,
-)
-from pmmkit.signals.noise import Mean, steady_mean
-from pmmkit.signals.rest import Rest, head_rest
-from pmmkit.signals.smoothing import fitted_order
-from pmmkit.signals.steady import Window, steady_window
-from pmmkit.signals.travel import Travel, at_speed, in_step
+from pmmkit.base import lazy
+
+if TYPE_CHECKING:
+    from pmmkit.signals.cycles import Cycles, whole_cycles
+    from pmmkit.signals.fourier import (
+        CycleSums,
+        FourierBasis,
+        Harmonics,
+        cycle_count,
+        cycle_edges,
+        design_matrix,
+        harmonics,
+        trapezoid_projector,
+    )
+    from pmmkit.signals.frequency import estimate_frequency
+    from pmmkit.signals.local_fits import crossing, local, way_along
+    from pmmkit.signals.noise import Mean, autoregressive_noise, steady_mean, white_noise
+    from pmmkit.signals.periodic import between_harmonics, fit_noise, phase_cells
+    from pmmkit.signals.record import FEWEST, as_record, time_weights
+    from pmmkit.signals.rest import head_rest
+    from pmmkit.signals.smoothing import fitted_order
+    from pmmkit.signals.steady import Window, steady_window
+    from pmmkit.signals.travel import Travel, at_speed, in_step
 
 __all__ = [
+    "FEWEST",
+    "CycleSums",
     "Cycles",
     "FourierBasis",
     "Harmonics",
     "Mean",
-    "Rest",
     "Travel",
     "Window",
+    "as_record",
     "at_speed",
+    "autoregressive_noise",
+    "between_harmonics",
+    "crossing",
+    "cycle_count",
+    "cycle_edges",
     "design_matrix",
     "estimate_frequency",
+    "fit_noise",
     "fitted_order",
     "harmonics",
     "head_rest",
     "in_step",
+    "local",
+    "phase_cells",
     "steady_mean",
     "steady_window",
-    "trapezoid_harmonics",
+    "time_weights",
+    "trapezoid_projector",
+    "way_along",
+    "white_noise",
     "whole_cycles",
 ]
+
+lazy(__name__)

@@ -14,15 +14,7 @@ from pmmkit.numerics import Array
 def burg(x: Array, order: int) -> tuple[Array, Array]:
     """Reflection coefficients by Burg's method, and the innovation variance of every order.
 
-    Parameters
-    ----------
-    x : (c, n) array
-        Records with mean zero and some variance.
-
-    Returns
-    -------
-    reflection : (c, order) array
-    power : (c, order + 1) array
+    x (c, n); reflection (c, order); power (c, order + 1).
 
     Notes
     -----
@@ -63,17 +55,7 @@ def without_bias(reflection: Array, n: int) -> Array:
 def levinson(autocovariance: Array, limit: float) -> tuple[Array, Array]:
     """The autoregressions that have the autocovariances at lags 0 to p, arrays (c, p + 1).
 
-    Parameters
-    ----------
-    limit : float
-        Largest reflection coefficient.
-
-    Returns
-    -------
-    filters : (c, p + 1) array
-        The filters 1, a1, …, ap.
-    unexplained : (c,) array
-        Variance of the innovations over that of the process.
+    filters (c, p + 1); unexplained (c,).
     """
     c, size = autocovariance.shape
     variance = autocovariance[:, :1]

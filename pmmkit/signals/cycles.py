@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.numerics import Array
-from pmmkit.signals.harmonics import (
+from pmmkit.signals.fourier import (
     CycleSums,
     FourierBasis,
     basis_of,

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.numerics import Array
-from pmmkit.signals.harmonics import design_matrix
+from pmmkit.signals.fourier import design_matrix
 from pmmkit.signals.noise import mean_noise
 from pmmkit.signals.periodic import TURN
 from pmmkit.signals.record import as_record
@@ -135,16 +135,9 @@ def _searched(time: Array, values: Array, omega: float) -> float:
 class _Refined:
     """Where Gauss-Newton steps in frequency end.
 
-    Parameters
-    ----------
-    omega : float
-        The frequency.
-    score : array (n,)
-        Products of residual and sensitivity, whose sum vanishes there.
-    information : float
-        Minus the derivative of that sum.
-    ratio : float
-        What is explained over what is not, per degree of freedom.
+    `score`: products of residual and sensitivity, whose sum vanishes there. `information`:
+    minus the derivative of that sum. `ratio`: what is explained over what is not, per degree of
+    freedom.
     """
 
     omega: float

@@ -113,14 +113,10 @@ class _Waves:
     """Cosines and sines by which periodograms of m samples and their few first lags are turned
     into each other; a table of them takes less time than a transform of few numbers.
 
-    Parameters
-    ----------
-    hidden : array (bins,)
-        1 at the frequencies of the periodogram that the harmonics have taken away, 0 elsewhere.
-    lagged : array (bins, order + 1)
-        From a periodogram to its circular autocovariances.
-    cosines, sines : array (order + 1, n)
-        From a filter to its response at the n frequencies of a transform without aliasing.
+    `hidden (bins,)`: 1 at the frequencies of the periodogram that the harmonics have taken
+    away, 0 elsewhere. `lagged (bins, order + 1)`: from a periodogram to its circular
+    autocovariances. `cosines, sines (order + 1, n)`: from a filter to its response at the n
+    frequencies of a transform without aliasing.
     """
 
     hidden: Array

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmmkit.errors import DataError, Problem
+from pmmkit.base import DataError, Problem
 from pmmkit.numerics import Array
 
 FEWEST: Final = 16

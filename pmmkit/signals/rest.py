@@ -35,14 +35,8 @@ MARGIN: Final = 0.1
 class Rest:
     """The first samples of a record, in which nothing moves.
 
-    Attributes
-    ----------
-    stop : int
-        The sample after the last.
-    duration : float
-        [s]
-    value, std : (c,) array
-        Means of the channels and their standard uncertainty.
+    `stop`: the sample after the last. `value, std (c,)`: means of the channels and their
+    standard uncertainty.
     """
 
     stop: int

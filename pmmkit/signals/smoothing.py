@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmmkit.numerics import Array
-from pmmkit.signals.harmonics import Harmonics
+from pmmkit.signals.fourier import Harmonics
 
 ROUNDED: Final = 2.0
 """Rms of what harmonics leave, over that of rounding, up to which rounding explains it. Flanders
@@ -24,15 +24,7 @@ DECIMALS: Final = 12
 def resolution(values: ArrayLike) -> Array:
     """The decimal step of which all numbers of each channel are multiples.
 
-    Parameters
-    ----------
-    values : array (c, n)
-        Channels as they are written.
-
-    Returns
-    -------
-    array (c,)
-        A power of ten; 1e-12 of the largest value where there is none.
+    values (c, n).
 
     Examples
     --------
@@ -71,7 +63,7 @@ def fitted_order(values: ArrayLike, found: Harmonics) -> int | None:
 
     Examples
     --------
-    >>> from pmmkit.signals import harmonics
+    >>> from pmmkit.signals.fourier import harmonics
     >>> theta = 2 * np.pi * np.arange(24) / 24
     >>> cycle = np.round([3 * np.cos(theta) + np.sin(2 * theta)], 4)
     >>> fitted_order(cycle, harmonics(theta, cycle))

@@ -114,11 +114,6 @@ def calmest_part(t: ArrayLike, y: ArrayLike) -> tuple[int, int]:
     """The samples [start, stop) whose mean has the smallest squared standard error.
 
     A first guess of the steady part: at least 0.3 of the record, over all channels together.
-
-    Parameters
-    ----------
-    t, y
-        As for `steady_window`.
     """
     time, values = as_record(t, y, least=FEWEST)
     cells, floor = _condensed(time, values)

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.errors import DataError, ModelError, SimulationError
+from pmmkit.base import DataError, ModelError, SimulationError
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array, turned
 from pmmkit.simulation.ensemble import Batch, shared_out, strata, unstated
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
-from pmmkit.simulation.run import History, run_plan
-from pmmkit.simulation.simulate import simulate, track_of
+from pmmkit.simulation.kinds.catalogue import manoeuvre_of
+from pmmkit.simulation.run import DenseHistory, run_plan
+from pmmkit.simulation.single import simulate, track_of
 from pmmkit.simulation.spread import Draws, is_uncertain, spread_of
 from pmmkit.simulation.track import Track
 
@@ -63,8 +63,7 @@ class Bands:
 
     def figures(self) -> dict[str, Figure]:
         """The path of a turning circle with its band; every manoeuvre over time with its bands."""
-        from pmmkit.plotting.bands import band_histories
-        from pmmkit.plotting.turns import trajectory
+        from pmmkit.plotting import band_histories, trajectory
 
         found = {}
         if len(self.inner):
@@ -168,7 +167,7 @@ def _sailed(
     """The track of one ship; None where its motion grows without bound."""
     ready = batch.ship(names, values)
     try:
-        history: History = run_plan(
+        history: DenseHistory = run_plan(
             ready,
             batch.plan,
             batch.gear,

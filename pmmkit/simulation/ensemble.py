@@ -14,35 +14,37 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.equations import CALM, Conditions
-from pmmkit.equations.following import known_speeds, packed_following
-from pmmkit.equations.layouts import Status
-from pmmkit.equations.prepared import Numbers, Prepared, packed, stacked, values_at
-from pmmkit.equations.structure import Structure
-from pmmkit.errors import DataError
-from pmmkit.executors import Workers, each, opened
-from pmmkit.metrics import in_lengths, main_of, unit_of
-from pmmkit.models import Model, load_model
-from pmmkit.models.astern import reversed_by_bucket
-from pmmkit.models.estimates import with_open_couplings
-from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.models.standing import Standing, standing
+from pmmkit.base import DataError, Progress, Workers, each, opened
+from pmmkit.conventions import in_lengths, main_of, metric_unit
+from pmmkit.models import (
+    DERIVATIVE_PARTS,
+    Model,
+    Standing,
+    load_model,
+    reversed_by_bucket,
+    standing,
+    with_open_couplings,
+)
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
-from pmmkit.progress import Progress
+from pmmkit.simulation.equations.following import known_speeds, packed_following
+from pmmkit.simulation.equations.layouts import Status
+from pmmkit.simulation.equations.prepared import (
+    CALM,
+    Conditions,
+    Numbers,
+    Prepared,
+    packed,
+    stacked,
+    values_at,
+)
+from pmmkit.simulation.equations.structure import EquationStructure
 from pmmkit.simulation.froude import Follow, FroudeRange, froude_range, prepared
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
-from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting
+from pmmkit.simulation.kinds.catalogue import manoeuvre_of
+from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_plan, run_ships, settings_for
-from pmmkit.simulation.simulate import (
-    ENVIRONMENT,
-    RTOL,
-    RudderLaw,
-    check_request,
-    gear_of,
-    ship_for,
-)
+from pmmkit.simulation.single import ENVIRONMENT, RTOL, RudderLaw, check_request, gear_of, ship_for
 from pmmkit.simulation.spread import CHUNK, Draws, in_kind, spread_of
 from pmmkit.simulation.spread import Spread as Drawn
 
@@ -157,7 +159,7 @@ class Ensemble(Described):
         metrics : sequence of str, optional
             Up to four; the main one and those after it by default.
         """
-        from pmmkit.plotting.metrics import distributions
+        from pmmkit.simulation.figures import distributions
 
         chosen = list(metrics or self.varying()[:SHOWN])
         return distributions(
@@ -211,24 +213,9 @@ def _differs(values: Array) -> bool:
 class Batch:
     """One manoeuvre of one model, to be run with other values of its derivatives.
 
-    Parameters
-    ----------
-    model : Model
-        Everything that does not differ.
-    plan : Plan
-        The manoeuvre.
-    gear : Gear
-        How the controls follow.
-    speed, rtol : float
-        Approach speed [m/s], relative tolerance.
-    conditions : Conditions
-        Wind, current, depth.
-    revolutions : float, optional
-        Of the approach [1/s].
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-    fn : {"approach", "instant"}
-        As for `simulate`.
+    `model`: everything that does not differ. `gear`: how the controls follow. `speed, rtol`:
+    approach speed [m/s], relative tolerance. `revolutions`: of the approach [1/s].
+    `extrapolate`: allow a speed outside the range of the model's values.
     """
 
     model: Model
@@ -302,7 +289,7 @@ class Batch:
             name=self.model.name,
         )
 
-    def _packed(self, names: Sequence[str], values: Array) -> tuple[Structure, list[Any]]:
+    def _packed(self, names: Sequence[str], values: Array) -> tuple[EquationStructure, list[Any]]:
         speeds = known_speeds(self.model, self.speed) if self.fn == "instant" else ()
         if not speeds:
             given = self._given(self.speed, names, values)
@@ -496,7 +483,7 @@ def monte_carlo(
         name=loaded.name,
         manoeuvre=batch.plan.name,
         scale=loaded.scale,
-        units=MappingProxyType({name: unit_of(name, batch.plan.metrics) for name in nominal}),
+        units=MappingProxyType({name: metric_unit(name, batch.plan.metrics) for name in nominal}),
         tested=batch.nominal_range(),
         standing=standing(loaded, speed),
     )

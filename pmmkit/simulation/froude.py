@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 
 import numpy as np
 
-from pmmkit.equations import Prepared, prepare
-from pmmkit.equations.following import prepare_following
-from pmmkit.equations.layouts import State
-from pmmkit.models import Model
-from pmmkit.models.model import FN_TOLERANCE
+from pmmkit.models import FN_TOLERANCE, Model
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Section
+from pmmkit.simulation.equations.following import prepare_following
+from pmmkit.simulation.equations.layouts import State
+from pmmkit.simulation.equations.prepared import Prepared, prepare
 
 if TYPE_CHECKING:
-    from pmmkit.simulation.run import History
+    from pmmkit.simulation.run import DenseHistory
 
 Follow = Literal["approach", "instant"]
 """Derivatives at the Froude number of the approach throughout, or at that of each instant."""
@@ -31,17 +30,10 @@ such instants it is taken as a line."""
 class FroudeRange(Described):
     """How long a manoeuvre was inside the range of Froude numbers that were tested.
 
-    Parameters
-    ----------
-    low, high : float
-        Least and greatest Froude number of the model's values. A speed up to 2 % beside them
-        counts as inside, as it does for the approach.
-    slowest, fastest : float
-        Least and greatest Froude number of the manoeuvre.
-    below, above : float
-        Time beyond either end [s]; the values of that end were held.
-    duration : float
-        Of the manoeuvre [s].
+    `low, high`: least and greatest Froude number of the model's values. A speed up to 2 %
+    beside them counts as inside, as it does for the approach. `slowest, fastest`: least and
+    greatest Froude number of the manoeuvre. `below, above`: time beyond either end [s]; the
+    values of that end were held. `duration`: of the manoeuvre [s].
 
     Examples
     --------
@@ -117,16 +109,9 @@ def prepared(model: Model, speed: float, fn: str, **settings: Any) -> Prepared:
     return (prepare_following if fn == "instant" else prepare)(model, speed, **settings)
 
 
-def froude_range(model: Model, history: History) -> FroudeRange | None:
-    """How far the tests of a model reach in a manoeuvre; None for one set of values at all speeds.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    history : History
-        The manoeuvre.
-    """
+def froude_range(model: Model, history: DenseHistory) -> FroudeRange | None:
+    """How far the tests of a model reach in a manoeuvre; None for one set of values at all
+    speeds."""
     if not model.Fn:
         return None
     ready = history.ready

@@ -10,11 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.equations import Conditions, Prepared, prepare
-from pmmkit.equations.layouts import Constant
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, number
+from pmmkit.simulation.equations.layouts import Constant
+from pmmkit.simulation.equations.prepared import Conditions, Prepared, prepare
 
 Complex = NDArray[np.complex128]
 STEP: Final = 1e-5
@@ -27,30 +27,14 @@ BENT: Final = 2e-3
 class Stability(Described):
     """A ship running straight ahead at a speed, made linear, everything included that acts on it.
 
-    Parameters
-    ----------
-    speed : float
-        [m/s]
-    eigenvalues : array of complex
-        Of sway and yaw (and roll), over U/L; the ship is stable if all have negative real parts.
-    C : float
-        Yv Nr - Nv (Yr - m'), of the whole ship in the prime system; positive where stable.
-    lever_sway, lever_yaw : float
-        Nv/Yv and Nr/(Yr - m'), over L from midship.
-    K, T : float
-        Nomoto's gain and time, in units of U/L and L/U; negative for an unstable ship.
-    T1, T2, T3 : float
-        Times of the second-order equation [L/U].
-    rudder : tuple of float
-        Yδ and Nδ of the whole ship in the prime system.
-    stable : bool
-        Whether it keeps its course without a rudder.
-    side : str
-        ``both``; or, where the equations have a bend at straight running (flow straightening that
-        differs by side), the side of the turn to which all of the above belongs, which is the
-        less stable one.
-    name : str
-        Of the model.
+    `eigenvalues`: of sway and yaw (and roll), over U/L; the ship is stable if all have negative
+    real parts. `C`: yv Nr - Nv (Yr - m'), of the whole ship in the prime system; positive where
+    stable. `lever_sway, lever_yaw`: nv/Yv and Nr/(Yr - m'), over L from midship. `K, T`:
+    nomoto's gain and time, in units of U/L and L/U; negative for an unstable ship. `T1, T2,
+    T3`: times of the second-order equation [L/U]. `rudder`: yδ and Nδ of the whole ship in the
+    prime system. `stable`: whether it keeps its course without a rudder. `side`: ``both``; or,
+    where the equations have a bend at straight running (flow straightening that differs by
+    side), the side of the turn to which all of the above belongs, which is the less stable one.
     """
 
     speed: float

@@ -11,22 +11,24 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.four_quadrant import FOUR_QUADRANT_PROPELLER
-from pmmkit.effects.hull import HULL
-from pmmkit.effects.shaft import SHAFT
-from pmmkit.equations import prepare
-from pmmkit.equations.layouts import State
-from pmmkit.errors import DataError
-from pmmkit.models import Model
-from pmmkit.models.astern import DEDUCTION, DEDUCTION_STD, as_it_stops, reversed_by_bucket
-from pmmkit.models.estimates import resistance_derivative
-from pmmkit.models.model import Part
-from pmmkit.models.particulars import LONGEST_MODEL
-from pmmkit.models.standing import ASSUMED
+from pmmkit.base import DataError
+from pmmkit.effects import FOUR_QUADRANT_PROPELLER, HULL, SHAFT, catalogue
+from pmmkit.models import (
+    ASSUMED,
+    DEDUCTION,
+    DEDUCTION_STD,
+    LONGEST_MODEL,
+    Model,
+    Part,
+    as_it_stops,
+    resistance_derivative,
+    reversed_by_bucket,
+)
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, number
-from pmmkit.simulation.manoeuvres.manoeuvre import Setting
+from pmmkit.simulation.equations.layouts import State
+from pmmkit.simulation.equations.prepared import prepare
+from pmmkit.simulation.kinds.manoeuvre import Setting
 
 HEAVIER: Final = 1.5
 """From so many times the resistance of a ship of her size on it is taken for a model's. KVLCC2 and
@@ -58,14 +60,8 @@ OF_TURNS: Final = "the approach's revolutions"
 class Assumption:
     """What is taken of an engine that nobody states, and how engines differ.
 
-    Parameters
-    ----------
-    mean, std : float
-        Over what the ship has in her approach.
-    of : str
-        What it is a share of.
-    text, why : str
-        What it is, and on what ground it is taken so.
+    `mean, std`: over what the ship has in her approach. `of`: what it is a share of. `text,
+    why`: what it is, and on what ground it is taken so.
     """
 
     mean: float
@@ -180,14 +176,7 @@ class FullAstern:
 def reached(t: Array, n: Array, ahead: float, turns: float) -> float:
     """When revolutions astern are reached [s]; NaN where they never are.
 
-    Parameters
-    ----------
-    t, n : array (m,)
-        Time from the order [s] and revolutions [1/s].
-    ahead : float
-        Revolutions of the approach [1/s].
-    turns : float
-        Those astern over these.
+    t, n (m,); t, n [s]; ahead [1/s].
 
     Examples
     --------
@@ -230,30 +219,7 @@ def as_it_reverses(
 ) -> Model:
     """A model with all that a stop asks of its propulsion, by assumptions where it must be.
 
-    Parameters
-    ----------
-    model : Model
-        Any.
-    speed : float
-        Of the approach [m/s].
-    turns, reversal_s, torque
-        Settings of the manoeuvre ``stopping``. With a time the revolutions are those ordered,
-        whatever the engine; with a torque as well, as far as that allows.
-    extrapolate : bool
-        As for `prepare`.
-
-    Returns
-    -------
-    Model
-        With an estimate of its propeller astern where it knows it ahead alone
-        (`models.astern.as_it_stops`), a thrust deduction astern where it has none, and with a part
-        ``shaft`` by `ENGINE` where it has no engine, none is stated and the propeller is to turn
-        astern. The model itself where it says all, or where a bucket turns its thrust.
-
-    Raises
-    ------
-    DataError
-        If a torque is stated and the model has an engine of its own, or does not know its torque.
+    speed [m/s].
 
     Notes
     -----
@@ -335,13 +301,6 @@ def _with_deduction(model: Model) -> Model:
 def assumed(model: Model, turns: Setting | None = None) -> str:
     """What is assumed of the engine of a model from `as_it_reverses`, in sentences.
 
-    Parameters
-    ----------
-    model : Model
-        As it stops.
-    turns : Setting, optional
-        The revolutions astern, where nobody states them.
-
     Examples
     --------
     >>> from pmmkit.models import load_model
@@ -368,12 +327,7 @@ def assumed(model: Model, turns: Setting | None = None) -> str:
 def of_a_model(model: Model, speed: float) -> str:
     """That a ship has the resistance of a model, in a sentence; empty where she has not.
 
-    Parameters
-    ----------
-    model : Model
-        With a resistance Xuu.
-    speed : float
-        Of the approach [m/s].
+    speed [m/s].
 
     Examples
     --------
@@ -403,19 +357,7 @@ def _told(text: str, mean: float, std: float, of: str) -> str:
 def torque_of(model: Model, speed: float, **settings: Any) -> float:
     """Torque at the propeller in the approach [N m].
 
-    Parameters
-    ----------
-    model : Model
-        Without a part ``shaft`` or ``shaft_lag``.
-    speed : float
-        Of the approach [m/s].
-    **settings
-        Of `prepare`.
-
-    Raises
-    ------
-    DataError
-        If the model does not know it.
+    speed [m/s].
 
     Notes
     -----

@@ -10,9 +10,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.equations.layouts import Ask, End, PhaseField, ProbeField, State
-from pmmkit.metrics import METRICS, Metric, in_both
+from pmmkit.conventions import METRICS, Metric, in_both
 from pmmkit.numerics import Array
+from pmmkit.simulation.equations.layouts import Ask, End, PhaseField, ProbeField, State
 
 LONGEST: Final = 2000.0
 """No phase lasts longer, in ship lengths over the approach speed."""
@@ -24,22 +24,13 @@ STEADY: Final = 2e-5
 class Phase:
     """Orders, held until something happens.
 
-    Parameters
-    ----------
-    rudder : float
-        Ordered angle [rad]; NaN leaves the order as it is.
-    revolutions : float
-        Ordered revolutions over those of the approach; NaN as above.
-    bucket : float
-        Ordered bucket of a waterjet, 0 ahead to 1 astern; NaN as above.
-    until : End
-        ``time``; ``heading`` [rad], ``yaw_rate`` [rad/s] or ``surge`` [m/s] pass `level` in the
-        direction `side`; ``steady_turn``: the heading passes `level` and the turn is steady, or
-        will be after more circles; ``steady``: accelerations over U²/L and (U/L)² below `level`.
-    level, side : float
-        See above.
-    shortest, longest : float
-        Least and greatest length of the phase [s].
+    `rudder`: ordered angle [rad]; NaN leaves the order as it is. `revolutions`: ordered
+    revolutions over those of the approach; NaN as above. `bucket`: ordered bucket of a
+    waterjet, 0 ahead to 1 astern; NaN as above. `until`: ``time``; ``heading`` [rad],
+    ``yaw_rate`` [rad/s] or ``surge`` [m/s] pass `level` in the direction `side`;
+    ``steady_turn``: the heading passes `level` and the turn is steady, or will be after more
+    circles; ``steady``: accelerations over U²/L and (U/L)² below `level`. `shortest, longest`:
+    least and greatest length of the phase [s].
     """
 
     rudder: float = math.nan
@@ -71,20 +62,11 @@ class Phase:
 class Probe:
     """A question to a history, answered by an instant and the states at it.
 
-    Parameters
-    ----------
-    ask : Ask
-        ``crossing``: first passage of a state through `level` in the direction `side`;
-        ``extreme``: where a state is largest (`side` 1) or least (-1); ``begin`` and ``end`` of
-        the phases; ``reached``: the end of a phase that came to what it waited for; ``path``: its
-        length, in place of the instant [m]; ``steady``: the motion
-        without accelerations next to the end, NaN if there is none.
-    state : State
-        Which.
-    level, side : float
-        See above.
-    first, last : int
-        Phases in which it is looked for.
+    `ask`: ``crossing``: first passage of a state through `level` in the direction `side`;
+    ``extreme``: where a state is largest (`side` 1) or least (-1); ``begin`` and ``end`` of the
+    phases; ``reached``: the end of a phase that came to what it waited for; ``path``: its
+    length, in place of the instant [m]; ``steady``: the motion without accelerations next to
+    the end, NaN if there is none. `first, last`: phases in which it is looked for.
     """
 
     ask: Ask
@@ -112,16 +94,8 @@ class Probe:
 class ProbeResults:
     """What the probes of a plan found for one ship, or for many at once.
 
-    Parameters
-    ----------
-    places : mapping of str to int
-        Place of each probe.
-    states : tuple of str
-        States in their order.
-    values : array (probes, 1 + states) or (probes, 1 + states, ships)
-        Instants and states.
-    speed, L : float
-        Approach speed [m/s] and ship length [m].
+    `places`: place of each probe. `states`: states in their order. `speed, L`: approach speed
+    [m/s] and ship length [m].
     """
 
     places: Mapping[str, int]
@@ -143,27 +117,13 @@ class ProbeResults:
 class Plan:
     """The plan of a manoeuvre for one ship.
 
-    Parameters
-    ----------
-    phases : tuple of Phase
-        Orders one after another.
-    probes : mapping of str to Probe
-        What is asked.
-    measure : callable
-        From the results of the probes to numbers by name, lengths in metres.
-    rudder : float
-        Largest ordered angle with its sign [rad].
-    settles : bool
-        Whether the end is to be steady.
-    revolutions_rate : float, optional
-        Rate at which the revolutions go to their order, over those of the approach [1/s]; by
-        default what is usual, or what a part ``shaft`` gives.
-    bucket_rate : float, optional
-        Rate at which the bucket of a waterjet goes to its order [1/s]; by default what is usual.
-    name : str
-        Of the manoeuvre, which fills it in.
-    metrics : tuple of Metric
-        What the numbers are; filled in too.
+    `phases`: orders one after another. `measure`: from the results of the probes to numbers by
+    name, lengths in metres. `rudder`: largest ordered angle with its sign [rad]. `settles`:
+    whether the end is to be steady. `revolutions_rate`: rate at which the revolutions go to
+    their order, over those of the approach [1/s]; by default what is usual, or what a part
+    ``shaft`` gives. `bucket_rate`: rate at which the bucket of a waterjet goes to its order
+    [1/s]; by default what is usual. `name`: of the manoeuvre, which fills it in. `metrics`:
+    what the numbers are; filled in too.
     """
 
     phases: tuple[Phase, ...]

@@ -13,8 +13,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.equations import Prepared
-from pmmkit.equations.layouts import (
+from pmmkit.base import ModelError, SimulationError
+from pmmkit.numerics import Array
+from pmmkit.simulation.equations.layouts import (
     Constant,
     EventField,
     OutcomeField,
@@ -22,10 +23,8 @@ from pmmkit.equations.layouts import (
     Status,
     StepField,
 )
-from pmmkit.equations.prepared import mass_problem, propulsion_problem
-from pmmkit.equations.structure import Structure
-from pmmkit.errors import ModelError, SimulationError
-from pmmkit.numerics import Array
+from pmmkit.simulation.equations.prepared import Prepared, mass_problem, propulsion_problem
+from pmmkit.simulation.equations.structure import EquationStructure
 from pmmkit.simulation.plan import Plan, ProbeResults
 
 LONGEST_STEP: Final = 2.0
@@ -48,17 +47,9 @@ INSTANT: Final = 1e9
 class Gear:
     """How the controls follow their orders.
 
-    Parameters
-    ----------
-    rudder_rate : float
-        [rad/s]
-    rudder_lag : float
-        Time constant near the order [s]; 0 goes at the rate to the end.
-    revolutions_rate : float
-        Rate of the revolutions, or of their order where an effect ``shaft`` moves them, over
-        those of the approach [1/s].
-    bucket_rate : float
-        [1/s]
+    `rudder_lag`: time constant near the order [s]; 0 goes at the rate to the end.
+    `revolutions_rate`: rate of the revolutions, or of their order where an effect ``shaft``
+    moves them, over those of the approach [1/s].
     """
 
     rudder_rate: float
@@ -69,30 +60,17 @@ class Gear:
 
 ENOUGH: Final = 50_000
 """Interpreted steps of one structure after which it is compiled."""
-_INTERPRETED: Final[Counter[Structure]] = Counter()
+_INTERPRETED: Final[Counter[EquationStructure]] = Counter()
 """Steps of each structure so far: it decides on time alone, never on a number."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class History:
+class DenseHistory:
     """An integrated manoeuvre with its dense output.
 
-    Parameters
-    ----------
-    ready : Prepared
-        The model.
-    plan : Plan
-        The manoeuvre.
-    steps, events, settings : list or array
-        As the engine fills them.
-    constants : list or array
-        With the inverse of the mass matrix, as the functions take them.
-    kept : int
-        Number of steps.
-    n0 : float
-        Revolutions of the approach [1/s].
-    fast : bool
-        Whether compiled functions made it.
+    `steps, events, settings`: as the engine fills them. `constants`: with the inverse of the
+    mass matrix, as the functions take them. `n0`: revolutions of the approach [1/s]. `fast`:
+    whether compiled functions made it.
     """
 
     ready: Prepared
@@ -207,35 +185,10 @@ def run_plan(
     rtol: float,
     fast: bool | None = None,
     revolutions: float | None = None,
-) -> History:
+) -> DenseHistory:
     """Integrate one ship through a plan.
 
-    Parameters
-    ----------
-    ready : Prepared
-        The model at its approach speed.
-    plan : Plan
-        The manoeuvre.
-    gear : Gear
-        How the controls follow.
-    rtol : float
-        Relative tolerance of a step.
-    fast : bool, optional
-        Compiled, or interpreted. By default interpreted, until as many steps were taken with this
-        structure as cost about what compiling it does; both give the same numbers.
-    revolutions : float, optional
-        Of the approach [1/s]; by default those of self-propulsion.
-
-    Returns
-    -------
-    History
-
-    Raises
-    ------
-    SimulationError
-        If the motion grows without bound.
-    ModelError
-        If the mass matrix is not positive or no revolutions hold the speed.
+    revolutions [1/s].
     """
     asked = fast
     if fast is None:
@@ -268,7 +221,7 @@ def run_plan(
     if status != Status.done:
         last = steps[stride * (kept - 1) + StepField.begin] if kept else 0.0
         raise problem(status, ready, float(last))
-    return History(
+    return DenseHistory(
         ready=ready,
         plan=plan,
         steps=steps,
@@ -300,7 +253,7 @@ BATCH_ROOM: Final = 4000
 
 
 def run_ships(
-    structure: Structure,
+    structure: EquationStructure,
     ships: Array,
     plan: Plan,
     settings: list[float],
@@ -310,35 +263,16 @@ def run_ships(
 ) -> tuple[ProbeResults, Array]:
     """Run many ships of one structure through a plan.
 
-    Parameters
-    ----------
-    structure : Structure
-        Of all ships.
-    ships : array (ships, constants)
-        A row of constants for each, from `pmmkit.equations.stacked`.
-    plan : Plan
-        The manoeuvre.
-    settings : list of float
-        From `settings_for`.
-    jobs : int, optional
-        Threads; by default as many as the machine has processors.
-    advance : callable, optional
-        Called with the number of ships done since the last call.
-
-    Returns
-    -------
-    results : ProbeResults
-        With a value per ship.
-    status : array (ships,)
-        A `Status` of each.
+    ships (ships, constants); status (ships,).
 
     Notes
     -----
-    Each ship is integrated on its own, in a lane of `pmmkit.equations.lanes`: the results are the
-    same bit for bit whatever the number of threads and whichever ships are beside it.
+    Each ship is integrated on its own, in a lane of `pmmkit.simulation.equations.lanes`: the
+    results are the same bit for bit whatever the number of threads and whichever ships are beside
+    it.
     """
-    from pmmkit.equations.code_generation import SAILING
-    from pmmkit.equations.compilation import compiled
+    from pmmkit.simulation.equations.code_generation import SAILING
+    from pmmkit.simulation.equations.compilation import compiled
 
     functions = compiled(structure, SAILING)
     number, width = ships.shape

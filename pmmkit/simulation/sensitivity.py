@@ -10,19 +10,16 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.channels import did_you_mean
-from pmmkit.equations.prepared import values_at
-from pmmkit.errors import DataError, Problem, Remedy, UnknownNameError, setting
-from pmmkit.executors import Workers, opened
+from pmmkit.base import DataError, Problem, Remedy, UnknownNameError, Workers, opened, setting
+from pmmkit.conventions import did_you_mean, in_lengths, main_of, metric_unit
 from pmmkit.inference import Propagated, differences, displaced
-from pmmkit.metrics import in_lengths, main_of, unit_of
-from pmmkit.models import Model
-from pmmkit.models.model import place_name
+from pmmkit.models import Model, place_name
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.simulation.ensemble import Batch, batch_of, unstated
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
-from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting
+from pmmkit.simulation.equations.prepared import values_at
+from pmmkit.simulation.kinds.catalogue import manoeuvre_of
+from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting
 from pmmkit.simulation.spread import in_kind, is_uncertain, spread_of
 
 if TYPE_CHECKING:
@@ -110,7 +107,7 @@ class Sensitivities(Described):
 
     def plot(self, metric: str | None = None) -> Figure:
         """Which derivatives decide a metric, the main one by default."""
-        from pmmkit.plotting.metrics import importance
+        from pmmkit.simulation.figures import importance
 
         chosen = metric or main_of(self.slopes)
         shares = self.covariance is not None
@@ -269,7 +266,7 @@ def sensitivities(
         slopes=MappingProxyType(slopes),
         nominal=MappingProxyType({name: float(x[-1]) for name, x in metrics.items()}),
         covariance=covariance,
-        units=MappingProxyType({name: unit_of(name, batch.plan.metrics) for name in slopes}),
+        units=MappingProxyType({name: metric_unit(name, batch.plan.metrics) for name in slopes}),
         settings=tuple(item.name for item in free),
     )
 
@@ -318,14 +315,7 @@ def _sizes(names: Sequence[str], values: Array) -> Array:
 class SobolIndices(Described):
     """Shares of the variance of each metric, of each derivative alone and with all others.
 
-    Parameters
-    ----------
-    names : tuple of str
-        Derivatives.
-    first, total : mapping of str to array (m,)
-        By metric.
-    ships : int
-        Simulated ships.
+    first, total (m,).
     """
 
     names: tuple[str, ...]

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.equations import Conditions, prepare
-from pmmkit.equations.layouts import State
-from pmmkit.errors import SimulationError
+from pmmkit.base import SimulationError
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section
+from pmmkit.simulation.equations.layouts import State
+from pmmkit.simulation.equations.prepared import Conditions, prepare
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,21 +30,13 @@ LISTED: Final = 16
 class SpiralCurve(Described):
     """Steady turns from one side to the other.
 
-    Parameters
-    ----------
-    rudder_deg, yaw_rate_deg_s, drift_deg, speed_ratio : array (m,)
-        Along the curve, by rising yaw rate; as of a turning circle, in the horizontal plane.
-    stable : array (m,) of bool
-        Whether the ship stays in that turn by itself: the rudder rises with the yaw rate.
-    loop_width_deg : float
-        Rudder angles between the two folds of the curve; 0 for a stable ship.
-    loop_height_deg_s : float
-        Yaw rates between the two stable turns with the rudder at `neutral_deg`; 0 for a stable
-        ship.
-    neutral_deg : float
-        Rudder angle in the middle between the folds, or where a stable ship does not turn.
-    name, scale : str
-        Of the model.
+    `rudder_deg, yaw_rate_deg_s, drift_deg, speed_ratio (m,)`: along the curve, by rising yaw
+    rate; as of a turning circle, in the horizontal plane. `stable (m,)`: whether the ship stays
+    in that turn by itself: the rudder rises with the yaw rate. `loop_width_deg`: rudder angles
+    between the two folds of the curve; 0 for a stable ship. `loop_height_deg_s`: yaw rates
+    between the two stable turns with the rudder at `neutral_deg`; 0 for a stable ship.
+    `neutral_deg`: rudder angle in the middle between the folds, or where a stable ship does not
+    turn.
     """
 
     rudder_deg: Array
@@ -67,7 +59,7 @@ class SpiralCurve(Described):
 
     def plot(self) -> Figure:
         """Yaw rate over the rudder that holds it; the loop of an unstable ship is shaded."""
-        from pmmkit.plotting.histories import steady_turns
+        from pmmkit.plotting import steady_turns
 
         half = self.loop_width_deg / 2
         loop = (self.neutral_deg - half, self.neutral_deg + half)

@@ -8,16 +8,14 @@ from typing import Final, overload
 
 import numpy as np
 
-from pmmkit.effects.catalogue import effect_of
-from pmmkit.equations.following import known_speeds
-from pmmkit.equations.prepared import Numbers, values_at
-from pmmkit.errors import DataError, ModelError, Problem, Remedy, setting
+from pmmkit.base import DataError, ModelError, Problem, Remedy, setting
+from pmmkit.effects import effect_of
 from pmmkit.inference import root
-from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS, place_name
-from pmmkit.models.particulars import TOGETHER
+from pmmkit.models import DERIVATIVE_PARTS, TOGETHER, Model, place_name
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
+from pmmkit.simulation.equations.following import known_speeds
+from pmmkit.simulation.equations.prepared import Numbers, values_at
 from pmmkit.simulation.froude import Follow
 
 CHUNK: Final = 10_000

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.errors import UnknownNameError
-from pmmkit.metrics import IN_LENGTHS, METRICS, Metric, in_lengths, unit_of
-from pmmkit.models.standing import Standing
+from pmmkit.base import UnknownNameError
+from pmmkit.conventions import IN_LENGTHS, METRICS, Metric, in_lengths, metric_unit
+from pmmkit.models import Standing
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, number
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pmmkit.simulation.froude import FroudeRange
-    from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
+    from pmmkit.simulation.kinds.manoeuvre import Manoeuvre
 
 CHANNELS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
     {
@@ -111,7 +111,7 @@ class Track(Described):
 
         Examples
         --------
-        >>> from pmmkit.simulation import simulate
+        >>> from pmmkit.simulation.single import simulate
         >>> turn = simulate("kcs", speed=12.35, duration=60.0, dt=1.0)
         >>> turn.at(turn.t > 58.0).t
         array([59., 60.])
@@ -190,7 +190,7 @@ class Track(Described):
 
         As the manoeuvre declares: a turning circle gives ``trajectory`` and ``histories``.
         """
-        from pmmkit.plotting.manoeuvres import manoeuvre
+        from pmmkit.plotting import manoeuvre
 
         known = self._known()
         return manoeuvre(self, known.drawn if known else "path")
@@ -246,7 +246,7 @@ class Track(Described):
 
     def _known(self) -> Manoeuvre | None:
         """The manoeuvre among those that pmmkit and other packages define."""
-        from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+        from pmmkit.simulation.kinds.catalogue import manoeuvre_of
 
         try:
             return manoeuvre_of(self.manoeuvre)
@@ -264,12 +264,12 @@ def scaled(values: Mapping[str, float], length: float, pace: float) -> Mapping[s
     """
     time = length / pace
     factors = {"m": length, "s": time, "deg/s": 1.0 / time, "m/s": pace}
-    return {name: x * factors.get(unit_of(name), 1.0) for name, x in values.items()}
+    return {name: x * factors.get(metric_unit(name), 1.0) for name, x in values.items()}
 
 
 def _unit(name: str, known: tuple[Metric, ...]) -> str:
     """Unit of a number; empty for one that a user brings along."""
     try:
-        return unit_of(name, known)
+        return metric_unit(name, known)
     except UnknownNameError:
         return ""

@@ -55,16 +55,9 @@ rounded in other ways."""
 class Word:
     """A function that trees may call by a name.
 
-    Parameters
-    ----------
-    home : str
-        Module whose function it is.
-    c, matlab : str
-        What it is called there. Without a word C gets the function itself, translated.
-    count : int
-        Of arguments; 0 for two or more, which C and MATLAB take two at a time.
-    gives : {"fraction", "whole", "truth"}
-        What C gets from it.
+    `home`: module whose function it is. `c, matlab`: what it is called there. Without a word C
+    gets the function itself, translated. `count`: of arguments; 0 for two or more, which C and
+    MATLAB take two at a time. `gives`: what C gets from it.
     """
 
     home: str

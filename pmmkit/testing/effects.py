@@ -12,29 +12,43 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.bibliography import bibliography
-from pmmkit.conventions import parse_derivative
-from pmmkit.diagnosis.captive.asked import asked_in_captive
-from pmmkit.diagnosis.captive.asked import excited as excited_in_captive
-from pmmkit.diagnosis.captive.candidate import candidate_of as captive_candidate
-from pmmkit.diagnosis.captive.signature import standard_tests
-from pmmkit.diagnosis.free_running.candidates import asked_in_free_running
-from pmmkit.diagnosis.free_running.candidates import candidate_of as free_candidate
-from pmmkit.effects.catalogue import arguments_of, catalogue
-from pmmkit.effects.effect import BY_SPEED, KINDS, Effect, unit_is_known
-from pmmkit.effects.primitives import over_arrays
-from pmmkit.effects.seen import EXCITES, OUTSIDE
-from pmmkit.equations import Prepared, prepare
-from pmmkit.equations.code_generation import GIVEN
-from pmmkit.equations.histories import water_forces
-from pmmkit.equations.prepared import Conditions
-from pmmkit.equations.structure import ACCELERATIONS, FORCES
-from pmmkit.errors import ModelError, PmmkitError
-from pmmkit.models import Model, Part, load_model, scaled
-from pmmkit.models.edit import with_effect, without_effect
-from pmmkit.models.roles import parts_of
-from pmmkit.models.vessel import Sailing
-from pmmkit.ship_library import ships
+from pmmkit.base import ModelError, PmmkitError
+from pmmkit.conventions import bibliography, parse_derivative
+from pmmkit.diagnosis import asked_in_captive, asked_in_free_running, standard_tests
+from pmmkit.diagnosis import candidate_of as captive_candidate
+from pmmkit.diagnosis import excited as excited_in_captive
+from pmmkit.diagnosis import free_candidate_of as free_candidate
+from pmmkit.effects import (
+    BY_SPEED,
+    EXCITES,
+    KINDS,
+    OUTSIDE,
+    Effect,
+    arguments_of,
+    catalogue,
+    over_arrays,
+    unit_is_known,
+)
+from pmmkit.models import (
+    Model,
+    Part,
+    Sailing,
+    load_model,
+    parts_of,
+    scaled,
+    ships,
+    with_effect,
+    without_effect,
+)
+from pmmkit.simulation import (
+    ACCELERATIONS,
+    FORCES,
+    GIVEN,
+    Conditions,
+    Prepared,
+    prepare,
+    water_forces,
+)
 from pmmkit.testing.faults import acts_on_records, declared_fault
 
 _FROUDE: Final = 0.142
@@ -160,7 +174,7 @@ def check_effect(effect: Effect, model: Model | None = None) -> None:
 
     Examples
     --------
-    >>> from pmmkit.effects.catalogue import effect_of
+    >>> from pmmkit.effects import effect_of
     >>> check_effect(effect_of("modulus_sway_drag"))
     >>> check_effect(Effect(name="Keel", family="own", kind="terms", summary="A keel"))
     Traceback (most recent call last):

@@ -7,12 +7,10 @@ from itertools import product
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.candidate import candidate_of
-from pmmkit.diagnosis.captive.signature import standard_tests
-from pmmkit.effects.effect import Effect
-from pmmkit.effects.faults.fault import shown_by
+from pmmkit.diagnosis import candidate_of, standard_tests
+from pmmkit.effects import Effect, shown_by
 from pmmkit.numerics import Array
-from pmmkit.observations.seen import Seen
+from pmmkit.reduction import RunView
 
 
 def declared_fault(effect: Effect) -> Iterator[str]:
@@ -38,7 +36,7 @@ def acts_on_records(effect: Effect) -> Iterator[str]:
     views, base = standard_tests()
     speeds = sorted({view.speed for view in views})
     for view, value in product(views, candidate_of(effect, speeds).grid):
-        run = Seen(view, base)
+        run = RunView(view, base)
         at = {effect.nonlinear.name: value} if effect.nonlinear else {}
         for item in effect.coefficients:
             none, once, twice = (

@@ -9,12 +9,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.errors import DataError, PmmkitError
-from pmmkit.metrics import IN_LENGTHS, METRICS, Metric, metric_of
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
-from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting
-from pmmkit.simulation.simulate import simulate
-from pmmkit.simulation.track import CHANNELS, Track
+from pmmkit.base import DataError, PmmkitError
+from pmmkit.conventions import IN_LENGTHS, METRICS, Metric, metric_of
+from pmmkit.simulation import CHANNELS, Manoeuvre, Setting, Track, manoeuvres, simulate
 
 UNITS: Final = {"m": "", "s": "", "-": "", "m/s": "", "deg": "_deg", "deg/s": "_deg_s"}
 """Units of metrics, and what then stands in their names."""

@@ -14,12 +14,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmmkit.channels import CHANNEL_UNITS, split_unit
-from pmmkit.errors import CampaignError, PmmkitError
+from pmmkit.base import CampaignError, PmmkitError
+from pmmkit.conventions import CHANNEL_UNITS, split_unit
 from pmmkit.files import sha256
 from pmmkit.numerics import Array
-from pmmkit.readers import Choose, Columns, Options, Reader, Request, readers
-from pmmkit.readers.base import head_of, to_number
+from pmmkit.readers import Choose, Columns, Options, Reader, Request, head_of, readers, to_number
 
 _CUTS: Final = 24
 """Places at which a file is cut short."""

@@ -7,16 +7,11 @@ from typing import Final, get_args, get_type_hints
 
 import numpy as np
 
-from pmmkit.bibliography import bibliography
-from pmmkit.conventions import CHANNELS, Convention, canonical
-from pmmkit.effects.hull import in_channel, regressors
-from pmmkit.effects.state import State
-from pmmkit.errors import PmmkitError
+from pmmkit.base import PmmkitError
+from pmmkit.conventions import CHANNELS, Convention, Structure, Water, bibliography, canonical
+from pmmkit.effects import State, in_channel, regressors
+from pmmkit.models import converted, from_values, load_ship
 from pmmkit.numerics import Array
-from pmmkit.ship import Water
-from pmmkit.ship_library import load_ship
-from pmmkit.structures import Structure
-from pmmkit.tables import converted, from_values
 
 _INSTANTS: Final = 400
 _SMALLEST: Final = 1e-6
@@ -42,7 +37,7 @@ def check_structure(structure: Structure) -> None:
 
     Examples
     --------
-    >>> from pmmkit.structures import structures
+    >>> from pmmkit.conventions import structures
     >>> check_structure(structures()["mmg"])
     >>> check_structure(Structure(name="My hull", derivatives=("Yvrv", "Nvvr", "Nrvv")))
     Traceback (most recent call last):

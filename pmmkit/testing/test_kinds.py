@@ -9,9 +9,7 @@ from typing import Any, Final, get_args, get_type_hints
 
 import numpy as np
 
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.test_kinds.kind import MAY_BE_ZERO, NominalMotion, TestKind, ship_axes
-from pmmkit.campaigns.test_kinds.registry import kinds
+from pmmkit.campaigns import MAY_BE_ZERO, NominalMotion, Settings, TestKind, kinds, ship_axes
 from pmmkit.numerics import Array
 
 SIZES: Final = {
@@ -66,7 +64,7 @@ def check_test_kind(kind: TestKind) -> None:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> from pmmkit.campaigns.test_kinds.oscillating import PURE_SWAY
+    >>> from pmmkit.campaigns import PURE_SWAY
     >>> check_test_kind(PURE_SWAY)
     >>> check_test_kind(replace(PURE_SWAY, varies=("v", "r"), codes=("sway",)))
     Traceback (most recent call last):

@@ -1,1 +1,34 @@
 """Models beside tests: errors against what may differ anyway, and where they stand out."""
+
+from typing import TYPE_CHECKING
+
+from pmmkit.base import lazy
+
+if TYPE_CHECKING:
+    from pmmkit.validation.captive import CaptiveRun, observed
+    from pmmkit.validation.comparison import MOST, Comparison, compare
+    from pmmkit.validation.dataset import errors_in_percent, measures_in_percent
+    from pmmkit.validation.free_running import FORCE_UNITS, FreeRun, as_tested
+    from pmmkit.validation.manoeuvre import ManoeuvreComparison
+    from pmmkit.validation.statistics import STATISTICS
+    from pmmkit.validation.submission import compare_submission
+    from pmmkit.validation.uncertainty import rms_of
+
+__all__ = [
+    "FORCE_UNITS",
+    "MOST",
+    "STATISTICS",
+    "CaptiveRun",
+    "Comparison",
+    "FreeRun",
+    "ManoeuvreComparison",
+    "as_tested",
+    "compare",
+    "compare_submission",
+    "errors_in_percent",
+    "measures_in_percent",
+    "observed",
+    "rms_of",
+]
+
+lazy(__name__)

@@ -8,27 +8,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pmmkit.campaigns.motion.inertia import Rig, force_of_water, rig_of
-from pmmkit.campaigns.run import Campaign
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.conventions import CHANNELS
-from pmmkit.errors import DataError, ExtrapolationError
+from pmmkit.base import DataError, ExtrapolationError, Progress
+from pmmkit.campaigns import Campaign, Rig, TypeB, force_of_water, rig_of
+from pmmkit.conventions import CHANNELS, Ship, Water
+from pmmkit.effects import State, catalogue, slopes
 from pmmkit.inference import COVERAGE
-from pmmkit.models import Model
-from pmmkit.models.step import faults_of
+from pmmkit.models import Model, Step, faults_of
 from pmmkit.numerics import Array
-from pmmkit.observations.stated import idle
-from pmmkit.observations.views import (
+from pmmkit.presentation import listed
+from pmmkit.reduction import (
     Repeatability,
+    RunView,
     View,
+    idle,
     repeat_scatter,
     repeatability_of,
     views_of,
 )
-from pmmkit.presentation import listed
-from pmmkit.progress import Progress
-from pmmkit.simulation.spread import Spread
-from pmmkit.validation.faults import shown_too_much, sizes_told
+from pmmkit.simulation import Spread
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
 from pmmkit.validation.statistics import ChannelError
 from pmmkit.validation.uncertainty import (
@@ -41,6 +38,62 @@ from pmmkit.validation.uncertainty import (
     stated_share,
     stated_spread,
 )
+
+# What the faults of a laboratory, as a model's steps tell them, do to captive runs.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class InTheTank:
+    """A model as what predicts the forces of a run; `observations.seen.Expects` says the rest."""
+
+    predictor: Predictor
+    turning: bool
+
+    @property
+    def ship(self) -> Ship:
+        """The model that was tested."""
+        return self.predictor.model.ship
+
+    @property
+    def water(self) -> Water:
+        """The water of the tank."""
+        return self.predictor.model.water
+
+    def expected(self, view: View) -> dict[str, Array]:
+        """All harmonics of the forces that the model predicts in a view [N, N m]."""
+        return self.along(view, view.motion, view.speed)
+
+    def along(self, view: View, motion: State, speed: float) -> dict[str, Array]:
+        """The same if the model, or its carriage, went otherwise."""
+        forces = self.predictor.forces(speed, turning=self.turning)(motion, view.instants)
+        return {name: view.harmonics(x) for name, x in forces.items() if name in view.force}
+
+
+def sizes_told(steps: Mapping[str, Step]) -> dict[str, tuple[float, ...]]:
+    """Sizes of the faults that steps tell, as the coefficients of the effects stand."""
+    found = {}
+    for name, step in steps.items():
+        effect = catalogue()[name]
+        labels = [item.name for item in effect.coefficients]
+        if effect.acts is not None and not effect.each_run and set(labels) <= {*step.coefficients}:
+            found[name] = tuple(float(step.coefficients[x]) for x in labels)  # type: ignore[arg-type]
+    return found
+
+
+def shown_too_much(
+    view: View, predictor: Predictor, steps: Mapping[str, Step], *, turning: bool
+) -> dict[str, Array]:
+    """Harmonics that a run shows beside the forces of the water, by channel [N, N m]."""
+    seen = RunView(view, InTheTank(predictor=predictor, turning=turning))
+    found: dict[str, Array] = {}
+    for name, sizes in sizes_told(steps).items():
+        effect = catalogue()[name]
+        at = {effect.nonlinear.name: steps[name].value or 0.0} if effect.nonlinear else {}
+        shown = slopes(effect, seen, at, list(effect.typical))
+        for channel, own in shown.items():
+            for size, column in zip(sizes, own, strict=True):
+                found[channel] = found.get(channel, 0.0) + size * column
+    return found
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -129,7 +182,13 @@ class CaptiveRun:
 
 
 def observed(campaign: Campaign) -> tuple[View, ...]:
-    """What captive tests say, whichever model stands beside them."""
+    """What captive tests say, whichever model stands beside them.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The captive tests.
+    """
     return views_of(campaign, unknown_noise=True, pieces=False)
 
 
@@ -142,36 +201,7 @@ def compare_captive(
     views: Sequence[View] | None = None,
     progress: Progress | None = None,
 ) -> tuple[tuple[CaptiveRun, ...], tuple[str, ...]]:
-    """Every captive run beside a model.
-
-    Parameters
-    ----------
-    model : Model
-        At any scale.
-    campaign : Campaign
-        Captive tests.
-    floor : float
-        Share of the rms force of a channel that counts as uncertain whatever else is known.
-    extrapolate : bool
-        Allow speeds outside the range of the model's values.
-    views : sequence of View, optional
-        What `observed` says of the campaign, where it has been asked.
-    progress : callable, optional
-        Told what is being done.
-
-    Returns
-    -------
-    tuple of CaptiveRun
-    tuple of str
-        What a reader must know.
-
-    Raises
-    ------
-    DataError
-        If no run is left.
-    ModelError
-        If the model is of another ship.
-    """
+    """Every captive run beside a model."""
     predictor = in_the_tank(model, campaign, extrapolate=extrapolate)
     rig = rig_of(campaign)
     views = observed(campaign) if views is None else views
@@ -274,23 +304,7 @@ def measured_shares(
     forces: Forces,
     predicted: Mapping[str, Array],
 ) -> dict[str, Share]:
-    """Standard uncertainties of a run's harmonics that are the measurement's: `OF_MEASUREMENT`.
-
-    Parameters
-    ----------
-    view : View
-        The run.
-    campaign : Campaign
-        States what it is uncertain by.
-    rig : Rig
-        Inertia and reference points.
-    scatter : Repeatability
-        Of repeats.
-    sources : sequence of TypeB
-        What is stated.
-    forces, predicted
-        As for `stated_share`; the channels of `predicted` are asked.
-    """
+    """Standard uncertainties of a run's harmonics that are the measurement's: `OF_MEASUREMENT`."""
     noise = {name: np.sqrt(np.diagonal(view.covariance[name])) for name in predicted}
     again = {
         name: np.full(

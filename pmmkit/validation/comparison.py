@@ -9,26 +9,21 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from pmmkit.campaigns.motion.inertia import Rig, rig_of
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.base import DataError, Progress, UnknownNameError
+from pmmkit.campaigns import Campaign, Rig, Run, kind_of, rig_of
+from pmmkit.conventions import Ship, Water, in_metres, in_words, told
 from pmmkit.inference import COVERAGE
-from pmmkit.metrics import in_metres, in_words, told
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
-from pmmkit.observations.views import View
-from pmmkit.observations.whitening import FLOOR
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number, percent
-from pmmkit.progress import Progress
-from pmmkit.ship import Ship, Water
+from pmmkit.reduction import FLOOR, View
 from pmmkit.validation.captive import CaptiveRun, compare_captive
 from pmmkit.validation.dataset import of_harmonics, of_samples, rows_of
 from pmmkit.validation.free_running import FORCE_UNITS, MOTIONS, FreeRun, compare_free
-from pmmkit.validation.manoeuvre import Manoeuvre
+from pmmkit.validation.manoeuvre import ManoeuvreComparison
 from pmmkit.validation.misfit import (
     STANDS_OUT,
-    Cell,
+    MisfitCell,
     Standout,
     Statement,
     cells,
@@ -76,7 +71,7 @@ class Comparison(Described):
         Captive runs; empty for free-running tests.
     free : tuple of FreeRun
         Free-running records; empty of a submission, which sails manoeuvres of its own.
-    manoeuvres : tuple of Manoeuvre
+    manoeuvres : tuple of ManoeuvreComparison
         Turning circles, zigzags and stops, measured and predicted.
     rig : Rig
         Of captive tests.
@@ -92,7 +87,7 @@ class Comparison(Described):
     floor: float
     captive: tuple[CaptiveRun, ...]
     free: tuple[FreeRun, ...]
-    manoeuvres: tuple[Manoeuvre, ...]
+    manoeuvres: tuple[ManoeuvreComparison, ...]
     rig: Rig
     notes: tuple[str, ...]
 
@@ -135,8 +130,8 @@ class Comparison(Described):
     def plot(self) -> Figure:
         """The map of misfit; of free-running tests the record that is predicted worst; of a
         submission of such tests the first manoeuvre."""
-        from pmmkit.plotting.comparison import misfit_map, sailed
-        from pmmkit.plotting.turns import trajectory
+        from pmmkit.plotting import trajectory
+        from pmmkit.validation.figures import misfit_map, sailed
 
         if not self.captive and not self.free:
             item = self.manoeuvres[0]
@@ -272,7 +267,7 @@ class Comparison(Described):
         )
         return table[[*_HARMONICS]].join(beside, on="run")
 
-    def cells(self) -> tuple[Cell, ...]:
+    def cells(self) -> tuple[MisfitCell, ...]:
         """The cells of the map of misfit of captive tests."""
         return cells(self.captive)
 
@@ -445,7 +440,7 @@ def compare(
     known = model if isinstance(model, Model) else load_model(model)
     captive: tuple[CaptiveRun, ...] = ()
     free: tuple[FreeRun, ...] = ()
-    manoeuvres: tuple[Manoeuvre, ...] = ()
+    manoeuvres: tuple[ManoeuvreComparison, ...] = ()
     if campaign.kind == "captive":
         captive, notes = compare_captive(
             known, campaign, floor=floor, extrapolate=extrapolate, views=views, progress=progress
@@ -531,14 +526,14 @@ def _size(row: Mapping[str, Any]) -> str:
     return f"{100 * row['relative']:.0f} % of the measured force"
 
 
-def _told(item: Manoeuvre) -> list[dict[str, Any]]:
+def _told(item: ManoeuvreComparison) -> list[dict[str, Any]]:
     """The rows of the measures that a comparison tells."""
     chosen = told("comparison", in_metres(item.trial.metrics), counted=OVERSHOOTS)
     return [row for row in item.rows() if row["measure"] in chosen]
 
 
 def _measure_statements(
-    manoeuvres: Sequence[Manoeuvre], records: Sequence[FreeRun]
+    manoeuvres: Sequence[ManoeuvreComparison], records: Sequence[FreeRun]
 ) -> list[Statement]:
     """Measures that differ to one side in all runs of a kind of test."""
     found: dict[tuple[str, str], list[Mapping[str, Any]]] = {}

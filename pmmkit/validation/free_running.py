@@ -10,35 +10,47 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.conventions import CHANNELS
-from pmmkit.equations.histories import water_forces
-from pmmkit.equations.prepared import feels_depth, packed, values_at
-from pmmkit.errors import DataError, PmmkitError
-from pmmkit.identification.as_tested import campaign_without, current_of, in_words, offsets
-from pmmkit.identification.binding import driven
-from pmmkit.identification.comparing import predicted_window
-from pmmkit.identification.disagreement import disagree
-from pmmkit.identification.from_run import free_records
-from pmmkit.identification.predict import predict, prediction_std, reference
-from pmmkit.identification.record import FreeRecord
-from pmmkit.identification.seas import sea_notes
-from pmmkit.identification.smoother import Smoothed, implied_forces, smooth
+from pmmkit.base import DataError, PmmkitError, Progress
+from pmmkit.campaigns import Campaign, Run
+from pmmkit.conventions import CHANNEL_UNITS, CHANNELS
+from pmmkit.identification import (
+    JUDGED,
+    FreeRecord,
+    Smoothed,
+    campaign_without,
+    current_of,
+    disagree,
+    driven,
+    evaluate,
+    free_records,
+    implied_forces,
+    in_words,
+    mean_current,
+    offsets,
+    predict,
+    predicted_window,
+    prediction_std,
+    reference,
+    sea_notes,
+    smooth,
+)
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Model
 from pmmkit.numerics import Array, rms
-from pmmkit.observations.stated import idle
 from pmmkit.presentation import WIDE, counted
-from pmmkit.progress import Progress
-from pmmkit.simulation import Track
-from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre as Orders
-from pmmkit.simulation.manoeuvres.zigzag import executed_at
-from pmmkit.simulation.simulate import simulate, steering
-from pmmkit.trials import evaluate
-from pmmkit.trials.current import mean_current
-from pmmkit.trials.evaluate import JUDGED
-from pmmkit.validation.manoeuvre import Manoeuvre
+from pmmkit.reduction import idle
+from pmmkit.simulation import Manoeuvre as Orders
+from pmmkit.simulation import (
+    Track,
+    executed_at,
+    feels_depth,
+    packed,
+    simulate,
+    steering,
+    values_at,
+    water_forces,
+)
+from pmmkit.validation.manoeuvre import ManoeuvreComparison
 from pmmkit.validation.prediction import at_the_scale_of
 from pmmkit.validation.statistics import ChannelError
 
@@ -166,42 +178,17 @@ def compare_free(
     window: float | None = None,
     extrapolate: bool = False,
     progress: Progress | None = None,
-) -> tuple[tuple[FreeRun, ...], tuple[Manoeuvre, ...], tuple[str, ...]]:
+) -> tuple[tuple[FreeRun, ...], tuple[ManoeuvreComparison, ...], tuple[str, ...]]:
     """Every free-running record beside a model.
 
-    Parameters
-    ----------
-    model : Model
-        At any scale; its ship is given the mass and inertia of the tests.
-    campaign : Campaign
-        Free-running tests with rudder and revolutions.
-    window : float, optional
-        Length of the windows that are predicted [s]; 15 ship lengths by default.
-    extrapolate : bool
-        Allow speeds outside the range of the model's values.
-    progress : callable, optional
-        Told what is being done.
-
-    Returns
-    -------
-    tuple of FreeRun
-    tuple of Manoeuvre
-    tuple of str
-        What a reader must know.
-
-    Raises
-    ------
-    DataError
-        If no record can be used, with the reasons.
-    ModelError
-        If the model is of another ship.
+    window [s].
     """
     made, notes = as_tested(model, campaign)
     notes += idle(campaign.uncertainty, ())
     known = offsets(made, campaign.title)
     campaign = campaign_without(campaign, known)
     runs: list[FreeRun] = []
-    manoeuvres: list[Manoeuvre] = []
+    manoeuvres: list[ManoeuvreComparison] = []
     reasons: list[str] = []
     used: list[FreeRecord] = []
     apart: list[str] = []
@@ -247,7 +234,7 @@ def compare_free(
     return tuple(runs), tuple(manoeuvres), (*notes, *reasons)
 
 
-def _steering_gear(model: Model, manoeuvres: Sequence[Manoeuvre]) -> list[str]:
+def _steering_gear(model: Model, manoeuvres: Sequence[ManoeuvreComparison]) -> list[str]:
     """What is to be said where the rudder of the records is not as fast as the model's."""
     rates = [item.trial.rudder_rate_deg for item in manoeuvres]
     measured = float(np.median([rate for rate in rates if math.isfinite(rate)] or [math.nan]))
@@ -260,7 +247,7 @@ def _steering_gear(model: Model, manoeuvres: Sequence[Manoeuvre]) -> list[str]:
     ]
 
 
-def _drifting(manoeuvres: Sequence[Manoeuvre]) -> list[str]:
+def _drifting(manoeuvres: Sequence[ManoeuvreComparison]) -> list[str]:
     """What turning circles tell of a current that the tracks are not sailed in."""
     own = {
         item.run.id: item.trial.current
@@ -279,7 +266,20 @@ def _drifting(manoeuvres: Sequence[Manoeuvre]) -> list[str]:
 
 
 def as_tested(model: Model, campaign: Campaign) -> tuple[Model, list[str]]:
-    """A model at the scale of free-running tests, with their mass, inertia and water."""
+    """A model at the scale of free-running tests, with their mass, inertia and water.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    campaign : Campaign
+        The tests.
+
+    Returns
+    -------
+    Model, list of str
+        The model as it is tested, and what was changed, in words.
+    """
     made, notes = at_the_scale_of(model, campaign.ship)
     own, theirs = made.ship, campaign.ship
     given = {
@@ -339,7 +339,7 @@ def _compared(
 
 def _sailed(
     model: Model, run: Run, campaign: Campaign, known: Mapping[str, float], extrapolate: bool
-) -> Manoeuvre:
+) -> ManoeuvreComparison:
     """A manoeuvre measured, and simulated with the ship's own steering and revolutions held."""
     settings = run.settings
     flow = current_of(known)
@@ -367,4 +367,4 @@ def _sailed(
     executed = None
     if run.kind_of_test.switches and len(trial.orders) > 1:
         executed = sailed(executed_at(trial.reversals))
-    return Manoeuvre(run=run, trial=trial, track=sailed(run.test), executed=executed)
+    return ManoeuvreComparison(run=run, trial=trial, track=sailed(run.test), executed=executed)

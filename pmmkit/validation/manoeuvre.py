@@ -6,15 +6,15 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from pmmkit.campaigns.run import Run
+from pmmkit.campaigns import Run
+from pmmkit.conventions import metric_unit
+from pmmkit.identification import Trial
 from pmmkit.inference import COVERAGE
-from pmmkit.metrics import unit_of
 from pmmkit.simulation import Track
-from pmmkit.trials import Trial
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Manoeuvre:
+class ManoeuvreComparison:
     """One manoeuvre of a trial beside the same one predicted.
 
     Parameters
@@ -56,7 +56,7 @@ class Manoeuvre:
                     "test": self.run.test,
                     "speed": self.run.settings.speed,
                     "measure": name,
-                    "unit": unit_of(name),
+                    "unit": metric_unit(name),
                     "measured": measured,
                     "predicted": predicted,
                     "error": error,

@@ -10,8 +10,8 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.campaigns import kind_of
+from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.numerics import Array, rms
 from pmmkit.presentation import listed
 from pmmkit.validation.captive import CaptiveRun
@@ -38,30 +38,16 @@ POWERS: Final = {1: "", 2: " squared", 3: " cubed"}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell:
+class MisfitCell:
     """One channel, test type, speed and harmonic: all runs of it together.
 
-    Parameters
-    ----------
-    channel, test : str
-        X, Y, N or K; kind of test.
-    speed, Fn : float
-        Carriage speed [m/s], Froude number.
-    harmonic : int
-        Order; 0 is the mean.
-    runs : int
-        Number of runs.
-    error, uncertainty : float
-        Root mean squares over the runs: amplitude of the comparison error, expanded validation
-        uncertainty [N, N m].
-    ratio : float
-        Root mean square of the error over its uncertainty.
-    with_velocity, with_displacement : float
-        The same of the parts in phase with the velocity and with the displacement; NaN for a mean.
-    relative : float
-        Error over the measured rms force of the runs.
-    known : bool
-        Whether the noise of all runs is known.
+    `channel, test`: X, Y, N or K; kind of test. `speed, Fn`: carriage speed [m/s], Froude
+    number. `harmonic`: order; 0 is the mean. `error, uncertainty`: root mean squares over the
+    runs: amplitude of the comparison error, expanded validation uncertainty [N, N m]. `ratio`:
+    root mean square of the error over its uncertainty. `with_velocity, with_displacement`: the
+    same of the parts in phase with the velocity and with the displacement; NaN for a mean.
+    `relative`: error over the measured rms force of the runs. `known`: whether the noise of all
+    runs is known.
     """
 
     channel: str
@@ -83,27 +69,13 @@ class Cell:
 class Standout:
     """What stands out of the map, over the speeds together.
 
-    Parameters
-    ----------
-    channel, test : str
-        X, Y, N or K; kind of test.
-    harmonic : int
-        Order; 0 is the mean.
-    speeds : tuple of float
-        Speeds at which it stands out [m/s].
-    tested : tuple of float
-        All speeds of the test type [m/s].
-    ratio : float
-        Root mean square of error over expanded uncertainty.
-    growth : mapping of str to int
-        Powers of the variables with which the coefficient of the error grows.
-    known : bool
-        Whether the noise is known.
-    error : float
-        Root mean square over the runs of the error's amplitude [N, N m].
-    sign : {"too large", "too small", "too high", "too low", "off"}
-        The prediction beside the measurement: its size, where the error is within 45° of the
-        measured force or its opposite; else its value, where means err to one side; else neither.
+    `channel, test`: X, Y, N or K; kind of test. `harmonic`: order; 0 is the mean. `speeds`:
+    speeds at which it stands out [m/s]. `tested`: all speeds of the test type [m/s]. `ratio`:
+    root mean square of error over expanded uncertainty. `growth`: powers of the variables with
+    which the coefficient of the error grows. `known`: whether the noise is known. `error`: root
+    mean square over the runs of the error's amplitude [N, N m]. `sign`: the prediction beside
+    the measurement: its size, where the error is within 45° of the measured force or its
+    opposite; else its value, where means err to one side; else neither.
     """
 
     channel: str
@@ -171,15 +143,8 @@ class Standout:
 class Statement:
     """A sentence on a comparison, and what of the tests it speaks of.
 
-    Parameters
-    ----------
-    text : str
-        The sentence.
-    channel : str
-        A force, or a motion of free-running records; empty where it speaks of a measure of whole
-        manoeuvres.
-    runs : tuple of str
-        Ids of the runs, or names of the records.
+    `channel`: a force, or a motion of free-running records; empty where it speaks of a measure
+    of whole manoeuvres. `runs`: ids of the runs, or names of the records.
     """
 
     text: str
@@ -194,19 +159,6 @@ def statements_of(
     standouts: Sequence[Standout], runs: Sequence[CaptiveRun]
 ) -> tuple[Statement, ...]:
     """Sentences that join what belongs together, the worst first.
-
-    Parameters
-    ----------
-    standouts : sequence of Standout
-        The worst first.
-    runs : sequence of CaptiveRun
-        From `compare_captive`.
-
-    Returns
-    -------
-    tuple of Statement
-        All harmonics of a channel and kind of test together; and where only one stands out, all
-        kinds of test of which the same does.
 
     Examples
     --------
@@ -315,14 +267,8 @@ class _Part:
         return float(np.sqrt(np.mean((self.error / self.uncertainty) ** 2)))
 
 
-def cells(runs: Sequence[CaptiveRun]) -> tuple[Cell, ...]:
-    """The map: channel by test type, speed and harmonic.
-
-    Parameters
-    ----------
-    runs : sequence of CaptiveRun
-        From `compare_captive`.
-    """
+def cells(runs: Sequence[CaptiveRun]) -> tuple[MisfitCell, ...]:
+    """The map: channel by test type, speed and harmonic."""
     grouped = _grouped(
         runs,
         lambda part: (
@@ -351,7 +297,7 @@ def _sortable(key: tuple[Any, ...]) -> tuple[Any, ...]:
     return ("XYNK".index(key[0]), *key[1:])
 
 
-def _cell(parts: Sequence[_Part]) -> Cell:
+def _cell(parts: Sequence[_Part]) -> MisfitCell:
     first = parts[0]
     phases = [math.nan, math.nan]
     if first.harmonic:
@@ -360,7 +306,7 @@ def _cell(parts: Sequence[_Part]) -> Cell:
             phases = np.sqrt(np.mean(np.square(ratios), axis=0)).tolist()
     error = rms([part.size for part in parts])
     measured = [float(np.linalg.norm(part.run.view.force[part.channel])) for part in parts]
-    return Cell(
+    return MisfitCell(
         channel=first.channel,
         test=first.run.view.run.test,
         speed=first.run.view.speed,
@@ -382,18 +328,7 @@ def standouts_of(
 ) -> tuple[Standout, ...]:
     """Cells that stand out, speeds merged, the worst first.
 
-    Parameters
-    ----------
-    runs : sequence of CaptiveRun
-        From `compare_captive`.
-    lengths : float
-        Length of the model [m], for yaw rate and frequency.
-    least : float
-        Error over expanded uncertainty from which a cell stands out.
-
-    Returns
-    -------
-    tuple of Standout
+    lengths [m].
     """
     found = []
     grouped = _grouped(
@@ -444,12 +379,7 @@ def _sign(parts: Sequence[_Part]) -> Sign:
 def conditions(run: CaptiveRun, length: float) -> dict[str, float]:
     """Sizes of what a run varies: drift, sway velocity v', yaw rate r', rudder, heel, Fn, ω'.
 
-    Parameters
-    ----------
-    run : CaptiveRun
-        The run.
-    length : float
-        Of the model [m].
+    length [m].
     """
     view, motion = run.view, run.view.motion
     settings = view.run.settings

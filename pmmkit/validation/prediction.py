@@ -9,17 +9,13 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns.run import Campaign
-from pmmkit.effects.state import State
-from pmmkit.equations import CALM
-from pmmkit.equations.histories import repeating_states, water_forces
-from pmmkit.equations.prepared import packed, values_at
-from pmmkit.errors import ModelError
-from pmmkit.models import Model, scaled
-from pmmkit.models.model import Part, place_name
-from pmmkit.models.roles import drives, steers
+from pmmkit.base import ModelError
+from pmmkit.campaigns import Campaign
+from pmmkit.conventions import Ship
+from pmmkit.effects import State
+from pmmkit.models import Model, Part, drives, place_name, scaled, steers
 from pmmkit.numerics import Array
-from pmmkit.ship import Ship
+from pmmkit.simulation import CALM, packed, repeating_states, values_at, water_forces
 
 Forces = Callable[[State, Array], dict[str, Array]]
 """From the motion of midship and its instants [s] to forces of the water by channel [N, N m]."""
@@ -30,16 +26,9 @@ SAME_LENGTH: Final = 1e-3
 class Predictor:
     """A model as it stands in the towing tank.
 
-    Parameters
-    ----------
-    model : Model
-        At the scale of the tests, in their water, with the parts that the tests hold.
-    turning : bool
-        Whether some run has a turning propeller.
-    extrapolate : bool
-        Allow speeds outside the range of the model's values.
-    notes : tuple of str
-        What was done to the model.
+    `model`: at the scale of the tests, in their water, with the parts that the tests hold.
+    `turning`: whether some run has a turning propeller. `extrapolate`: allow speeds outside the
+    range of the model's values. `notes`: what was done to the model.
     """
 
     model: Model
@@ -50,17 +39,7 @@ class Predictor:
     def forces(self, speed: float, *, turning: bool) -> Forces:
         """What predicts the forces of a run.
 
-        Parameters
-        ----------
-        speed : float
-            Carriage speed [m/s].
-        turning : bool
-            Whether the propeller turns in this run; a propeller that does not exerts no force.
-
-        Raises
-        ------
-        ExtrapolationError
-            If the speed is outside the range of the model's values.
+        speed [m/s].
         """
         parts = self.model.parts
         hull = {name for name, part in parts.items() if not drives(part.known)}
@@ -116,27 +95,7 @@ def _in_the_air(part: Part) -> bool:
 
 
 def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) -> Predictor:
-    """A model brought to the scale and the water of captive tests.
-
-    Parameters
-    ----------
-    model : Model
-        At any scale.
-    campaign : Campaign
-        Captive tests; they have a rudder if the campaign file says so or a run sets one, and a
-        propeller in the runs in which it turns.
-    extrapolate : bool
-        Allow speeds outside the range of the model's values.
-
-    Returns
-    -------
-    Predictor
-
-    Raises
-    ------
-    ModelError
-        If the model is of another ship.
-    """
+    """A model brought to the scale and the water of captive tests."""
     made, notes = at_the_scale_of(model, campaign.ship)
     turning = any(run.settings.propeller_rps for run in campaign)
     ruddered = bool(campaign.rudder) or any(run.settings.largest_rudder for run in campaign)
@@ -175,13 +134,7 @@ def _without_stale_covariance(model: Model, kept: Mapping[str, Part]) -> Model:
 
 
 def at_the_scale_of(model: Model, ship: Ship) -> tuple[Model, list[str]]:
-    """A model at the length of a ship by Froude's law, and what was done, in words.
-
-    Raises
-    ------
-    ModelError
-        If the proportions of the two hulls differ.
-    """
+    """A model at the length of a ship by Froude's law, and what was done, in words."""
     apart = [
         f"{name} {own:.4f} against {theirs:.4f}"
         for name, (own, theirs) in model.ship.form_apart(ship).items()

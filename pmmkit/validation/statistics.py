@@ -16,16 +16,10 @@ from pmmkit.numerics import Array, rms
 class ChannelError:
     """The error of one run in one channel, over its harmonics or its samples.
 
-    Parameters
-    ----------
-    error : array (n,) or (k, n)
-        Predicted less measured, in the unit of the channel; a position has two parts, x and y.
-    measured : array (n,) or (k, n)
-        What was measured of it: a force, or how far a motion went from its start.
-    uncertainty : array (n,) or (k, n)
-        Expanded (k = 2), of the error.
-    squares, mean : array (n,)
-        Weights of squares that give a mean square over time, and of values that give a mean.
+    `error`: predicted less measured, in the unit of the channel; a position has two parts, x
+    and y. `measured`: what was measured of it: a force, or how far a motion went from its
+    start. `uncertainty`: expanded (k = 2), of the error. `squares, mean`: weights of squares
+    that give a mean square over time, and of values that give a mean.
     """
 
     error: Array
@@ -78,14 +72,8 @@ def squares_of(labels: Sequence[str]) -> Array:
 class Statistic:
     """A number that is told of the error in each channel, in its unit.
 
-    Parameters
-    ----------
-    name, title : str
-        In files; above a column.
-    of : callable
-        From the error of a run.
-    together : callable
-        From its values in several runs.
+    `name, title`: in files; above a column. `of`: from the error of a run. `together`: from its
+    values in several runs.
     """
 
     name: str

@@ -10,17 +10,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns.motion.inertia import rig_of
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.campaigns.uncertainty import TypeB
+from pmmkit.base import DataError
+from pmmkit.campaigns import Campaign, Run, TypeB, rig_of
 from pmmkit.conventions import force_unit
-from pmmkit.errors import DataError
 from pmmkit.numerics import Array
-from pmmkit.observations.views import Repeatability, View, repeat_scatter
-from pmmkit.observations.whitening import FLOOR
+from pmmkit.reduction import FLOOR, Repeatability, View, repeat_scatter
 from pmmkit.validation.captive import CaptiveRun, measured_shares, observed
 from pmmkit.validation.comparison import Comparison
-from pmmkit.validation.manoeuvre import Manoeuvre
+from pmmkit.validation.manoeuvre import ManoeuvreComparison
 from pmmkit.validation.submitted_trials import compare_trials
 from pmmkit.validation.uncertainty import Share, scales, sources_of
 
@@ -74,8 +71,8 @@ def compare_submission(
     Examples
     --------
     >>> import xarray as xr
-    >>> from pmmkit.campaigns.settings import Settings
-    >>> from pmmkit.ship import Ship, Water
+    >>> from pmmkit.campaigns import Settings
+    >>> from pmmkit.conventions import Ship, Water
     >>> ship = Ship(name="m", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=500.0)
     >>> def towed(title, force):
     ...     run = Run(id="SD_8", test="static_drift", kind="means",
@@ -93,7 +90,7 @@ def compare_submission(
             "with forces, manoeuvres with manoeuvres."
         )
     runs: tuple[CaptiveRun, ...] = ()
-    manoeuvres: tuple[Manoeuvre, ...] = ()
+    manoeuvres: tuple[ManoeuvreComparison, ...] = ()
     if campaign.kind == "captive":
         runs, notes = _compare_runs(submission, campaign, floor)
     else:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.errors import DataError, PmmkitError
-from pmmkit.trials.evaluate import JUDGED, evaluate
-from pmmkit.validation.manoeuvre import Manoeuvre
+from pmmkit.base import DataError, PmmkitError
+from pmmkit.campaigns import Campaign, Run, kind_of
+from pmmkit.identification import JUDGED, evaluate
+from pmmkit.validation.manoeuvre import ManoeuvreComparison
 
 _FROUDE: Final = 0.05
 """Share by which Froude numbers of the same manoeuvre may differ: approaches are never alike."""
@@ -19,26 +18,9 @@ _ANGLE: Final = math.radians(1.0)
 
 def compare_trials(
     submission: Campaign, campaign: Campaign
-) -> tuple[tuple[Manoeuvre, ...], tuple[str, ...]]:
-    """Free-running manoeuvres of one campaign beside those of another, the measurement.
-
-    Parameters
-    ----------
-    submission, campaign : Campaign
-        As for `compare_submission`.
-
-    Returns
-    -------
-    tuple of Manoeuvre
-    tuple of str
-        What a reader must know.
-
-    Raises
-    ------
-    DataError
-        If no manoeuvre has a counterpart.
-    """
-    found: list[Manoeuvre] = []
+) -> tuple[tuple[ManoeuvreComparison, ...], tuple[str, ...]]:
+    """Free-running manoeuvres of one campaign beside those of another, the measurement."""
+    found: list[ManoeuvreComparison] = []
     alone: list[str] = []
     notes: list[str] = []
     for run in campaign:
@@ -54,7 +36,7 @@ def compare_trials(
             notes.append(f"{run.id} is left out: {error}")
             continue
         there = theirs.resized(measured.L, measured.speed)
-        found.append(Manoeuvre(run=run, trial=measured, track=there))
+        found.append(ManoeuvreComparison(run=run, trial=measured, track=there))
     if not found:
         raise DataError(
             [

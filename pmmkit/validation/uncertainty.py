@@ -9,16 +9,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns.motion.inertia import Rig, as_read, inertia_inside
-from pmmkit.campaigns.motion.kinematics import move_motion
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.effects.hull import regressors
+from pmmkit.campaigns import Campaign, Rig, Run, TypeB, as_read, inertia_inside, move_motion
+from pmmkit.effects import regressors
 from pmmkit.inference import Propagated, differences, displaced, std_along
 from pmmkit.numerics import Array
-from pmmkit.observations.stated import altered, nominal_path
-from pmmkit.observations.views import View
-from pmmkit.simulation.spread import Spread, is_uncertain, spread_of
+from pmmkit.reduction import View, altered, nominal_path
+from pmmkit.simulation import Spread, is_uncertain, spread_of
 from pmmkit.validation.prediction import Forces, Predictor
 from pmmkit.validation.statistics import squares_of
 
@@ -40,26 +36,7 @@ def stated_share(
 ) -> dict[str, Array]:
     """What the stated uncertainties do to the difference of prediction and measurement.
 
-    Parameters
-    ----------
-    view : View
-        The run.
-    rig : Rig
-        Inertia and reference points.
-    forces : callable
-        Prediction along a motion.
-    sources : iterable of TypeB
-        Stated standard uncertainties.
-    water_rho : float
-        Density [kg/m³].
-    predicted : mapping of channel to array (m,)
-        Predicted harmonics.
-
-    Returns
-    -------
-    dict of channel to array (m,)
-        Standard uncertainties: the errors of one cause added with their signs, causes in squares
-        (JCGM 100:2008, F.1.2.3).
+    water_rho [kg/m³]; predicted (m,).
     """
     read = as_read(view.force, view.run, view.motion, rig, view.project)
     causes, changes = [], []
@@ -130,25 +107,7 @@ def stated_spread(predictor: Predictor, speed: float) -> Spread | None:
 def model_share(
     view: View, predictor: Predictor, known: Spread | None, *, turning: bool
 ) -> dict[str, Array]:
-    """Standard uncertainty of the prediction from what a model states of its values.
-
-    Parameters
-    ----------
-    view : View
-        The run.
-    predictor : Predictor
-        The model.
-    known : Spread, optional
-        From `stated_spread` at the speed of the run.
-    turning : bool
-        Whether the propeller turns in the run.
-
-    Returns
-    -------
-    dict of channel to array (m,)
-        √(J C Jᵀ) with the covariance by which `monte_carlo` draws ships, to first order. Zero where
-        the model states none; what it does not know of a value counts as nothing.
-    """
+    """Standard uncertainty of the prediction from what a model states of its values."""
     model = predictor.model
     zero = {name: np.zeros(view.rows) for name in view.force}
     if known is None:
@@ -218,6 +177,13 @@ def scales(views: Sequence[View]) -> dict[str, float]:
 
 def rms_of(harmonics: Array, labels: Sequence[str]) -> float:
     """Root mean square over time of what harmonics describe.
+
+    Parameters
+    ----------
+    harmonics : array (k,)
+        Mean and amplitudes, in any unit.
+    labels : sequence of str
+        What each is: ``C0`` for the mean, ``C1``, ``S1`` and so on.
 
     Examples
     --------

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import secrets
+import socket
+from collections.abc import Callable, Mapping
+from contextlib import closing, suppress
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.errors import DataError, PmmkitError
-from pmmkit.json_text import plain
-from pmmkit.workbench.asked import (
+from pmmkit.base import DataError, PmmkitError
+from pmmkit.files import plain
+from pmmkit.views import Answers, asked_of, fitted, page_file, with_runs, worst_first
+from pmmkit.workbench.data_routes import (
     count_of,
+    data_routes,
     given_text,
     given_texts,
     place_in,
@@ -20,18 +25,73 @@ from pmmkit.workbench.asked import (
     revision_of,
     text_of,
 )
-from pmmkit.workbench.data_routes import data_routes
 from pmmkit.workbench.desk import Desk, StaleRevision
-from pmmkit.workbench.frozen import frozen_page
 from pmmkit.workbench.guard import Guard
-from pmmkit.workbench.saved import State
+from pmmkit.workbench.saved import WorkbenchState
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette
     from starlette.requests import Request
     from starlette.responses import Response
 
-STATIC: Final = Path(str(files("pmmkit.workbench"))) / "static"
+
+# The page of a workbench with its state in one HTML file.
+
+
+def frozen_page(desk: Desk) -> str:
+    """The page of a workbench as one file.
+
+    Parameters
+    ----------
+    desk : Desk
+        With something open. What was not asked yet is not in the file.
+    """
+    return page_file(answers(desk))
+
+
+def answers(desk: Desk) -> Answers:
+    """What the page asks, by the words it asks with."""
+    state = desk.page()
+    count = len(state.get("steps", ()))
+    found: Answers = {"state": {**state, "job": {**state["job"], "stand": "idle"}}}
+    campaigns = range(len(state.get("campaigns", ())) or 1)
+    for number in range(count + 1):
+        for of in campaigns:
+            found[asked_of(f"misfit {number}", of)] = desk.misfit(number, of)
+    asked: Mapping[str, Callable[[], Any]] = {
+        "missing": desk.missing,
+        "fall": desk.fall,
+        "turns": desk.turns,
+        **{asked_of("checks", of): partial(desk.checks, of) for of in campaigns},
+        **{asked_of("derivatives", of): partial(desk.derivatives, of) for of in campaigns},
+        **{asked_of("runs 0", of): partial(desk.runs, 0, of) for of in campaigns},
+    }
+    for name, give in asked.items():
+        try:
+            found[name] = give()
+        except PmmkitError:
+            found[name] = None
+    found = fitted(found)
+    for of in campaigns:
+        found = with_runs(
+            found,
+            worst_first(found[asked_of(f"misfit {count}", of)]),
+            partial(_history, desk, of),
+            partial(_asks_run, count, of),
+            share=1.0 / (len(campaigns) - of),
+        )
+    return found
+
+
+def _history(desk: Desk, of: int, run: str, buckets: int) -> Any:
+    return desk.history(run, buckets=buckets, of=of)
+
+
+def _asks_run(count: int, of: int, run: str) -> str:
+    return asked_of(f"run {run} {count}", of)
+
+
+STATIC: Final = Path(str(files("pmmkit.views"))) / "static"
 SAILED: Final = {
     "manoeuvre": str,
     "speed": float,
@@ -46,17 +106,7 @@ SAILED: Final = {
 
 
 def application(desk: Desk, token: str, port: int) -> Guard:
-    """The guarded application.
-
-    Parameters
-    ----------
-    desk : Desk
-        What the server holds.
-    token : str
-        The secret of its address.
-    port : int
-        On loopback.
-    """
+    """The guarded application."""
     return Guard(app=_routes(desk), token=token, port=port)
 
 
@@ -105,7 +155,7 @@ def _routes(desk: Desk) -> Starlette:
             write(
                 "open",
                 lambda asked: desk.open(
-                    State(
+                    WorkbenchState(
                         campaign=given_text(asked, "campaign"),
                         also=given_texts(asked, "also"),
                         model=str(asked.get("model") or ""),
@@ -207,3 +257,79 @@ def _settings(asked: dict[str, Any]) -> dict[str, Any]:
 
 def _number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+# Serving on loopback: a port that is free, a secret address, a browser.
+
+
+LOOPBACK: Final = "127.0.0.1"
+FIRST: Final = 8175
+"""The port that is tried first."""
+TRIES: Final = 40
+
+
+def serve(
+    desk: Desk, *, port: int | None = None, browser: bool = True, say: Callable[[str], None] = print
+) -> None:
+    """Serve a workbench until it is interrupted.
+
+    Parameters
+    ----------
+    desk : Desk
+        What it is about.
+    port : int, optional
+        On loopback; the next free one from `FIRST` if absent.
+    browser : bool
+        Whether a browser is opened.
+    say : callable
+        Told the address.
+
+    Raises
+    ------
+    DataError
+        If the port is taken.
+    """
+    import webbrowser
+
+    import uvicorn
+
+    with closing(listening(port)) as channel:
+        number = int(channel.getsockname()[1])
+        token = secrets.token_urlsafe(24)
+        address = f"http://{LOOPBACK}:{number}/?token={token}"
+        server = uvicorn.Server(
+            uvicorn.Config(
+                application(desk, token, number),
+                log_level="warning",
+                access_log=False,
+                server_header=False,
+                ws="none",
+                timeout_graceful_shutdown=1,
+            )
+        )
+        say(address)
+        if desk.job.stand == "idle":
+            desk.resume()
+        if browser:
+            webbrowser.open(address)
+        try:
+            # Ctrl+C is how it is meant to end.
+            with suppress(KeyboardInterrupt):
+                server.run(sockets=[channel])
+        finally:
+            desk.close()
+
+
+def listening(port: int | None) -> socket.socket:
+    """A socket of loopback, at a port or the first that is free."""
+    for number in [port] if port is not None else range(FIRST, FIRST + TRIES):
+        channel = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        try:
+            channel.bind((LOOPBACK, number))
+            channel.listen(128)
+        except OSError:
+            channel.close()
+            continue
+        return channel
+    where = f"Port {port} is" if port is not None else "The ports are"
+    raise DataError(f"{where} taken. Name another one with --port.")

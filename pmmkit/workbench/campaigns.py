@@ -6,42 +6,27 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import Campaign
-from pmmkit.campaigns.several import by_title, sailing
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
+from pmmkit.campaigns import Campaign, by_title, open_campaign, sailing
 from pmmkit.models import load_model
-from pmmkit.validation.captive import observed
-from pmmkit.validation.comparison import Comparison, compare
-from pmmkit.workbench.known import Known
-from pmmkit.workbench.saved import State, model_file, stamp_of
+from pmmkit.validation import Comparison, compare, observed
+from pmmkit.workbench.known import AnswerCache
+from pmmkit.workbench.saved import WorkbenchState, model_file, stamp_of
 
 
 class OpenCampaigns:
     """The campaigns of a workbench; `of` is the place of one among them.
 
-    Parameters
-    ----------
-    folder : Path
-        Of the workbench, where its models lie.
-    named : callable
-        A path of the state inside the folders that were named.
-    known : Known
-        Where answers are kept; all go when a file has changed.
+    `folder`: of the workbench, where its models lie. `named`: a path of the state inside the
+    folders that were named. `known`: where answers are kept; all go when a file has changed.
     """
 
-    def __init__(self, folder: Path, named: Callable[[str], Path], known: Known) -> None:
+    def __init__(self, folder: Path, named: Callable[[str], Path], known: AnswerCache) -> None:
         self._folder, self._named, self._known = folder, named, known
         self._stamps: dict[Path, tuple[int, int]] = {}
 
-    def campaign(self, state: State, of: int = 0) -> Campaign:
-        """The tests as they are.
-
-        Raises
-        ------
-        DataError
-            If there are not so many campaigns, or the file is damaged.
-        """
+    def campaign(self, state: WorkbenchState, of: int = 0) -> Campaign:
+        """The tests as they are."""
         place = self.place(state, of)
         stamp = self.stamp(state, of)
         if self._stamps.get(place, stamp) != stamp:
@@ -53,32 +38,28 @@ class OpenCampaigns:
         )
         return found
 
-    def place(self, state: State, of: int = 0) -> Path:
-        """Where the tests lie.
-
-        Raises
-        ------
-        DataError
-            If there are not so many campaigns.
-        """
+    def place(self, state: WorkbenchState, of: int = 0) -> Path:
+        """Where the tests lie."""
         if of >= len(state.campaigns):
             raise DataError(f"There is no campaign {of + 1}: {len(state.campaigns)} are open.")
         return self._named(state.campaigns[of])
 
-    def stamp(self, state: State, of: int = 0) -> tuple[int, int]:
+    def stamp(self, state: WorkbenchState, of: int = 0) -> tuple[int, int]:
         """When the campaign file was changed, and its size."""
         return stamp_of(self.place(state, of))
 
-    def every(self, state: State) -> dict[str, Campaign]:
+    def every(self, state: WorkbenchState) -> dict[str, Campaign]:
         """All campaigns by their titles."""
         return by_title([self.campaign(state, of) for of in range(len(state.campaigns))])
 
-    def sailing(self, state: State) -> Campaign:
+    def sailing(self, state: WorkbenchState) -> Campaign:
         """The tests of the ship: the first that let it sail by itself, else the first."""
         every = self.every(state)
         return every[sailing(every)]
 
-    def comparison(self, state: State, effects: tuple[str, ...], of: int = 0) -> Comparison:
+    def comparison(
+        self, state: WorkbenchState, effects: tuple[str, ...], of: int = 0
+    ) -> Comparison:
         """Tests and the model with some effects, as these tests have it."""
         tests = self.campaign(state, of)
         model = model_file(self._folder, effects, of if state.also else None)

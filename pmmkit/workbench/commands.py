@@ -6,31 +6,15 @@ import shlex
 from pathlib import Path
 from typing import Final
 
-from pmmkit.models import load_model
-from pmmkit.models.step import Step
-from pmmkit.structures import structures
-from pmmkit.workbench.saved import OWN, STEPS, State, model_file
+from pmmkit.conventions import structures
+from pmmkit.models import Step, load_model
+from pmmkit.workbench.saved import OWN, STEPS, WorkbenchState, model_file
 
 PROGRAM: Final = "pmmkit"
 
 
-def command_lines(state: State, folder: Path, structure: str) -> list[dict[str, str]]:
-    """What was done so far, as commands.
-
-    Parameters
-    ----------
-    state : State
-        What was opened, and the steps.
-    folder : Path
-        Of the workbench.
-    structure : str
-        Of the base where no model is named.
-
-    Returns
-    -------
-    list of dict
-        ``what`` (a word for the page), ``effect`` and ``line``.
-    """
+def command_lines(state: WorkbenchState, folder: Path, structure: str) -> list[dict[str, str]]:
+    """What was done so far, as commands."""
     tests = [shlex.quote(place) for place in state.campaigns]
     fitted = " ".join(f"--fit {place}" for place in tests)
     more = f" --data {shlex.quote(state.data)}" if state.data else ""

@@ -2,33 +2,94 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.errors import DataError, PmmkitError
-from pmmkit.files import write_text
-from pmmkit.inspection.drafts.choosing import Choice
-from pmmkit.json_text import plain
+from pmmkit.base import DataError, PmmkitError
+from pmmkit.files import plain, write_text
+from pmmkit.intake import ColumnChoice, DraftAnswers, Drafted, basis_of, drafted, stamp_of
+from pmmkit.views import files_page
 from pmmkit.workbench import incoming
-from pmmkit.workbench.asked import (
-    given_number,
-    given_text,
-    place_in,
-    place_of,
-    revision_of,
-    text_of,
-)
 from pmmkit.workbench.desk import Desk
-from pmmkit.workbench.drafting import Asked, Drafted, basis_of, drafted, stamp_of
-from pmmkit.workbench.pages.files import files_page
 from pmmkit.workbench.windows import drawn, taken_back
 
 if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
     from starlette.routing import Route
+
+
+# What a request must hold.
+
+
+LONGEST: Final = 2000
+"""Characters of a text in a request."""
+MANY: Final = 20
+"""Texts in a list of a request."""
+
+
+def given_text(asked: Mapping[str, Any], name: str) -> str:
+    """A text that is not empty."""
+    value = asked.get(name)
+    if not isinstance(value, str) or not value or len(value) > LONGEST or "\0" in value:
+        raise DataError(f"{name} must be a text.")
+    return value
+
+
+def given_texts(asked: Mapping[str, Any], name: str) -> tuple[str, ...]:
+    """Texts, none if nothing is given."""
+    value = asked.get(name) or []
+    if not isinstance(value, list) or len(value) > MANY:
+        raise DataError(f"{name} must be a list of at most {MANY} texts.")
+    return tuple(given_text({name: item}, name) for item in value)
+
+
+def revision_of(asked: Mapping[str, Any]) -> int:
+    """The state that the page has seen."""
+    value = asked.get("revision")
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise DataError("revision must be a whole number.")
+    return value
+
+
+def place_in(asked: Mapping[str, Any]) -> int:
+    """The place of the campaign that is meant, the first if none is named."""
+    value = asked.get("of", 0)
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        raise DataError("of must be a whole number.")
+    return value
+
+
+def text_of(request: Request, name: str) -> str:
+    """A text of the address that is not empty."""
+    return given_text(dict(request.query_params), name)
+
+
+def count_of(request: Request, name: str = "count") -> int | None:
+    """A whole number of the address; None where there is none."""
+    given = request.query_params.get(name)
+    if given is None:
+        return None
+    if not given.isascii() or not given.isdigit() or len(given) > 6:
+        raise DataError(f"{name} must be a whole number.")
+    return int(given)
+
+
+def place_of(request: Request) -> int:
+    """The place of the campaign that an address means, the first if none is named."""
+    return count_of(request, "of") or 0
+
+
+def given_number(asked: Mapping[str, Any], name: str) -> float:
+    """A finite number."""
+    value = asked.get(name)
+    if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
+        raise DataError(f"{name} must be a number.")
+    return float(value)
+
 
 MOST: Final = 20_000
 """Choices and answers of a request."""
@@ -39,15 +100,7 @@ def data_routes(
     read: Callable[[str, Callable[[Request], Any]], Route],
     write: Callable[[str, Callable[[dict[str, Any]], Any]], Route],
 ) -> list[Route]:
-    """What the place Data asks and does.
-
-    Parameters
-    ----------
-    desk : Desk
-        What the server holds.
-    read, write : callable
-        Make the route of a question and of a change.
-    """
+    """What the place Data asks and does."""
     from starlette.routing import Route
 
     return [
@@ -91,11 +144,11 @@ def _campaign(desk: Desk, asked: Mapping[str, Any]) -> dict[str, Any]:
         if found.new and said.target.exists():
             raise DataError(f"{said.target} is there meanwhile: it was not replaced. Look again.")
         write_text(said.target, found.text)
-    after = _drafted(desk, Asked(folder=said.folder))
+    after = _drafted(desk, DraftAnswers(folder=said.folder))
     return {**files_page(after), "written": str(said.target)}
 
 
-def _drafted(desk: Desk, said: Asked) -> Drafted:
+def _drafted(desk: Desk, said: DraftAnswers) -> Drafted:
     """What is proposed; the files are looked at once for all answers."""
     basis = desk.known.aside(("basis", stamp_of(said)), lambda: basis_of(said))
     return drafted(said, basis)
@@ -115,7 +168,7 @@ def _unwindow(desk: Desk, asked: Mapping[str, Any]) -> None:
     desk.correct(revision_of(asked), given_text(asked, "run"), taken_back(place, data), of)
 
 
-def _asked(desk: Desk, asked: Mapping[str, Any]) -> Asked:
+def _asked(desk: Desk, asked: Mapping[str, Any]) -> DraftAnswers:
     folder = desk.named(given_text(asked, "folder"))
     if not folder.is_dir():
         raise DataError(f"{folder} is no folder. Name the folder in which the files lie.")
@@ -131,7 +184,7 @@ def _asked(desk: Desk, asked: Mapping[str, Any]) -> Asked:
         if isinstance(value, str) and len(value) <= incoming.LONGEST
     }
     ship = asked.get("ship", "")
-    return Asked(
+    return DraftAnswers(
         folder=Path(folder),
         choices=tuple(_choice(item) for item in listed),
         ship=ship if isinstance(ship, str) else "",
@@ -139,7 +192,7 @@ def _asked(desk: Desk, asked: Mapping[str, Any]) -> Asked:
     )
 
 
-def _choice(item: Any) -> Choice:
+def _choice(item: Any) -> ColumnChoice:
     if not isinstance(item, dict):
         raise DataError("A choice must be a table.")
     column, sign, unit = item.get("column"), item.get("sign"), item.get("unit") or None
@@ -148,4 +201,4 @@ def _choice(item: Any) -> Choice:
     if not whole or not isinstance(name, str) or not isinstance(unit, str | None):
         raise DataError("A choice has a file, a column, a name, and perhaps a unit and a sign.")
     file = given_text(item, "file")
-    return Choice(file=file, column=column or 0, name=name, unit=unit, sign=sign)
+    return ColumnChoice(file=file, column=column or 0, name=name, unit=unit, sign=sign)

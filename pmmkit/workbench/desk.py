@@ -11,30 +11,32 @@ from pathlib import Path
 from threading import Lock, Thread
 from typing import Any, Final
 
-from pmmkit.campaigns.run import Campaign
-from pmmkit.effects.grammar import own_effect
-from pmmkit.equations.prepared import feels_depth
-from pmmkit.errors import DataError, PmmkitError
+from pmmkit.base import DataError, PmmkitError, __version__
+from pmmkit.campaigns import Campaign
+from pmmkit.conventions import HARD_OVER, structures
+from pmmkit.diagnosis import read_session
+from pmmkit.effects import own_effect
 from pmmkit.files import datasets_folder
-from pmmkit.loop.saved import read_session
-from pmmkit.metrics import HARD_OVER
-from pmmkit.models import Model, load_model
-from pmmkit.ship_library import ships
-from pmmkit.structures import structures
-from pmmkit.version import __version__
+from pmmkit.models import Model, load_model, ships
+from pmmkit.simulation import feels_depth
+from pmmkit.views import (
+    BUCKETS,
+    misfit_page,
+    record_page_of,
+    run_page,
+    runs_page,
+    sailed_page,
+    spiral_page,
+    trials_page,
+)
 from pmmkit.workbench.campaigns import OpenCampaigns
 from pmmkit.workbench.commands import command_lines
-from pmmkit.workbench.known import Known
-from pmmkit.workbench.pages.misfit import misfit_page
-from pmmkit.workbench.pages.numbers import BUCKETS
-from pmmkit.workbench.pages.one_run import run_page
-from pmmkit.workbench.pages.runs import record_page_of, runs_page
-from pmmkit.workbench.pages.turning import sailed_page, spiral_page, trials_page
+from pmmkit.workbench.known import AnswerCache
 from pmmkit.workbench.rivals import RESULT, find_rivals
 from pmmkit.workbench.saved import (
     OPENED,
     STEPS,
-    State,
+    WorkbenchState,
     find_result,
     find_state,
     model_file,
@@ -71,12 +73,12 @@ class Desk:
         self.roots = tuple(root.resolve() for root in roots)
         self._state = find_state(folder)
         self._changing = Lock()
-        self.known = Known()
+        self.known = AnswerCache()
         self._open = OpenCampaigns(folder, self.named, self.known)
         self._worker = Worker(tasks, self._finished)
 
     @property
-    def state(self) -> State | None:
+    def state(self) -> WorkbenchState | None:
         """What was opened, and the steps."""
         return self._state
 
@@ -147,7 +149,7 @@ class Desk:
         }
         return page | self._about(state) if ready else page
 
-    def _about(self, state: State) -> dict[str, Any]:
+    def _about(self, state: WorkbenchState) -> dict[str, Any]:
         """Of the tests that are open; what is damaged is told beside what is not."""
         page: dict[str, Any] = {
             "title": ", ".join(Path(place).name for place in state.campaigns),
@@ -296,7 +298,7 @@ class Desk:
 
     # What is done ---------------------------------------------------------------------------------
 
-    def open(self, asked: State) -> Job:
+    def open(self, asked: WorkbenchState) -> Job:
         """Open tests and a base; a base that is a structure, or none, is reduced from the tests."""
         with self._changing:
             model, data = asked.model, asked.data
@@ -520,25 +522,25 @@ class Desk:
     def _result(self, name: str) -> Any:
         return find_result(self.folder, name, self._opened().effects)
 
-    def _change(self, state: State) -> None:
+    def _change(self, state: WorkbenchState) -> None:
         save_state(self.folder, state)
         self._state = state
 
-    def _ready(self, state: State) -> bool:
+    def _ready(self, state: WorkbenchState) -> bool:
         return model_file(self.folder, state.effects).is_file()
 
-    def _opened(self) -> State:
+    def _opened(self) -> WorkbenchState:
         if self._state is None or not self._ready(self._state):
             raise DataError("Nothing is open yet: choose the demonstration or a campaign.")
         return self._state
 
-    def _current(self, revision: int) -> State:
+    def _current(self, revision: int) -> WorkbenchState:
         state = self._opened()
         if revision != state.revision:
             raise StaleRevision("Another page has changed the steps: this one shows them now.")
         return state
 
-    def _asked(self, state: State) -> dict[str, Any]:
+    def _asked(self, state: WorkbenchState) -> dict[str, Any]:
         return {
             "folder": str(self.folder),
             "campaigns": [str(self.named(place)) for place in state.campaigns],

@@ -47,14 +47,7 @@ HEADERS: Final = (
 class Guard:
     """Lets through what comes from the page of this server, and puts headers on every answer.
 
-    Parameters
-    ----------
-    app : ASGI application
-        What is guarded.
-    token : str
-        The secret of the address that was opened.
-    port : int
-        On loopback.
+    `token`: the secret of the address that was opened.
     """
 
     app: App

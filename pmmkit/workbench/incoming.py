@@ -9,8 +9,8 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.campaigns.file.campaign_file import FILE_NAME
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
+from pmmkit.campaigns import FILE_NAME
 from pmmkit.files import free_folder
 
 LARGEST: Final = 256_000_000
@@ -31,23 +31,13 @@ _ODD: Final = frozenset('<>:"|?*\\/')
 def safe_name(name: str) -> str:
     r"""A name that is a file's on every system, and leads to no other folder.
 
-    Parameters
-    ----------
-    name : str
-        As the browser tells it.
-
-    Raises
-    ------
-    DataError
-        If it is not, with the reason.
-
     Examples
     --------
     >>> safe_name("Schräg 01.csv")
     'Schräg 01.csv'
     >>> safe_name("../run.csv")
     Traceback (most recent call last):
-    pmmkit.errors.DataError: “../run.csv” cannot be kept: it holds /. Rename it and drop it again.
+    pmmkit.base.errors.DataError: “../run.csv” cannot be kept: it holds /. Rename it ...
     """
     odd = "".join(sorted({char for char in name if char in _ODD or not char.isprintable()}))
     if not name.strip() or len(name) > LONGEST or len(name.encode("utf-8", "replace")) > 240:
@@ -65,20 +55,7 @@ def safe_name(name: str) -> str:
 
 
 def place_of(folder: Path, into: str) -> Path:
-    """The folder of a set that is there, or of a new one where none is named.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the workbench.
-    into : str
-        Name of a set, or nothing.
-
-    Raises
-    ------
-    DataError
-        If there is no such set.
-    """
+    """The folder of a set that is there, or of a new one where none is named."""
     if not into:
         place = free_folder(folder / PLACE)
         place.mkdir(parents=True, exist_ok=True)
@@ -89,27 +66,7 @@ def place_of(folder: Path, into: str) -> Path:
 
 
 async def keep(place: Path, name: str, chunks: AsyncIterator[bytes]) -> int:
-    """Write a file as it comes, under a temporary name until it is whole; nothing is replaced.
-
-    Parameters
-    ----------
-    place : Path
-        From `place_of`.
-    name : str
-        From the browser.
-    chunks : async iterator of bytes
-        Its content.
-
-    Returns
-    -------
-    int
-        Its size [bytes].
-
-    Raises
-    ------
-    DataError
-        If the name is not safe, is there already, or the file is too large or empty.
-    """
+    """Write a file as it comes, under a temporary name until it is whole; nothing is replaced."""
     target = place / safe_name(name)
     _refuse_twice(place, name)
     part = place / f".{uuid.uuid4().hex[:12]}.part"
@@ -142,13 +99,7 @@ async def keep(place: Path, name: str, chunks: AsyncIterator[bytes]) -> int:
 
 
 def sets(folder: Path) -> list[dict[str, Any]]:
-    """The sets that were dropped, the last first, with their files.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the workbench.
-    """
+    """The sets that were dropped, the last first, with their files."""
     found = [
         place
         for place in folder.glob(f"{PLACE}*")

@@ -10,7 +10,7 @@ KEPT: Final = 16
 """Answers that are kept, the last that were asked for: undo and add go back and forth."""
 
 
-class Known:
+class AnswerCache:
     """Answers by what they are about, made one at a time so that nothing is done twice."""
 
     def __init__(self) -> None:

@@ -6,12 +6,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.diagnosis.together.result import Together
-from pmmkit.errors import ModelError
-from pmmkit.loop import Session
+from pmmkit.base import ModelError
+from pmmkit.diagnosis import Diagnosis, Session, Together
 from pmmkit.models import load_model, save_model
-from pmmkit.workbench.pages.turning import Rival
+from pmmkit.views import Rival
 from pmmkit.workbench.saved import find_result, save_result
 
 RESULT: Final = "rivals"

@@ -8,15 +8,12 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.campaigns.file.campaign_file import FILE_NAME
-from pmmkit.effects.effect import Effect
-from pmmkit.effects.grammar import own_effects
-from pmmkit.errors import DataError, PmmkitError
-from pmmkit.files import write_text
-from pmmkit.json_text import readable
-from pmmkit.loop.saved import read_session
-from pmmkit.models.step import Step
-from pmmkit.toml_files import toml_text
+from pmmkit.base import DataError, PmmkitError
+from pmmkit.campaigns import FILE_NAME
+from pmmkit.diagnosis import read_session
+from pmmkit.effects import Effect, own_effects
+from pmmkit.files import readable, toml_text, write_text
+from pmmkit.models import Step
 
 STATE: Final = "workbench.json"
 STEPS: Final = "steps.toml"
@@ -28,7 +25,7 @@ SCHEMA: Final = 1
 
 
 @dataclass(frozen=True, kw_only=True)
-class State:
+class WorkbenchState:
     """What a workbench is about, and how far it has come.
 
     Parameters
@@ -70,7 +67,7 @@ class State:
         both = {"noise": self.noise, "floor": self.floor}
         return {name: value for name, value in both.items() if value is not None}
 
-    def is_about(self, other: State) -> bool:
+    def is_about(self, other: WorkbenchState) -> bool:
         """Whether the same was opened; a model that the other does not name is the same."""
         mine, theirs = ([Path(x).resolve() for x in own.campaigns] for own in (self, other))
         same = mine == theirs
@@ -83,26 +80,20 @@ class State:
         """Names of what was added."""
         return tuple(step.effect for step in self.steps)
 
-    def with_steps(self, steps: tuple[Step, ...]) -> State:
+    def with_steps(self, steps: tuple[Step, ...]) -> WorkbenchState:
         """The next state."""
         return replace(self, steps=steps, revision=self.revision + 1)
 
 
-def save_state(folder: Path, state: State) -> None:
+def save_state(folder: Path, state: WorkbenchState) -> None:
     """Write a state; `steps.toml` is written by the session that took the steps."""
     kept = asdict(replace(state, steps=()))
     del kept["steps"]
     write_text(folder / STATE, readable({"schema": SCHEMA, **kept, "count": len(state.steps)}))
 
 
-def find_state(folder: Path) -> State | None:
-    """The state that was saved in a folder; None where there is none.
-
-    Raises
-    ------
-    DataError
-        If the file is damaged.
-    """
+def find_state(folder: Path) -> WorkbenchState | None:
+    """The state that was saved in a folder; None where there is none."""
     path = folder / STATE
     if not path.is_file():
         return None
@@ -122,17 +113,11 @@ def find_state(folder: Path) -> State | None:
         raise DataError(
             f"{path} is damaged ({error}). Delete the folder {folder} to begin anew."
         ) from error
-    return State(**texts, **numbers, also=also, revision=revision, steps=steps)
+    return WorkbenchState(**texts, **numbers, also=also, revision=revision, steps=steps)
 
 
 def steps_of(folder: Path, effects: Sequence[str]) -> tuple[Step, ...]:
-    """The steps that added these effects.
-
-    Raises
-    ------
-    DataError
-        If the file has others.
-    """
+    """The steps that added these effects."""
     steps = read_session(folder / STEPS).steps if effects else ()
     if tuple(step.effect for step in steps[: len(effects)]) != tuple(effects):
         raise DataError(f"{folder / STEPS} was changed from outside. Reload the page.")
@@ -140,13 +125,7 @@ def steps_of(folder: Path, effects: Sequence[str]) -> tuple[Step, ...]:
 
 
 def own_of(folder: Path) -> tuple[Effect, ...]:
-    """The user's own effects.
-
-    Raises
-    ------
-    DataError
-        If the file was damaged.
-    """
+    """The user's own effects."""
     return own_effects(folder / OWN) if (folder / OWN).is_file() else ()
 
 

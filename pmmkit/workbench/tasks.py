@@ -7,20 +7,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import Campaign
-from pmmkit.campaigns.several import by_title
-from pmmkit.checks import CheckFinding, examine, refuse
-from pmmkit.diagnosis.together.base import carried
-from pmmkit.diagnosis.together.result import Together
-from pmmkit.errors import DataError
-from pmmkit.loop import Session, begin
-from pmmkit.loop.several import SeveralCampaigns
+from pmmkit.base import DataError
+from pmmkit.campaigns import Campaign, by_title, open_campaign
+from pmmkit.conventions import structures
+from pmmkit.diagnosis import Session, SeveralCampaigns, Together, begin, carried
+from pmmkit.intake import CheckFinding, examine, refuse
 from pmmkit.models import Model, load_model, save_model
-from pmmkit.structures import structures
-from pmmkit.workbench.pages.fall import fall_page
-from pmmkit.workbench.pages.joint import joint_page
-from pmmkit.workbench.pages.missing import missing_page
+from pmmkit.views import fall_page, joint_page, missing_page
 from pmmkit.workbench.rivals import save_rivals
 from pmmkit.workbench.saved import (
     OPENED,
@@ -196,7 +189,7 @@ class Tasks:
     ) -> None:
         """Derivatives of a campaign, a set per Froude number, and what determines them."""
         from pmmkit.reduction import reduce_campaign
-        from pmmkit.workbench.pages.derivatives import derivatives_page
+        from pmmkit.views import derivatives_page
 
         tests = self._campaign(campaigns[of], data)
         reduction = reduce_campaign(tests, structure=structure, progress=tell, executor=1)
@@ -263,13 +256,7 @@ def _heard(tell: Tell, text: str) -> None:
 
 
 def _checked(tests: Mapping[str, Campaign]) -> list[tuple[CheckFinding, ...]]:
-    """What the checks say of each campaign.
-
-    Raises
-    ------
-    ContradictionError
-        If one contradicts itself.
-    """
+    """What the checks say of each campaign."""
     found = [examine(item) for item in tests.values()]
     for own in found:
         refuse(own)

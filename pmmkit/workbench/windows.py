@@ -7,14 +7,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.campaigns.file.campaign_file import FILE_NAME, campaign_of
-from pmmkit.campaigns.file.rewriting import with_correction, without_correction
-from pmmkit.campaigns.run import Campaign
-from pmmkit.campaigns.segments import usable
-from pmmkit.errors import DataError, FileExists
+from pmmkit.base import DataError, FileExists
+from pmmkit.campaigns import (
+    FILE_NAME,
+    Campaign,
+    campaign_of,
+    usable,
+    with_correction,
+    without_correction,
+)
 from pmmkit.files import datasets_folder, write_text
-from pmmkit.observations.prepare import prepare
-from pmmkit.workbench.pages.runs import CUTS, literal
+from pmmkit.reduction import prepare
+from pmmkit.views import CUTS, literal
 
 LONGEST: Final = 400
 """Characters of a reason."""
@@ -25,22 +29,7 @@ def drawn(
 ) -> Callable[[Campaign, str], None]:
     """Writes a window of a run, in the place of one that was stated for it alone.
 
-    Parameters
-    ----------
-    place : Path
-        The campaign: its folder or its file.
-    data : str
-        Folder of the measurements, or nothing.
-    start, end : float
-        In the record's own time [s].
-    reason : str
-        Why; it stands in the file and in every report.
-
-    Raises
-    ------
-    DataError
-        When called: without a reason, where the file cannot be written, or where too little of
-        the record is left.
+    start, end [s].
     """
     said = " ".join(reason.split())
     if not said or len(said) > LONGEST:
@@ -63,13 +52,7 @@ def drawn(
 
 
 def taken_back(place: Path, data: str) -> Callable[[Campaign, str], None]:
-    """Takes the window of a run out of the file: what counts is found again.
-
-    Parameters
-    ----------
-    place, data
-        As for `drawn`.
-    """
+    """Takes the window of a run out of the file: what counts is found again."""
     file = _writable(place)
 
     def write(campaign: Campaign, run: str) -> None:

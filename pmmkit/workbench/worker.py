@@ -12,7 +12,7 @@ from threading import Lock, Thread
 from types import MappingProxyType
 from typing import Any, Final, Literal
 
-from pmmkit.errors import DataError, PmmkitError
+from pmmkit.base import DataError, PmmkitError
 
 Tell = Callable[[int, int, str], None]
 Task = Callable[..., None]
@@ -25,24 +25,10 @@ PATIENCE: Final = 2.0
 class Job:
     """How a piece of long work stands.
 
-    Parameters
-    ----------
-    number : int
-        Counted from one.
-    name : str
-        Of the task.
-    stand : {"idle", "running", "done", "failed", "cancelled"}
-        How far it is.
-    done, total : int
-        Parts of the work; 0 of 0 where nothing is known.
-    text : str
-        What is being done, or why it failed.
-    began, heard, ended : float
-        Seconds of a monotonic clock: of the begin, of the last part that was told, of the end.
-    usual : float
-        Seconds that the task took the last time; NaN where it was not done yet.
-    asked : mapping
-        What the task was asked.
+    `stand`: how far it is. `done, total`: parts of the work; 0 of 0 where nothing is known.
+    `text`: what is being done, or why it failed. `began, heard, ended`: seconds of a monotonic
+    clock: of the begin, of the last part that was told, of the end. `usual`: seconds that the
+    task took the last time; NaN where it was not done yet. `asked`: what the task was asked.
     """
 
     number: int = 0
@@ -87,12 +73,8 @@ class Job:
 class Worker:
     """One process that does one task after another.
 
-    Parameters
-    ----------
-    make : callable
-        Called in the process: gives its tasks by name. They get what is asked and `tell`.
-    finished : callable
-        Called with the job when its task is done; what it raises fails the job.
+    `make`: called in the process: gives its tasks by name. They get what is asked and `tell`.
+    `finished`: called with the job when its task is done; what it raises fails the job.
     """
 
     def __init__(
@@ -113,13 +95,7 @@ class Worker:
             return self._job
 
     def start(self, name: str, asked: Mapping[str, Any]) -> Job:
-        """Begin a task.
-
-        Raises
-        ------
-        DataError
-            If another one is running.
-        """
+        """Begin a task."""
         with self._lock:
             if self._job.stand == "running":
                 raise DataError("Something else is being worked out: wait for it, or cancel it.")

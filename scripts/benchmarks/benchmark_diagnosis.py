@@ -22,11 +22,12 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
 
-from pmmkit.campaigns.run import Campaign
-from pmmkit.diagnosis import Candidate, captive_candidates, diagnose_captive, polynomial
-from pmmkit.diagnosis.captive.diagnose import captive_system
+from pmmkit.campaigns import Campaign
+from pmmkit.diagnosis.captive.candidate import Candidate, polynomial
+from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
+from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.captive.verdict import answer
-from pmmkit.observations.views import views_of
+from pmmkit.reduction import views_of
 from scripts.studies.hidden_effects import programmes, tank
 
 

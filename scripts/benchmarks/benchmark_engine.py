@@ -26,9 +26,8 @@ from pathlib import Path
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.effects.hull import FACTOR_PLACES
-from pmmkit.equations import Prepared, prepare
-from pmmkit.equations.layouts import Constant
+from pmmkit.effects import FACTOR_PLACES
+from pmmkit.simulation import Constant, Prepared, prepare
 
 SHIP, SPEED, RTOL = "kvlcc2-l7", 1.179, 1e-6
 SOURCE = Path(__file__).with_name("benchmark_turn.c")

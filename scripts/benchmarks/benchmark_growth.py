@@ -49,7 +49,7 @@ def reduction(count: int, folder: str) -> dict[str, float]:
 
 def diagnosis(count: int, _: str) -> dict[str, float]:
     """Seconds of a captive diagnosis."""
-    from pmmkit.diagnosis import diagnose_captive
+    from pmmkit.diagnosis.captive.diagnose import diagnose_captive
     from scripts.benchmarks.benchmark_diagnosis import campaign
     from scripts.studies.hidden_effects import tank
 

@@ -18,7 +18,7 @@ import numpy as np
 
 import pmmkit as pk
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.identification.record import FreeRecord
+from pmmkit.identification import FreeRecord
 from tests.support.recorded import recorded
 from tests.support.zigzags import ASYMMETRY, SENSORS, SHIP, SPEED
 

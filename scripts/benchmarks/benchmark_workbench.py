@@ -17,11 +17,9 @@ import time
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.campaigns.store import save_campaign
+from pmmkit.campaigns import save_campaign
 from pmmkit.files import datasets_folder
-from pmmkit.workbench.desk import Desk
-from pmmkit.workbench.frozen import frozen_page
-from pmmkit.workbench.saved import State
+from pmmkit.workbench import Desk, WorkbenchState, frozen_page
 from pmmkit.workbench.worker import Job
 from scripts.benchmarks.benchmark_diagnosis import campaign
 from tests.support.chromium import chromium, found
@@ -122,7 +120,7 @@ def measured(runs: int, rounds: int, browser: str, place: Path) -> None:
     desk = Desk(place / "workbench", [place])
     print(f"{runs} runs", flush=True)
     begun = time.perf_counter()
-    worked(desk, "opening", desk.open(State(campaign=str(tests), model="cubic")), begun)
+    worked(desk, "opening", desk.open(WorkbenchState(campaign=str(tests), model="cubic")), begun)
     begun = time.perf_counter()
     worked(desk, "asking", desk.diagnose(desk.page()["revision"]), begun)
     with chromium(browser, place / "profile") as page, served(desk) as address:

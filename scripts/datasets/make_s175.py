@@ -11,7 +11,7 @@ from scripts.datasets.s175_programme import SPEEDS, UNCERTAINTY, Plan, campaign,
 from scripts.datasets.s175_truth import load_truth
 from scripts.datasets.virtual_tank import SHIP, WATER
 
-from pmmkit.campaigns.store import save_campaign
+from pmmkit.campaigns import save_campaign
 from pmmkit.files import datasets_folder, write_text
 
 SEED = 1

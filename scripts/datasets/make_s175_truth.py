@@ -18,7 +18,7 @@ from scipy.optimize import lsq_linear
 from pmmkit.files import datasets_folder, write_text
 from pmmkit.models import Model, load_model, to_model
 from pmmkit.simulation import simulate
-from pmmkit.toml_files import toml_text
+from pmmkit.files import toml_text
 
 Array = NDArray[np.float64]
 SPEEDS = (6.0, 9.0, 12.0)

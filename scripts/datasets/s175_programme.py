@@ -15,9 +15,9 @@ import xarray as xr
 from scripts.datasets.s175_truth import Truth
 from scripts.datasets.virtual_tank import SHIP, WATER, history, motion, water_forces
 
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns import Campaign, Run
+from pmmkit.campaigns import TypeB
+from pmmkit.campaigns import Settings
 
 SPEEDS = (1.0, 1.5, 2.0)
 DRIFT = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)

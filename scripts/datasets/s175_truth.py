@@ -9,9 +9,9 @@ from pathlib import Path
 
 from pmmkit.conventions import Convention
 from pmmkit.files import datasets_folder
-from pmmkit.ship import Water
-from pmmkit.ship_library import load_ship
-from pmmkit.tables import DerivativeTable, from_values
+from pmmkit.conventions import Water
+from pmmkit.models import load_ship
+from pmmkit.models import DerivativeTable, from_values
 
 
 @dataclass(frozen=True, kw_only=True)

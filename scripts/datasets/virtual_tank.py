@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.campaigns.settings import Settings
-from pmmkit.ship import Ship, Water
+from pmmkit.campaigns import Campaign, Run
+from pmmkit.campaigns import Settings
+from pmmkit.conventions import Ship, Water
 
 SHIP = Ship(
     name="S175 1:36", L=4.861111, B=0.705556, d=0.236111, volume=0.454861, mass=454.476, Izz=618.332

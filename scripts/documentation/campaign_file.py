@@ -10,8 +10,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from pmmkit.campaigns.file.imo_table import ImoEntry
-from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
+from pmmkit.campaigns import BUILT_IN, GaugeEntry, ImoEntry, ReportEntry, TestKind, setting_key
 from pmmkit.campaigns.file.schema import (
     CorrectionEntry,
     DefaultsEntry,
@@ -33,10 +32,8 @@ from pmmkit.campaigns.file.single_tables import (
     UncertainEntry,
     WaterEntry,
 )
-from pmmkit.campaigns.settings import setting_key
-from pmmkit.campaigns.test_kinds.kind import TestKind
-from pmmkit.campaigns.test_kinds.registry import BUILT_IN
-from pmmkit.models.stated_parts import GEOMETRY, OPEN_WATER, SECTIONS, numbers_of, words_of
+from pmmkit.models import OPEN_WATER, SECTIONS, numbers_of, words_of
+from pmmkit.models.stated_parts import GEOMETRY
 from scripts.documentation.fences import table
 
 LETTERS = {

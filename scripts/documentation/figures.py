@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import Final
 
 import pmmkit as pk
-from pmmkit.empirical import METHODS, StandardError, estimate
+from pmmkit.models import METHODS, converted, estimate, hull_table, load_ship
+from pmmkit.models.empirical import StandardError
 from pmmkit.models.estimates import RESISTANCE_ERROR
-from pmmkit.models.hull import hull_table
 from pmmkit.models.particulars import (
     ANOTHER,
     ANOTHER_DRAWN,
@@ -20,8 +20,6 @@ from pmmkit.models.particulars import (
     SERIES_ERRORS,
 )
 from pmmkit.models.revise import ERRORS, share_left
-from pmmkit.ship_library import load_ship
-from pmmkit.tables.convert import converted
 from scripts.documentation.fences import table
 
 METHOD: Final = "yoshimura-masumoto"

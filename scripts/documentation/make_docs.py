@@ -14,16 +14,14 @@ from functools import cache
 from pathlib import Path
 
 import pmmkit as pk
-from pmmkit.checks import CHECKS
-from pmmkit.diagnosis import captive_candidates
+from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.captive.signature import FROUDE, LENGTH, Signature, signatures
-from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.effect import Effect
-from pmmkit.figures import trajectory
-from pmmkit.figures.derivatives import derivatives_over_froude
+from pmmkit.effects import Effect, catalogue
 from pmmkit.files import datasets_folder, write_text
+from pmmkit.intake.checks import CHECKS
 from pmmkit.models import load_model
-from pmmkit.plotting import style
+from pmmkit.plotting import style, trajectory
+from pmmkit.views.figures.derivatives import derivatives_over_froude
 from scripts.documentation import campaign_file, figures, manoeuvres, rooms
 from scripts.documentation.fences import page
 

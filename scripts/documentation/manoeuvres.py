@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from pmmkit.metrics import METRICS, Criterion, Metric, criteria
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
-from pmmkit.simulation.manoeuvres.manoeuvre import Setting
+from pmmkit.conventions import METRICS, Criterion, Metric, criteria
+from pmmkit.simulation import Setting, manoeuvres
 from scripts.documentation.fences import table
 
 

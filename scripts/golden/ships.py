@@ -12,7 +12,7 @@ from scripts.golden.job import SPEEDS, Job, empty_folder, masked
 def sailed(ship: str) -> dict[str, Any]:
     """A ship in every manoeuvre, with the settings that are usual."""
     import pmmkit as pk
-    from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
+    from pmmkit.simulation import manoeuvres
 
     found: dict[str, Any] = {}
     for name in sorted(manoeuvres()):
@@ -43,9 +43,8 @@ def many() -> dict[str, Any]:
 def page() -> dict[str, Any]:
     """What the page of a workbench is told: open, ask, add what is named first."""
     import pmmkit as pk
-    from pmmkit.workbench.desk import Desk
-    from pmmkit.workbench.frozen import answers
-    from pmmkit.workbench.saved import State
+    from pmmkit.workbench import Desk, WorkbenchState
+    from pmmkit.workbench.application import answers
     from scripts.studies.hidden_effects import tank
 
     with empty_folder() as folder:
@@ -55,7 +54,9 @@ def page() -> dict[str, Any]:
         pk.save_model(bare, folder / "model.toml")
         desk = Desk(folder / "workbench", [folder])
         try:
-            desk.open(State(campaign=str(folder / "tests.h5"), model=str(folder / "model.toml")))
+            desk.open(
+                WorkbenchState(campaign=str(folder / "tests.h5"), model=str(folder / "model.toml"))
+            )
             desk.wait(lambda _: None)
             desk.diagnose(desk.page()["revision"])
             desk.wait(lambda _: None)

@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.version import __version__
+from pmmkit.base import __version__
 
 CONDA_NAMES: Final = {"matplotlib": "matplotlib-base"}
 """Packages that conda-forge has under another name."""

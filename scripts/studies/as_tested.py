@@ -34,7 +34,7 @@ from typing import Any
 
 import numpy as np
 
-from pmmkit.campaigns.store import save_campaign
+from pmmkit.campaigns import save_campaign
 from pmmkit.presentation import WIDE
 from scripts.studies.hidden_effects import ABSORBED, tank
 from scripts.studies.loops import COUPLING, SHIP, SURGE, added, diagnosis_in, told

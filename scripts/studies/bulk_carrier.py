@@ -18,7 +18,7 @@ from typing import Any, Final
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.simulation.track import Track
+from pmmkit.simulation import Track
 
 KNOT: Final = 1852 / 3600
 NAME: Final = "bulk-carrier-170"

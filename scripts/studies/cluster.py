@@ -23,7 +23,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pmmkit as pk
-from pmmkit.executors import Workers
+from pmmkit.base import Workers
 from pmmkit.reduction import Reduction, reduce_campaign
 from scripts.datasets.make_large import make
 

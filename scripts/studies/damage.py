@@ -337,8 +337,8 @@ def damaged(form: Format, good: bytes, folder: Path, kind: str, rng: np.random.G
 
 def outcome(form: Format, folder: Path, kind: str) -> str:
     """What reading the folder gives."""
-    from pmmkit.campaigns.file.campaign_file import open_campaign
-    from pmmkit.errors import PmmkitError
+    from pmmkit.base import PmmkitError
+    from pmmkit.campaigns import open_campaign
 
     def late(*_: object) -> None:
         raise TimeoutError

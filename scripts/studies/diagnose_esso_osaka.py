@@ -25,8 +25,7 @@ import numpy as np
 import pmmkit as pk
 from pmmkit.diagnosis import Diagnosis
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.identification.record import FreeRecord
-from pmmkit.identification.smoother import smooth
+from pmmkit.identification import FreeRecord, smooth
 from pmmkit.models import Model
 from pmmkit.plotting import style
 from pmmkit.presentation import WIDE, plus_minus

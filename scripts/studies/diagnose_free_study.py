@@ -19,8 +19,8 @@ import numpy as np
 
 from pmmkit.diagnosis.free_running.base import movable
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.identification.parameters import places, with_parameters
-from pmmkit.identification.prior import prior_of
+from pmmkit.identification import places, prior_of
+from pmmkit.identification.binding import with_parameters
 from pmmkit.models import Model
 from tests.support.zigzags import SENSORS, SHIP, SPEED, sailed
 

@@ -17,9 +17,8 @@ import os
 from pathlib import Path
 
 import pmmkit as pk
-from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.figures import save
-from pmmkit.loop.session import Session, begin
+from pmmkit.diagnosis import Diagnosis, Session, begin
+from pmmkit.plotting import save
 from pmmkit.presentation import WIDE
 
 ROOT = Path(__file__).parents[2]

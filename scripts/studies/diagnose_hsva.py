@@ -22,16 +22,14 @@ from pathlib import Path
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Run
+from pmmkit.campaigns import Run
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.equations.prepared import prepare
-from pmmkit.identification.from_run import free_records
-from pmmkit.identification.predict import predict, reference
+from pmmkit.identification import free_records, predict, reference
 from pmmkit.models import Model
 from pmmkit.plotting import style
-from pmmkit.simulation import manoeuvre_of
+from pmmkit.simulation import RTOL, manoeuvre_of, prepare
 from pmmkit.simulation.run import run_plan
-from pmmkit.simulation.simulate import RTOL, gear_of, track_of
+from pmmkit.simulation.single import gear_of, track_of
 from scripts.studies.diagnose_esso_osaka import told
 from scripts.studies.identify_hsva import overshoot_errors
 from scripts.studies.kvlcc2_hsva import ROOT, as_at_hsva, captive_model, compare

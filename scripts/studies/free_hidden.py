@@ -37,8 +37,8 @@ from typing import Any
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.checks import examine
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects import catalogue
+from pmmkit.intake import examine
 from pmmkit.presentation import aligned
 from scripts.studies.workers import add_workers, as_done, crew
 from tests.support.free_tank.campaigns import SHIPS, Setup, write, write_all

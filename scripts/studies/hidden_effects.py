@@ -41,10 +41,9 @@ from typing import Any
 
 import numpy as np
 
-from pmmkit.diagnosis import diagnose_captive
-from pmmkit.diagnosis.captive.diagnose import captive_system
+from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
 from pmmkit.diagnosis.evidence import SHOWS
-from pmmkit.observations.views import views_of
+from pmmkit.reduction import views_of
 from scripts.studies.workers import add_workers, crew, in_order
 
 ABSORBED = ("fault_gauge_gain", "fault_moment_point", "fault_inertia")

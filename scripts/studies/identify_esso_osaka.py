@@ -21,13 +21,17 @@ from pathlib import Path
 from types import MappingProxyType
 
 import pmmkit as pk
+from pmmkit.identification import (
+    FreeRecord,
+    Smoothed,
+    free_records,
+    identify,
+    predict,
+    prior_of,
+    reference,
+)
 from pmmkit.identification.filters import kalman
-from pmmkit.identification.from_run import free_records
-from pmmkit.identification.methods import UNSEEN, identify
-from pmmkit.identification.predict import predict, reference
-from pmmkit.identification.prior import prior_of
-from pmmkit.identification.record import FreeRecord
-from pmmkit.identification.smoother import Smoothed
+from pmmkit.identification.methods import UNSEEN
 from pmmkit.models import Model, Part
 
 ROOT = Path(__file__).parents[2]

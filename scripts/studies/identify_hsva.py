@@ -19,9 +19,7 @@ from pathlib import Path
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.identification.from_run import free_records
-from pmmkit.identification.methods import identify
-from pmmkit.identification.predict import predict, reference
+from pmmkit.identification import free_records, identify, predict, reference
 from pmmkit.models import Model
 from scripts.studies.kvlcc2_hsva import ROOT, Case, as_at_hsva, captive_model, compare
 

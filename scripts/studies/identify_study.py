@@ -21,9 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.identification.methods import identify
-from pmmkit.identification.prior import prior_of
-from pmmkit.identification.record import FreeRecord
+from pmmkit.identification import FreeRecord, identify, prior_of
 from pmmkit.models import Model
 from scripts.studies.bulk_carrier import NAME, TRIAL
 from scripts.studies.workers import add_workers, crew, in_order

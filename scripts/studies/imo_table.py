@@ -12,7 +12,7 @@ import argparse
 import math
 
 import pmmkit as pk
-from pmmkit.simulation.imo import Verdict
+from pmmkit.simulation import Verdict
 
 SHIPS = {
     "s175": (11.3, None),

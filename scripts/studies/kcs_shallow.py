@@ -192,8 +192,7 @@ def repeats(book: Path, sheet: str) -> dict[str, float]:
 
 def main() -> None:
     import pmmkit as pk
-    from pmmkit.reduction import reduce_campaign
-    from pmmkit.reduction.between_runs import in_words
+    from pmmkit.reduction import in_words, reduce_campaign
 
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter

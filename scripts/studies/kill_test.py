@@ -26,7 +26,7 @@ from pathlib import Path
 from scripts.datasets.make_large import make
 
 SAVE = (
-    "import sys, pmmkit as pk; from pmmkit.campaigns.store import save_campaign; "
+    "import sys, pmmkit as pk; from pmmkit.campaigns import save_campaign; "
     "save_campaign(pk.open_campaign(sys.argv[1]), sys.argv[2])"
 )
 Content = Mapping[str, str]

@@ -20,11 +20,11 @@ from types import MappingProxyType
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Run
+from pmmkit.campaigns import Run
 from pmmkit.models import Model
 from pmmkit.plotting import style
 from pmmkit.presentation import WIDE
-from pmmkit.reduction.parts import Parts, hull_alone, parts_of
+from pmmkit.reduction import Parts, hull_alone, parts_of
 from pmmkit.simulation import Track
 
 ROOT = Path(__file__).parents[2]

@@ -22,22 +22,26 @@ import numpy as np
 from scipy import stats
 
 import pmmkit as pk
-from pmmkit.empirical import METHODS, StandardError, estimate
+from pmmkit.conventions import Ship
 from pmmkit.files import write_text
-from pmmkit.models import Model
-from pmmkit.models.estimates import estimated_model
-from pmmkit.models.hull import hull_table
+from pmmkit.models import (
+    METHODS,
+    Model,
+    converted,
+    estimate,
+    estimated_model,
+    hull_table,
+    parts_from_particulars,
+)
+from pmmkit.models.empirical import StandardError
 from pmmkit.models.particulars import (
     DRAWN,
     PROPELLER_ERRORS,
     RUDDER_ERRORS,
     WAKE_GROWTH,
-    parts_from_particulars,
     propeller_diameter,
     rudder_area,
 )
-from pmmkit.ship import Ship
-from pmmkit.tables.convert import converted
 from scripts.documentation.fences import DOCS, page, table
 from scripts.studies.bulk_carrier import NAME, TRIAL, TURNS
 from scripts.validation.measurements import HSVA, kept

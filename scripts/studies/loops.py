@@ -32,7 +32,7 @@ from pathlib import Path
 from typing import Any
 
 import pmmkit as pk
-from pmmkit.campaigns.store import save_campaign
+from pmmkit.campaigns import save_campaign
 from pmmkit.cli import main as typed
 from pmmkit.models import Model, load_model
 from pmmkit.workbench.saved import find_result

@@ -21,10 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.campaigns import open_campaign
 from pmmkit.files import datasets_folder
-from pmmkit.reduction import Reduction, reduce_campaign
-from pmmkit.reduction.agreement import differences, worst
+from pmmkit.reduction import Reduction, differences, reduce_campaign, worst
 from scripts.datasets.s175_programme import campaign
 from scripts.datasets.s175_truth import load_truth
 from scripts.datasets.virtual_tank import SHIP, WATER

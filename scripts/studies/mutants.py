@@ -52,7 +52,7 @@ FILES = ("pyproject.toml", "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "RELE
 MODULES = (
     "pmmkit/reduction/solve.py",
     "pmmkit/diagnosis/captive/evidence.py",
-    "pmmkit/checks/inertia.py",
+    "pmmkit/intake/checks/inertia.py",
     "pmmkit/campaigns/motion/kinematics.py",
     "pmmkit/simulation/run.py",
 )

@@ -17,15 +17,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis import Advice, Diagnosis, next_runs
 from pmmkit.diagnosis.free_running.diagnose import answer
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
-from pmmkit.identification.record import FreeRecord
+from pmmkit.diagnosis.planning.advice import NextRun
+from pmmkit.identification import FreeRecord
 from pmmkit.models import load_model
 from pmmkit.numerics import Array
 from pmmkit.presentation import aligned
-from pmmkit.test_planning.advice import Advice, NextRun
-from pmmkit.test_planning.next_run import next_runs
 from tests.support.free_tank.campaigns import SHIPS, Setup, hidden_in, programme
 from tests.support.free_tank.cases import CASES
 from tests.support.free_tank.sailing import Order, Sailed, sail

@@ -20,13 +20,12 @@ from typing import Any
 
 import numpy as np
 
-from pmmkit.diagnosis import Diagnosis, diagnose_captive
+from pmmkit.diagnosis import Advice, Diagnosis, Limits, next_runs, plan
+from pmmkit.diagnosis.captive.diagnose import diagnose_captive
+from pmmkit.diagnosis.planning.ground import ground_of
+from pmmkit.diagnosis.planning.options import USUAL, options_of
+from pmmkit.diagnosis.planning.programme import sights
 from pmmkit.models import Model, load_model
-from pmmkit.test_planning.advice import Advice
-from pmmkit.test_planning.ground import ground_of
-from pmmkit.test_planning.next_run import next_runs
-from pmmkit.test_planning.options import USUAL, Limits, options_of
-from pmmkit.test_planning.programme import plan, sights
 from scripts.studies.hidden_effects import ABSORBED, programmes, tank
 
 RIVALLED = (

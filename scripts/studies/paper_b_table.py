@@ -10,8 +10,9 @@ perpendicular (x' = 0.534) where the criterion needs it from midship (0.034).
 
 from __future__ import annotations
 
-from pmmkit.empirical import criterion, estimate
-from pmmkit.ship import Ship
+from pmmkit.conventions import Ship
+from pmmkit.models import estimate
+from pmmkit.models.empirical import criterion
 
 TANKER = Ship(
     name="280 000 dwt tanker", L=320.0, B=58.0, d=20.8, volume=0.81 * 320.0 * 58.0 * 20.8,

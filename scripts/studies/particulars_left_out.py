@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.checks import examine
-from pmmkit.errors import PmmkitError
+from pmmkit.base import PmmkitError
+from pmmkit.conventions import Structure
+from pmmkit.intake import examine
 from pmmkit.presentation import WIDE
 from pmmkit.reduction import reduce_campaign
-from pmmkit.structures import Structure
 from tests.support import own_tank
 
 CAMPAIGNS = {

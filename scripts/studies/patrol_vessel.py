@@ -19,7 +19,7 @@ import numpy as np
 
 import pmmkit as pk
 from pmmkit.models import Model
-from pmmkit.simulation.track import Track
+from pmmkit.simulation import Track
 
 NAME: Final = "patrol-vessel-44"
 KNOT: Final = 1852 / 3600

@@ -24,10 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from pmmkit.identification.methods import identify
+from pmmkit.identification import FreeRecord, identify, prior_of
 from pmmkit.identification.posterior.density import DEGREES, ROUGHNESS
-from pmmkit.identification.prior import prior_of
-from pmmkit.identification.record import FreeRecord
 from pmmkit.models import load_model
 from scripts.studies.workers import add_workers, as_done, crew
 from tests.support.free_tank.flow import Motion
@@ -274,7 +272,7 @@ def main() -> None:
         found = study(options.replicates, executor, options.seed, options.save)
     print(report(found))
     if options.figure is not None:
-        from pmmkit.plotting.style import save
+        from pmmkit.plotting import save
 
         save(drawn(found), options.figure)
 

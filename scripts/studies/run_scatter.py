@@ -33,9 +33,9 @@ from itertools import product
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns import Campaign, Run
+from pmmkit.models import DerivativeTable
 from pmmkit.reduction import Reduction, reduce_campaign
-from pmmkit.tables import DerivativeTable
 from scripts.studies.workers import add_workers, crew, in_order
 from tests.support import second_tank, spoiled
 from tests.support.hidden_effects import hidden_campaign

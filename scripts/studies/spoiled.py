@@ -36,10 +36,10 @@ from typing import Any
 
 import numpy as np
 
-from pmmkit.checks import CheckFinding, examine
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
+from pmmkit.intake import CheckFinding, examine
+from pmmkit.models import DerivativeTable
 from pmmkit.reduction import reduce_campaign
-from pmmkit.tables import DerivativeTable
 from scripts.studies.workers import add_workers, crew, in_order
 
 CLASSES = ("refused", "named", "other", "noted", "harmless", "wrong")

@@ -18,9 +18,9 @@ from typing import Final
 import numpy as np
 
 import pmmkit as pk
+from pmmkit.conventions import Ship, Water
 from pmmkit.models import Model
 from pmmkit.models.particulars import propeller_diameter, rudder_area
-from pmmkit.ship import Ship, Water
 
 KNOT: Final = 1852 / 3600
 SHIPS: Final = 1000

@@ -14,7 +14,7 @@ import numpy as np
 
 import pmmkit as pk
 from pmmkit.plotting import style
-from pmmkit.plotting.waves import over_wave_length
+from pmmkit.seakeeping.figures import over_wave_length
 
 IMAGE = Path(__file__).parents[2] / "docs" / "images" / "tanker_in_waves.png"
 SPEED = 15.5 * 0.514444

@@ -23,12 +23,10 @@ from typing import Any
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.diagnosis.together.result import Together
-from pmmkit.diagnosis.together.together import together
-from pmmkit.identification.from_run import free_records
-from pmmkit.identification.predict import predict, reference
+from pmmkit.diagnosis import Together, joint_diagnosis
+from pmmkit.identification import free_records, predict, reference
 from pmmkit.models import Model
-from pmmkit.reduction.parts import Parts
+from pmmkit.reduction import Parts
 from scripts.studies.diagnose_hsva import WINDOW, as_executed, rms
 from scripts.studies.identify_hsva import overshoot_errors
 from scripts.studies.kvlcc2_hsva import ROOT, as_at_hsva, captive_model, compare
@@ -115,7 +113,7 @@ def main() -> None:
     used, kept = runs[::2], runs[1::2]
     records = [x for run in used for x in free_records(run, captive)]
     began = time.perf_counter(), time.process_time()
-    found = together(
+    found = joint_diagnosis(
         captive,
         {"HMRI": tests, "HSVA": records},
         captive={"noise": NOISE, "floor": FLOOR},

@@ -14,7 +14,8 @@ import numpy as np
 
 import pmmkit as pk
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.seakeeping import drift_table, frequencies
+from pmmkit.seakeeping import frequencies
+from pmmkit.seakeeping.second_order.mean_drift import drift_table
 from tests.diagnosis.test_wave_drift import HEIGHT, NOISE, PERIOD, RIVALS, SHIP, sailed, with_table
 from tests.support.few_stations import thinned
 from tests.support.free_tank.hidden import NOTHING, Hidden

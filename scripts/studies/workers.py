@@ -15,7 +15,7 @@ from functools import partial
 from importlib import import_module
 from typing import Any, TypeVar
 
-from pmmkit.executors import crew_of, each
+from pmmkit.base import crew_of, each
 
 T = TypeVar("T")
 R = TypeVar("R")

@@ -25,14 +25,12 @@ import pmmkit as pk
 from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
-from pmmkit.effects.seen import OUTSIDE
-from pmmkit.equations.prepared import values_at
-from pmmkit.identification.heel import measured_roll
-from pmmkit.identification.methods import identify
-from pmmkit.identification.parameters import places, with_parameters
-from pmmkit.identification.prior import Prior, prior_of
-from pmmkit.identification.record import FreeRecord
+from pmmkit.effects import OUTSIDE
+from pmmkit.identification import FreeRecord, Prior, identify, places, prior_of
+from pmmkit.identification.binding import with_parameters
+from pmmkit.identification.from_run import measured_roll
 from pmmkit.models import Model, Part
+from pmmkit.simulation import values_at
 from tests.support.recorded import recorded
 
 METHODS = ("ekf", "trajectory", "regression")

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from pmmkit.equations import prepare
 from pmmkit.models import load_model
-from pmmkit.simulation.linear import stability
+from pmmkit.simulation import prepare, stability
 from scripts.validation.published import Published, Values, table
 from scripts.validation.sailed import turns
 

@@ -10,8 +10,7 @@ import numpy as np
 
 import pmmkit as pk
 from pmmkit.files import datasets_folder
-from pmmkit.reduction import reduce_campaign
-from pmmkit.reduction.methods.method import Estimate
+from pmmkit.reduction import Estimate, reduce_campaign
 from scripts.datasets.virtual_tank import SON_NOMOTO, captive
 from scripts.validation import measurements
 from scripts.validation.published import Published, Values, table

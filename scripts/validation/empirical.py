@@ -9,19 +9,14 @@ from typing import Final
 
 from pmmkit.effects.cross_flow import hoerner_cd
 from pmmkit.effects.four_quadrant import b4_70
-from pmmkit.empirical import (
-    METHODS,
-    Estimate,
+from pmmkit.models import METHODS, HullEstimate, converted, estimate, hull_table, load_ship
+from pmmkit.models.empirical import (
     criterion,
-    estimate,
     friction_coefficient,
     rudder_values,
     wake_fraction,
     wetted_surface,
 )
-from pmmkit.models.hull import hull_table
-from pmmkit.ship_library import load_ship
-from pmmkit.tables.convert import converted
 from scripts.studies.paper_b_table import MASS, PRINTED, REASONS, TANKER
 from scripts.validation.forces import MMG
 from scripts.validation.published import Published, Values, table
@@ -115,7 +110,7 @@ def tested(ship: str) -> Values:
 
 
 @cache
-def estimated(ship: str) -> Estimate:
+def estimated(ship: str) -> HullEstimate:
     """The same by Yoshimura and Masumoto's formulas, added masses by Zhou's."""
     return estimate(load_ship(ship), FORMULAS)
 
@@ -150,7 +145,7 @@ FIGURES: tuple[Published, ...] = (
         tanker,
         unit="½ρL²",
         place="table 11.1",
-        how="`pmmkit.empirical`",
+        how="`pmmkit.models.empirical`",
         within=3e-3,
         but={
             named("norrbin", "Nv"): 0.05, named("norrbin", "Yr"): 0.01,
@@ -171,7 +166,7 @@ FIGURES: tuple[Published, ...] = (
         unit="L",
         place="table 11.1, with its x'G of 0.534, which is measured from the after perpendicular "
         "where the formula asks for midship (0.034, with which two of the four are unstable)",
-        how="`pmmkit.empirical.criterion` with the same x'G",
+        how="`pmmkit.models.empirical.criterion` with the same x'G",
         within=0.8,
         why={
             named("norrbin", "lever of sway"): "Nv is misprinted (0.04 T/L, see its derivatives).",
@@ -215,7 +210,7 @@ FIGURES: tuple[Published, ...] = (
         place="0.075/(log Re - 2)²",
         nature="printed",
         part="program",
-        how="`pmmkit.empirical.friction_coefficient`",
+        how="`pmmkit.models.empirical.friction_coefficient`",
         within=1e-4,
     ),
     *table(
@@ -245,7 +240,7 @@ FIGURES: tuple[Published, ...] = (
         place="rudder tests of the 7 m model",
         nature="measured",
         part="prediction",
-        how="`pmmkit.empirical.rudder_values`",
+        how="`pmmkit.models.empirical.rudder_values`",
         within=0.5,
         why="Formulas from other hulls, for a first look.",
     ),
@@ -271,8 +266,8 @@ FIGURES: tuple[Published, ...] = (
         "1.827",
         nature="printed",
         part="program",
-        how="`pmmkit.empirical.rudder_values` and `wake_fraction`; ε by a line through KVLCC2 and "
-        "KCS, so that it is no prediction",
+        how="`pmmkit.models.empirical.rudder_values` and `wake_fraction`; ε by a line through "
+        "KVLCC2 and KCS, so that it is no prediction",
         within=0.2,
         why={"fα": "The same formula with height squared over area, 2.219."},
     ),
@@ -284,7 +279,7 @@ FIGURES: tuple[Published, ...] = (
         place="of the hull's lines, without the rudder",
         nature="printed",
         part="program",
-        how="`pmmkit.empirical.wetted_surface`",
+        how="`pmmkit.models.empirical.wetted_surface`",
         within=0.05,
     ),
 )  # fmt: skip

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from pmmkit.conventions import Convention
-from pmmkit.effects.hull import in_channel, regressors
-from pmmkit.effects.state import State
-from pmmkit.ship import Ship, Water
+from pmmkit.conventions import Convention, Ship, Water
+from pmmkit.effects import State, in_channel, regressors
 from scripts.validation.published import Values
 
 FRESH: Final = Water(rho=1000.0, g=9.81)

@@ -9,10 +9,9 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.conventions import Ship
 from pmmkit.models import load_model
-from pmmkit.ship import Ship
-from pmmkit.simulation import simulate
-from pmmkit.simulation.linear import stability
+from pmmkit.simulation import simulate, stability
 from scripts.validation.forces import FRESH, MMG, polynomial
 from scripts.validation.published import Published, Values, table
 from scripts.validation.sailed import turns, zigzags

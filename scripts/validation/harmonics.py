@@ -8,9 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns.motion.kinematics import nominal_motion
-from pmmkit.campaigns.run import Run
-from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns import Run, Settings, nominal_motion
 from pmmkit.signals import harmonics
 from scripts.validation.published import Published, Values, table
 
@@ -90,7 +88,7 @@ FIGURES: tuple[Published, ...] = (
         place="closed forms of the Fourier series for v = cos θ",
         nature="printed",
         part="program",
-        how="`pmmkit.signals.harmonics` on 7200 samples",
+        how="`pmmkit.signals.fourier` on 7200 samples",
         within=1e-5,
     ),
 )  # fmt: skip

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import cache
 
-from pmmkit.metrics import criteria
-from pmmkit.simulation import zigzag_limits
-from pmmkit.trials.verdicts import verdicts_of
+from pmmkit.conventions import criteria
+from pmmkit.identification.trials.verdicts import verdicts_of
+from pmmkit.simulation.imo.verdict import zigzag_limits
 from scripts.validation.published import Published, Values, table
 
 RULES = {"sources": ("msc137",), "nature": "printed", "part": "program", "within": 1e-9}

@@ -16,9 +16,8 @@ import numpy as np
 
 import pmmkit as pk
 from pmmkit.files import write_text
-from pmmkit.models.hull import hull_table
+from pmmkit.models import converted, hull_table
 from pmmkit.seakeeping import Loading, added_resistance, rao, read_hull
-from pmmkit.tables.convert import converted
 from scripts.studies import kvlcc2_hsva
 from scripts.validation.forces import MMG
 from scripts.validation.published import Values

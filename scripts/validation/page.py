@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.bibliography import cite
+from pmmkit.conventions import cite
 from scripts.documentation.fences import table
 from scripts.validation.chains import CHAINS
 from scripts.validation.published import AGREES, Nature, Part, Published

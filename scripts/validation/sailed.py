@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, Final
 
-from pmmkit.metrics import METRICS
+from pmmkit.conventions import METRICS
 from pmmkit.models import Model
 from pmmkit.simulation import simulate
 from scripts.validation.published import Published, Values, table

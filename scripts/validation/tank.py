@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.seakeeping import AddedResistance, Rao, added_resistance, rao
-from pmmkit.seakeeping.explained import FLOOR
+from pmmkit.seakeeping.explanation import FLOOR
 from pmmkit.seakeeping.strips import coefficients, strips_of
 from scripts.validation.published import Published, Values, pairs, table
 from scripts.validation.wigley import (

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pmmkit.seakeeping import Hull, Loading, Station, loading_of
+from pmmkit.seakeeping import Hull, Loading, loading_of
+from pmmkit.seakeeping.hull_forms.hull import Station
 
 L, D, KYY, RHO, G = 3.0, 0.1875, 0.75, 1000.0, 9.81
 BREADTH = {"I": 0.3, "II": 0.6, "III": 0.3, "IV": 0.6}

@@ -13,13 +13,14 @@ import pytest
 from web import served_web
 
 import pmmkit as pk
-from pmmkit.campaigns.samples.loading import file_hashes
+from pmmkit.base import CampaignError, DataError
+from pmmkit.campaigns import file_hashes
 from pmmkit.cli import main
-from pmmkit.errors import CampaignError, DataError
+from pmmkit.files import as_url, joined, look
+from pmmkit.files.remote import copies, objects, urls
+from pmmkit.files.remote.copies import SHEET
+from pmmkit.files.remote.objects import is_absent, told
 from pmmkit.reduction.reading import all_runs
-from pmmkit.remote import as_url, copies, joined, look, objects, urls
-from pmmkit.remote.copies import SHEET
-from pmmkit.remote.objects import is_absent, told
 from scripts.datasets.make_large import make
 from scripts.studies.cluster import everything
 from scripts.studies.damage import CAMPAIGN

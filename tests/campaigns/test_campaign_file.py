@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pmmkit import open_campaign
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 from tests.support.small_campaign import SHIP
 
 HEAD = f"""[campaign]

@@ -11,10 +11,8 @@ from own_tank import U, drift, sway, write, yaw
 
 import pmmkit as pk
 from pmmkit import Run
-from pmmkit.campaigns.motion.kinematics import measured_motion, nominal_motion
-from pmmkit.campaigns.settings import Settings
-from pmmkit.checks import CheckFinding
-from pmmkit.inspection import look
+from pmmkit.campaigns import Settings, measured_motion, nominal_motion
+from pmmkit.intake import CheckFinding, look
 
 T = np.arange(0.0, 40.0, 0.05)
 OMEGA = 2 * math.pi / 10.0

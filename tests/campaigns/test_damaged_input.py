@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pmmkit import open_campaign
-from pmmkit.errors import CampaignError, DataError
+from pmmkit.base import CampaignError, DataError
 from scripts.datasets.campaign_text import S175
 
 ROWS = 240

@@ -9,7 +9,7 @@ import pytest
 from small_campaign import HEAD
 
 from pmmkit import open_campaign
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 from pmmkit.exports import export
 
 T = np.arange(0.0, 40.0, 0.05)

@@ -6,10 +6,9 @@ import pytest
 from small_campaign import write_campaign, write_depths
 
 import pmmkit as pk
-from pmmkit.campaigns.depths import by_depth, depths, one_depth
-from pmmkit.campaigns.repeats import repeats
-from pmmkit.checks import examine
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
+from pmmkit.campaigns import by_depth, depths, one_depth, repeats
+from pmmkit.intake import examine
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from pmmkit import open_campaign
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 from pmmkit.readers import readers
 
 SECRET = "root:x:0:0:root:/root:/bin/sh\ntoken = hunter2,abc;def 99\nuser pass\n"

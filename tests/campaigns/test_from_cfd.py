@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from pmmkit.cli import main
-from pmmkit.tables import read_table
+from pmmkit.models import read_table
 from scripts.datasets.campaign_text import S175
 from scripts.datasets.make_cfd_cases import SPEED, history, programme, write_openfoam, write_star
 from scripts.datasets.s175_truth import load_truth

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.campaigns.depths import by_depth, depths
+from pmmkit.campaigns import by_depth, depths
 from pmmkit.cli import main
 from pmmkit.reduction import prepare
 

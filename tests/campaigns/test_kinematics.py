@@ -12,17 +12,17 @@ from hypothesis import strategies as st
 from scipy.integrate import cumulative_simpson
 
 from pmmkit import Run
-from pmmkit.campaigns.motion.kinematics import (
+from pmmkit.base import CampaignError
+from pmmkit.campaigns import (
+    Settings,
+    captive_kinds,
     displacement_phase,
     measured_motion,
     motion_at_phase,
     move_motion,
     nominal_motion,
 )
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.test_kinds.registry import captive_kinds
-from pmmkit.effects.state import State
-from pmmkit.errors import CampaignError
+from pmmkit.effects import State
 
 UC, PERIOD, SWAY, YAW, RUDDER, DRIFT, PHASE = 1.5, 12.0, 0.35, 0.3, 0.5, 0.12, 0.7
 OMEGA = 2 * math.pi / PERIOD

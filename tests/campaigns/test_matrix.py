@@ -10,7 +10,7 @@ import pytest
 from small_campaign import HEAD
 
 from pmmkit import open_campaign
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 
 T = np.arange(0.0, 40.0, 0.05)
 HEADER = ["Run", "Type", "Speed [m/s]", "Drift [deg]", "Period [s]", "Sway [mm]"]

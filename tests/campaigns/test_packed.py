@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
+from pmmkit.base import CampaignError
 from pmmkit.cli import main
-from pmmkit.errors import CampaignError
 from pmmkit.testing.readers import check_reader
 from scripts.studies import damage
 
@@ -72,7 +72,7 @@ def test_a_table_and_an_open_water_curve_inside(tmp_path):
     files = {"campaign.toml": text, "means.csv": means, "curve.csv": curve}
     tests = pk.open_campaign(packed(tmp_path / "a.zip", files))
     assert [float(run.data["Y"]) for run in tests] == [35.5, 72.5]
-    from pmmkit.campaigns.open_water import open_water
+    from pmmkit.campaigns import open_water
 
     J, KT, KQ = open_water(tests)
     assert (J[1], KT[1], KQ[1]) == pytest.approx((0.5, 0.15, 0.02))

@@ -6,9 +6,8 @@ from dataclasses import fields
 
 import pytest
 
-from pmmkit.campaigns.repeats import RESOLUTION, repeats
-from pmmkit.campaigns.run import Run
-from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns import Run, Settings, repeats
+from pmmkit.campaigns.repeated_runs import RESOLUTION
 
 DEG = 0.017453292519943295
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from pmmkit.campaigns.file.rewriting import with_columns, with_correction, without_correction
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
+from pmmkit.campaigns import with_columns, with_correction, without_correction
 
 FILE = """\
 # of May, gauge 7  # "odd" [[runs]]

@@ -10,7 +10,7 @@ import openpyxl
 import pytest
 
 from pmmkit import open_campaign, reduce_campaign
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 
 HEAD = ("Test", "Kind", "y [m]", "psi [deg]", "u [m/s]", "v [m/s]", "r [deg/s]", "delta [deg]")
 FORCES = ("X [N]", "Y [N]", "N [Nm]")

@@ -7,7 +7,7 @@ from dataclasses import fields
 import pytest
 
 from pmmkit import Run
-from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns import Settings
 from pmmkit.diagnosis.captive.held_out import conditions
 
 SIZES = {"phase", "strut_spacing", "strut_centre", "repeat_of", "speed"}

@@ -18,11 +18,10 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from pmmkit import open_campaign
+from pmmkit.base import CampaignError
+from pmmkit.campaigns import Settings, file_hashes
 from pmmkit.campaigns.motion.hull_path import set_to
 from pmmkit.campaigns.motion.solver_axes import Solver, seen_from_hull, without_ramp
-from pmmkit.campaigns.samples.loading import file_hashes
-from pmmkit.campaigns.settings import Settings
-from pmmkit.errors import CampaignError
 from scripts.datasets.campaign_text import S175
 
 SPEED, PERIOD, YAW, SWAY, CENTRE = 1.5, 8.0, 0.25, 0.4, 0.6

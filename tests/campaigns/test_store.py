@@ -24,15 +24,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pmmkit import Campaign, Run, load_campaign, save_campaign
-from pmmkit.campaigns.run import Correction
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.errors import CampaignError, PmmkitError, Problem
-from pmmkit.json_text import from_json, to_json
+from pmmkit.base import CampaignError, PmmkitError, Problem
+from pmmkit.campaigns import Correction, Settings, TypeB
+from pmmkit.conventions import CHANNEL_UNITS, Ship, Water
+from pmmkit.files import from_json, to_json
 from pmmkit.readers.saved.file import read_run
 from pmmkit.readers.saved.group import described
-from pmmkit.ship import Ship, Water
 
 SHIP = Ship(
     name="Modell ü", L=4.861111, B=0.705556, d=0.236111, volume=0.454861, mass=454.476,

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from own_tank import HEAD, U, record, sway, write
 
 import pmmkit as pk
-from pmmkit.campaigns.motion.kinematics import measured_motion, motion_at_phase, nominal_motion
-from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
+from pmmkit.campaigns import kind_of, measured_motion, motion_at_phase, nominal_motion
 
 B, OMEGA = 1.8, 2 * math.pi / 9.0
 NAMES = ("u", "v", "r", "udot", "vdot", "rdot")
@@ -118,8 +117,8 @@ def test_struts_of_pure_yaw_lead_by_twice_the_angle_of_their_way(slides, tmp_pat
     aft=st.booleans(), turned=st.floats(-0.3, 0.3),
 )  # fmt: skip
 def test_rates_are_the_derivatives_of_what_they_are_rates_of(amplitude, phase, centre, aft, turned):
-    from pmmkit.campaigns.settings import Settings
-    from pmmkit.campaigns.test_kinds.struts import Struts, swung
+    from pmmkit.campaigns import Settings, Struts
+    from pmmkit.campaigns.test_kinds.struts import swung
 
     struts = Struts(spacing=B, centre_x=centre, slides="aft" if aft else "forward")
     midway, heading = struts.swing(amplitude, phase)

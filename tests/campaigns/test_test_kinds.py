@@ -13,19 +13,31 @@ import small_campaign
 
 import pmmkit as pk
 from pmmkit import Campaign, Run, next_runs, reduce_campaign
-from pmmkit.campaigns.motion.kinematics import nominal_motion
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.test_kinds.kind import MAY_BE_ZERO, SURGE, NominalMotion, TestKind
-from pmmkit.campaigns.test_kinds.oscillating import PURE_SWAY, PURE_YAW, SWAY_YAW
-from pmmkit.campaigns.test_kinds.registry import BUILT_IN, held_too, kind_of, kind_with, kinds
-from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT, STRAIGHT
-from pmmkit.errors import CampaignError, UnknownNameError
-from pmmkit.inspection.drafts.names import facts_of
-from pmmkit.inspection.drafts.settle import asked_of
-from pmmkit.ship import Ship, Water
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
-from pmmkit.test_planning.options import limits_of, options_of
-from pmmkit.test_planning.plan_file import read_plan_file
+from pmmkit.base import CampaignError, UnknownNameError
+from pmmkit.campaigns import (
+    BUILT_IN,
+    MAY_BE_ZERO,
+    PURE_SWAY,
+    PURE_YAW,
+    STATIC_DRIFT,
+    NominalMotion,
+    Settings,
+    TestKind,
+    held_too,
+    kind_of,
+    kind_with,
+    kinds,
+    nominal_motion,
+)
+from pmmkit.campaigns.test_kinds.kind import SURGE
+from pmmkit.campaigns.test_kinds.oscillating import SWAY_YAW
+from pmmkit.campaigns.test_kinds.steady import STRAIGHT
+from pmmkit.conventions import Ship, Water
+from pmmkit.diagnosis import limits_of, read_plan_file
+from pmmkit.diagnosis.planning.options import options_of
+from pmmkit.intake.drafts.names import facts_of
+from pmmkit.intake.drafts.settle import asked_of
+from pmmkit.simulation import manoeuvres
 from pmmkit.testing.test_kinds import check_test_kind
 
 SUPPORT = Path(__file__).parents[1] / "support"

@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 import typer
 
+from pmmkit.base import ONE_THREAD
 from pmmkit.cli import app, commands, main, options
 from pmmkit.cli.commands import convert, export, identify
 from pmmkit.cli.output import Outcome
 from pmmkit.exports import ENDINGS
 from pmmkit.identification.methods import METHODS
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
-from pmmkit.tables import write_table
-from pmmkit.threads import ONE_THREAD
+from pmmkit.models import write_table
+from pmmkit.simulation import manoeuvres
 
 NAMES = sorted(
     file.stem for file in Path(commands.__path__[0]).glob("*.py") if file.stem != "__init__"

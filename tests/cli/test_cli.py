@@ -19,9 +19,9 @@ from pictures import without_pictures
 from small_campaign import TRUTH, write_campaign
 
 import pmmkit
+from pmmkit.base import SimulationError
 from pmmkit.cli import main
-from pmmkit.errors import SimulationError
-from pmmkit.tables import identical
+from pmmkit.models.tables.compare import identical
 
 ODD = "Tests <script>alert(1)</script> & more"
 UNCERTAIN = ("uncertainty", "s175-3dof", "--speed", "8", "--spread", "0.1", "--ships", "2")
@@ -68,7 +68,7 @@ def test_a_model_that_cannot_turn_is_no_reason_to_lose_the_table(
     def diverges(*_, **__):
         raise SimulationError("it grows without bound")
 
-    monkeypatch.setattr("pmmkit.report.turning.simulate", diverges)
+    monkeypatch.setattr("pmmkit.views.report.turning.simulate", diverges)
     arguments = ["--parts", "s175-3dof", "--fn", "pooled", "--out", tmp_path / "r"]
     status, content, words = said(capsys, "reduce", campaign, *arguments)
     assert status == 0
@@ -441,7 +441,7 @@ def test_a_stopped_command_leaves_nothing_behind(
             raise KeyboardInterrupt
         os.kill(os.getpid(), signal.SIGTERM)
 
-    monkeypatch.setattr("pmmkit.report.results.write_table", interrupted)
+    monkeypatch.setattr("pmmkit.views.report.results.write_table", interrupted)
     before = tmp_path / "r"
     before.mkdir()
     (before / "derivatives.csv").write_text("mine")

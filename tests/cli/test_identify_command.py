@@ -13,19 +13,22 @@ from commands import rows_of, said
 
 import pmmkit as pk
 from pmmkit import FreeRecord, compare_methods
+from pmmkit.base import DataError, UnknownNameError
 from pmmkit.cli import main
 from pmmkit.conventions import Convention
-from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.figures import identification as drawings
-from pmmkit.figures import save
-from pmmkit.identification import reference
-from pmmkit.identification.comparing import predicted_window
-from pmmkit.identification.consistency import consistency
-from pmmkit.identification.known import known_before, parameters_of
-from pmmkit.identification.methods import SECONDS
-from pmmkit.identification.posterior import read_posterior
+from pmmkit.identification import (
+    SECONDS,
+    consistency,
+    known_before,
+    parameters_of,
+    predicted_window,
+    reference,
+)
+from pmmkit.identification.figures import parameters
+from pmmkit.identification.posterior.tree import read_posterior
 from pmmkit.inference import Innovations, autocorrelation, innovation_tests
-from pmmkit.plotting.identification import parameters
+from pmmkit.plotting import save
+from pmmkit.views.figures import identification as drawings
 
 SHIP, SPEED = "kvlcc2-l7", 1.179
 NOISE = {"x": 0.02, "y": 0.02, "psi": math.radians(0.1), "r": math.radians(0.05)}
@@ -391,7 +394,7 @@ def test_a_record_without_rudder_is_refused(tmp_path, capsys, start):
 
 
 def test_a_value_that_cannot_be_says_what_to_do(campaign, start, tmp_path, capsys, monkeypatch):
-    from pmmkit.errors import ModelError
+    from pmmkit.base import ModelError
 
     def refused(*_, **__):
         raise ModelError("aH = -0.5 is outside 0 to 1.")

@@ -13,7 +13,7 @@ from small_campaign import TRUTH, write_campaign
 
 import pmmkit as pk
 from pmmkit.cli import main
-from pmmkit.report import turns_of
+from pmmkit.views import turns_of
 
 ODD = "PS_U1_a0.3"
 FILES = {"derivatives.csv", "derivatives.nc", "report.html", "findings.json", "runs.csv"}

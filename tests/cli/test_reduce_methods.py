@@ -10,9 +10,10 @@ from small_campaign import TRUTH, write_campaign
 
 import pmmkit
 from pmmkit.cli import main
-from pmmkit.cli.commands.reduce import Fourier, Method
-from pmmkit.models.reference import published_of
-from pmmkit.reduction.methods.registry import ALL, METHODS
+from pmmkit.cli.commands.reduce import Fourier, ReductionChoice
+from pmmkit.models import published_of
+from pmmkit.reduction import METHODS
+from pmmkit.reduction.methods.registry import ALL
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +22,7 @@ def campaign(tmp_path_factory):
 
 
 def test_the_command_offers_every_method():
-    assert [item.value for item in Method] == [*METHODS, ALL]
+    assert [item.value for item in ReductionChoice] == [*METHODS, ALL]
     assert Fourier.trapezoid.value == "trapezoid"
 
 

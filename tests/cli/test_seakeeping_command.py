@@ -10,9 +10,9 @@ import xarray as xr
 from commands import said
 
 import pmmkit as pk
-import pmmkit.ship_library
+import pmmkit.models.library
+from pmmkit.base import DataError
 from pmmkit.cli import main
-from pmmkit.errors import DataError
 from pmmkit.seakeeping import motions
 from pmmkit.seakeeping.strips import strips_of
 from pmmkit.validation import comparison

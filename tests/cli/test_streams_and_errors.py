@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from pmmkit.base import DataError, Problem
 from pmmkit.cli import main
 from pmmkit.cli.output import LINES, WIDEST, tell_error
-from pmmkit.errors import DataError, Problem
 
 SHIPS = [sys.executable, "-m", "pmmkit", "ships"]
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="needs a shell of Unix")
@@ -60,7 +60,7 @@ def test_a_warning_is_one_line_without_the_place_in_the_code(monkeypatch, capsys
         warnings.warn("Equations are interpreted.", stacklevel=1)
         return ("kvlcc2",)
 
-    monkeypatch.setattr("pmmkit.ship_library.ships", ships)
+    monkeypatch.setattr("pmmkit.models.library.ships", ships)
     assert main(["ships"]) == 0
     assert capsys.readouterr().err == "pmmkit: Equations are interpreted.\n"
 

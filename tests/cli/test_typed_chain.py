@@ -12,10 +12,10 @@ import pandas as pd
 import pytest
 
 import pmmkit as pk
+from pmmkit.base import ModelError
 from pmmkit.cli import main
-from pmmkit.errors import ModelError
-from pmmkit.loop.session import undone
-from pmmkit.simulation.manoeuvres.zigzag import executed_at
+from pmmkit.diagnosis import undone
+from pmmkit.simulation import executed_at
 from tests.support.commands import said
 from tests.support.small_campaign import write_campaign
 

@@ -7,9 +7,8 @@ import re
 import pytest
 
 from pmmkit.cli import main
-from pmmkit.metrics import METRICS, in_lengths, unit_of
-from pmmkit.simulation import manoeuvre_of
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
+from pmmkit.conventions import METRICS, in_lengths, metric_unit
+from pmmkit.simulation import manoeuvre_of, manoeuvres
 
 CASES = {"turning": (), "zigzag": ("--rudder-deg", "10"), "pull_out": ("--rudder-deg", "20")}
 
@@ -24,7 +23,7 @@ def test_a_sweep_has_units_over_its_columns(manoeuvre, tmp_path, capsys):
     assert columns.pop("speed") == "m/s"
     assert re.sub(r"\w+ \[[^\]]+\]", "", head).split() == ["Fn"]
     known = manoeuvre_of(manoeuvre).metrics
-    assert columns == {name: unit_of(name, known) for name in columns}
+    assert columns == {name: metric_unit(name, known) for name in columns}
     assert columns
 
 
@@ -42,7 +41,7 @@ def test_a_simulation_prints_a_unit_with_every_metric(manoeuvre, tmp_path, capsy
     start = lines.index("Metrics") + 2
     rows = [line.split() for line in lines[start : lines.index("", start)]]
     known = manoeuvre_of(manoeuvre).metrics
-    assert {row[0]: row[2] for row in rows} == {row[0]: unit_of(row[0], known) for row in rows}
+    assert {row[0]: row[2] for row in rows} == {row[0]: metric_unit(row[0], known) for row in rows}
     assert len(rows) >= 3
 
 
@@ -59,5 +58,5 @@ def test_what_decides_a_metric_is_said_with_its_unit(tmp_path, capsys):
 def test_every_metric_there_is_has_a_unit():
     for manoeuvre in manoeuvres().values():
         names = in_lengths(metric.name for metric in manoeuvre.metrics)
-        assert all(unit_of(name, manoeuvre.metrics) for name in names)
+        assert all(metric_unit(name, manoeuvre.metrics) for name in names)
     assert all(metric.unit for metric in METRICS)

@@ -14,8 +14,8 @@ from commands import said
 from small_campaign import write_campaign
 
 import pmmkit as pk
+from pmmkit.base import DataError, Problem, Remedy, setting
 from pmmkit.cli import app, main
-from pmmkit.errors import DataError, Problem, Remedy, setting
 
 ROOT = Path(pk.__file__).parent
 SOURCES = [path for path in sorted(ROOT.rglob("*.py")) if "cli" not in path.parts]

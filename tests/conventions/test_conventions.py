@@ -11,20 +11,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from polynomials import polynomial_forces
 
+from pmmkit.base import DataError, UnknownNameError
 from pmmkit.conventions import (
     CHANNELS,
-    FACTORS,
     Convention,
+    Ship,
+    Water,
     canonical,
     force_unit,
     parse_derivative,
     speed_unit,
     unit_factor,
 )
-from pmmkit.effects.hull import in_channel, regressors
-from pmmkit.effects.state import State
-from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.ship import Ship, Water
+from pmmkit.conventions.derivatives import FACTORS
+from pmmkit.effects import State, in_channel, regressors
 
 SHIP = Ship(name="box", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=500.0)
 WATER = Water(rho=1000.0, g=9.81)

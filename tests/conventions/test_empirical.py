@@ -9,19 +9,18 @@ import numpy as np
 import pytest
 
 from pmmkit import converted, hull_table
+from pmmkit.base import UnknownNameError
 from pmmkit.conventions import Convention
-from pmmkit.empirical import (
+from pmmkit.models import (
     METHODS,
-    UNSEEN,
-    criterion,
+    Model,
     estimate,
-    rudder_values,
+    estimated_model,
+    load_model,
+    load_ship,
     straight_line,
-    zhou_added_mass,
 )
-from pmmkit.errors import UnknownNameError
-from pmmkit.models import Model, estimated_model, load_model
-from pmmkit.ship_library import load_ship
+from pmmkit.models.empirical import UNSEEN, criterion, rudder_values, zhou_added_mass
 from pmmkit.simulation import monte_carlo, simulate
 from scripts.studies.paper_b_table import MASS, PRINTED, REASONS, TANKER
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from pmmkit.errors import FileExists
+from pmmkit.base import FileExists
 from pmmkit.files import (
     atomic_folder,
     atomic_path,

@@ -7,10 +7,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from pmmkit import plugins
-from pmmkit.conventions import canonical
-from pmmkit.errors import UnknownNameError
-from pmmkit.structures import GROUP, Structure, structure_of, structures, terms
+from pmmkit.base import UnknownNameError
+from pmmkit.base import registry as plugins
+from pmmkit.conventions import Structure, canonical, structure_of, structures
+from pmmkit.conventions.named_structures import GROUP, terms
 from pmmkit.testing.structures import check_structure
 
 

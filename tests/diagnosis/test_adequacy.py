@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from hidden_effects import BASE, hidden_campaign
 
+from pmmkit.diagnosis import blocks_of
 from pmmkit.diagnosis.captive.adequacy import (
     LACK,
     NEEDED,
     SIZES,
-    blocks_of,
     chosen,
     flags,
     gains,
@@ -26,7 +26,7 @@ from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.evidence import ranked_sets, sets_of
 from pmmkit.diagnosis.captive.leave_one_out import least_gains
 from pmmkit.diagnosis.captive.system import channels_of
-from pmmkit.observations.views import views_of
+from pmmkit.reduction import views_of
 
 
 def asked(effects, seed=11, programme="small", **settings):

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pmmkit.diagnosis.free_running.bands import band
-from pmmkit.diagnosis.free_running.left_out import left_out_windows
+from pmmkit.diagnosis.free_running.left_out import band, left_out_windows
 from pmmkit.diagnosis.free_running.system import free_system
 from pmmkit.identification import prior_of
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed

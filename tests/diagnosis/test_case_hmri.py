@@ -7,8 +7,8 @@ from itertools import pairwise
 import pytest
 
 from pmmkit import begin, open_campaign
-from pmmkit.diagnosis import diagnose_captive
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
+from pmmkit.diagnosis.captive.diagnose import diagnose_captive
 
 NOISE, FLOOR = 0.03, 0.02
 

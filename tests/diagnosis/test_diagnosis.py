@@ -13,12 +13,11 @@ import numpy as np
 import pytest
 from hidden_effects import BASE, hidden_campaign
 
-from pmmkit.diagnosis import diagnose, diagnose_captive
-from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.findings import odds
-from pmmkit.errors import DataError
-from pmmkit.models import load_model
-from pmmkit.structures import structures
+from pmmkit.base import DataError
+from pmmkit.conventions import structures
+from pmmkit.diagnosis import diagnose
+from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
+from pmmkit.models import load_model, odds
 
 HERE = Path(__file__).parent
 

@@ -10,18 +10,18 @@ import pytest
 
 import pmmkit as pk
 from pmmkit import FreeRecord
-from pmmkit.diagnosis import diagnose_free
-from pmmkit.diagnosis.free_running.base import Base, base_of, stated_base
+from pmmkit.base import DataError
+from pmmkit.diagnosis import undone
+from pmmkit.diagnosis.free_running.base import FreeBase, base_of, stated_base
 from pmmkit.diagnosis.free_running.candidates import candidates_for
+from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.fits import place_at
 from pmmkit.diagnosis.free_running.hypotheses import Numbers, weighed
-from pmmkit.diagnosis.free_running.information import Forces, Known
+from pmmkit.diagnosis.free_running.information import Forces, WindowInformation
 from pmmkit.diagnosis.free_running.question import PACE, paced, question_of
 from pmmkit.diagnosis.free_running.slopes import sheets_of
-from pmmkit.effects.seen import OUTSIDE
-from pmmkit.errors import DataError
+from pmmkit.effects import OUTSIDE
 from pmmkit.identification import prior_of
-from pmmkit.loop.session import undone
 from pmmkit.models import model_text
 from tests.support.zigzags import ASYMMETRY, KNOWN, RUNS, SENSORS, SHIP, SPEED, sailed
 
@@ -227,7 +227,9 @@ def test_unknown_forces_are_those_of_their_covariance():
 def test_evidence_is_that_of_a_normal_law():
     """Against the density of e ~ N(0, V + G Λ Gᵀ), written out for a handful of numbers."""
     rng = np.random.default_rng(1)
-    base = Base(names=("a", "b"), sizes=np.ones(2), known=np.zeros((2, 2)), spreads=np.array([0.5]))
+    base = FreeBase(
+        names=("a", "b"), sizes=np.ones(2), known=np.zeros((2, 2)), spreads=np.array([0.5])
+    )
     numbers = Numbers(
         values=("a", "b", "c", "d"),
         T=np.eye(4),
@@ -236,7 +238,9 @@ def test_evidence_is_that_of_a_normal_law():
     )
     G, e = rng.normal(size=(9, 4)), rng.normal(size=9)
     wide = np.column_stack([G, e])
-    known = Known(products=(wide.T @ wide)[None], volumes=np.zeros(1), owners=np.zeros(1, int))
+    known = WindowInformation(
+        products=(wide.T @ wide)[None], volumes=np.zeros(1), owners=np.zeros(1, int)
+    )
     found = weighed(known, numbers)
     for names, columns in ((), []), (("first",), [2]), (("second", "first"), [2, 3]):
         V = np.eye(9) + 0.25 * G[:, :2] @ G[:, :2].T + G[:, columns] @ G[:, columns].T

@@ -7,12 +7,9 @@ import pytest
 
 from pmmkit import FreeRecord
 from pmmkit.diagnosis.free_running.candidates import candidates_for, excited
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.catalogue import effect_of
-from pmmkit.effects.hull import HULL
-from pmmkit.identification.binding import bound
-from pmmkit.models import load_model
-from pmmkit.models.model import knows_heel
+from pmmkit.effects import HULL, INERTIA, effect_of
+from pmmkit.identification import bound
+from pmmkit.models import knows_heel, load_model
 
 UPRIGHT = load_model("s175-3dof")
 

@@ -18,7 +18,7 @@ from hidden_effects.sources import digital_filter
 from hidden_effects.tank import fine_times, motions
 
 import pmmkit as pk
-from pmmkit.campaigns.motion.kinematics import nominal_motion
+from pmmkit.campaigns import nominal_motion
 
 RUDDER = {"static_rudder", "drift_rudder"}
 OSCILLATING = {"pure_sway", "pure_yaw", "yaw_drift", "sway_yaw"}

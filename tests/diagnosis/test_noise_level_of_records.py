@@ -7,7 +7,7 @@ import math
 import pytest
 
 import pmmkit as pk
-from pmmkit.loop.records import free_running
+from pmmkit.diagnosis.loop.records import free_running
 from tests.support.free_tank.campaigns import Setup, write
 
 SHIP = "kvlcc2-l7"

@@ -7,11 +7,11 @@ import pytest
 from hidden_effects import hidden_campaign
 from test_diagnosis import BASE, diagnosed
 
-from pmmkit.diagnosis.captive.candidate import candidate_of
+from pmmkit.diagnosis import candidate_of
 from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.parity import floor_places, mirrored, parities
 from pmmkit.diagnosis.captive.system import FEATURES, floor_features
-from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects import effect_of
 
 
 @pytest.fixture(scope="module")

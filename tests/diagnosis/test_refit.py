@@ -9,7 +9,7 @@ from hidden_effects import hidden_campaign
 import pmmkit as pk
 from pmmkit.diagnosis.captive.joint_fit import joint_fit
 from pmmkit.diagnosis.refit import FittedEffect, FittedValues, put_back, stepped
-from pmmkit.models.step import Step
+from pmmkit.models import Step
 from tests.support.uncoupled import uncoupled
 
 HULL = "hull_polynomial"

@@ -8,11 +8,11 @@ from types import MappingProxyType
 import pytest
 
 import pmmkit as pk
-from pmmkit.diagnosis import Finding, diagnose_free
+from pmmkit.base import ModelError, UnknownNameError
+from pmmkit.diagnosis import Finding, undone
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidates_for
-from pmmkit.errors import ModelError, UnknownNameError
+from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.identification import prior_of
-from pmmkit.loop.session import undone
 from pmmkit.models import Model, load_model, model_text, save_model
 from tests.support.zigzags import SENSORS, SHIP, SPEED, sailed
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pmmkit.diagnosis import captive_candidates
+from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.captive.signature import signatures
 
 

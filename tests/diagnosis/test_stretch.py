@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hidden_effects import BASE, hidden_campaign
 
-from pmmkit.diagnosis import captive_candidates
-from pmmkit.diagnosis.captive import stretch
+from pmmkit.diagnosis.captive import base as stretch
 from pmmkit.diagnosis.captive.adequacy import gains
+from pmmkit.diagnosis.captive.base import SAMPLES, stretches
 from pmmkit.diagnosis.captive.conditioning import spread
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.stretch import SAMPLES, stretches
+from pmmkit.diagnosis.captive.refit import captive_candidates
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 from free_tank.campaigns import Setup, hidden_in, write
 
 import pmmkit as pk
-from pmmkit.loop.session import begin
+from pmmkit.diagnosis import begin
 
 
 @pytest.mark.slow

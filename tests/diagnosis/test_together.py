@@ -14,20 +14,14 @@ from small_campaign import write_campaign
 
 import pmmkit as pk
 from pmmkit import without_effect
-from pmmkit.diagnosis import together
+from pmmkit.base import DataError
+from pmmkit.diagnosis import joint_diagnosis
 from pmmkit.diagnosis.evidence import PRICE
-from pmmkit.diagnosis.together.belongs import Measured, log_shared, owner, third
-from pmmkit.diagnosis.together.captive_vote import captive_vote
-from pmmkit.diagnosis.together.result import Belonging
-from pmmkit.diagnosis.together.scatter import (
-    FLAT,
-    Groups,
-    Learned,
-    next_laboratory,
-    scatter_of_base,
-)
-from pmmkit.effects.catalogue import effect_of, is_fault
-from pmmkit.errors import DataError
+from pmmkit.diagnosis.joint.belongs import LaboratoryValues, log_shared, owner, third
+from pmmkit.diagnosis.joint.captive_vote import captive_vote
+from pmmkit.diagnosis.joint.result import Belonging
+from pmmkit.diagnosis.joint.scatter import FLAT, Groups, Learned, next_laboratory, scatter_of_base
+from pmmkit.effects import effect_of, is_fault
 from tests.support.zigzags import SENSORS, SHIP, sailed
 
 
@@ -36,7 +30,7 @@ def normal(x, mean, variance):
 
 
 def measured(values, covariance):
-    return Measured(
+    return LaboratoryValues(
         laboratory="", values=np.atleast_1d(values), covariance=np.atleast_2d(covariance)
     )
 
@@ -93,7 +87,7 @@ def test_whose_an_effect_is():
 def test_a_stall_by_an_angle_and_one_by_cubes_are_not_compared():
     """Captive tests and a rudder of its own measure it by other coefficients."""
     none = [
-        Measured(laboratory=name, values=np.zeros(0), covariance=np.zeros((0, 0)))
+        LaboratoryValues(laboratory=name, values=np.zeros(0), covariance=np.zeros((0, 0)))
         for name in ("A", "B")
     ]
     found = Belonging(
@@ -140,7 +134,7 @@ def captive(base):
     hidden = {"yaw_sway_coupling": 1.0}
     one = hidden_campaign("middle", {**hidden, "fault_misalignment": 1.0}, seed=3)
     other = hidden_campaign("middle", hidden, seed=4)
-    return together(base, {"turned": one, "straight": other})
+    return joint_diagnosis(base, {"turned": one, "straight": other})
 
 
 @pytest.mark.slow
@@ -183,7 +177,7 @@ def test_the_answer_prints_and_is_plain_data(captive):
 
 @pytest.mark.slow
 def test_an_effect_of_another_size_in_each_is_the_laboratorys(base):
-    found = together(
+    found = joint_diagnosis(
         base,
         {
             "large": hidden_campaign("middle", {"yaw_sway_coupling": 1.0}, seed=4),
@@ -196,7 +190,7 @@ def test_an_effect_of_another_size_in_each_is_the_laboratorys(base):
 @pytest.mark.slow
 def test_nothing_hidden_is_named_by_none(base):
     campaigns = {str(seed): hidden_campaign("small", {}, seed=seed) for seed in (1, 2)}
-    found = together(pk.load_model("s175-3dof"), campaigns)
+    found = joint_diagnosis(pk.load_model("s175-3dof"), campaigns)
     assert found.verdict == "noise"
     assert found.best == ()
 
@@ -204,7 +198,7 @@ def test_nothing_hidden_is_named_by_none(base):
 @pytest.mark.slow
 def test_tests_of_the_bare_hull_tell_the_base(tmp_path):
     campaign = pk.open_campaign(write_campaign(tmp_path))
-    found = together(pk.load_model("s175-3dof"), [campaign])
+    found = joint_diagnosis(pk.load_model("s175-3dof"), [campaign])
     assert any("its derivatives are fitted" in note for note in found.notes)
 
 
@@ -212,7 +206,7 @@ def test_tests_of_the_bare_hull_tell_the_base(tmp_path):
 def test_records_of_two_basins_vote_together():
     """An asymmetry, sailed twice with other noise: evidence adds, and one size holds for both."""
     ship = SHIP.with_values("hull_polynomial", Y0=0.0022, N0=-0.001)
-    found = together(
+    found = joint_diagnosis(
         SHIP,
         {"one": sailed(ship, 0), "two": sailed(ship, 5)},
         free={
@@ -243,7 +237,7 @@ def test_records_of_two_basins_vote_together():
 
 def test_no_campaign_is_refused():
     with pytest.raises(DataError, match="no campaign"):
-        together(SHIP, {})
+        joint_diagnosis(SHIP, {})
 
 
 def learned(value, variance, **kind):

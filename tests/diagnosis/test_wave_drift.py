@@ -12,17 +12,17 @@ import pytest
 
 import pmmkit as pk
 from pmmkit import FreeRecord, identify
-from pmmkit.diagnosis import Diagnosis, diagnose_free
+from pmmkit.base import DataError
+from pmmkit.diagnosis import Diagnosis
 from pmmkit.diagnosis.free_running.base import movable
 from pmmkit.diagnosis.free_running.candidates import candidates_for
+from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.question import records_of
-from pmmkit.equations.code_generation import ESTIMATING
-from pmmkit.equations.compilation import compiled
-from pmmkit.equations.layouts import State
-from pmmkit.errors import DataError
-from pmmkit.identification.binding import bound, driven
+from pmmkit.identification import bound, driven
 from pmmkit.models import Model, Part
-from pmmkit.seakeeping import drift_table, frequencies
+from pmmkit.seakeeping import frequencies
+from pmmkit.seakeeping.second_order.mean_drift import drift_table
+from pmmkit.simulation import ESTIMATING, State, compiled
 from tests.support.few_stations import thinned
 from tests.support.free_tank.campaigns import Setup, write
 from tests.support.free_tank.cases import FLEETS

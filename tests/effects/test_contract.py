@@ -10,13 +10,12 @@ from unittest import mock
 import pytest
 
 from pmmkit import Effect, Parameter, catalogue, effect, own_effect, register_effect
-from pmmkit.effects import catalogue as registry
-from pmmkit.effects.catalogue import effect_of, forget_effect
+from pmmkit.effects import Move, Suspect, effect_of
+from pmmkit.effects import entries as registry
+from pmmkit.effects.entries import forget_effect
 from pmmkit.effects.primitives import fabs, maximum
-from pmmkit.effects.seen import Move
-from pmmkit.effects.suspect import Suspect
-from pmmkit.equations import Prepared
 from pmmkit.models import Part, load_model
+from pmmkit.simulation import Prepared
 from pmmkit.testing import effects as contract
 from pmmkit.testing.effects import check_effect
 
@@ -114,7 +113,8 @@ def test_an_effect_of_an_installed_package():
     registry._installed.cache_clear()
     try:
         with mock.patch(
-            "pmmkit.plugins.entry_points", lambda group: offered if group == registry.GROUP else []
+            "pmmkit.base.registry.entry_points",
+            lambda group: offered if group == registry.GROUP else [],
         ):
             assert effect_of(KEEL.name) is KEEL
             check_effect(KEEL)

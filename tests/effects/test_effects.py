@@ -12,15 +12,18 @@ from hypothesis import strategies as st
 from polynomials import polynomial_forces
 
 from pmmkit import catalogue
-from pmmkit.conventions import Convention
-from pmmkit.effects import added_mass, propeller, roll, rudder
-from pmmkit.effects.catalogue import effect_of
-from pmmkit.effects.hull import regressors
-from pmmkit.effects.primitives import over_arrays
-from pmmkit.effects.state import State
-from pmmkit.errors import UnknownNameError
-from pmmkit.ship import Ship, Water
-from pmmkit.structures import structures
+from pmmkit.base import UnknownNameError
+from pmmkit.conventions import Convention, Ship, Water, structures
+from pmmkit.effects import (
+    State,
+    added_mass,
+    effect_of,
+    over_arrays,
+    propeller,
+    regressors,
+    roll,
+    rudder,
+)
 
 SHIP = Ship(name="box", L=100.0, B=20.0, d=5.0, volume=6000.0, mass=6.15e6, Izz=3.8e9, GM=0.5)
 WATER = Water(rho=1025.0)
@@ -369,7 +372,7 @@ def test_one_instant_and_whole_histories_have_the_same_forces(effect, data):
 
 @pytest.mark.parametrize("effect", FORCES, ids=lambda effect: effect.name)
 def test_an_effect_gives_what_it_says_and_asks_for_what_is_there(effect):
-    from pmmkit.equations.code_generation import GIVEN
+    from pmmkit.simulation import GIVEN
 
     signals = {output for other in FORCES for output in other.outputs}
     own = {item.name for item in effect.parameters} | set(effect.options) | set(effect.states)

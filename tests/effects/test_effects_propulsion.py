@@ -13,13 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from pmmkit.effects import four_quadrant, shaft, waterjet
-from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects import effect_of, four_quadrant, over_arrays, shaft, waterjet
 from pmmkit.effects.cross_flow import strip
 from pmmkit.effects.four_quadrant import b4_70, estimate
-from pmmkit.effects.primitives import interpolate, over_arrays
-from pmmkit.equations import prepare
+from pmmkit.effects.primitives import interpolate
 from pmmkit.models import Part, load_model
+from pmmkit.simulation import prepare
 
 TIP = 0.7 * math.pi
 SHIP = {"L": 175.0, "B": 25.4, "d": 8.5, "rho": 1025.0}

@@ -10,12 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit import equations as kernel
-from pmmkit.effects.shallow_water import factors
+from pmmkit.base import DataError
+from pmmkit.effects import factors
 from pmmkit.effects.wind import force
-from pmmkit.errors import DataError
 from pmmkit.models import Part, load_model
-from pmmkit.simulation import simulate
+from pmmkit.simulation import prepare, simulate
 
 CONTAINER = load_model("s175-3dof")
 AREAS = {"AF": 600.0, "AL": 3000.0}
@@ -147,7 +146,7 @@ def test_no_area_no_wind_bit_for_bit():
 
 def test_still_air_is_the_air_resistance_and_nothing_else():
     """½ ρair CX AF u² beside the resistance of the water."""
-    plain, aired = (kernel.prepare(model, 6.0) for model in (CONTAINER, WINDY))
+    plain, aired = (prepare(model, 6.0) for model in (CONTAINER, WINDY))
     mass = 1025.0 * 21222.0 + 0.000238 * 0.5 * 1025.0 * 175.0**3
     for u in (3.0, 6.0):
         a, b = (x.accelerations(u, 0.0, 0.0, n=1.0) for x in (plain, aired))
@@ -391,7 +390,7 @@ def with_engine(torque):
 
 def torque_at_approach(speed):
     """ρ n² D⁵ KQ at self-propulsion, J = (1 - w) u/(n D)."""
-    n = kernel.prepare(CONTAINER, speed).self_propulsion()
+    n = prepare(CONTAINER, speed).self_propulsion()
     J = (1 - 0.184) * speed / (n * 6.533)
     return 1025.0 * n**2 * 6.533**5 * (0.08 - 0.06 * J)
 
@@ -438,7 +437,7 @@ def jet_ship():
 
 def test_jets_drive_a_ship_where_their_momentum_is_its_resistance():
     """2 ρ Q ((1 - t) Vj - (1 - t)(1 - w) u) = R with Q = phi0 n D³, Vj = Q/area."""
-    n = kernel.prepare(jet_ship(), 9.0).self_propulsion()
+    n = prepare(jet_ship(), 9.0).self_propulsion()
     Q = 0.6 * n * 2.4**3
     pushed = 2 * 1025.0 * Q * (1 - 0.03) * (Q / 1.2 - 0.95 * 9.0)
     assert pushed == pytest.approx(0.0004226 * 0.5 * 1025.0 * 175.0**2 * 81.0, rel=1e-6)

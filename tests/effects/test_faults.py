@@ -14,13 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pmmkit.conventions import Convention
-from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.columns import columns_of
-from pmmkit.effects.catalogue import effect_of
-from pmmkit.effects.faults.fault import shown_by
+from pmmkit.effects import effect_of, shown_by
 from pmmkit.effects.faults.rig import strokes
-from pmmkit.observations.seen import Seen
-from pmmkit.observations.views import views_of
+from pmmkit.reduction import RunView, views_of
 from tests.support.by_hand import BY_HAND, behind_a_filter, forces, longer_strokes
 from tests.support.hidden_effects import SHIP, WATER, hidden_campaign
 from tests.support.hidden_effects.hull import TRUTH
@@ -29,7 +27,7 @@ from tests.support.hidden_effects.programmes import plans
 from tests.support.spoiled import each, keep_without_roll
 
 PLANS = {plan.id: plan for plan in plans("small")}
-BASE = Base(
+BASE = CaptiveBase(
     names={channel: tuple(name for name in TRUTH if name[0] == channel) for channel in "XYN"},
     values=TRUTH,
     ship=SHIP,
@@ -86,7 +84,7 @@ def test_actions_are_exact_at_any_size(name, views):
     effect = effect_of(name)
     label = effect.coefficients[0].name
     for view in views:
-        run = Seen(view, BASE)
+        run = RunView(view, BASE)
         shown = shown_by(effect, run, {label: size})
         for channel, expected in by_hand(BY_HAND[name], view, size).items():
             found = shown.get(channel, run.forces[channel]) - run.forces[channel]
@@ -97,10 +95,10 @@ def test_actions_are_exact_at_any_size(name, views):
 def test_a_whole_filter_is_one_of_its_corner(views):
     for view in views:
         at = {"share": 1.0, "corner": 1 / (2 * np.pi * 0.08)}
-        shown = shown_by(effect_of("fault_filter_lag"), Seen(view, BASE), at)
+        shown = shown_by(effect_of("fault_filter_lag"), RunView(view, BASE), at)
         for channel, expected in by_hand(behind_a_filter, view, 0.08).items():
-            found = shown[channel] - Seen(view, BASE).forces[channel]
-            scale = np.abs(Seen(view, BASE).forces[channel]).max()
+            found = shown[channel] - RunView(view, BASE).forces[channel]
+            scale = np.abs(RunView(view, BASE).forces[channel]).max()
             np.testing.assert_allclose(found, expected, atol=1e-9 * scale)
 
 
@@ -111,7 +109,7 @@ def test_longer_strokes_of_sway_and_heading_are_exact(share):
     chosen = [run for run in made.runs if run.dynamic]
     kept = each(made.with_(runs=tuple(chosen)), tuple(chosen), keep_without_roll)
     for view in views_of(kept, unknown_noise=True, pieces=False):
-        run = Seen(view, BASE)
+        run = RunView(view, BASE)
         found = run.along(strokes(run, 1.0 + share, 1.0 + share))
         for channel, expected in by_hand(longer_strokes, view, share).items():
             scale = np.abs(run.forces[channel]).max()
@@ -125,7 +123,7 @@ def test_a_mass_on_the_balance_that_is_not_the_ship_s_is_what_is_left_in(views):
     view = next(view for view in views if view.run.test == "sway_yaw")
     m = motion_of(PLANS[view.run.id], view.t)
     shown = shown_by(
-        effect_of("fault_inertia"), Seen(view, replace(BASE, ship=ship)), {"mass share": 0.1}
+        effect_of("fault_inertia"), RunView(view, replace(BASE, ship=ship)), {"mass share": 0.1}
     )
     mass, x = 0.05 * SHIP.mass, 0.1 * SHIP.L
     read = {

@@ -12,23 +12,22 @@ from hidden_effects import SHIP, hidden_campaign, tank
 from hidden_effects.hull import add, prime
 
 import pmmkit as pk
-from pmmkit.diagnosis import captive_candidates, diagnose_captive
-from pmmkit.diagnosis.captive.asked import excited
-from pmmkit.diagnosis.captive.candidate import candidate_of
+from pmmkit.diagnosis import begin, candidate_of, excited
+from pmmkit.diagnosis.captive.diagnose import diagnose_captive
+from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.captive.signature import signatures
 from pmmkit.diagnosis.free_running.candidates import candidates_for
-from pmmkit.effects import catalogue as registry
-from pmmkit.equations import prepare
-from pmmkit.equations.histories import water_forces
-from pmmkit.identification import ForceRecord, fit_to_forces
-from pmmkit.loop import begin
+from pmmkit.effects import entries as registry
+from pmmkit.identification import fit_to_forces
+from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import load_model, scaled
+from pmmkit.simulation import prepare, water_forces
 from pmmkit.testing.effects import check_effect
 from scripts.documentation.make_docs import effect_page
 
 FILE = '''"""A skeg that yawing in drift unloads, once the drift is large enough."""
 
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects import Effect, Parameter
 from pmmkit.effects.primitives import fabs, maximum
 
 

@@ -11,13 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pmmkit as pk
+from pmmkit.base import DataError, ModelError
 from pmmkit.conventions import Convention
-from pmmkit.diagnosis import Candidate, captive_candidates, diagnose_captive, polynomial
-from pmmkit.diagnosis.captive.base import Base
-from pmmkit.diagnosis.captive.candidate import candidate_of
-from pmmkit.errors import DataError, ModelError
+from pmmkit.diagnosis import candidate_of
+from pmmkit.diagnosis.captive.base import CaptiveBase
+from pmmkit.diagnosis.captive.candidate import Candidate, polynomial
+from pmmkit.diagnosis.captive.diagnose import diagnose_captive
+from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.models import load_model
-from pmmkit.observations.views import views_of
+from pmmkit.reduction import views_of
 
 SMALL = hidden_campaign("small", {"yaw_sway_coupling": 1.0}, seed=4)
 
@@ -170,7 +172,7 @@ def test_a_damaged_file_names_everything_that_is_wrong(tmp_path):
 
 def test_columns_are_those_of_the_polynomial():
     """Text and catalogue say the same; a named coefficient is the sum of its shares."""
-    base = Base(
+    base = CaptiveBase(
         names={},
         values={},
         ship=SMALL.ship,

@@ -7,8 +7,8 @@ import re
 import pytest
 
 import pmmkit as pk
+from pmmkit.base import DataError
 from pmmkit.effects.expressions import DEPTH, LONGEST
-from pmmkit.errors import DataError
 
 A = "; a ~ 0.01"
 ABSURD = {

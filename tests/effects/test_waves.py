@@ -10,11 +10,12 @@ from few_stations import thinned
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pmmkit.base import DataError
 from pmmkit.effects.waves import drift
-from pmmkit.errors import DataError
 from pmmkit.models import Part, load_model
-from pmmkit.seakeeping import Sea, drift_table, frequencies, in_waves, load_hull, rao
-from pmmkit.ship_library import ship_file
+from pmmkit.models.library import ship_file
+from pmmkit.seakeeping import Sea, frequencies, in_waves, load_hull, rao
+from pmmkit.seakeeping.second_order.mean_drift import drift_table
 from pmmkit.simulation import simulate
 
 MODEL = load_model("s175-3dof")

@@ -16,12 +16,10 @@ import pytest
 import pmmkit as pk
 from pmmkit import catalogue
 from pmmkit.effects import primitives
-from pmmkit.equations import prepare
-from pmmkit.equations.code_generation import CARRYING, module_text
-from pmmkit.equations.compilation import interpreted
-from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, Kind
+from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, ValueKind
 from pmmkit.exports.c.program import Program
-from pmmkit.syntax.tree import Unwritable
+from pmmkit.simulation import CARRYING, interpreted, module_text, prepare
+from pmmkit.syntax import Unwritable
 
 COMPILER = shutil.which("cc")
 needs_compiler = pytest.mark.skipif(COMPILER is None, reason="there is no C compiler cc")
@@ -60,9 +58,9 @@ def numbers(values) -> ctypes.Array:
 # --- Every effect of the catalogue ---------------------------------------------------------------
 
 
-def kinds_of(effect) -> list[Kind]:
+def kinds_of(effect) -> list[ValueKind]:
     names = inspect.signature(effect.force).parameters
-    table = Kind("table")
+    table = ValueKind("table")
     return [table if x in effect.tables else INT if x in effect.options else DOUBLE for x in names]
 
 

@@ -17,14 +17,13 @@ from small_campaign import write_campaign
 
 import pmmkit as pk
 from pmmkit import Campaign, Run
-from pmmkit.campaigns.open_water import open_water
-from pmmkit.campaigns.run import Correction
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.uncertainty import TypeB
+from pmmkit.base import CampaignError, DataError, FileExists
+from pmmkit.campaigns import Correction, Settings, TypeB, open_water
 from pmmkit.cli import main
-from pmmkit.errors import CampaignError, DataError, FileExists
-from pmmkit.exports import FORMATS, table_to_mss
-from pmmkit.tables import from_values, identical
+from pmmkit.exports.matlab.table import table_to_mss
+from pmmkit.exports.write import FORMATS
+from pmmkit.models import from_values
+from pmmkit.models.tables.compare import identical
 
 OCTAVE = shutil.which("octave-cli")
 EVIL = "x'); system('rm"

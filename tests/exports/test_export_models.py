@@ -19,12 +19,13 @@ from scipy.interpolate import RegularGridInterpolator
 from small_campaign import write_campaign
 
 import pmmkit as pk
-from pmmkit.equations import prepare
-from pmmkit.errors import ModelError, PmmkitError
-from pmmkit.escaping import plain
-from pmmkit.exports import model_to_mss, model_to_shipmmg
+from pmmkit.base import ModelError, PmmkitError
+from pmmkit.exports.matlab.model import model_to_mss
+from pmmkit.exports.shipmmg import model_to_shipmmg
 from pmmkit.exports.text import is_matlab_name, matlab_name
 from pmmkit.models import Part, Step
+from pmmkit.presentation import plain
+from pmmkit.simulation import prepare
 
 SPEEDS = {
     "kvlcc2-l7": 1.179,

@@ -23,15 +23,13 @@ from fmus import exchanged, needs_compiler, needs_fmpy, sailing, steps_of
 
 import pmmkit as pk
 from pmmkit import Effect, Parameter, register_effect
+from pmmkit.base import DataError, ModelError
 from pmmkit.cli import main
-from pmmkit.effects.catalogue import forget_effect
-from pmmkit.equations import prepare
-from pmmkit.equations.layouts import Constant
-from pmmkit.errors import DataError, ModelError
-from pmmkit.exports import model_to_fmu
+from pmmkit.effects.entries import forget_effect
+from pmmkit.exports.fmu.unit import model_to_fmu
 from pmmkit.exports.fmu.variables import LAG, table_of
-from pmmkit.models import Part
-from pmmkit.ship_library import ships
+from pmmkit.models import Part, ships
+from pmmkit.simulation import Constant, prepare
 
 SPEEDS = {"s175": 8.0, "kvlcc2": 7.974, "kvlcc2-l7": 1.179, "mariner": 7.7175, "esso190k": 8.0}
 STATES = ("x", "y", "psi", "u", "v", "r")
@@ -337,7 +335,7 @@ def test_what_makes_no_ship_is_refused(fmi, built, tmp_path):
 @pytest.mark.slow
 def test_the_archive_is_the_same_to_the_bit():
     program = (
-        "import sys, pmmkit as pk; from pmmkit.exports import model_to_fmu;"
+        "import sys, pmmkit as pk; from pmmkit.exports.fmu.unit import model_to_fmu;"
         "sys.stdout.buffer.write(model_to_fmu(pk.load_model('kvlcc2-l7'), speed=1.179))"
     )
     other = {**os.environ, "PYTHONHASHSEED": "1"}

@@ -21,13 +21,22 @@ from hypothesis import strategies as st
 from small_campaign import write_campaign
 
 import pmmkit as pk
-from pmmkit.escaping import comment, plain, safe_cell, text_of_cell, toml_comment, toml_string
-from pmmkit.exports import model_to_mss, model_to_shipmmg, table_to_mss
+from pmmkit.exports.matlab.model import model_to_mss
+from pmmkit.exports.matlab.table import table_to_mss
+from pmmkit.exports.shipmmg import model_to_shipmmg
 from pmmkit.files import write_results
-from pmmkit.models import Part, Step
-from pmmkit.presentation import Section
+from pmmkit.models import Part, Step, from_values
+from pmmkit.models.tables.io.latex import to_latex
+from pmmkit.presentation import (
+    Section,
+    comment,
+    plain,
+    safe_cell,
+    text_of_cell,
+    toml_comment,
+    toml_string,
+)
 from pmmkit.presentation.layout import section_html
-from pmmkit.tables import from_values, to_latex
 
 CANARY = "open('canary', 'w')"
 BREAKS = ["\n", "\r", "\r\n", "\x0b", "\x0c", "\x1c", "\x1d", "\x1e", "\x85", "\u2028", "\u2029"]

@@ -14,12 +14,12 @@ from small_campaign import write_campaign
 
 import pmmkit as pk
 from pmmkit import Campaign, Run
-from pmmkit.campaigns.settings import Settings
+from pmmkit.base import CampaignError, DataError
+from pmmkit.campaigns import Settings
 from pmmkit.cli import main
-from pmmkit.errors import CampaignError, DataError
+from pmmkit.conventions import Ship, Water
 from pmmkit.exports.simman.metadata import ASKED
-from pmmkit.observations.prepare import prepare
-from pmmkit.ship import Ship, Water
+from pmmkit.reduction import prepare
 
 SHIP = Ship(name="model", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=450.0, xG=0.1)
 SPEED, PERIOD, AMPLITUDE, HEADING = 1.2, 8.0, 0.25, 0.2

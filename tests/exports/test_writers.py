@@ -31,13 +31,12 @@ from pmmkit.effects.primitives import (
     tanh,
     where,
 )
-from pmmkit.exports import model_to_mss
 from pmmkit.exports.c.kinds import DOUBLE
 from pmmkit.exports.c.program import Program
+from pmmkit.exports.matlab.model import model_to_mss
 from pmmkit.exports.matlab.printed import printed
 from pmmkit.exports.matlab.transcribe import transcribe
-from pmmkit.syntax.reading import expression
-from pmmkit.syntax.tree import Unwritable
+from pmmkit.syntax import Unwritable, expression
 
 COMPILER = shutil.which("cc")
 LARGE, SMALL = 1e308, 5e-324
@@ -185,7 +184,7 @@ def test_c_gives_what_python_gives(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda x: x.__name__)
 def test_numba_gives_what_python_gives(function):
-    from pmmkit.equations.compiled_effects import inner, use
+    from pmmkit.simulation.equations.compiled_effects import inner, use
 
     made = use(function)
     run = inner(lambda a, b, c: made(a, b, c)[0])

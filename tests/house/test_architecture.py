@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pmmkit
 from pmmkit import testing
-from pmmkit.effects.effect import KINDS
+from pmmkit.effects import KINDS
 from scripts.documentation import rooms
 
 ROOT = Path(__file__).parents[2]

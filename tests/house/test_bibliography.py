@@ -12,11 +12,10 @@ import pytest
 
 import pmmkit as pk
 from pmmkit import catalogue
-from pmmkit.bibliography import ITSELF, bibliography, bibtex, cite, reference
-from pmmkit.empirical import METHODS, RUDDER_SOURCES, estimate
-from pmmkit.errors import UnknownNameError
-from pmmkit.models import estimated_model, load_model
-from pmmkit.ship_library import load_ship, ships
+from pmmkit.base import UnknownNameError
+from pmmkit.conventions import ITSELF, bibliography, bibtex, cite, reference
+from pmmkit.models import METHODS, estimate, estimated_model, load_model, load_ship, ships
+from pmmkit.models.empirical import RUDDER_SOURCES
 
 ROOT = Path(__file__).parents[2]
 TEXTS = {

@@ -10,7 +10,7 @@ import pytest
 
 from pmmkit import catalogue
 from pmmkit.campaigns.file import schema
-from pmmkit.effects.catalogue import forget_effect
+from pmmkit.effects.entries import forget_effect
 from scripts.documentation import campaign_file, make_docs
 
 ROOT = Path(__file__).parents[2]

@@ -16,16 +16,17 @@ from matplotlib.figure import Figure
 
 import pmmkit as pk
 import pmmkit.diagnosis
-from pmmkit.effects.catalogue import effect_of
-from pmmkit.loop import Fall, FallRow
-from pmmkit.loop.records import TOLD
+from pmmkit.diagnosis import Fall
+from pmmkit.diagnosis.loop.fall import FallRow
+from pmmkit.diagnosis.loop.records import TOLD
+from pmmkit.effects import effect_of
+from pmmkit.identification import Trial
+from pmmkit.identification.trials.table import Wind
 from pmmkit.models import Part, Step
 from pmmkit.presentation import Described
-from pmmkit.reduction.parts import Parts
-from pmmkit.report.captive import Chapter, Document, Item
-from pmmkit.report.imo_form import form_of_model
+from pmmkit.reduction import Parts
 from pmmkit.seakeeping import (
-    Measured,
+    MeasuredTransfer,
     beside,
     explained,
     ikeda_damping,
@@ -33,8 +34,9 @@ from pmmkit.seakeeping import (
     operability,
     superposed,
 )
-from pmmkit.simulation.track import CHANNELS
-from pmmkit.trials import Trial, Wind
+from pmmkit.simulation import CHANNELS
+from pmmkit.views import form_of_model
+from pmmkit.views.report.captive.document import Chapter, Document, Item
 
 ROOT = Path(__file__).parents[2]
 EVIL = '<script>alert("x")</script> & two\nlines\x1b[31m'
@@ -158,7 +160,9 @@ def heave_of(size):
     """A tank that measured so many times the heave that was computed."""
     heave = np.abs(waved().mode("heave")[1, 0])
     encounter = waved().encounter[1, 0]
-    return Measured(encounter=encounter, transfer=size * heave + 0j, std=0.01 * heave + 1e-12)
+    return MeasuredTransfer(
+        encounter=encounter, transfer=size * heave + 0j, std=0.01 * heave + 1e-12
+    )
 
 
 @cache
@@ -256,7 +260,7 @@ MADE = {
     "Fall": joint_fall,
     "Diagnosis": diagnosis,
     "Together": cache(
-        lambda: pmmkit.diagnosis.together(
+        lambda: pmmkit.diagnosis.joint_diagnosis(
             pk.load_model("s175-3dof"), {"tank <1>": session().evidence.campaign}
         )
     ),
@@ -268,7 +272,7 @@ MADE = {
     "Stability": cache(lambda: pk.stability(SHIP, 9.0)),
     "SpiralCurve": cache(lambda: pk.spiral_curve("kvlcc2", 7.97)),
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
-    "Form": cache(lambda: form_of_model(model(), [pk.imo_turning(track())[0]], speed=9.0)),
+    "ImoForm": cache(lambda: form_of_model(model(), [pk.imo_turning(track())[0]], speed=9.0)),
     "Hull": hull,
     "Rao": waved,
     "Response": answered,
@@ -317,7 +321,7 @@ SAID = {
     "Stability": ("stable", "lever_yaw", "Eigenvalues"),
     "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
     "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
-    "Form": ("predicted", "not supplied", "draughts", "3.44 L", "MSC/Circ.1053", "none, as sim"),
+    "ImoForm": ("predicted", "not supplied", "draughts", "3.44 L", "MSC/Circ.1053", "none, as sim"),
     "Hull": ("41 stations", "block coefficient", "metacentre", "not the ship's"),
     "Rao": ("30 frequencies", "heave [m/m]", "180°", "GM is assumed"),
     "Response": ("heave [m]", "bow", "ISO 2631-1", "an hour", "energy of the sea"),

@@ -10,7 +10,7 @@ from typing import get_args
 
 import pytest
 
-from pmmkit.bibliography import bibliography
+from pmmkit.conventions import bibliography
 from scripts.documentation.fences import DOCS
 from scripts.validation import measurements
 from scripts.validation.chains import CHAINS

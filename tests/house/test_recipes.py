@@ -20,9 +20,9 @@ CODE = re.compile(r"^```python\n(.*?)^```", re.S | re.M)
 COMMAND = re.compile(r"^    pmmkit (.*)$", re.M)
 TYPED = """
 import sys
-import pmmkit.report.drawn
+import pmmkit.views.report.drawn
 from pmmkit.cli import main
-pmmkit.report.drawn.svg = lambda figure: "<svg></svg>"
+pmmkit.views.report.drawn.svg = lambda figure: "<svg></svg>"
 sys.exit(main(sys.argv[1:]))
 """
 """A command as it is typed, but for the pictures of its report, at which no recipe looks."""

@@ -57,6 +57,6 @@ def test_a_wheel_that_lacks_a_file_or_has_one_too_many_is_told(tmp_path):
         opened.writestr("tests/test_it.py", "")
         opened.writestr("pmmkit-1.dist-info/METADATA", "")
     told = strangers(wheel)
-    assert "pmmkit/vocabulary.toml is missing in pmmkit.whl" in told
+    assert "pmmkit/presentation/vocabulary.toml is missing in pmmkit.whl" in told
     assert "pmmkit/datasets/s175/runs.h5 is missing in pmmkit.whl" in told
     assert told[-1] == "tests/test_it.py has no business in pmmkit.whl"

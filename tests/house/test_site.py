@@ -96,7 +96,10 @@ def test_marks_of_the_console_are_no_marks_of_a_page():
 
 
 def test_a_source_without_authors_begins_with_its_title():
-    told = {source(item).partition(".")[0] for item in pmmkit.bibliography.bibliography().values()}
+    told = {
+        source(item).partition(".")[0]
+        for item in pmmkit.conventions.sources.bibliography().values()
+    }
     assert all(re.match(r"\w", text) for text in told)
 
 

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 import pmmkit as pk
 from pmmkit.diagnosis.free_running.question import records_of
-from pmmkit.identification import reference
-from pmmkit.identification.disagreement import disagree, local_lines
+from pmmkit.identification import disagree, reference
+from pmmkit.identification.disagreement import local_lines
 
 SHIP = pk.load_model("kvlcc2-l7")
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from pmmkit import Campaign, open_campaign
-from pmmkit.campaigns.segments import usable
-from pmmkit.checks import examine, refuse
+from pmmkit.campaigns import usable
+from pmmkit.intake import examine, refuse
 
 
 def opened(name: str, folder: str, shared_data: Path, datasets: Path) -> Campaign:

@@ -12,18 +12,22 @@ from scipy.integrate import solve_ivp
 
 import pmmkit as pk
 from pmmkit import FreeRecord, identify
-from pmmkit.equations import CALM, prepare
-from pmmkit.equations.code_generation import ESTIMATING
-from pmmkit.equations.compilation import compiled
-from pmmkit.equations.layouts import Constant, InputField
-from pmmkit.equations.prepared import packed, values_at
-from pmmkit.errors import DataError, SimulationError
-from pmmkit.identification import Prior, prior_of
-from pmmkit.identification.binding import bound
+from pmmkit.base import DataError, SimulationError
+from pmmkit.identification import Prior, bound, prior_of
 from pmmkit.identification.filters import kalman
 from pmmkit.identification.record import sensors_of
 from pmmkit.models import Part, load_model
-from pmmkit.signals.noise import white_noise
+from pmmkit.signals import white_noise
+from pmmkit.simulation import (
+    CALM,
+    ESTIMATING,
+    Constant,
+    InputField,
+    compiled,
+    packed,
+    prepare,
+    values_at,
+)
 
 TANKER, SPEED = load_model("kvlcc2-l7"), 1.179
 LINER = load_model("s175")

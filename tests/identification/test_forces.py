@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pmmkit.equations import prepare
-from pmmkit.equations.histories import water_forces
-from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.identification import ForceRecord, fit_to_forces
+from pmmkit.base import DataError, UnknownNameError
+from pmmkit.identification import fit_to_forces
+from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import load_model
+from pmmkit.simulation import prepare, water_forces
 
 SHIPS = [
     ("s175", 9.0),

@@ -11,11 +11,10 @@ import xarray as xr
 
 import pmmkit as pk
 from pmmkit import FreeRecord, Run, free_records
-from pmmkit.campaigns.over_ground import over_ground, true_wind
-from pmmkit.campaigns.settings import Settings
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
+from pmmkit.campaigns import Settings, over_ground, true_wind
+from pmmkit.identification import first_states
 from pmmkit.identification.record import rate_limited
-from pmmkit.identification.starts import first_states
 from pmmkit.models import load_model
 
 TANKER, LINER, SPEED = load_model("kvlcc2-l7"), load_model("s175"), 1.179

@@ -11,9 +11,9 @@ import xarray as xr
 
 import pmmkit as pk
 from pmmkit import Run
-from pmmkit.campaigns.settings import Settings
-from pmmkit.effects.hull import HULL
-from pmmkit.errors import DataError, ModelError
+from pmmkit.base import DataError, ModelError
+from pmmkit.campaigns import Settings
+from pmmkit.effects import HULL
 from pmmkit.identification import (
     FreeRecord,
     free_records,
@@ -24,10 +24,9 @@ from pmmkit.identification import (
     smooth,
     with_roll,
 )
-from pmmkit.identification.heel import measured_roll
+from pmmkit.identification.from_run import measured_roll
 from pmmkit.identification.trajectory import fit_trajectories
-from pmmkit.models import load_model
-from pmmkit.models.model import knows_heel
+from pmmkit.models import knows_heel, load_model
 
 ROLLING, UPRIGHT = load_model("s175"), load_model("s175-3dof")
 HEEL_TERMS = {name: x for name, x in ROLLING.values(HULL).items() if knows_heel(name)}

@@ -10,9 +10,10 @@ from test_filters import SENSORS, SHALLOW, SPEED, TANKER, off, sailed, true_prio
 
 import pmmkit as pk
 from pmmkit import identify
-from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.identification import Prediction, Prior, predict, prior_of, reference
+from pmmkit.base import DataError, UnknownNameError
+from pmmkit.identification import Prior, predict, prior_of, reference
 from pmmkit.identification.methods import METHODS
+from pmmkit.identification.prediction import Prediction
 from pmmkit.models import load_model, save_model
 
 NAMES = ("Nv", "Nr")

@@ -15,7 +15,7 @@ from test_filters import SENSORS, SPEED, TANKER, off, sailed
 import pmmkit as pk
 from pmmkit import FreeRecord, identify
 from pmmkit.identification import Prior, prior_of
-from pmmkit.identification.lack import Piece, colour_of, lack_of, lasting, stretches
+from pmmkit.identification.lack import RecordPiece, colour_of, lack_of, lasting, stretches
 from pmmkit.inference import Innovations
 from pmmkit.models import Part, load_model
 
@@ -140,7 +140,7 @@ def test_what_lasts_through_records_is_told_by_their_scatter():
     drawn = rng.normal(size=6)
     drawn -= drawn.mean()
     pieces = [
-        Piece(record=i, information=np.array([[1e3]]), score=np.array([1e3 * x]))
+        RecordPiece(record=i, information=np.array([[1e3]]), score=np.array([1e3 * x]))
         for i, x in enumerate(drawn)
         for _ in range(5)
     ]
@@ -164,7 +164,7 @@ def unit_prior(size):
 def test_records_that_agree_leave_the_covariance_to_the_bit():
     rng = np.random.default_rng(0)
     pieces = [
-        Piece(record=i, information=np.eye(2) * 100.0, score=10.0 * rng.normal(size=2))
+        RecordPiece(record=i, information=np.eye(2) * 100.0, score=10.0 * rng.normal(size=2))
         for i in range(6)
     ]
     covariance = np.eye(2) / 601.0
@@ -181,7 +181,7 @@ def test_the_scatter_between_many_sharp_records_is_that_of_their_mean(size, shar
     drawn = size * rng.normal(size=200)
     drawn -= drawn.mean()
     pieces = [
-        Piece(record=i, information=np.array([[sharp]]), score=np.array([sharp * x]))
+        RecordPiece(record=i, information=np.array([[sharp]]), score=np.array([sharp * x]))
         for i, x in enumerate(drawn)
     ]
     found = lack_of(unit_prior(1), np.array([[1.0 / (1.0 + 200 * sharp)]]), pieces, {})

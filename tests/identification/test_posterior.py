@@ -17,14 +17,14 @@ from test_filters import SENSORS, SPEED, TANKER, off, sailed
 
 import pmmkit as pk
 from pmmkit import identify
-from pmmkit.errors import DataError, ModelError
-from pmmkit.identification import prior_of
+from pmmkit.base import DataError, ModelError
+from pmmkit.identification import SECONDS, Posterior, prior_of, write_posterior
 from pmmkit.identification.filters import kalman
-from pmmkit.identification.methods import METHODS, SECONDS
-from pmmkit.identification.posterior import Posterior, draws_of, read_posterior, write_posterior
+from pmmkit.identification.methods import METHODS
 from pmmkit.identification.posterior.density import DEGREES, ROUGHNESS, density_of, likelihood_of
 from pmmkit.identification.posterior.ensembles import drawn_from
 from pmmkit.identification.posterior.posterior import sample_posterior
+from pmmkit.identification.posterior.tree import draws_of, read_posterior
 
 pytest.importorskip("emcee", reason="emcee is not installed")
 

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.identification import reference
-from pmmkit.identification.predict import Course, prediction_std
-from pmmkit.identification.record import FreeRecord
+from pmmkit.identification import FreeRecord, prediction_std, reference
+from pmmkit.identification.prediction import Course
 
 SHIP = pk.load_model("kvlcc2-l7")
 SPEED = 1.179

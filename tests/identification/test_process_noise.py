@@ -10,12 +10,11 @@ from scipy.linalg import expm
 from scipy.stats import multivariate_normal
 from test_filters import BY_WATER, SPEED
 
-from pmmkit.equations import prepare
-from pmmkit.equations.layouts import InputField
-from pmmkit.identification.binding import bound
+from pmmkit.identification import bound
 from pmmkit.identification.filters import process
-from pmmkit.identification.passes import Process, Seen, passed, state_steps
+from pmmkit.identification.passes import Process, RecordView, passed, state_steps
 from pmmkit.models import load_model
+from pmmkit.simulation import InputField, prepare
 
 STATES = ("x", "y", "psi", "u", "v", "r")
 EVEN = load_model("kvlcc2-l7").with_values("rudder_mmg", gamma_positive=0.5, gamma_negative=0.5)
@@ -79,7 +78,7 @@ def slopes_of_rates(k, turns):
 
 def likelihood(method, binding, inputs, t, measured, diffusion):
     """ln of how probable a filter without parameters takes a record for."""
-    record = Seen(
+    record = RecordView(
         name="made",
         t=t,
         inputs=inputs,

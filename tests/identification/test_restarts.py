@@ -9,7 +9,7 @@ import pytest
 from test_filters import LINER, SENSORS, SPEED, TANKER, off, sailed
 
 from pmmkit import identify
-from pmmkit.errors import SimulationError
+from pmmkit.base import SimulationError
 from pmmkit.identification import prior_of
 
 TWO_HERTZ_THINNED = 2.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pmmkit import FreeRecord
-from pmmkit.identification.seas import sea_notes
+from pmmkit.identification import sea_notes
 from pmmkit.models import Part, load_model
 
 CALM = load_model("s175-3dof")

@@ -10,12 +10,10 @@ from test_filters import FAST, LINER, SENSORS, SPEED, TANKER, sailed
 
 import pmmkit as pk
 from pmmkit import fit_to_forces
-from pmmkit.equations import prepare
-from pmmkit.equations.histories import water_forces
-from pmmkit.errors import DataError, SimulationError
-from pmmkit.identification import implied_forces, prior_of, smooth
+from pmmkit.base import DataError, SimulationError
+from pmmkit.identification import implied_forces, prior_of, smooth, units
 from pmmkit.identification import smoother as smoother_module
-from pmmkit.identification.smoother import units
+from pmmkit.simulation import prepare, water_forces
 
 LACKING = TANKER.with_values("hull_polynomial", Yvvv=0.0, Nvvr=0.0, Xuu=-0.012, Xvr=0.0)
 """The tanker with half its resistance and without three terms; the added mass is the same."""

@@ -9,20 +9,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pmmkit.effects.hull import regressors
-from pmmkit.effects.state import State
-from pmmkit.equations import prepare
-from pmmkit.equations.histories import water_forces
-from pmmkit.errors import PmmkitError
-from pmmkit.identification import ForceRecord
-from pmmkit.identification.sparse.regression import (
-    look_for_collinearity,
-    physics_groups,
-    sparse_regression,
-)
+from pmmkit.base import PmmkitError
+from pmmkit.effects import State, regressors
+from pmmkit.identification.forces import ForceRecord
+from pmmkit.identification.sparse.regression import look_for_collinearity, sparse_regression
+from pmmkit.identification.sparse.request import physics_groups
 from pmmkit.identification.sparse.rows import averaged, equations
 from pmmkit.models import load_model
-from pmmkit.simulation import simulate
+from pmmkit.simulation import prepare, simulate, water_forces
 
 RHO, L, D = 1000.0, 7.0, 0.46
 AH, XH, XR, LR = 0.312, -0.464, -0.5, -0.71

@@ -23,9 +23,8 @@ from test_filters import (
     true_prior,
 )
 
-from pmmkit.errors import DataError, SimulationError
-from pmmkit.identification import trajectory
-from pmmkit.identification.binding import bound
+from pmmkit.base import DataError, SimulationError
+from pmmkit.identification import bound, trajectory
 from pmmkit.identification.trajectory import fit_trajectories
 
 PATH = {name: SENSORS[name] for name in ("x", "y", "psi")}

@@ -7,10 +7,9 @@ from types import MappingProxyType
 import pytest
 
 import pmmkit as pk
+from pmmkit.base import ModelError
 from pmmkit.cli import main
-from pmmkit.errors import ModelError
-from pmmkit.models import Part
-from pmmkit.models.astern import ESTIMATED, as_it_stops, knows_astern, with_estimated_astern
+from pmmkit.models import ESTIMATED, Part, as_it_stops, knows_astern, with_estimated_astern
 
 
 def test_ahead_nothing_changes():

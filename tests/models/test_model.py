@@ -12,8 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pmmkit.conventions import Convention
-from pmmkit.errors import (
+from pmmkit.base import (
     DataError,
     ExtrapolationError,
     MissingPartError,
@@ -21,11 +20,10 @@ from pmmkit.errors import (
     PmmkitError,
     UnknownNameError,
 )
-from pmmkit.models import Part, load_model, model_text, save_model, scaled, to_model
-from pmmkit.ship import Water
-from pmmkit.ship_library import ship_file
-from pmmkit.tables import from_values
-from pmmkit.toml_files import toml_text
+from pmmkit.conventions import Convention, Water
+from pmmkit.files import toml_text
+from pmmkit.models import Part, from_values, load_model, model_text, save_model, scaled, to_model
+from pmmkit.models.library import ship_file
 
 MODEL_SCALE = 36.0
 GRID = (0.145, 0.217, 0.290)

@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pmmkit as pk
-from pmmkit.errors import DataError, ExtrapolationError, ModelError
-from pmmkit.models.by_depth import carried_by_formulas, model_at_depth
-from pmmkit.models.step import Step
+from pmmkit.base import DataError, ExtrapolationError, ModelError
+from pmmkit.models import Step, carried_by_formulas, model_at_depth
 
 KVLCC2 = pk.load_model("kvlcc2")
 

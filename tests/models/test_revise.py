@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.errors import ModelError, UnknownNameError
-from pmmkit.models import model_text
-from pmmkit.models.particulars import parts_from_particulars
-from pmmkit.models.revise import with_part_of, with_stated
+from pmmkit.base import ModelError, UnknownNameError
+from pmmkit.models import model_text, parts_from_particulars, with_part_of, with_stated
 from pmmkit.models.store import model_from
 from pmmkit.presentation import WIDE
-from pmmkit.simulation.spread import spread_of
+from pmmkit.simulation import spread_of
 
 
 def test_a_stated_derivative_leaves_the_covariance():

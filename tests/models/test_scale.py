@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from pmmkit.empirical import form_factor, wetted_surface
-from pmmkit.errors import MissingPartError, ModelError
+from pmmkit.base import MissingPartError, ModelError
+from pmmkit.conventions import Water
 from pmmkit.models import full_scale, load_model, save_model, scaled
-from pmmkit.ship import Water
+from pmmkit.models.empirical import form_factor, wetted_surface
 from pmmkit.simulation import imo_verdicts, simulate
 
 MODEL = load_model("kvlcc2-l7")

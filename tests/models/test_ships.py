@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from pmmkit import equations as kernel
-from pmmkit.errors import ModelError, UnknownNameError
-from pmmkit.models import load_model, model_text
-from pmmkit.models.roles import lacking
-from pmmkit.ship_library import load_ship, ship_file, ships
-from pmmkit.simulation import simulate
-from pmmkit.toml_files import read_toml
+from pmmkit.base import ModelError, UnknownNameError
+from pmmkit.files import read_toml
+from pmmkit.models import lacking, load_model, load_ship, model_text, ships
+from pmmkit.models.library import ship_file
+from pmmkit.simulation import prepare, simulate
 
 RHO, L = 1025.0, 175.0
 
@@ -25,7 +23,7 @@ def test_every_library_ship_is_a_model_and_can_be_simulated(name):
     assert all(part.source for part in model.parts.values())
     assert ship_file(name).read_text(encoding="utf-8").startswith("#")
     speed = model.ship.speed(0.15)
-    c = kernel.prepare(model, speed)
+    c = prepare(model, speed)
     n = c.self_propulsion()
     udot = c.accelerations(speed, 0.0, 0.0, n=n)[0]
     assert udot == pytest.approx(0.0, abs=1e-9)
@@ -66,7 +64,7 @@ def test_the_two_s175_share_every_value_that_does_not_need_roll():
 )
 def test_s175_self_propulsion(speed, rpm):
     """Values computed from the public MSS model (J .785 at every speed)."""
-    n = kernel.prepare(load_model("s175"), speed).self_propulsion()
+    n = prepare(load_model("s175"), speed).self_propulsion()
     assert 60 * n == pytest.approx(rpm, abs=0.006)
     assert 0.816 * speed / (n * 6.533) == pytest.approx(0.785, abs=5e-4)
 

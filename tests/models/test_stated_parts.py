@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from pmmkit import open_campaign
-from pmmkit.checks import examine
-from pmmkit.errors import CampaignError
-from pmmkit.models.stated_parts import GEOMETRY, SECTIONS, faults_of
+from pmmkit.base import CampaignError
+from pmmkit.intake import examine
+from pmmkit.models import SECTIONS, problems_of
+from pmmkit.models.stated_parts import GEOMETRY
 
 SHIP = '[campaign]\n[ship]\nname = "kvlcc2-l7"\n[water]\nrho = 1000.0\n'
 RUN = '[[runs]]\nid = "a"\ntest = "static_drift"\nfile = "a.csv"\nspeed = 1.0\ndrift_deg = 4.0\n'
@@ -50,7 +51,7 @@ def test_names_of_the_geometry_are_not_those_of_the_effect():
 def test_everything_that_the_effects_take_can_be_stated():
     for section, effect in SECTIONS.items():
         stated = {item.name: max(item.low, min(0.5, item.high)) for item in effect.parameters}
-        assert list(faults_of(section, stated)) == []
+        assert list(problems_of(section, stated)) == []
 
 
 @pytest.mark.slow

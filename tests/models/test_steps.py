@@ -14,13 +14,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pmmkit as pk
+from pmmkit.base import ModelError
+from pmmkit.diagnosis import read_session, undone
 from pmmkit.diagnosis.captive.refit import effects_of
-from pmmkit.errors import ModelError
-from pmmkit.loop.saved import read_session
-from pmmkit.loop.session import undone
-from pmmkit.models import Step, load_model, model_text, save_model
-from pmmkit.models.old_files import steps_of_sentences
-from pmmkit.models.step import SENTENCES, Action, Before, added
+from pmmkit.models import Action, Step, added, load_model, model_text, save_model
+from pmmkit.models.step import SENTENCES, Before
+from pmmkit.models.store import steps_of_sentences
 
 DATA = Path(__file__).parents[1] / "data"
 FULL = Step(

@@ -40,7 +40,7 @@ from workbooks import (
     wide,
 )
 
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 
 Make = Callable[[Path], Path]
 BOOKS: dict[str, Make] = {}

@@ -27,7 +27,7 @@ from container_files import (
 )
 
 from pmmkit import open_campaign
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 from pmmkit.readers import reader_of
 
 COUNT = 30

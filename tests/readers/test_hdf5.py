@@ -26,9 +26,9 @@ from container_files import (
 from scipy.io import netcdf_file
 
 from pmmkit import open_campaign, save_campaign
-from pmmkit.errors import CampaignError, PmmkitError
+from pmmkit.base import CampaignError, PmmkitError
 from pmmkit.readers import reader_for, reader_of
-from pmmkit.readers.hdf5 import guard as hdf5_guard
+from pmmkit.readers.hdf5 import datasets as hdf5_guard
 
 COUNT = 40
 UNITS = {"t": "s", "X": "kN", "Y": "kN", "N": "kNm"}

@@ -29,7 +29,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy.io import loadmat, savemat
 
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 from pmmkit.readers import reader_of
 
 COUNT = 40

@@ -25,9 +25,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pmmkit import open_campaign
-from pmmkit.campaigns.samples.loading import file_hashes
-from pmmkit.checks import examine
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
+from pmmkit.campaigns import file_hashes
+from pmmkit.intake import examine
 from pmmkit.readers import reader_of
 from pmmkit.readers.openfoam.case import density_doubt, entries_of, number_in, parsed
 from pmmkit.readers.openfoam.header import layout_of

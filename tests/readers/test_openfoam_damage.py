@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from foam_texts import esi, every, foundation, notes, numbers, total, written
 
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 from pmmkit.readers.openfoam import numbers as parsing
 from pmmkit.readers.openfoam.header import layout_of
 

@@ -15,11 +15,11 @@ import pytest
 from installed_readers import installed
 from lab_log import Log
 
+import pmmkit.readers as folder
 from pmmkit import open_campaign, save_campaign
-from pmmkit import readers as room
+from pmmkit.base import CampaignError
 from pmmkit.cli import main
-from pmmkit.errors import CampaignError
-from pmmkit.readers import Options, readers, recognise
+from pmmkit.readers import Cells, Options, Reader, readers, recognise
 from pmmkit.testing import readers as testing
 from pmmkit.testing.readers import RULES, check_reader
 from scripts.studies import damage
@@ -101,7 +101,7 @@ def used_everywhere(folder: Path, capsys) -> None:
 def test_a_reader_is_one_file_in_the_folder(tmp_path, monkeypatch, capsys):
     (tmp_path / "more").mkdir()
     (tmp_path / "more" / "lab_log.py").write_text(inspect.getsource(lab_log), encoding="utf-8")
-    monkeypatch.setattr(room, "__path__", [*room.__path__, str(tmp_path / "more")])
+    monkeypatch.setattr(folder, "__path__", [*folder.__path__, str(tmp_path / "more")])
     readers.cache_clear()
     try:
         assert type(readers()["lab log"]).__module__ == "pmmkit.readers.lab_log"
@@ -140,7 +140,7 @@ def test_a_format_that_is_not_there_is_refused_with_those_that_are(tmp_path):
 
 
 def test_a_reader_that_cannot_be_made_does_not_stop_the_others():
-    class Abstract(room.Reader):
+    class Abstract(Reader):
         name = "abstract"
 
     class Taken(Log):
@@ -234,9 +234,7 @@ class Short(Log):
         if lines[0] != "LOG" or len(lines) < 5:
             raise request.error(request.problem("it is no log."))
         rows = [tuple(line.split("|")) for line in lines[1:-1] if line != "END"]
-        return room.Cells(
-            headers=rows[0], rows=tuple(rows[1:]), lines=tuple(range(3, len(rows) + 2))
-        )
+        return Cells(headers=rows[0], rows=tuple(rows[1:]), lines=tuple(range(3, len(rows) + 2)))
 
 
 class Torn(Short):
@@ -250,9 +248,7 @@ class Torn(Short):
             raise request.error(request.problem("it is no log."))
         rows = [tuple(line.split("|")) for line in lines[1:] if line not in ("END", "", "E", "EN")]
         whole = [row for row in rows if len(row) == len(rows[0]) and row[-1] not in ("", "-")]
-        return room.Cells(
-            headers=whole[0], rows=tuple(whole[1:]), lines=tuple(range(3, len(whole) + 2))
-        )
+        return Cells(headers=whole[0], rows=tuple(whole[1:]), lines=tuple(range(3, len(whole) + 2)))
 
 
 class Careless(Log):
@@ -265,7 +261,7 @@ class Inventing(Log):
     def cells(self, request):
         if request.path.exists() and not request.path.read_bytes().startswith(b"LOG\n"):
             names = tuple(STATED)
-            return room.Cells(headers=names, rows=(("0",) * 4,) * 3, lines=(1, 2, 3))
+            return Cells(headers=names, rows=(("0",) * 4,) * 3, lines=(1, 2, 3))
         return super().cells(request)
 
 

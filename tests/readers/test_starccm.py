@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit import open_campaign
-from pmmkit.campaigns.samples.loading import file_hashes
-from pmmkit.errors import CampaignError, DataError
+from pmmkit.base import CampaignError, DataError
+from pmmkit.campaigns import file_hashes
 from pmmkit.readers import Options, Request, reader_of
 from pmmkit.readers.starccm import reader as starccm
 from scripts.datasets.campaign_text import S175

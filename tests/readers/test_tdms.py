@@ -21,9 +21,9 @@ from container_files import (
 )
 from nptdms import ChannelObject, GroupObject, RootObject, TdmsWriter
 
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 from pmmkit.readers import reader_for, reader_of
-from pmmkit.readers.tdms.segments import LEAD_IN
+from pmmkit.readers.tdms.reader import LEAD_IN
 
 COUNT = 40
 UNITS = {"X": "kN", "Y": "kN", "N": "kNm"}

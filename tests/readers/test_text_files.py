@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit.errors import CampaignError, DataError
+from pmmkit.base import CampaignError, DataError
 from pmmkit.readers import Options, Request
 from pmmkit.readers.text import csv
 from pmmkit.readers.text.decoding import CUT, cut_apart

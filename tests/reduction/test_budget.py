@@ -24,11 +24,11 @@ from pmmkit import (
     manoeuvre_budget,
     with_grids,
 )
-from pmmkit.campaigns.uncertainty import TypeB
+from pmmkit.base import DataError, UnknownNameError
+from pmmkit.campaigns import TypeB
 from pmmkit.cli import main
-from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.reduction import reduce_campaign
-from pmmkit.reduction.budgets.budget import Result, Source, beside
+from pmmkit.reduction.budgets.budget import BudgetResult, Source, beside
 from pmmkit.simulation import sensitivities, simulate
 from scripts.datasets.virtual_tank import SHIP, SON_NOMOTO, WATER, captive, programme
 
@@ -140,7 +140,7 @@ def test_shares_are_the_mean_over_all_orders_in_which_errors_come(drawn):
         Source(title=str(i), gum="B", acts="bias", factors=np.array([own]), common=cause)
         for i, (cause, *own) in enumerate(drawn)
     )
-    results = (Result(name="a", value=1.0), Result(name="b", value=2.0))
+    results = (BudgetResult(name="a", value=1.0), BudgetResult(name="b", value=2.0))
     budget = Budget(subject="numbers", results=results, sources=sources)
 
     def variance(members):
@@ -180,7 +180,7 @@ def test_what_single_runs_draw_goes_to_their_kind_of_test_and_nothing_is_lost():
     )
     gauge = Source(title="gauge", gum="B", acts="bias", factors=np.array([[5.0]]))
     budget = Budget(
-        subject="", results=(Result(name="a", value=1.0),), sources=(noise, speed, gauge)
+        subject="", results=(BudgetResult(name="a", value=1.0),), sources=(noise, speed, gauge)
     )
     by_test = budget.by_test()
     assert [(item.title, item.gum) for item in by_test.sources] == [

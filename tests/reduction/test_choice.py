@@ -6,9 +6,9 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.api import model_of
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
+from pmmkit.models import standing
 from pmmkit.models.estimates import COUPLINGS
-from pmmkit.models.standing import standing
 from pmmkit.reduction import reduce_campaign
 from tests.support import second_tank
 

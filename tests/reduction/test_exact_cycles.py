@@ -8,7 +8,7 @@ import warnings
 import numpy as np
 import pytest
 
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 from pmmkit.reduction import reduce_campaign
 from tests.support.exact_cycles import campaign
 

@@ -11,8 +11,8 @@ import small_campaign
 from small_campaign import TRUTH, write_campaign
 
 import pmmkit as pk
-from pmmkit.checks import CheckFinding
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
+from pmmkit.intake import CheckFinding
 
 ZERO = {"X": -0.8, "Y": 0.5}
 TARE = '\n[[corrections]]\nruns = ["*"]\naction = "tare"\nreason = "the carriage stands at first"\n'

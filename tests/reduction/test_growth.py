@@ -12,10 +12,11 @@ from pictures import without_pictures
 from small_campaign import TRUTH, write_depths
 
 import pmmkit as pk
-from pmmkit.effects.shallow_water import factors
-from pmmkit.reduction.depths import TOLD, felt, growth, reduce_depths
-from pmmkit.ship import Ship, Water
-from pmmkit.tables.by_depth import TablesByDepth
+from pmmkit.conventions import Ship, Water
+from pmmkit.effects import factors
+from pmmkit.models import TablesByDepth
+from pmmkit.reduction import felt, growth
+from pmmkit.reduction.depths import TOLD, reduce_depths
 
 SHALLOW = 1.6
 """What side force and moment of the shallow tests are multiplied by."""

@@ -16,10 +16,10 @@ import small_campaign
 from small_campaign import NOISE, RHO, L
 
 import pmmkit as pk
-from pmmkit.campaigns.motion.kinematics import measured_motion, nominal_motion
-from pmmkit.checks import examine
+from pmmkit.base import CampaignError, DataError
+from pmmkit.campaigns import measured_motion, nominal_motion
 from pmmkit.cli import main
-from pmmkit.errors import CampaignError, DataError
+from pmmkit.intake import examine
 from scripts.studies import kcs_shallow
 
 SPEED, PERIOD = 1.0, 10.0

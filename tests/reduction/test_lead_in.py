@@ -11,11 +11,9 @@ from own_tank import TRUTH, U, drift, sway, write, yaw
 
 import pmmkit as pk
 from pmmkit.campaigns.motion import counted
-from pmmkit.observations.prepare import prepare
-from pmmkit.observations.views import views_of
-from pmmkit.reduction import reduce_campaign
+from pmmkit.conventions import Structure
+from pmmkit.reduction import prepare, reduce_campaign, views_of
 from pmmkit.signals import Travel
-from pmmkit.structures import Structure
 
 OWN = Structure(name="little hull", derivatives=tuple(TRUTH))
 

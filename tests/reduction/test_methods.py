@@ -10,14 +10,12 @@ import pytest
 import reduced
 from few_runs import few
 
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.errors import CampaignError, UnknownNameError
-from pmmkit.reduction import reduce_campaign
-from pmmkit.reduction.agreement import differences, worst
+from pmmkit.base import CampaignError, UnknownNameError
+from pmmkit.campaigns import TypeB
+from pmmkit.models.tables.compare import identical
+from pmmkit.reduction import METHODS, differences, reduce_campaign, worst
 from pmmkit.reduction.methods.kalman import filtered
 from pmmkit.reduction.methods.over_time import OverTime, channels_over_time
-from pmmkit.reduction.methods.registry import METHODS
-from pmmkit.tables import identical
 from scripts.datasets.virtual_tank import SHIP, SON_NOMOTO, captive, motion, water_forces
 
 SIZES = {"X": 0.3, "Y": 0.8, "N": 1.6}

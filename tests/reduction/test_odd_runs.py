@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pmmkit.errors import ContradictionError
+from pmmkit.base import ContradictionError
 from pmmkit.reduction import reduce_campaign
 from scripts.studies.run_scatter import CASES, first
 from tests.support import spoiled

@@ -15,12 +15,10 @@ import reduced as large
 import xarray as xr
 
 from pmmkit import Campaign, Run
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.errors import MissingPartError
-from pmmkit.reduction import contributions, reduce_campaign
-from pmmkit.reduction.parts import hull_alone, parts_of
-from pmmkit.ship import Ship, Water
+from pmmkit.base import MissingPartError
+from pmmkit.campaigns import Settings, TypeB
+from pmmkit.conventions import Ship, Water
+from pmmkit.reduction import contributions, hull_alone, parts_of, reduce_campaign
 from scripts.datasets.virtual_tank import SON_NOMOTO, captive, programme
 from scripts.validation import measurements
 from scripts.validation.derivatives import PARTS

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from few_runs import few
 
+from pmmkit.conventions import Ship
 from pmmkit.reduction import reduce_campaign
-from pmmkit.ship import Ship
 from pmmkit.signals import harmonics
 from scripts.datasets.virtual_tank import (
     SHIP,

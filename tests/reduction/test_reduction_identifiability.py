@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pmmkit.errors import CampaignError, UnknownNameError
+from pmmkit.base import CampaignError, UnknownNameError
 from pmmkit.inference import least_squares
 from pmmkit.reduction import reduce_campaign
 from scripts.datasets.virtual_tank import SON_NOMOTO, captive

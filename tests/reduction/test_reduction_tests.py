@@ -9,9 +9,9 @@ import pytest
 import xarray as xr
 
 from pmmkit import Campaign, Run
-from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns import Settings
+from pmmkit.conventions import Water
 from pmmkit.reduction import reduce_campaign
-from pmmkit.ship import Water
 from scripts.datasets.virtual_tank import SHIP, SON_NOMOTO, WATER, captive, history, water_forces
 
 T = np.arange(400) * 0.1

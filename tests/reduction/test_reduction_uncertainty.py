@@ -13,10 +13,10 @@ import xarray as xr
 from few_runs import few
 
 from pmmkit import Campaign, Run
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.observations.noise import degrees, shrunk_levels
-from pmmkit.reduction import monte_carlo, reduce_campaign
+from pmmkit.campaigns import Settings, TypeB
+from pmmkit.reduction import reduce_campaign
+from pmmkit.reduction.monte_carlo import monte_carlo
+from pmmkit.reduction.observations.noise import degrees, shrunk_levels
 from scripts.datasets.virtual_tank import SHIP, SON_NOMOTO, WATER, captive
 
 SIZE = {"X": 0.4, "Y": 1.2, "N": 2.5}

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 from pmmkit.readers import Options, Request
 from pmmkit.readers.text import csv as csv_reader
 from pmmkit.readers.text import splitting as text
@@ -166,7 +166,7 @@ def test_another_request_takes_nothing_up(folder, at_once, tmp_path):
 @pytest.mark.slow
 def test_a_small_campaign_leaves_nothing_and_starts_nothing(folder, tmp_path, monkeypatch):
     monkeypatch.setattr(all_runs, "PATIENCE", 60.0)
-    monkeypatch.setattr("pmmkit.executors.sending.processes", None)
+    monkeypatch.setattr("pmmkit.base.executors.board.processes", None)
     reduced(folder, resume=tmp_path / "kept")
     assert not (tmp_path / "kept").exists()
 
@@ -177,7 +177,7 @@ import sys
 from pathlib import Path
 
 import pmmkit as pk
-from pmmkit.executors import places
+from pmmkit.base.executors import places
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.reading import all_runs
 
@@ -230,7 +230,7 @@ def until(true, seconds=20.0):
 SAVING = """
 import sys
 import pmmkit as pk
-from pmmkit.campaigns.store import save_campaign
+from pmmkit.campaigns import save_campaign
 
 for place in sys.argv[2:]:
     print(flush=True)
@@ -284,7 +284,7 @@ def test_the_command_keeps_beside_its_output_and_clears_away(
         written.append(found)
         return []
 
-    monkeypatch.setattr("pmmkit.report.results.write_reduction", write)
+    monkeypatch.setattr("pmmkit.views.report.results.write_reduction", write)
     reduced(folder, executor=1, resume=kept)
     arguments = ["reduce", str(folder), "--structure", "cubic", "--out", str(out), "--jobs", "1"]
     assert main(arguments) == 0

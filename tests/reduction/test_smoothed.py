@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns import Campaign, Run, Settings
+from pmmkit.conventions import Ship, Water
 from pmmkit.reduction import reduce_campaign
-from pmmkit.ship import Ship, Water
 
 SHIP = Ship(name="model", L=4.367, B=0.611, d=0.205, volume=0.3566, mass=356.5, Izz=445.8)
 WATER = Water(rho=1000.0)

@@ -7,10 +7,9 @@ import pytest
 from small_campaign import write_campaign
 
 from pmmkit import open_campaign
-from pmmkit.checks import summarise
-from pmmkit.errors import CampaignError
-from pmmkit.observations.prepare import prepare
-from pmmkit.observations.views import views_of
+from pmmkit.base import CampaignError
+from pmmkit.intake import summarise
+from pmmkit.reduction import prepare, views_of
 
 STATIC, SWAY = "SD_U1_b+08", "PS_U1_a0.3"
 

@@ -10,8 +10,8 @@ from pictures import without_pictures
 
 import pmmkit as pk
 from pmmkit.cli import main
-from pmmkit.models.particulars import roll_from_particulars
-from pmmkit.ship import Water
+from pmmkit.conventions import Water
+from pmmkit.models import roll_from_particulars
 from scripts.datasets.strangers.hulls import turn
 from scripts.datasets.strangers.laboratories import FOLDERS, HULLS, SPEEDS
 from scripts.studies.strangers import EDITS, filled, held, particulars, steering

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.errors import ModelError, NotUsableError
+from pmmkit.base import ModelError, NotUsableError
 from pmmkit.inference import KINDS, RunEffects
+from pmmkit.models import from_values, read_table, write_table
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.verdict import _far, _massless, _scattered
-from pmmkit.simulation.imo import imo_turning
-from pmmkit.tables import from_values, read_table, write_table
+from pmmkit.simulation import imo_turning
 from tests.support.small_campaign import write_campaign
 
 ODD = "PS_U1_a0.3"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from few_stations import thinned
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.seakeeping import Loading, hull_from_particulars, ikeda_damping, loading_of, rao
 
 HULL = thinned(

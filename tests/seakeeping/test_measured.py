@@ -6,16 +6,9 @@ import numpy as np
 import pytest
 from few_stations import thinned
 
-from pmmkit.errors import DataError
-from pmmkit.seakeeping import (
-    Measured,
-    Sea,
-    beside,
-    from_irregular,
-    from_regular,
-    hull_from_particulars,
-    rao,
-)
+from pmmkit.base import DataError
+from pmmkit.seakeeping import MeasuredTransfer, Sea, beside, hull_from_particulars, rao
+from pmmkit.seakeeping.measured import from_irregular, from_regular
 
 SHIP = thinned(hull_from_particulars(name="model", L=4.0, B=0.7, d=0.25, block=0.65))
 OMEGA = np.linspace(2.0, 8.0, 61)
@@ -69,7 +62,9 @@ def test_irregular_waves_give_back_the_computed_transfer_function(computed):
 def test_measured_beside_computed_says_what_is_off(computed):
     encounter = computed.encounter[0, 0, 10:40:10]
     heave = np.abs(computed.mode("heave")[0, 0, 10:40:10])
-    found = Measured(encounter=encounter, transfer=(1.1 * heave).astype(complex), std=0.02 * heave)
+    found = MeasuredTransfer(
+        encounter=encounter, transfer=(1.1 * heave).astype(complex), std=0.02 * heave
+    )
     told = beside(found, computed, "heave", heading_deg=180)
     assert told.score == pytest.approx(np.full(3, 5.0), rel=1e-6)
     assert "+5.0" in str(told)
@@ -82,14 +77,14 @@ def test_what_records_cannot_tell_is_refused(computed):
         from_irregular(np.cumsum(np.abs(noise[0])), *noise)
     with pytest.raises(DataError, match="share a frequency"):
         beside(
-            Measured(encounter=np.ones(1), transfer=np.ones(1) + 0j, std=np.ones(1)),
+            MeasuredTransfer(encounter=np.ones(1), transfer=np.ones(1) + 0j, std=np.ones(1)),
             computed,
             "heave",
             heading_deg=0,
         )
     with pytest.raises(DataError, match="No measured frequency"):
         beside(
-            Measured(encounter=np.array([90.0]), transfer=np.ones(1) + 0j, std=np.ones(1)),
+            MeasuredTransfer(encounter=np.array([90.0]), transfer=np.ones(1) + 0j, std=np.ones(1)),
             computed,
             "heave",
             heading_deg=180,

@@ -9,7 +9,7 @@ import pytest
 from few_stations import thinned
 from veres import read_transfer
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.seakeeping import (
     Loading,
     Rao,

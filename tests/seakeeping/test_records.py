@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from few_stations import thinned
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.seakeeping import (
-    Measured,
+    MeasuredTransfer,
     explained,
     hull_from_particulars,
     loading_of,
@@ -33,7 +33,7 @@ def measured_of(found, modes, every=4, std=0.01):
     """What a tank would measure of a ship, without noise."""
     at = slice(5, -5, every)
     return {
-        name: Measured(
+        name: MeasuredTransfer(
             encounter=found.encounter[0, 0, at],
             transfer=found.mode(name)[0, 0, at],
             std=np.full(found.encounter[0, 0, at].size, std),
@@ -98,7 +98,11 @@ def test_a_record_that_cannot_be_understood_says_what_to_write(head, says, tmp_p
 
 def test_runs_in_regular_waves_stand_together_in_rising_frequency():
     runs = [
-        {"heave": Measured(encounter=np.array([w]), transfer=np.array([1.0 + 0j]), std=np.ones(1))}
+        {
+            "heave": MeasuredTransfer(
+                encounter=np.array([w]), transfer=np.array([1.0 + 0j]), std=np.ones(1)
+            )
+        }
         for w in (5.0, 3.0, 4.0)
     ]
     assert together(runs)["heave"].encounter.tolist() == [3.0, 4.0, 5.0]

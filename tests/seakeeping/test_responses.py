@@ -11,25 +11,31 @@ from few_stations import thinned
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.base import DataError, UnknownNameError
 from pmmkit.seakeeping import (
-    LIMITS,
     Place,
     Sea,
     added_resistance,
-    drift,
-    drift_table,
     hull_from_particulars,
     operability,
     rao,
     response,
     sea,
 )
-from pmmkit.seakeeping.responses import moments
-from pmmkit.seakeeping.second_order.empirical_resistance import Form, snnm, stawave2
-from pmmkit.seakeeping.second_order.mean_drift import plate_reflection, scattering
+from pmmkit.seakeeping.operating_limits import LIMITS
+from pmmkit.seakeeping.responses import incidence_in_waves, moments
+from pmmkit.seakeeping.second_order.empirical_resistance import (
+    ResistanceParticulars,
+    snnm,
+    stawave2,
+)
+from pmmkit.seakeeping.second_order.mean_drift import (
+    drift,
+    drift_table,
+    plate_reflection,
+    scattering,
+)
 from pmmkit.seakeeping.sectional import solve
-from pmmkit.seakeeping.sickness import incidence_in_waves
 
 OMEGA = np.linspace(0.25, 2.2, 60)
 SHIP = thinned(hull_from_particulars(name="ship", L=150.0, B=24.0, d=8.5, block=0.68))
@@ -170,7 +176,9 @@ def test_methods_agree_on_the_size_of_the_peak_in_head_seas(moved):
 
 def test_formulas_read_as_their_sources_do():
     """STAWAVE-2 at its peak is 4 a₁ Fn^1.5 e^(-3.5 Fn); SNNM at the peak in head seas likewise."""
-    form = Form(L=200.0, B=32.0, d=12.0, block=0.8, kyy=0.25, entrance=50.0, run=55.0)
+    form = ResistanceParticulars(
+        L=200.0, B=32.0, d=12.0, block=0.8, kyy=0.25, entrance=50.0, run=55.0
+    )
     g, fn = 9.81, 0.18
     U = np.array([fn * math.sqrt(g * form.L)])
     peak = 1.17 * fn**-0.143 / math.sqrt(form.L / g) / 0.25 ** (1 / 3)
@@ -183,7 +191,9 @@ def test_formulas_read_as_their_sources_do():
 
 
 def test_a_ship_out_of_range_has_no_stawave2():
-    form = Form(L=50.0, B=10.0, d=3.0, block=0.6, kyy=0.25, entrance=15.0, run=15.0)
+    form = ResistanceParticulars(
+        L=50.0, B=10.0, d=3.0, block=0.6, kyy=0.25, entrance=15.0, run=15.0
+    )
     U = np.array([0.2 * math.sqrt(9.81 * 50)])
     assert np.isnan(stawave2(form, U, np.array([math.pi]), OMEGA, 1025.0, 9.81)).all()
 

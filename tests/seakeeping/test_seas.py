@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.seakeeping import Sea, sea, sea_states, state_of
+from pmmkit.base import DataError, UnknownNameError
+from pmmkit.seakeeping import Sea, sea, sea_states
+from pmmkit.seakeeping.seas import state_of
 
 
 def numerically(found: Sea, n: int) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from few_stations import thinned
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.models import load_model
 from pmmkit.seakeeping import Sea, hull_of, loading_of, rao, response, superposed
 from pmmkit.simulation import simulate

@@ -8,9 +8,15 @@ import warnings
 import numpy as np
 import pytest
 
-from pmmkit.signals import FourierBasis, design_matrix, harmonics, whole_cycles
+from pmmkit.signals import (
+    CycleSums,
+    FourierBasis,
+    cycle_edges,
+    design_matrix,
+    harmonics,
+    whole_cycles,
+)
 from pmmkit.signals.autoregression import levinson
-from pmmkit.signals.harmonics import CycleSums, cycle_edges
 
 
 @pytest.fixture

@@ -9,16 +9,16 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter
 from scipy.stats import t as student
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.signals import (
     estimate_frequency,
     harmonics,
     steady_mean,
     steady_window,
-    trapezoid_harmonics,
+    white_noise,
     whole_cycles,
 )
-from pmmkit.signals.noise import white_noise
+from pmmkit.signals.fourier import trapezoid_harmonics
 
 
 def ar1(shape, rho, seed):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.signals import at_speed, in_step
 
 RATE, PERIOD = 20.0, 9.0

@@ -7,12 +7,10 @@ import math
 import pytest
 
 import pmmkit as pk
-from pmmkit.conventions import Convention
-from pmmkit.equations import prepare
-from pmmkit.errors import DataError, ModelError
-from pmmkit.models import Model, Part
-from pmmkit.models.straight import held_straight
-from pmmkit.ship import Ship, Water
+from pmmkit.base import DataError, ModelError
+from pmmkit.conventions import Convention, Ship, Water
+from pmmkit.models import Model, Part, held_straight
+from pmmkit.simulation import prepare
 from pmmkit.simulation.ensemble import batch_of
 
 L, MASS, RHO = 50.0, 4.0e5, 1025.0

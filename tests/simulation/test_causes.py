@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from pmmkit.models import load_model
-from pmmkit.simulation import monte_carlo, sensitivities, simulate
-from pmmkit.simulation.bands import bands_of
-from pmmkit.simulation.spread import spread_of
+from pmmkit.simulation import bands_of, monte_carlo, sensitivities, simulate, spread_of
 
 SHIP = load_model("s175-3dof")
 RUDDER = SHIP.parts["rudder_mmg"]

@@ -5,10 +5,8 @@ from __future__ import annotations
 import pytest
 
 import pmmkit as pk
-from pmmkit.report.imo_form import form_of_model
-from pmmkit.simulation.imo.conditions import (
+from pmmkit.simulation import (
     approach_condition,
-    beaufort,
     current_condition,
     depth_condition,
     draught_condition,
@@ -18,7 +16,9 @@ from pmmkit.simulation.imo.conditions import (
     sea_condition,
     wind_condition,
 )
-from pmmkit.simulation.simulate import NO_BOTTOM
+from pmmkit.simulation.imo.conditions import beaufort
+from pmmkit.simulation.single import NO_BOTTOM
+from pmmkit.views import form_of_model
 
 
 @pytest.mark.parametrize(

@@ -14,10 +14,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit.errors import DataError
-from pmmkit.metrics import criteria
+from pmmkit.base import DataError
+from pmmkit.conventions import criteria
 from pmmkit.models import load_model
-from pmmkit.simulation import imo_turning, imo_verdicts, monte_carlo, simulate, zigzag_limits
+from pmmkit.simulation import imo_turning, imo_verdicts, monte_carlo, simulate
+from pmmkit.simulation.imo.verdict import zigzag_limits
 
 SHIPS = {"kcs": 12.347, "kvlcc2": 7.974, "s175": 9.0, "s175-3dof": 6.0, "mariner": 7.7175}
 TO_EACH_SIDE = {

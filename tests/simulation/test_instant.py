@@ -13,21 +13,20 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from support.commands import said
 
+from pmmkit.base import DataError, ModelError
 from pmmkit.conventions import Convention
-from pmmkit.equations import prepare
-from pmmkit.equations.following import prepare_following
-from pmmkit.errors import DataError, ModelError
-from pmmkit.models import Model, Part, load_model, save_model
+from pmmkit.models import Model, Part, from_values, interpolate, load_model, save_model
 from pmmkit.simulation import (
     froude_sweep,
     imo_verdicts,
     monte_carlo,
+    prepare,
     sensitivities,
     simulate,
     sobol,
+    spread_of,
 )
-from pmmkit.simulation.spread import spread_of
-from pmmkit.tables import from_values, interpolate
+from pmmkit.simulation.equations.following import prepare_following
 
 BASE = load_model("s175-3dof")
 FN = (0.12, 0.16, 0.22)

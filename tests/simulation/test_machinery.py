@@ -12,13 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import pmmkit as pk
+from pmmkit.base import DataError
+from pmmkit.conventions import criteria
 from pmmkit.effects.four_quadrant import b4_70
-from pmmkit.errors import DataError
-from pmmkit.metrics import criteria
 from pmmkit.models import Part
-from pmmkit.simulation import machinery
+from pmmkit.simulation import machinery, measured_astern
 from pmmkit.simulation.imo import judged
-from pmmkit.simulation.machinery import ENGINE, as_it_reverses, measured_astern, reached, torque_of
+from pmmkit.simulation.machinery import ENGINE, as_it_reverses, reached, torque_of
 
 SPEED = 7.97
 PITCH = 0.721

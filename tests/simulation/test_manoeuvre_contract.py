@@ -12,16 +12,19 @@ from importlib.metadata import EntryPoint, EntryPoints
 import numpy as np
 import pytest
 
-from pmmkit import plugins
-from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.metrics import METRICS, Criterion, Metric, criteria, metric_of, metrics_named, unit_of
+from pmmkit.base import DataError, UnknownNameError
+from pmmkit.base import registry as plugins
+from pmmkit.conventions import (
+    METRICS,
+    Criterion,
+    Metric,
+    criteria,
+    metric_of,
+    metric_unit,
+    metrics_named,
+)
 from pmmkit.simulation import (
-    Ask,
-    End,
     Manoeuvre,
-    Phase,
-    Plan,
-    Probe,
     Setting,
     manoeuvre_of,
     monte_carlo,
@@ -29,8 +32,10 @@ from pmmkit.simulation import (
     simulate,
     sweep,
 )
-from pmmkit.simulation.manoeuvres import catalogue
-from pmmkit.simulation.manoeuvres.manoeuvre import rudder_setting
+from pmmkit.simulation.equations.layouts import Ask, End
+from pmmkit.simulation.kinds import catalogue
+from pmmkit.simulation.kinds.manoeuvre import rudder_setting
+from pmmkit.simulation.plan import Phase, Plan, Probe
 from pmmkit.testing.manoeuvres import check_manoeuvre, check_metric
 
 SMALLER = {"spiral": {"rudder_deg": 10.0, "step_deg": 5.0}}
@@ -77,9 +82,9 @@ def test_a_manoeuvre_that_is_near_to_none_is_told_in_two_sentences():
 
 def test_the_metric_that_was_meant_is_named():
     with pytest.raises(UnknownNameError, match="did you mean 'tactical_diameter'"):
-        unit_of("tactical_diametre")
+        metric_unit("tactical_diametre")
     with pytest.raises(UnknownNameError):
-        unit_of("time_90_L")
+        metric_unit("time_90_L")
 
 
 def test_a_sweep_over_a_whole_number_is_one():

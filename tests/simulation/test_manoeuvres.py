@@ -9,12 +9,10 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.interpolate import CubicSpline
 
-from pmmkit import equations as kernel
-from pmmkit.errors import DataError, PmmkitError, UnknownNameError
+from pmmkit.base import DataError, PmmkitError, UnknownNameError
 from pmmkit.models import Part, load_model, scaled
-from pmmkit.simulation import simulate, spiral_curve, stability
+from pmmkit.simulation import manoeuvres, prepare, simulate, spiral_curve, stability
 from pmmkit.simulation.machinery import as_it_reverses
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
 
 SHIP = load_model("s175-3dof")
 SPEEDS = {"s175-3dof": 9.0, "s175": 9.0, "kvlcc2-l7": 1.179, "esso190k": 8.23}
@@ -70,7 +68,7 @@ def swing(ready, n, t, y, order, rate, lag, end):
 def zigzag_by_scipy(name, rudder_deg, switch_deg, executes, lag):
     """Overshoots [deg] and times of the executes, with the logic of the helmsman written out."""
     model, speed = load_model(name), SPEEDS[name]
-    ready = kernel.prepare(model, speed)
+    ready = prepare(model, speed)
     n = ready.self_propulsion()
     part = "tanker_bis" if name == "esso190k" else "rudder_mmg"
     rate = math.radians(model.values(part)["rate_deg_s"])
@@ -375,7 +373,7 @@ def test_time_and_way_of_a_straight_stop_are_quadratures_over_the_speed(name, tu
     """With the propeller steady astern, time is ∫du/u̇ and way ∫u du/u̇, from u₁ to 0."""
     speed = SPEEDS[name]
     given = {"turns": turns, "reversal_s": 20.0}
-    ready = kernel.prepare(as_it_reverses(load_model(name), speed, **given), speed)
+    ready = prepare(as_it_reverses(load_model(name), speed, **given), speed)
     track = simulate(name, "stopping", speed=speed, rtol=1e-10, **given)
     n = turns * ready.self_propulsion()
     first = int(np.argmax(np.abs(track.n - n) < 1e-12 * abs(n)))
@@ -447,7 +445,7 @@ def test_speed_follows_revolutions_where_all_goes_with_the_square(turns):
 
 def test_way_of_an_acceleration_is_a_quadrature_over_the_speed():
     track = simulate(SHIP, "accelerating", speed=7.0, turns=1.4, rtol=1e-10)
-    ready = kernel.prepare(SHIP, 7.0)
+    ready = prepare(SHIP, 7.0)
     n = 1.4 * ready.self_propulsion()
     first = int(np.argmax(np.abs(track.n - n) < 1e-12 * n))
     last = first + 100

@@ -11,11 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit import equations as kernel
 from pmmkit import stability
-from pmmkit.equations import Conditions
 from pmmkit.models import load_model
-from pmmkit.simulation import simulate
+from pmmkit.simulation import Conditions, prepare, simulate
 
 MARINER_SPEED, TANKER_SPEED = 7.7175, 8.23
 
@@ -122,7 +120,7 @@ def van_berlekom_goddard(u, v, r, delta, n, depth):
 )
 def test_the_tanker_moves_by_the_equations_as_printed(u, v, r, delta, n, depth):
     """Van Berlekom and Goddard 1972, deep and shallow; ζ = T/(h - T) above and below 0.8."""
-    ready = kernel.prepare(load_model("esso190k"), TANKER_SPEED, conditions=Conditions(depth=depth))
+    ready = prepare(load_model("esso190k"), TANKER_SPEED, conditions=Conditions(depth=depth))
     found = ready.accelerations(u, v, r, delta=delta, n=n)[:3]
     printed = van_berlekom_goddard(u, v, r, -delta, n, depth)
     for mine, theirs, size in zip(found, printed, (0.05, 0.1, 5e-4), strict=True):

@@ -11,10 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pmmkit import equations as kernel
-from pmmkit.conventions import Convention
-from pmmkit.equations.integrator import control, corner
-from pmmkit.errors import (
+from pmmkit.base import (
     DataError,
     ExtrapolationError,
     MissingPartError,
@@ -22,10 +19,12 @@ from pmmkit.errors import (
     SimulationError,
     UnknownNameError,
 )
-from pmmkit.models import load_model, scaled, to_model
-from pmmkit.simulation import ProbeResults, froude_sweep, imo_turning, manoeuvre_of, simulate
+from pmmkit.conventions import Convention
+from pmmkit.models import from_values, load_model, scaled, to_model
+from pmmkit.simulation import froude_sweep, imo_turning, manoeuvre_of, prepare, simulate
+from pmmkit.simulation.equations.integrator import control, corner
+from pmmkit.simulation.plan import ProbeResults
 from pmmkit.simulation.run import Gear, run_plan
-from pmmkit.tables import from_values
 
 THREE, FOUR = load_model("s175-3dof"), load_model("s175")
 LENGTHS = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
@@ -129,7 +128,7 @@ def son_nomoto(u, v, r, p, phi, delta, n):
 @pytest.mark.slow
 @given(state=STATE)
 def test_four_degrees_of_freedom_are_son_and_nomoto_as_printed(state):
-    c = kernel.prepare(FOUR, 6.0)
+    c = prepare(FOUR, 6.0)
     ours, printed = c.accelerations(*state), son_nomoto(*state)
     for mine, theirs, size in zip(ours, printed, (0.2, 0.2, 1e-3, 1e-2), strict=True):
         assert mine == pytest.approx(theirs, rel=1e-10, abs=1e-12 * size)
@@ -154,7 +153,7 @@ def test_a_body_in_a_perfect_fluid_keeps_its_energy(u, v, r, xG):
         },
     )
     idle = ideal.with_values("propeller", D=1e-6).with_values("rudder_mmg", lift_slope=0.0)
-    udot, vdot, rdot, _ = kernel.prepare(idle, 6.0).accelerations(u, v, r)
+    udot, vdot, rdot, _ = prepare(idle, 6.0).accelerations(u, v, r)
     unit = 0.5 * 1025.0 * 175.0**3
     m, Izz = ideal.ship.mass, ideal.ship.Izz
     power = [
@@ -169,7 +168,7 @@ def test_a_body_in_a_perfect_fluid_keeps_its_energy(u, v, r, xG):
 @pytest.mark.parametrize("model", [THREE, FOUR], ids=["3-DOF", "4-DOF"])
 @given(state=STATE)
 def test_port_and_starboard_are_mirror_images(model, state):
-    c = kernel.prepare(model, 6.0)
+    c = prepare(model, 6.0)
     u, v, r, p, phi, delta, n = state
     one = c.accelerations(u, v, r, p, phi, delta, n)
     other = c.accelerations(u, -v, -r, -p, -phi, -delta, n)
@@ -216,7 +215,7 @@ def test_coriolis_terms_inside_or_apart_are_the_same_physics():
 
 @given(U=st.floats(1.0, 15.0))
 def test_straight_running_stays_straight(U):
-    c = kernel.prepare(FOUR, U)
+    c = prepare(FOUR, U)
     n = c.self_propulsion()
     rates = c.rates((0.0, 0.0, 0.0, U, 0.0, 0.0, 0.0, 0.0), 0.0, n)
     assert rates[0] == U
@@ -265,7 +264,7 @@ def test_metrics_of_a_true_circle(monkeypatch, side):
     x = R (sin(ψ - d) + sin d), y = R (cos d - cos(ψ - d)).
     """
     speed, turn, drift = 8.0, 0.02, 0.2
-    ready = kernel.prepare(THREE, speed)
+    ready = prepare(THREE, speed)
 
     def rates(y, delta, n, bucket, k, out):
         way = y[2] - side * drift

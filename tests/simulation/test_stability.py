@@ -10,9 +10,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
-from pmmkit import equations as kernel
 from pmmkit.models import load_model
-from pmmkit.simulation import simulate, spiral_curve, stability
+from pmmkit.simulation import prepare, simulate, spiral_curve, stability
 
 SMOOTH = {"s175-3dof": 7.0, "s175": 9.0, "mariner": 7.7175, "esso190k": 8.23}
 """Ships whose equations have derivatives at straight running."""
@@ -54,7 +53,7 @@ def straight(ready, n):
 @pytest.mark.parametrize(("name", "speed"), SMOOTH.items())
 def test_eigenvalues_are_those_of_the_differentiated_right_hand_side(name, speed):
     """All degrees of freedom at once: the remaining eigenvalues are surge's and the shaft's."""
-    ready = kernel.prepare(load_model(name), speed)
+    ready = prepare(load_model(name), speed)
     n = ready.self_propulsion()
     whole = np.linalg.eigvals(jacobian(ready, straight(ready, n), 0.0, n)) * ready.L / speed
     found = stability(name, speed)
@@ -88,7 +87,7 @@ def test_ships_known_to_be_stable_or_not(name, speed, stable):
 @pytest.mark.parametrize(("name", "speed"), [*SMOOTH.items(), ("kcs", 12.35)])
 def test_a_small_turn_grows_or_dies_as_the_verdict_says(name, speed):
     """Free of all but a small yaw rate, to either side, for a hundred ship lengths."""
-    ready = kernel.prepare(load_model(name), speed)
+    ready = prepare(load_model(name), speed)
     n, pace = ready.self_propulsion(), speed / ready.L
     ends = []
     for side in (1e-4, -1e-4):
@@ -110,7 +109,7 @@ def test_a_small_turn_grows_or_dies_as_the_verdict_says(name, speed):
 
 def test_kvlcc2_is_not_called_stable_where_it_turns_away_to_port():
     """Flow straightening .640 to one side and .395 to the other; its spiral has a loop of .39°."""
-    ready = kernel.prepare(load_model("kvlcc2"), 7.97)
+    ready = prepare(load_model("kvlcc2"), 7.97)
     n, pace = ready.self_propulsion(), 7.97 / 320.0
     y = straight(ready, n)
     y[4], y[5] = 1e-4 * 7.97, -1e-4 * pace
@@ -184,7 +183,7 @@ def test_the_hull_and_the_rudder_of_the_s175_in_closed_form():
     Yr and Nr of the whole ship hold the Coriolis term -(m' + mx') of surge.
     """
     speed = 7.0
-    n = kernel.prepare(load_model("s175-3dof"), speed).self_propulsion()
+    n = prepare(load_model("s175-3dof"), speed).self_propulsion()
     uP = 1 - 0.184
     J = uP * speed / (n * 6.533)
     uR = uP * 0.921 * math.sqrt(1 + 8 * 0.631 * (0.527 - 0.455 * J) / (math.pi * J**2))
@@ -279,7 +278,7 @@ def test_every_point_of_a_spiral_curve_is_a_motion_without_accelerations(name):
     speed = {"kvlcc2-l7": 1.179}.get(name, 8.23)
     model = load_model(name)
     curve = spiral_curve(model, speed, points=41)
-    ready = kernel.prepare(model, speed)
+    ready = prepare(model, speed)
     n, pace = ready.self_propulsion(), speed / ready.L
     for row in curve.to_pandas().to_dict("records"):
         drift = math.radians(row["drift_deg"])
@@ -340,7 +339,7 @@ def test_a_direct_spiral_of_a_stable_ship_comes_back_on_its_own_line():
 
 def turn_left_after(start_deg, rudder_deg):
     """Yaw rate [deg/s] of the tanker long after its rudder went from one angle to another."""
-    ready = kernel.prepare(load_model("esso190k"), TANKER)
+    ready = prepare(load_model("esso190k"), TANKER)
     n, pace = ready.self_propulsion(), TANKER / ready.L
     y = straight(ready, n)
     for angle, lengths in ((start_deg, 100.0), (rudder_deg, 600.0)):
@@ -398,7 +397,7 @@ def test_the_direct_spiral_of_the_tanker_has_the_height_of_its_loop():
 
 def test_turns_that_the_curve_calls_stable_have_eigenvalues_to_the_left():
     curve = spiral_curve("esso190k", TANKER, points=81)
-    ready = kernel.prepare(load_model("esso190k"), TANKER)
+    ready = prepare(load_model("esso190k"), TANKER)
     n = ready.self_propulsion()
     fold = np.flatnonzero(np.diff(curve.stable))
     assert len(fold) == 2

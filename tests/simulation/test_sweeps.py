@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from pmmkit import sweep
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.models import Part, load_model, save_model, scaled
-from pmmkit.simulation import froude_sweep, monte_carlo, simulate
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
+from pmmkit.simulation import froude_sweep, manoeuvres, monte_carlo, simulate
 
 CONTAINER = load_model("s175-3dof")
 TANKER = load_model("kvlcc2-l7")

@@ -13,9 +13,8 @@ import numpy as np
 import xarray as xr
 
 from pmmkit import Campaign, Run
-from pmmkit.campaigns.motion.kinematics import nominal_motion
-from pmmkit.campaigns.settings import Settings
-from pmmkit.ship import Ship, Water
+from pmmkit.campaigns import Settings, nominal_motion
+from pmmkit.conventions import Ship, Water
 
 SHIP = Ship(
     name="S175 model",

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from pmmkit import open_campaign
-from pmmkit.errors import PmmkitError
+from pmmkit.base import PmmkitError
 from pmmkit.readers import Columns, Options, Request, reader_for
 from scripts.datasets.campaign_text import S175
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pmmkit.campaigns.test_kinds.kind import SWAY, Fit, NominalMotion, TankMotion, TestKind
+from pmmkit.campaigns import SWAY, KindFit, NominalMotion, TestKind
+from pmmkit.campaigns.test_kinds.kind import TankMotion
 
 THIRD = 0.1
 
@@ -36,7 +37,7 @@ KIND = TestKind(
     varies=("u", "v", "udot", "vdot"),
     swings=(SWAY,),
     motion=NominalMotion(tank=tank, place=place),
-    fit=Fit(factors=("u", "v", "vdot", "T")),
+    fit=KindFit(factors=("u", "v", "vdot", "T")),
     codes=("DS",),
     phrase=r"\bdouble ?sway\b",
     shares={"amplitude": (0.5, 1.0), "drift": (0.5,)},

@@ -14,8 +14,8 @@ import xarray as xr
 from small_campaign import RHO, L, forces, sway, yaw
 
 from pmmkit import Campaign, Run
-from pmmkit.campaigns.settings import Settings
-from pmmkit.ship import Ship, Water
+from pmmkit.campaigns import Settings
+from pmmkit.conventions import Ship, Water
 
 SHIP = Ship(
     name="S175 model", L=L, B=0.705556, d=0.236111, mass=454.476, Izz=618.332, volume=0.454861

@@ -7,8 +7,9 @@ from contextlib import contextmanager
 from types import SimpleNamespace
 from unittest import mock
 
-from pmmkit import plugins, readers
+from pmmkit.base import registry as plugins
 from pmmkit.readers import Reader
+from pmmkit.readers import registry as readers
 
 
 @contextmanager

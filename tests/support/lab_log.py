@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from pmmkit.readers import Cells, Reader, columns_of
+from pmmkit.readers import Cells, Reader
+from pmmkit.readers.base import columns_of
 
 
 class Log(Reader):

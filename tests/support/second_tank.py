@@ -15,8 +15,8 @@ import numpy as np
 import xarray as xr
 
 from pmmkit import Campaign, Run
-from pmmkit.campaigns.settings import Settings
-from pmmkit.ship import Ship, Water
+from pmmkit.campaigns import Settings
+from pmmkit.conventions import Ship, Water
 
 SHIP = Ship(
     name="tanker, L 7 m", L=7.0, B=1.27, d=0.46, volume=3.27, mass=3262.0, Izz=10150.0, xG=0.25

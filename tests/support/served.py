@@ -5,8 +5,7 @@ from __future__ import annotations
 import threading
 from contextlib import contextmanager
 
-from pmmkit.workbench.application import application
-from pmmkit.workbench.serving import listening
+from pmmkit.workbench.application import application, listening
 
 
 @contextmanager

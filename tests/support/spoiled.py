@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from pmmkit import Campaign, Run
-from pmmkit.campaigns.motion.kinematics import nominal_motion
+from pmmkit.campaigns import nominal_motion
 from tests.support.hidden_effects import hidden_campaign
 from tests.support.hidden_effects.hull import TRUTH, one_pole
 

@@ -9,9 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit.effects import primitives
-from pmmkit.syntax.printing import PythonPrinter, python_function, python_lines
-from pmmkit.syntax.reading import expression, function_of, functions, statements
-from pmmkit.syntax.tree import (
+from pmmkit.syntax import (
+    FUNCTIONS,
     Binary,
     Call,
     Compare,
@@ -20,16 +19,26 @@ from pmmkit.syntax.tree import (
     Member,
     Name,
     Number,
+    PythonPrinter,
     Several,
     Stray,
     Subscript,
     Unary,
     Unwritable,
+    bound,
+    called,
+    counted,
+    expression,
+    function_of,
+    functions,
     names,
     nodes,
+    python_function,
+    python_lines,
     replaced,
+    statements,
+    word_of,
 )
-from pmmkit.syntax.words import FUNCTIONS, bound, called, counted, word_of
 
 NAMES = st.sampled_from("abc").map(Name)
 NUMBERS = st.one_of(

@@ -20,9 +20,8 @@ from small_campaign import write_campaign
 import pmmkit as pk
 from pmmkit.cli import main
 from pmmkit.diagnosis.free_running.question import records_of
-from pmmkit.identification import reference
-from pmmkit.identification.comparing import predicted_window
-from pmmkit.models.step import Step
+from pmmkit.identification import predicted_window, reference
+from pmmkit.models import Step
 
 SHIP = "kvlcc2-l7"
 FAULTS = {

@@ -15,18 +15,17 @@ from matplotlib.container import BarContainer
 
 import pmmkit as pk
 from pmmkit import Campaign, Run, begin, errors_in_percent
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.errors import DataError, ModelError, UnknownNameError
-from pmmkit.figures.comparison import comparison_figures, loops, worst_of_each_test
-from pmmkit.figures.errors import errors_beside_uncertainty
-from pmmkit.figures.residuals import residuals_over
+from pmmkit.base import DataError, ModelError, UnknownNameError
+from pmmkit.campaigns import Settings, TypeB
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Part
-from pmmkit.observations.views import repeat_scatter, views_of
+from pmmkit.reduction import repeat_scatter, views_of
 from pmmkit.validation.captive import compare_captive
 from pmmkit.validation.misfit import Standout, cells
 from pmmkit.validation.uncertainty import SHARES
+from pmmkit.views import comparison_figures
+from pmmkit.views.figures.comparison import errors_beside_uncertainty, loops, worst_of_each_test
+from pmmkit.views.figures.residuals import residuals_over
 from scripts.datasets.s175_truth import load_truth
 
 HALF = 0.5 * small_campaign.RHO * small_campaign.L**2

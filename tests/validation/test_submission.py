@@ -12,16 +12,15 @@ import xarray as xr
 
 import pmmkit as pk
 from pmmkit import Campaign, Run, compare_submission, errors_in_percent
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.uncertainty import TypeB
+from pmmkit.base import DataError, TableError
+from pmmkit.campaigns import Settings, TypeB
 from pmmkit.cli import main
-from pmmkit.errors import DataError, TableError
-from pmmkit.figures.derivative_bars import derivative_bars
-from pmmkit.figures.overlays import overlays
-from pmmkit.figures.workshop import forces_over_phase, static_forces
-from pmmkit.ship import Ship, Water
-from pmmkit.tables import from_values, write_table
-from pmmkit.trials import Trial
+from pmmkit.conventions import Ship, Water
+from pmmkit.identification import Trial
+from pmmkit.models import from_values, write_table
+from pmmkit.views import derivative_bars
+from pmmkit.views.figures.comparison import overlays
+from pmmkit.views.figures.workshop import forces_over_phase, static_forces
 
 SHIP = Ship(name="model", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=450.0)
 SPEED, PERIOD = 1.2, 8.0

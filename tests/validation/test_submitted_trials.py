@@ -12,11 +12,11 @@ import xarray as xr
 
 import pmmkit as pk
 from pmmkit import Campaign, Run, compare_submission
-from pmmkit.campaigns.settings import Settings
+from pmmkit.base import DataError
+from pmmkit.campaigns import Settings
 from pmmkit.cli import main
-from pmmkit.errors import DataError
-from pmmkit.trials import evaluate_trials
-from pmmkit.validation.percent import measures_in_percent
+from pmmkit.identification import evaluate_trials
+from pmmkit.validation import measures_in_percent
 
 SPEED = 1.18
 LARGE = 320.0 / 7.0

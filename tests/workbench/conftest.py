@@ -9,8 +9,8 @@ from long_work import done
 
 from pmmkit import save_campaign, without_effect
 from pmmkit.models import load_model, save_model
+from pmmkit.workbench import Desk
 from pmmkit.workbench.application import application
-from pmmkit.workbench.desk import Desk
 
 
 @pytest.fixture(scope="session")

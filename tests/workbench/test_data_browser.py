@@ -8,7 +8,7 @@ from served import served
 from strange_tank import ANSWERS, write_files
 
 from pmmkit import open_campaign
-from pmmkit.workbench.desk import Desk
+from pmmkit.workbench import Desk
 
 pytestmark = pytest.mark.slow
 SIGN = "select[name='sign run001.csv 4']"

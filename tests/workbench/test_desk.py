@@ -12,16 +12,14 @@ from asgi import Browser
 from commands import said
 from long_work import done, waited
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.files import datasets_folder
-from pmmkit.models import load_model
-from pmmkit.models.standing import standing
-from pmmkit.workbench.application import application
-from pmmkit.workbench.desk import Desk
-from pmmkit.workbench.frozen import answers, frozen_page
-from pmmkit.workbench.page_file import bundle
+from pmmkit.models import load_model, standing
+from pmmkit.views.pages.page_file import bundle
+from pmmkit.workbench import Desk, WorkbenchState, frozen_page
+from pmmkit.workbench.application import answers, application
 from pmmkit.workbench.rivals import find_rivals
-from pmmkit.workbench.saved import STATE, State
+from pmmkit.workbench.saved import STATE
 from pmmkit.workbench.worker import Job
 
 
@@ -49,7 +47,7 @@ def test_a_structure_is_lent_propeller_and_rudder_and_the_commands_say_so(place,
     desk = Desk(tmp_path / "lent", [place])
     tests = str(place / "hidden.h5")
     try:
-        desk.open(State(campaign=tests, model="cubic", parts="s175-3dof"))
+        desk.open(WorkbenchState(campaign=tests, model="cubic", parts="s175-3dof"))
         desk.wait(lambda _: None)
         made = load_model(desk.folder / "model_0.toml")
         assert made.parts["rudder_mmg"].source == "library: Son and Nomoto 1981"
@@ -57,10 +55,10 @@ def test_a_structure_is_lent_propeller_and_rudder_and_the_commands_say_so(place,
         first = desk.page()["commands"][0]["line"]
         assert "--structure cubic --fn pooled --parts s175-3dof --out" in first
         with pytest.raises(DataError, match="has its own parts"):
-            desk.open(State(campaign=tests, model="s175-3dof", parts="kcs"))
+            desk.open(WorkbenchState(campaign=tests, model="s175-3dof", parts="kcs"))
         demonstration = str(datasets_folder() / "s175")
         for model, parts in (("s175-3dof", ""), ("cubic", "s175-3dof")):
-            desk.open(State(campaign=demonstration, model=model))
+            desk.open(WorkbenchState(campaign=demonstration, model=model))
             desk.wait(lambda _: None)
             assert desk.state.parts == parts, (
                 "a ship has its own; the demonstration lends to others"

@@ -11,9 +11,8 @@ from strange_tank import ANSWERS, write_files
 
 from pmmkit import open_campaign
 from pmmkit.cli.commands.new_campaign import new_campaign
-from pmmkit.workbench import incoming
+from pmmkit.workbench import Desk, incoming
 from pmmkit.workbench.application import application
-from pmmkit.workbench.desk import Desk
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,10 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.reduction import reduce_campaign
+from pmmkit.views import derivatives_page, sailed_page
+from pmmkit.workbench import WorkbenchState
 from pmmkit.workbench.commands import command_lines
-from pmmkit.workbench.pages.derivatives import derivatives_page
-from pmmkit.workbench.pages.turning import sailed_page
-from pmmkit.workbench.saved import State, model_file
+from pmmkit.workbench.saved import model_file
 from pmmkit.workbench.tasks import Tasks
 from tests.support.small_campaign import write_campaign
 
@@ -24,7 +24,7 @@ def test_a_base_by_force_is_marked_wherever_the_page_sails_it(tmp_path):
     Tasks().open(str(place), [str(folder)], "", "", None, tell=lambda *_: None)
     base = pk.load_model(model_file(place, ()))
     assert ODD in base.not_usable
-    (made, *_) = command_lines(State(campaign=str(folder), model=""), place, "abkowitz3")
+    (made, *_) = command_lines(WorkbenchState(campaign=str(folder), model=""), place, "abkowitz3")
     assert "--force" in made["line"]
     page = sailed_page(base, "turning", speed=1.5, rudder_deg=35.0)
     assert base.not_usable in page["unsettled"]

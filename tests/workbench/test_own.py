@@ -10,12 +10,12 @@ from commands import said
 from long_work import done
 
 from pmmkit import own_effect
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.files import datasets_folder
 from pmmkit.models import load_model, save_model
+from pmmkit.workbench import Desk, WorkbenchState
 from pmmkit.workbench.application import application
-from pmmkit.workbench.desk import Desk
-from pmmkit.workbench.saved import OWN, State, model_file, save_state
+from pmmkit.workbench.saved import OWN, model_file, save_state
 
 TERMS = "Y: v*v*r + v*r*r; N: v*v*r + v*r*r; Yvvr ~ 0.02; Yvrr ~ -0.04; Nvvr ~ -0.04; Nvrr ~ 0.002"
 """The coupling of sway and yaw that the model lacks, under another name."""
@@ -74,7 +74,9 @@ def test_an_own_effect_is_weighed_added_and_replayed_as_the_others(browser, desk
 def test_a_damaged_file_of_own_effects_is_said_beside_them(tmp_path):
     """The state is given all the same: a page without it would be blank."""
     save_model(load_model("s175-3dof"), model_file(tmp_path, ()))
-    save_state(tmp_path, State(campaign=str(datasets_folder() / "s175"), model="s175-3dof"))
+    save_state(
+        tmp_path, WorkbenchState(campaign=str(datasets_folder() / "s175"), model="s175-3dof")
+    )
     (tmp_path / OWN).write_text("[[effects]]\nname = ", encoding="utf-8")
     desk = Desk(tmp_path, [tmp_path])
     try:

@@ -14,13 +14,10 @@ from hypothesis import strategies as st
 from pmmkit import begin, compare, open_campaign
 from pmmkit.models import load_model
 from pmmkit.simulation import simulate
-from pmmkit.validation.statistics import STATISTICS
-from pmmkit.workbench.pages.fall import fall_page
-from pmmkit.workbench.pages.history import history_page
-from pmmkit.workbench.pages.misfit import misfit_page
-from pmmkit.workbench.pages.missing import missing_page
-from pmmkit.workbench.pages.numbers import BUCKETS, short, thinned
-from pmmkit.workbench.pages.turning import sailed_page, trials_page
+from pmmkit.validation import STATISTICS
+from pmmkit.views import BUCKETS, fall_page, misfit_page, missing_page, sailed_page, trials_page
+from pmmkit.views.pages.history import history_page
+from pmmkit.views.pages.numbers import short, thinned
 from tests.support.uncoupled import uncoupled
 
 

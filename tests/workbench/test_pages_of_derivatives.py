@@ -9,8 +9,8 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.presentation import WIDE, plus_minus
-from pmmkit.workbench.pages.candidate import coefficients_page
-from pmmkit.workbench.pages.derivatives import derivatives_page
+from pmmkit.views import derivatives_page
+from pmmkit.views.pages.missing import coefficients_page
 
 
 @pytest.fixture(scope="module")

@@ -10,12 +10,12 @@ import pytest
 
 import pmmkit as pk
 from pmmkit import Run
-from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns import Settings
 from pmmkit.identification import prior_of
-from pmmkit.simulation.bands import bands_of
-from pmmkit.validation.free_running import FreeRun
-from pmmkit.workbench.pages.missing import missing_page
-from pmmkit.workbench.pages.records import record_page
+from pmmkit.simulation import bands_of
+from pmmkit.validation import FreeRun
+from pmmkit.views import missing_page
+from pmmkit.views.pages.records import record_page
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
 
 pytestmark = pytest.mark.slow

@@ -9,10 +9,9 @@ from contextlib import closing
 import pytest
 from asgi import Browser, ask
 
-from pmmkit.errors import DataError
-from pmmkit.workbench.application import application
-from pmmkit.workbench.desk import Desk
-from pmmkit.workbench.serving import listening
+from pmmkit.base import DataError
+from pmmkit.workbench import Desk
+from pmmkit.workbench.application import application, listening
 
 PORT, TOKEN = 8175, "the-secret-of-this-address"
 HOST = (b"host", b"127.0.0.1:8175")

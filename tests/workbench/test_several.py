@@ -12,9 +12,8 @@ from long_work import done
 
 from pmmkit import save_campaign
 from pmmkit.models import load_model
-from pmmkit.workbench.application import application
-from pmmkit.workbench.desk import Desk
-from pmmkit.workbench.frozen import answers
+from pmmkit.workbench import Desk
+from pmmkit.workbench.application import answers, application
 from pmmkit.workbench.saved import find_state
 
 pytestmark = pytest.mark.slow

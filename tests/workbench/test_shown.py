@@ -7,11 +7,10 @@ import pytest
 from strange_tank import ANSWERS, write_files
 
 from pmmkit import open_campaign
-from pmmkit.checks import examine
-from pmmkit.errors import DataError
-from pmmkit.workbench.drafting import Asked, drafted
-from pmmkit.workbench.pages import runs
-from pmmkit.workbench.pages.runs import record_page_of, runs_page
+from pmmkit.base import DataError
+from pmmkit.intake import DraftAnswers, drafted, examine
+from pmmkit.views import record_page_of, runs_page
+from pmmkit.views.pages import runs
 from pmmkit.workbench.windows import drawn, taken_back
 
 FREE = """\
@@ -47,7 +46,7 @@ def turn(tmp_path):
 @pytest.fixture
 def strange(tmp_path):
     write_files(tmp_path)
-    found = drafted(Asked(folder=tmp_path, answers=ANSWERS))
+    found = drafted(DraftAnswers(folder=tmp_path, answers=ANSWERS))
     (tmp_path / "campaign.toml").write_text(found.text, encoding="utf-8")
     return tmp_path
 

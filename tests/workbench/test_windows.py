@@ -11,9 +11,9 @@ from small_campaign import write_campaign
 
 from pmmkit import open_campaign
 from pmmkit.models import load_model
-from pmmkit.observations.prepare import prepare
+from pmmkit.reduction import prepare
+from pmmkit.workbench import Desk
 from pmmkit.workbench.application import application
-from pmmkit.workbench.desk import Desk
 
 pytestmark = pytest.mark.slow
 RUN, SWAY = "SD_U1_b+08", "PS_U1_a0.3"

@@ -8,22 +8,19 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from pmmkit.base import DataError, Problem
 from pmmkit.campaigns.file.settings import missing_settings, settings_of
 from pmmkit.campaigns.file.struts import on_struts
 from pmmkit.campaigns.motion.solver_axes import Solver
 from pmmkit.campaigns.run import Correction, Run
-from pmmkit.campaigns.samples.bringing import at_hand
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import Frame
-from pmmkit.campaigns.samples.loading import Context, HistoryLoader
+from pmmkit.campaigns.samples.loading import Context, HistoryLoader, at_hand
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.campaigns.test_kinds.struts import Struts
-from pmmkit.channels import SETTING_UNITS, STRUT_CHANNELS
-from pmmkit.errors import DataError, Problem
-from pmmkit.readers import reader_for
-from pmmkit.readers.base import Cells, Options, Request
-from pmmkit.ship import Ship, Water
+from pmmkit.conventions import SETTING_UNITS, STRUT_CHANNELS, Ship, Water
+from pmmkit.readers import Cells, Options, Request, reader_for
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.file.schema import FileEntry, RunEntry
@@ -35,32 +32,9 @@ Found = tuple[Cells, tuple[Picked, ...]] | None
 class Setup:
     """What all runs of a campaign file share.
 
-    Parameters
-    ----------
-    ship, water : Ship, Water
-        Particulars.
-    kind, forces : str
-        Of the campaign.
-    frame : Frame
-        Axes and signs of the source.
-    options : Options
-        ``[source]``.
-    columns : mapping of str to ColumnSpec
-        ``[columns]``.
-    corrections : tuple of Correction
-        All corrections of the file.
-    find : callable
-        What is read for a file that the campaign names, or None.
-    missing_file : callable
-        The problem of a file that is not there.
-    toml : str
-        Name of the campaign file.
-    trial : mapping
-        ``[trial]``.
-    solver : Solver
-        ``[cfd]``, besides factors.
-    struts : Struts or None
-        ``[struts]``.
+    `frame`: axes and signs of the source. `corrections`: all corrections of the file. `find`:
+    what is read for a file that the campaign names, or None. `missing_file`: the problem of a
+    file that is not there. `toml`: name of the campaign file.
     """
 
     ship: Ship

@@ -10,17 +10,21 @@ from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.campaigns.file.by_url import folder_name, folder_of, origin_of, with_curve
+from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns.file.remote_files import names_in
-from pmmkit.campaigns.file.search import InArchive, Search
+from pmmkit.campaigns.file.search import (
+    InArchive,
+    Search,
+    folder_name,
+    folder_of,
+    origin_of,
+    with_curve,
+)
 from pmmkit.campaigns.run import Campaign
-from pmmkit.channels import did_you_mean
-from pmmkit.errors import CampaignError, Problem
-from pmmkit.escaping import quoted
-from pmmkit.files import datasets_folder
-from pmmkit.readers.hdf5.guard import SIGNATURE
-from pmmkit.remote import Origin, local_copy
-from pmmkit.toml_files import CAMPAIGN, check_numbers, refuse_other
+from pmmkit.conventions import did_you_mean
+from pmmkit.files import CAMPAIGN, Origin, check_numbers, datasets_folder, local_copy, refuse_other
+from pmmkit.presentation import quoted
+from pmmkit.readers import SIGNATURE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.file.assembly import Assembled, Setup
@@ -301,9 +305,9 @@ def _assemble(
     origin: Origin | None,
     runs: bool,
 ) -> Campaign:
+    from pmmkit.base import __version__
     from pmmkit.campaigns.file import particulars, schema
     from pmmkit.campaigns.file.assembly import Assembled
-    from pmmkit.version import __version__
 
     toml = place.name
     out = Assembled()

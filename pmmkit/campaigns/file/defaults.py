@@ -6,10 +6,10 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from pmmkit.base import Problem
 from pmmkit.campaigns.file.schema import DefaultsEntry, read_entry
 from pmmkit.campaigns.test_kinds.kind import TestKind
 from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
-from pmmkit.errors import Problem
 
 _NESTED: Final = ("source", "columns", "cfd")
 _NO_KINDS: Final = (*_NESTED, "tare")
@@ -34,12 +34,7 @@ _ALTERNATIVES: Final = (
 class Defaults:
     """Keys of runs that state nothing else.
 
-    Parameters
-    ----------
-    every : mapping
-        For runs of all kinds.
-    of_kind : mapping of str to mapping
-        For runs of one kind, before those for all.
+    `every`: for runs of all kinds. `of_kind`: for runs of one kind, before those for all.
     """
 
     every: Mapping[str, Any] = field(default_factory=dict)
@@ -47,17 +42,7 @@ class Defaults:
 
 
 def read_defaults(raw: Any, toml: str, problems: list[Problem]) -> Defaults:
-    """``[defaults]``, validated; keys that are wrong are left out and added to `problems`.
-
-    Parameters
-    ----------
-    raw : object
-        What the file holds.
-    toml : str
-        Name of the file.
-    problems : list of Problem
-        Gets a problem for each key that is wrong.
-    """
+    """``[defaults]``, validated; keys that are wrong are left out and added to `problems`."""
     if not isinstance(raw, Mapping):
         problems.append(Problem(message="must be a table.", file=toml, entry="[defaults]"))
         return Defaults()
@@ -104,17 +89,6 @@ def with_defaults(
     What a run states counts before what its kind has by default, and that before what all have;
     ``source``, ``columns`` and ``cfd`` are completed key by key. Of what all have a run takes only
     what its kind of test uses.
-
-    Parameters
-    ----------
-    raw : object
-        The entry as the file holds it; what is no table of a known kind of test stays as it is.
-    defaults : Defaults
-        From `read_defaults`.
-    mapped : collection of str
-        Settings that columns of the file tell.
-    histories : bool
-        Whether each run has a record of its own; rows of a table have no rest to tare by.
 
     Examples
     --------

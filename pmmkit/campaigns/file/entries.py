@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from pmmkit.base import Problem
 from pmmkit.campaigns.file.assembly import (
     Assembled,
     Setup,
@@ -14,8 +15,7 @@ from pmmkit.campaigns.file.assembly import (
     specs_of,
 )
 from pmmkit.campaigns.file.rows import add_row, add_samples, table_of
-from pmmkit.errors import Problem
-from pmmkit.readers.rows import filled_in, matching_rows, no_column
+from pmmkit.readers import filled_in, matching_rows, no_column
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.file.schema import RunEntry, TableEntry

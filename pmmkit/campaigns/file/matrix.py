@@ -6,16 +6,25 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Final
 
+from pmmkit.base import DataError, Problem
 from pmmkit.campaigns.file.assembly import Assembled, Setup
 from pmmkit.campaigns.file.schema import MatrixEntry
-from pmmkit.campaigns.samples.bringing import at_hand
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
+from pmmkit.campaigns.samples.loading import at_hand
 from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
-from pmmkit.channels import SETTING_UNITS
-from pmmkit.errors import DataError, Problem
-from pmmkit.readers import reader_for
-from pmmkit.readers.base import Cells, Options, Request, fault, to_number
-from pmmkit.readers.rows import as_text, filled_in, matching_rows, no_column
+from pmmkit.conventions import SETTING_UNITS
+from pmmkit.readers import (
+    Cells,
+    Options,
+    Request,
+    as_text,
+    fault,
+    filled_in,
+    matching_rows,
+    no_column,
+    reader_for,
+    to_number,
+)
 
 _NOTHING: Final = ("", "-", "–", "—", "/")
 """Cells that say that a test has no such setting."""
@@ -24,17 +33,7 @@ _NOTHING: Final = ("", "-", "–", "—", "/")
 def entries_of(
     matrix: MatrixEntry, label: str, setup: Setup, out: Assembled
 ) -> Iterator[tuple[str, dict[str, Any]]]:
-    """An entry of ``[[runs]]`` for every row that is not left out, with its place in words.
-
-    Parameters
-    ----------
-    matrix : MatrixEntry
-        What the campaign file says.
-    label : str
-        Which entry it is, for messages.
-    setup, out : Setup, Assembled
-        Of the campaign; `out` gets what is wrong.
-    """
+    """An entry of ``[[runs]]`` for every row that is not left out, with its place in words."""
     found = setup.find(matrix.file)
     if found is None:
         out.problems.append(setup.missing_file(matrix.file, label))

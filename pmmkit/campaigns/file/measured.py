@@ -19,11 +19,6 @@ _PERIOD: Final = ("period", "frequency_hz")
 def speed_measured(values: Mapping[str, Any]) -> dict[str, float]:
     """The speed through the water from u and v, where u is there.
 
-    Parameters
-    ----------
-    values : mapping of str to float or array
-        Channels, SI.
-
     Examples
     --------
     >>> speed_measured({"u": 0.6, "v": -0.8, "Y": 3.0}), speed_measured({"Y": 3.0})
@@ -41,15 +36,6 @@ def settings_measured(
 
     The angular frequency is the root mean square of a velocity over that of its displacement,
     both without their means.
-
-    Parameters
-    ----------
-    test : str
-        Kind of test.
-    values : mapping of str to array
-        Channels, SI.
-    stated : mapping
-        Settings by key of the campaign file that need not be found.
 
     Examples
     --------

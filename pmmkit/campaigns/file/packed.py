@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.campaigns.file.by_url import table_of
-from pmmkit.errors import CampaignError, Problem
-from pmmkit.readers import Options
-from pmmkit.readers.archive.members import Contents, contents_of, joined
-from pmmkit.readers.base import Request
-from pmmkit.toml_files import CAMPAIGN
+from pmmkit.base import CampaignError, Problem
+from pmmkit.campaigns.file.search import table_of
+from pmmkit.files import CAMPAIGN
+from pmmkit.readers import Contents, Options, Request, contents_of, joined
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,14 +26,7 @@ _UNPACK: Final = "Unpack it and open the folder."
 class Packed:
     """The campaign file of an archive.
 
-    Parameters
-    ----------
-    archive : Path
-        The archive.
-    contents : Contents
-        What it holds.
-    name : str
-        The campaign file inside.
+    `name`: the campaign file inside.
     """
 
     archive: Path
@@ -52,18 +43,7 @@ class Packed:
         return self.contents.read(self.name)
 
     def pointed(self, raw: Mapping[str, Any]) -> dict[str, Any]:
-        """The content of the campaign file with every file named by its place in the archive.
-
-        Parameters
-        ----------
-        raw : mapping
-            As `tomllib` reads it.
-
-        Raises
-        ------
-        CampaignError
-            If runs lie in files that are not text of columns, or tests in a ``[[matrix]]``.
-        """
+        """The content of the campaign file with every file named by its place in the archive."""
         problems = list(self._unfit(raw))
         if problems:
             raise CampaignError(problems)
@@ -127,18 +107,7 @@ class Packed:
 
 
 def packed_campaign(archive: Path) -> Packed:
-    """The campaign file inside an archive, wherever it lies in it.
-
-    Parameters
-    ----------
-    archive : Path
-        A zip archive.
-
-    Raises
-    ------
-    CampaignError
-        If the archive is damaged, or holds no campaign file or several.
-    """
+    """The campaign file inside an archive, wherever it lies in it."""
     contents = contents_of(Request(path=archive, shown=archive.name))
     homes = _homes(contents)
     if len(homes) != 1:

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Final
 
+from pmmkit.base import DataError, PmmkitError, Problem
 from pmmkit.campaigns.file.assembly import Setup
-from pmmkit.campaigns.file.imo_table import ImoEntry
 from pmmkit.campaigns.file.report_entry import ReportEntry
 from pmmkit.campaigns.file.schema import CorrectionEntry, known_columns, read_entry, read_named
 from pmmkit.campaigns.file.single_tables import (
@@ -17,9 +17,10 @@ from pmmkit.campaigns.file.single_tables import (
     CampaignEntry,
     CfdEntry,
     ColumnEntry,
-    Entry,
+    ImoEntry,
     ShipEntry,
     SourceEntry,
+    StrictTable,
     StrutsEntry,
     TrialEntry,
     UncertainEntry,
@@ -32,10 +33,8 @@ from pmmkit.campaigns.samples.conversions import Frame
 from pmmkit.campaigns.samples.corrections import shift_in_si
 from pmmkit.campaigns.test_kinds.struts import Struts
 from pmmkit.campaigns.uncertainty import CENTRE_STD, STATABLE, Statable, TypeB
-from pmmkit.channels import CHANNEL_UNITS, did_you_mean, factor_to
-from pmmkit.errors import DataError, PmmkitError, Problem
-from pmmkit.readers.base import Options, Request
-from pmmkit.ship import Ship, Water
+from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, did_you_mean, factor_to
+from pmmkit.readers import Options, Request
 
 _NEUTRAL_SHIP: Final = Ship(name="", L=1.0, B=1.0, d=1.0, volume=1.0, mass=1.0, Izz=1.0)
 """Stands in where the particulars are wrong, so that all other problems are still found."""
@@ -181,7 +180,7 @@ def setup_of(
     )
 
 
-def _given(entry: Entry) -> dict[str, Any]:
+def _given(entry: StrictTable) -> dict[str, Any]:
     return {name: value for name, value in entry.model_dump().items() if value is not None}
 
 
@@ -207,7 +206,7 @@ def _water(
 
 def _ship(entry: ShipEntry, water: Water, toml: str, problems: list[Problem]) -> Ship | None:
     if entry.model_fields_set == {"name"}:
-        from pmmkit.ship_library import load_ship
+        from pmmkit.models import load_ship
 
         try:
             return load_ship(entry.name)
@@ -305,7 +304,7 @@ def _stated_part(
     name: str, raw: Mapping[str, Any], toml: str, problems: list[Problem]
 ) -> dict[str, Any]:
     """What is stated of the propeller or the rudder; what is wrong is added to `problems`."""
-    from pmmkit.models.stated_parts import faults_of
+    from pmmkit.models import problems_of
 
     if name not in raw:
         return {}
@@ -315,7 +314,7 @@ def _stated_part(
         return {}
     problems += [
         Problem(message=fault, file=toml, entry=f"[{name}]" + (f", key {key!r}" if key else ""))
-        for key, fault in faults_of(name, table)
+        for key, fault in problems_of(name, table)
     ]
     return dict(table)
 

@@ -7,8 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from pmmkit.errors import DataError, Problem, Remedy, setting
-from pmmkit.remote import Origin, as_url, checked, joined, leads_out, look, shown_url
+from pmmkit.base import DataError, Problem, Remedy, setting
+from pmmkit.files import Origin, as_url, checked, joined, leads_out, look, shown_url
 
 AT_ONCE: Final = 16
 """Files that are looked for side by side, as each look waits for its store."""
@@ -21,14 +21,9 @@ class RemoteFiles:
 
     A campaign that was opened by a URL names files below its own folder, and nowhere else.
 
-    Parameters
-    ----------
-    own : str
-        URL of the folder of the campaign file; empty where it lies on this machine.
-    data : str
-        URL of the measurements that somebody asked for, or empty.
-    folder : str or None
-        What the campaign file says of them.
+    `own`: URL of the folder of the campaign file; empty where it lies on this machine. `data`:
+    URL of the measurements that somebody asked for, or empty. `folder`: what the campaign file
+    says of them.
     """
 
     own: str = ""
@@ -131,11 +126,6 @@ def _outside(message: str) -> DataError:
 
 def names_in(raw: Mapping[str, Any]) -> list[str]:
     """The files that a campaign file names.
-
-    Parameters
-    ----------
-    raw : mapping
-        As `tomllib` reads it.
 
     Examples
     --------

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from pmmkit.campaigns.file.single_tables import Entry, Listed, Positive, said
+from pmmkit.campaigns.file.single_tables import Listed, Positive, StrictTable, said
 
 
 def _as_text(value: Any) -> Any:
@@ -18,7 +18,7 @@ def _as_text(value: Any) -> Any:
 Day = Annotated[str, BeforeValidator(_as_text)]
 
 
-class GaugeEntry(Entry):
+class GaugeEntry(StrictTable):
     """``[report.gauges.NAME]``: one gauge of the balance, or any other instrument."""
 
     type: str | None = said("make and type", None)
@@ -27,7 +27,7 @@ class GaugeEntry(Entry):
     certificate: str | None = said("its certificate", None)
 
 
-class ReportEntry(Entry):
+class ReportEntry(StrictTable):
     """``[report]``; each description is the label in the report."""
 
     number: str | None = said("number of the report", None)

@@ -7,8 +7,8 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from pmmkit.errors import DataError
-from pmmkit.toml_files import toml_text
+from pmmkit.base import DataError
+from pmmkit.files import toml_text
 
 _HEAD: Final = re.compile(r"^\s*\[\[?\s*(?P<name>[^\[\]]+?)\s*\]\]?\s*(#.*)?$")
 _KEY: Final = re.compile(r"^(?P<key>[\w-]+|\"[^\"]*\")(?P<equals>\s*=\s*)(?P<rest>.*)$")

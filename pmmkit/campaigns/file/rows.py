@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.base import DataError, Problem
 from pmmkit.campaigns.file.assembly import (
     Assembled,
     Found,
@@ -25,16 +26,13 @@ from pmmkit.campaigns.file.assembly import (
 from pmmkit.campaigns.file.measured import settings_measured, speed_measured
 from pmmkit.campaigns.file.settings import missing_settings
 from pmmkit.campaigns.run import Kind, Run
-from pmmkit.campaigns.samples.bringing import at_hand
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import in_phase_parts
-from pmmkit.campaigns.samples.loading import Context, RowLoader, check_rows
+from pmmkit.campaigns.samples.loading import Context, RowLoader, at_hand, check_rows
 from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.channels import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
-from pmmkit.errors import DataError, Problem
+from pmmkit.conventions import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
 from pmmkit.numerics import Array
-from pmmkit.readers import reader_for
-from pmmkit.readers.base import Cells, Request, fault, to_number
+from pmmkit.readers import Cells, Request, fault, reader_for, to_number
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.file.schema import FileEntry, TableEntry

@@ -6,14 +6,13 @@ Ship, Run and Campaign. The module is imported only when a campaign file is read
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime
 from typing import Annotated, Any, Final, Literal, TypeVar
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
-from pmmkit.campaigns.file.faults import fault_words, shown
-from pmmkit.campaigns.file.imo_table import ImoEntry
+from pmmkit.base import DataError, Problem
 from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
@@ -23,7 +22,7 @@ from pmmkit.campaigns.file.single_tables import (
     ComputedEntry,
     Degrees,
     EndEntry,
-    Entry,
+    ImoEntry,
     Listed,
     NumericalEntry,
     Plain,
@@ -31,22 +30,76 @@ from pmmkit.campaigns.file.single_tables import (
     ShipEntry,
     SourceEntry,
     Steep,
+    StrictTable,
     StrutsEntry,
     TrialEntry,
     WaterEntry,
     said,
 )
 from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
-from pmmkit.channels import (
+from pmmkit.conventions import (
     CHANNEL_UNITS,
+    CHANNELS,
     DEGREE_CHANNELS,
     FORCE_CHANNELS,
     SETTING_UNITS,
     did_you_mean,
     unit_of,
 )
-from pmmkit.conventions import CHANNELS
-from pmmkit.errors import DataError, Problem
+
+# What is wrong with a key of a campaign file, in words.
+
+
+def fault_words(found: Mapping[str, Any], key: str, known: Sequence[str]) -> str:
+    """What is wrong with a key, from an error of pydantic."""
+    kind, given, extra = found["type"], found.get("input"), found.get("ctx", {})
+    if kind == "extra_forbidden":
+        return f"not known{did_you_mean(key, known) or '.'}"
+    if kind == "missing":
+        return "is missing."
+    if kind == "literal_error":
+        options = [option.strip("'") for option in _options(extra["expected"])]
+        guess = did_you_mean(given, options) if isinstance(given, str) else ""
+        return f"{shown(given)} is not one of {', '.join(options)}{guess or '.'}"
+    if kind in ("value_error", "assertion_error"):
+        return str(extra.get("error", found["msg"])).rstrip(".") + "."
+    bounds = {
+        "greater_than": "greater than",
+        "greater_than_equal": "at least",
+        "less_than": "less than",
+        "less_than_equal": "at most",
+    }
+    if kind in bounds:
+        limit = next(iter(extra.values()))
+        return f"must be {bounds[kind]} {limit:g}, it is {shown(given)}."
+    plain = {
+        "float_type": "a number",
+        "int_type": "a whole number",
+        "string_type": "text in quotes",
+        "bool_type": "true or false",
+        "list_type": "a list",
+        "dict_type": "a table",
+        "model_type": "a table",
+        "model_attributes_type": "a table",
+        "finite_number": "a finite number",
+        "int_from_float": "a whole number",
+        "string_too_short": "not empty",
+    }
+    if kind in plain:
+        return f"must be {plain[kind]}, it is {shown(given)}."
+    return f"{found['msg'].rstrip('.')}: {shown(given)}."
+
+
+def _options(expected: str) -> Iterable[str]:
+    return expected.replace(" or ", ", ").split(", ")
+
+
+def shown(value: Any) -> str:
+    """A value of a file in a sentence, as TOML writes it, cut where it is long."""
+    text = {True: "true", False: "false"}.get(value, "") if isinstance(value, bool) else ""
+    text = text or repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
 
 ACTIONS: Final = (
     "exclude",
@@ -65,10 +118,10 @@ ACTIONS: Final = (
 )
 
 Where = dict[str, Plain | list[Plain]]
-M = TypeVar("M", bound="Entry")
+M = TypeVar("M", bound="StrictTable")
 
 
-class SettingsEntry(Entry):
+class SettingsEntry(StrictTable):
     """What a test was set to; keys of a run, of a table and of a correction that sets."""
 
     speed: Positive | None = said("of the carriage, or of the approach [m/s]", None)
@@ -122,7 +175,7 @@ class SettingsEntry(Entry):
         }
 
 
-class TareEntry(Entry):
+class TareEntry(StrictTable):
     """``tare`` of a run or of ``[defaults]``: true, false, or where the rest is."""
 
     channels: list[Literal[CHANNELS]] = said("those that are tared; all if absent", [])  # type: ignore[valid-type]
@@ -336,7 +389,7 @@ def known_columns(value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
     return value
 
 
-TABLES: Final[dict[str, type[Entry] | None]] = {
+TABLES: Final[dict[str, type[StrictTable] | None]] = {
     "campaign": CampaignEntry,
     "ship": ShipEntry,
     "water": WaterEntry,
@@ -412,7 +465,7 @@ def read_named(
     return found
 
 
-def _problem(model: type[Entry], found: dict[str, Any], file: str, entry: str) -> Problem:
+def _problem(model: type[StrictTable], found: dict[str, Any], file: str, entry: str) -> Problem:
     place = [str(part) for part in found["loc"] if not str(part).startswith("function-")]
     key = ".".join(place)
     where = f"{entry}, key {key!r}" if key else entry
@@ -420,8 +473,8 @@ def _problem(model: type[Entry], found: dict[str, Any], file: str, entry: str) -
     return Problem(message=words, file=file, entry=where)
 
 
-def _keys(model: type[Entry], place: list[str]) -> list[str]:
-    nested: dict[str, type[Entry]] = {
+def _keys(model: type[StrictTable], place: list[str]) -> list[str]:
+    nested: dict[str, type[StrictTable]] = {
         "source": SourceEntry,
         "cfd": ComputedEntry,
         "tare": TareEntry,

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import Final
+from pathlib import Path, PurePosixPath
+from typing import Any, Final
 
+from pmmkit.base import CampaignError, DataError, Problem, Remedy, setting
 from pmmkit.campaigns.file.remote_files import RemoteFiles
-from pmmkit.errors import Problem, Remedy, setting
-from pmmkit.files import matching
-from pmmkit.readers.base import Request
-from pmmkit.remote import Origin, as_url, leads_out, shown_url
+from pmmkit.campaigns.samples.loading import at_hand
+from pmmkit.files import (
+    CAMPAIGN,
+    Origin,
+    as_url,
+    checked,
+    joined,
+    leads_out,
+    look,
+    matching,
+    shown_url,
+)
+from pmmkit.readers import Request, reader_for, to_number
 
 DATA_VARIABLE: Final = "PMMKIT_DATA"
 
@@ -21,16 +31,8 @@ DATA_VARIABLE: Final = "PMMKIT_DATA"
 class Search:
     """Folders in which the files of a campaign are looked for.
 
-    Parameters
-    ----------
-    own : Path
-        That of the campaign file.
-    data : Path or None
-        That of the measurements.
-    folder : str or None
-        What the campaign file says of it.
-    remote : RemoteFiles
-        Where they are looked for behind URLs.
+    `own`: that of the campaign file. `data`: that of the measurements. `folder`: what the
+    campaign file says of it. `remote`: where they are looked for behind URLs.
     """
 
     own: Path
@@ -40,17 +42,7 @@ class Search:
 
     @classmethod
     def of(cls, place: Path, data: str | Path | None, own: str = "") -> Search:
-        """For a campaign file; the measurements are where is said, else where PMMKIT_DATA says.
-
-        Parameters
-        ----------
-        place : Path
-            The campaign file.
-        data : path or URL, optional
-            As for `open_campaign`.
-        own : str
-            URL of the folder of the campaign file, if it has one.
-        """
+        """For a campaign file; the measurements are where is said, else where PMMKIT_DATA says."""
         given = data if data is not None else os.environ.get(DATA_VARIABLE) or None
         url = None if given is None else as_url(given)
         here = None if given is None or url is not None else Path(given).expanduser()
@@ -127,12 +119,7 @@ class Search:
 class InArchive(Search):
     """The archive in which a campaign lies: nothing else is looked for, wherever it points.
 
-    Parameters
-    ----------
-    archive : Path
-        The archive.
-    origin : Origin or None
-        What stands behind its URL, if it has one.
+    `origin`: what stands behind its URL, if it has one.
     """
 
     archive: Path = Path()
@@ -158,3 +145,68 @@ def _joined(folder: Path, name: str) -> Path:
     """A place seen from a folder; ``..`` leads up from one too that is still to be made."""
     path = folder / name
     return path if folder.is_dir() else Path(os.path.normpath(path))
+
+
+# A campaign that stands behind a URL: its file, its name, and the curve of its propeller.
+
+
+def origin_of(path: str | Path, files: Sequence[str]) -> Origin | None:
+    """The campaign file behind a URL; None for a path of this machine."""
+    given = as_url(path)
+    if given is None:
+        return None
+    url = checked(given)
+    if not shown_url(url).lower().endswith(tuple(files)):
+        url = joined(url, CAMPAIGN.file) or url
+    origin = look(url)
+    if origin is None:
+        raise CampaignError(
+            Problem(
+                message="there is nothing behind this URL.",
+                file=shown_url(url),
+                remedy=f"Name a folder with {CAMPAIGN.file}, or a file that ends in one of "
+                f"{', '.join(files)}.",
+            )
+        )
+    return origin
+
+
+def folder_of(origin: Origin | None) -> str:
+    """URL of the folder of a campaign file; empty for one of this machine."""
+    return "" if origin is None else origin.shown.rpartition("/")[0]
+
+
+def folder_name(place: Path, origin: Origin | None) -> str:
+    """Name of the folder of a campaign file."""
+    return (
+        place.absolute().parent.name if origin is None else PurePosixPath(origin.shown).parent.name
+    )
+
+
+def with_curve(
+    propeller: Mapping[str, Any], search: Search, toml: str, problems: list[Problem]
+) -> dict[str, Any]:
+    """What a campaign file says of the propeller, with the curve that stands behind a URL."""
+    curve = propeller.get("open_water")
+    if not isinstance(curve, str) or not (search.remote.own or as_url(curve)):
+        return dict(propeller)
+    found = search.find(curve)
+    if found is None:
+        problems.append(search.missing(curve, "[propeller], key 'open_water'", toml))
+        return dict(propeller)
+    try:
+        table = table_of(at_hand(found))
+    except DataError as error:
+        problems += error.problems
+        return dict(propeller)
+    return {**propeller, "open_water": table}
+
+
+def table_of(request: Request) -> dict[str, list[float | None]]:
+    """The columns of a table of numbers by their titles, such as an open-water curve."""
+    cells = reader_for(request).cells(request)
+    columns = zip(*cells.rows, strict=True)
+    return {
+        title: [to_number(cell, cells.decimal) for cell in column]
+        for title, column in zip(cells.headers, columns, strict=True)
+    }

@@ -45,15 +45,6 @@ def missing_settings(
 ) -> list[str]:
     """What a test of that kind still needs, in words.
 
-    Parameters
-    ----------
-    test : str
-        Kind of test.
-    given : mapping
-        Settings by key of the campaign file.
-    measured : collection of str
-        Channels that the file holds.
-
     Examples
     --------
     >>> missing_settings("pure_sway", {"speed": 1.0, "period": 12.5})
@@ -112,19 +103,7 @@ def settings_of(
     yaw test that is set by the amplitude a of its path has the heading along that path:
     tan ψ0 = aω/U.
 
-    Parameters
-    ----------
-    test : str
-        Kind of test.
-    given : mapping
-        Settings by key of the campaign file; ``speed`` must be among them.
-    frame : Frame
-        What the source's axes and signs are.
-    length : float
-        Length L of the ship [m].
-    turn_phase : bool
-        Whether a motion along a reversed axis starts half a period later; False for rows of
-        harmonics, which are turned themselves.
+    length [m].
     """
     notes: list[str] = []
     speed = float(given["speed"])

@@ -55,13 +55,13 @@ Format = Annotated[str, PlainValidator(_known_format)]
 Plain = str | float | int | bool
 
 
-class Entry(BaseModel):
+class StrictTable(BaseModel):
     """A table of the file: unknown keys, texts for numbers, inf and nan are refused."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
 
 
-class CampaignEntry(Entry):
+class CampaignEntry(StrictTable):
     """``[campaign]``."""
 
     title: str = said("title of reports", "")
@@ -96,11 +96,11 @@ class CampaignEntry(Entry):
     )
 
 
-class EndEntry(Entry):
+class EndEntry(StrictTable):
     """``[end]``, the last line of files that say ``closed = true``."""
 
 
-class ShipEntry(Entry):
+class ShipEntry(StrictTable):
     """``[ship]``: the name of a library ship, or particulars in full."""
 
     name: str = said("of the ship; alone: a ship of the library", "")
@@ -130,7 +130,7 @@ class ShipEntry(Entry):
     )
 
 
-class WaterEntry(Entry):
+class WaterEntry(StrictTable):
     """``[water]``."""
 
     rho: Positive | None = said("density [kg/m³]", None)
@@ -141,7 +141,7 @@ class WaterEntry(Entry):
     tank_depth: Positive | None = said("depth of the tank [m]", None)
 
 
-class SourceEntry(Entry):
+class SourceEntry(StrictTable):
     """``[source]``, of the campaign or of a run."""
 
     format: Format | None = said(
@@ -187,7 +187,7 @@ class SourceEntry(Entry):
         return name
 
 
-class ColumnEntry(Entry):
+class ColumnEntry(StrictTable):
     """One key of ``[columns]``: a header, a table, or false where there is no such column."""
 
     name: str | None = said("header of their column", None)
@@ -221,7 +221,7 @@ class ColumnEntry(Entry):
         return value
 
 
-class AxesEntry(Entry):
+class AxesEntry(StrictTable):
     """``[axes]``: which way their axes point, seen in ours."""
 
     x: Literal["x", "+x", "-x"] = said("their x seen in ours", "x")
@@ -229,7 +229,7 @@ class AxesEntry(Entry):
     z: Literal["z", "+z", "-z"] = said("their z seen in ours", "z")
 
 
-class StrutsEntry(Entry):
+class StrutsEntry(StrictTable):
     """``[struts]``: a mechanism that swings the model by two struts."""
 
     spacing: Positive = said("between the struts along the rails [m]")
@@ -237,7 +237,7 @@ class StrutsEntry(Entry):
     slides: Literal["aft", "forward"] = said("the strut that slides along the hull", "aft")
 
 
-class NumericalEntry(Entry):
+class NumericalEntry(StrictTable):
     """``U_SN`` of ``[cfd]``."""
 
     X: Annotated[float, Field(ge=0)] | None = said("of the surge force [N]", None)
@@ -246,7 +246,7 @@ class NumericalEntry(Entry):
     K: Annotated[float, Field(ge=0)] | None = said("of the roll moment [N m]", None)
 
 
-class ComputedEntry(Entry):
+class ComputedEntry(StrictTable):
     """What ``[cfd]`` may say of one run."""
 
     rho_inf: Positive | None = said(
@@ -276,7 +276,7 @@ class CfdEntry(ComputedEntry):
     )
 
 
-class TrialEntry(Entry):
+class TrialEntry(StrictTable):
     """``[trial]``: what a record of a sea trial needs."""
 
     antenna_x: float = said("antenna forward of midship [m]", 0.0)
@@ -287,10 +287,44 @@ class TrialEntry(Entry):
     order: dict[str, float] = said("instant of the order [s] by run", {})
 
 
-class UncertainEntry(Entry):
+class UncertainEntry(StrictTable):
     """One standard uncertainty."""
 
     std: Annotated[float, Field(ge=0)] = said("standard uncertainty")
     unit: str | None = said("its unit, or `%`", None)
     shared: bool | None = said("the same error in all runs; else each draws its own", None)
     common: str = said("cause that it shares with others, such as the weights of a calibration", "")
+
+
+# The table ``[imo]``: what the form of MSC/Circ.1053 asks for and no record holds.
+
+
+class ImoEntry(StrictTable):
+    """``[imo]``, of a campaign file or of a file of its own."""
+
+    administration: str | None = said("to which the form goes", None)
+    reference: str | None = said("reference number that the administration assigns", None)
+    ship_type: str | None = said("such as container ship, tanker, bulk carrier", None)
+    rudder_type: str | None = said("such as full spade, semi-spade, high lift", None)
+    rudders: Annotated[int, Field(ge=0)] | None = said("how many", None)
+    rudder_area: Positive | None = said("of all rudders together [m²]", None)
+    propeller_type: str | None = said("such as fixed pitch, controllable pitch, with nozzle", None)
+    propellers: Annotated[int, Field(ge=0)] | None = said("how many", None)
+    engine_type: str | None = said("such as diesel, steam turbine, diesel-electric", None)
+    full_load_draught: Positive | None = said("mean draught of full load [m]", None)
+    full_load_trim: float | None = said("trim of full load, by the stern positive [m]", None)
+    full_load_block: Annotated[float, Field(gt=0, le=1)] | None = said(
+        "block coefficient of full load; that of `[ship]` where its draught is that of full load",
+        None,
+    )
+    ballast: str | None = said("the ballast condition in words", None)
+    draught_fore: Positive | None = said("draught forward as tried [m]", None)
+    draught_aft: Positive | None = said("draught aft as tried [m]", None)
+    wind_beaufort: Annotated[int, Field(ge=0, le=12)] | None = said(
+        "wind of the trial; a recorded wind counts before it", None
+    )
+    sea_state: Annotated[int, Field(ge=0, le=9)] | None = said("waves of the trial", None)
+    speed_85: Positive | None = said("speed at 85 % of the engine's largest output [m/s]", None)
+    place: str | None = said("of the trial", None)
+    date: str | None = said("of the trial", None)
+    remarks: Names | None = said("sentences for the form", None)

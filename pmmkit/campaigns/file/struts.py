@@ -24,24 +24,6 @@ def on_struts(
 
     Without ``strut_phase_deg`` the struts of pure sway go together, and those of pure yaw lead by
     2 atan(ωb/2U), at which the hull follows its heading.
-
-    Parameters
-    ----------
-    test : str
-        Kind of test.
-    given : mapping
-        Settings by key of the campaign file.
-    settings : Settings
-        What the others of them give.
-    struts : Struts or None
-        The mechanism.
-    frame : Frame
-        Which way the axes of the source point.
-
-    Raises
-    ------
-    ValueError
-        If the struts cannot make such a test, in words.
     """
     stated = [name for name in _KEYS if name in given]
     if not stated:

@@ -9,23 +9,26 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns.motion.kinematics import displacement_basis
 from pmmkit.campaigns.motion.nominal import nominal_phase
 from pmmkit.campaigns.run import Run
-from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array
 from pmmkit.signals import (
+    FEWEST,
     Cycles,
+    CycleSums,
     FourierBasis,
     Travel,
     Window,
+    as_record,
     at_speed,
+    cycle_count,
+    cycle_edges,
     in_step,
     steady_window,
     whole_cycles,
 )
-from pmmkit.signals.harmonics import CycleSums, cycle_count, cycle_edges
-from pmmkit.signals.record import FEWEST, as_record
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,17 +91,7 @@ class Counted:
 def stated_window(run: Run, times: Array) -> Travel | None:
     """The samples that the campaign file says count, with its reason; None where it says nothing.
 
-    Parameters
-    ----------
-    run : Run
-        A captive test with a history.
-    times : array (n,)
-        Of the samples [s].
-
-    Raises
-    ------
-    CampaignError
-        If fewer than 16 samples lie there.
+    times [s].
     """
     stated = [item for item in run.corrections if item.action == "window"]
     if not stated:

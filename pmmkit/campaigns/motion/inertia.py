@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.effects.state import State
+from pmmkit.effects import State
 from pmmkit.numerics import Array
 
 
@@ -145,15 +145,7 @@ def as_read(
 
 
 def at_midship(force: Mapping[str, Array], rig: Rig) -> dict[str, Array]:
-    """Moments moved from their reference point to midship: N + x Y, K - z Y.
-
-    Parameters
-    ----------
-    force : mapping of str to array
-        Channels as measured, any shape (samples or harmonics).
-    rig : Rig
-        Its `moment_x`, `moment_z` are used.
-    """
+    """Moments moved from their reference point to midship: N + x Y, K - z Y."""
     if "Y" not in force:
         return dict(force)
     more = moments_of_sway(force["Y"], rig)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns.motion.nominal import (
     as_times,
     beside_motion,
@@ -23,8 +24,7 @@ from pmmkit.campaigns.motion.nominal import (
 from pmmkit.campaigns.motion.series import HARMONICS, fit_series
 from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.test_kinds.kind import TankMotion, ship_axes
-from pmmkit.effects.state import State
-from pmmkit.errors import CampaignError, Problem
+from pmmkit.effects import State
 from pmmkit.numerics import Array, unwrapped
 from pmmkit.signals import FourierBasis
 
@@ -175,20 +175,7 @@ def displacement_phase(
 def displacement_basis(
     run: Run, data: xr.Dataset, times: ArrayLike, order: int, *, within: slice = slice(None)
 ) -> FourierBasis:
-    """The Fourier basis at the phase of the displacement, see `displacement_phase`.
-
-    Parameters
-    ----------
-    order : int
-        Highest harmonic, 5 or above.
-    run, data, times, within
-        As for `displacement_phase`.
-
-    Raises
-    ------
-    CampaignError
-        As `displacement_phase`.
-    """
+    """The Fourier basis at the phase of the displacement, see `displacement_phase`."""
     instants = as_times(run, times)
     if not run.dynamic:
         raise CampaignError(

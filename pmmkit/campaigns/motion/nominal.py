@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns.run import Run
-from pmmkit.effects.state import State
-from pmmkit.errors import CampaignError, Problem
+from pmmkit.effects import State
 from pmmkit.numerics import Array
 
 

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns.motion.nominal import check_settings
 from pmmkit.campaigns.run import Run
-from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array, coefficients
 from pmmkit.signals import FourierBasis
 
@@ -21,7 +21,7 @@ _WHOLE: Final = 0.95
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Series:
+class FourierSeries:
     """A trend and a Fourier series: c0 + c1 τ + Σ (a cos nθ + b sin nθ), τ = t - start, θ̇ = ω."""
 
     omega: float
@@ -57,26 +57,10 @@ class Series:
 
 def fit_series(
     run: Run, times: Array, values: Array, name: str, basis: FourierBasis | None = None
-) -> Series:
+) -> FourierSeries:
     """Least-squares series of a measured channel at the run's frequency.
 
-    Parameters
-    ----------
-    run : Run
-        Its period counts.
-    times : array (n,)
-        Of the samples [s].
-    values : array (n,)
-        The channel; NaN where it was not measured. That of ``x`` has a trend.
-    name : str
-        What it is called.
-    basis : FourierBasis, optional
-        Of harmonics 0 to 5 or above at these times, if there is one: its phase θ rises as ωt.
-
-    Raises
-    ------
-    CampaignError
-        If less than a period was measured, or there is none.
+    times [s].
     """
     check_settings(run, ("period",))
     omega = run.settings.omega or 0.0
@@ -92,7 +76,7 @@ def fit_series(
             shared = whole.up_to(order)
             found = _solved(shared, trend, values, good)
             if found is not None:
-                return Series(
+                return FourierSeries(
                     omega=omega,
                     start=float(instants[0]),
                     away=away,

@@ -16,9 +16,9 @@ from typing import Final, Literal
 
 import numpy as np
 
+from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns.motion.hull_path import PLACE, hull_path
 from pmmkit.campaigns.run import Run
-from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array
 
 _PAIRS: Final = (("X", "Y"), ("FX_rudder", "FY_rudder"))
@@ -28,19 +28,12 @@ _PAIRS: Final = (("X", "Y"), ("FX_rudder", "FY_rudder"))
 class Solver:
     """What ``[cfd]`` says of the forces of a computation, besides factors.
 
-    Parameters
-    ----------
-    axes : {"body", "earth", "carriage"}
-        Along what forces and moments are stated: the ship, axes that stay where they were, or the
-        way of the carriage; on a rotating arm that is the tangent.
-    centre_moves : bool
-        Whether the point that moments refer to moves with the hull.
-    centre_x, motion_x : float
-        Where that point (at rest), and the point whose path is stated, lie forward of midship [m].
-    ramp : float
-        Duration from the first sample that belongs to the start-up of the computation [s].
-    stated : frozenset of str
-        Keys that ``[cfd]`` has.
+    `axes`: along what forces and moments are stated: the ship, axes that stay where they were,
+    or the way of the carriage; on a rotating arm that is the tangent. `centre_moves`: whether
+    the point that moments refer to moves with the hull. `centre_x, motion_x`: where that point
+    (at rest), and the point whose path is stated, lie forward of midship [m]. `ramp`: duration
+    from the first sample that belongs to the start-up of the computation [s]. `stated`: keys
+    that ``[cfd]`` has.
     """
 
     axes: Literal["body", "earth", "carriage"] = "body"
@@ -64,13 +57,7 @@ class Solver:
 def without_ramp(
     values: Mapping[str, Array], ramp: float, *, file: str, run: str
 ) -> tuple[dict[str, Array], list[str]]:
-    """A history without the start-up of the computation.
-
-    Raises
-    ------
-    CampaignError
-        If nothing is left.
-    """
+    """A history without the start-up of the computation."""
     if not ramp:
         return dict(values), []
     times = values["t"]
@@ -93,27 +80,6 @@ def seen_from_hull(
     values: Mapping[str, Array], solver: Solver, run: Run
 ) -> tuple[dict[str, Array], list[str]]:
     """Forces and moments in ship axes, about the ship's own moment reference.
-
-    Parameters
-    ----------
-    values : mapping of str to array
-        Channels in SI, our directions of axes and our signs.
-    solver : Solver
-        What the forces refer to.
-    run : Run
-        Kind of test and of values, and what it was set to.
-
-    Returns
-    -------
-    turned : dict
-        The same channels; K is left out where the heading changes it.
-    notes : list of str
-        What was done.
-
-    Raises
-    ------
-    CampaignError
-        If the path is not known, or a force is there without the one that it turns into.
 
     Examples
     --------

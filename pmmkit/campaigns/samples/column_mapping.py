@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from pmmkit.channels import (
+from pmmkit.base import DataError, Problem
+from pmmkit.conventions import (
     CHANNEL_UNITS,
     DEGREE_CHANNELS,
     FORCE_CHANNELS,
@@ -22,9 +23,8 @@ from pmmkit.channels import (
     unit_in_name,
     unit_of,
 )
-from pmmkit.errors import DataError, Problem
 from pmmkit.numerics import Array
-from pmmkit.readers.base import Request
+from pmmkit.readers import Request
 
 _NONE: Final[Mapping[str, str]] = MappingProxyType({})
 
@@ -33,16 +33,9 @@ _NONE: Final[Mapping[str, str]] = MappingProxyType({})
 class ColumnSpec:
     """Where the campaign file says that a channel stands.
 
-    Parameters
-    ----------
-    name, column : str, int or None
-        Header of the column, or its number counted from 1.
-    unit : str or None
-        Its unit where the header does not say.
-    scale, offset : float
-        Applied to the numbers before the unit: number * scale + offset.
-    absent : bool
-        True if the file has no such column (``X = false``).
+    `name, column`: header of the column, or its number counted from 1. `unit`: its unit where
+    the header does not say. `scale, offset`: applied to the numbers before the unit: number *
+    scale + offset. `absent`: true if the file has no such column (``X = false``).
     """
 
     name: str | None = None
@@ -57,20 +50,10 @@ class ColumnSpec:
 class Picked:
     """A column of a file that is used.
 
-    Parameters
-    ----------
-    name : str
-        Our name: a channel, a setting or a part of a harmonic.
-    position : int
-        Column of the file, counted from 0.
-    title : str
-        Its header, or its number counted from 1.
-    scale, offset : float
-        Applied to its numbers to make them SI (degrees for a setting named ``_deg``).
-    unit : str or None
-        Unit that was stated for it.
-    note : str or None
-        The conversion in words, None if there was none.
+    `name`: our name: a channel, a setting or a part of a harmonic. `position`: column of the
+    file, counted from 0. `title`: its header, or its number counted from 1. `scale, offset`:
+    applied to its numbers to make them SI (degrees for a setting named ``_deg``). `unit`: unit
+    that was stated for it. `note`: the conversion in words, None if there was none.
     """
 
     name: str

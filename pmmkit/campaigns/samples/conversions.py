@@ -9,10 +9,8 @@ from typing import Final, Literal
 import numpy as np
 
 from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.channels import FORCE_CHANNELS, MOMENTS, harmonic_part
-from pmmkit.conventions import force_unit
+from pmmkit.conventions import FORCE_CHANNELS, MOMENTS, Ship, Water, force_unit, harmonic_part
 from pmmkit.numerics import Array
-from pmmkit.ship import Ship, Water
 
 TURNED: Final = "sign changed to our axes and rudder"
 """How the note begins that names the channels whose sign was changed."""
@@ -125,27 +123,7 @@ def to_ours(
 ) -> tuple[dict[str, Array], list[str]]:
     """Forces from their system to N and N m, and all channels to our axes and signs.
 
-    Parameters
-    ----------
-    values : mapping of str to array
-        Channels of a history, means with their ``_std``, or parts of harmonics (``X_sin1``), after
-        conversion of units.
-    frame : Frame
-        What the source's numbers mean.
-    ship, water, speed
-        Particulars, water and speed of the run [m/s] that made forces non-dimensional.
-    dimensional : frozenset of str
-        Names whose unit was stated, so that they are not non-dimensional.
-    turn_harmonics : bool
-        Whether the motion to which harmonics refer changes sign: the n-th harmonic is multiplied
-        by (-1)^n.
-
-    Returns
-    -------
-    converted : dict
-        The same names.
-    notes : list of str
-        What was done.
+    ship, water, speed [m/s].
     """
     out: dict[str, Array] = {}
     scaled: dict[str, float] = {}

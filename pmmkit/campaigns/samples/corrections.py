@@ -8,14 +8,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns.run import Correction
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.conventions import CHANNELS, unit_factor
-from pmmkit.errors import CampaignError, DataError, Problem
+from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, unit_factor
 from pmmkit.numerics import Array
 from pmmkit.presentation import with_uncertainty
-from pmmkit.signals import head_rest, steady_mean
-from pmmkit.signals.record import FEWEST
+from pmmkit.signals import FEWEST, head_rest, steady_mean
 
 OF_SAMPLES = frozenset({"scale", "shift", "flip", "trim", "drop", "tare"})
 """Actions that change the numbers of a run; the others change what is said of it."""
@@ -29,29 +27,6 @@ def correct(
     Values are SI, in ship axes and our signs: corrections come after all conversions. Of harmonics
     ``scale`` and ``flip`` change all parts of a channel, ``shift`` its mean; ``tare`` takes off
     what the forces show while the carriage stands.
-
-    Parameters
-    ----------
-    data : mapping of str to array
-        A history with ``t``, means, or harmonics (``X_cos``, ``X_sin``).
-    corrections : sequence of Correction
-        Those that apply to the run.
-    file, run : str
-        For messages.
-
-    Returns
-    -------
-    corrected : dict
-        Channels; those dropped are not there.
-    notes : list of str
-        What was done and why.
-    tared : dict
-        By channel the zero that was taken off and its standard uncertainty.
-
-    Raises
-    ------
-    CampaignError
-        If a correction names a channel that the run has not, or trims everything away.
     """
     out = dict(data)
     notes: list[str] = []

@@ -22,17 +22,7 @@ _ROUNDS: Final = 6
 def local_metres(lat: Array, lon: Array, origin: tuple[float, float]) -> tuple[Array, Array]:
     """Metres north and east of a point, in the plane that touches the ellipsoid there.
 
-    Parameters
-    ----------
-    lat, lon : array (n,)
-        Geodetic latitude and longitude, WGS84 [deg].
-    origin : tuple of float
-        Latitude and longitude of the point [deg].
-
-    Returns
-    -------
-    x, y : array (n,)
-        North and east [m].
+    x, y [m].
 
     Notes
     -----
@@ -62,17 +52,7 @@ def local_metres(lat: Array, lon: Array, origin: tuple[float, float]) -> tuple[A
 def geographic(x: Array, y: Array, origin: tuple[float, float]) -> tuple[Array, Array]:
     """Latitude and longitude of points so many metres north and east of an origin.
 
-    Parameters
-    ----------
-    x, y : array (n,)
-        North and east [m].
-    origin : tuple of float
-        Latitude and longitude of the origin [deg].
-
-    Returns
-    -------
-    lat, lon : array (n,)
-        Such that `local_metres` gives x and y back [deg].
+    x, y [m].
 
     Examples
     --------
@@ -109,19 +89,7 @@ def placed(
 ) -> tuple[dict[str, Array], list[str]]:
     """Channels with the position of midship as x and y [m].
 
-    Parameters
-    ----------
-    values : mapping of str to array
-        Channels of a history. Where there are no x and y, they come from lat and lon.
-    antenna : tuple of float
-        Place of the antenna, forward of midship and to starboard [m].
-
-    Returns
-    -------
-    values : dict
-        With x (north) and y (east).
-    notes : list of str
-        What was done.
+    antenna [m].
     """
     out, notes = dict(values), []
     if {"lat", "lon"} <= set(out) and not {"x", "y"} & set(out):

@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns.motion.hull_path import PLACE, recorded_in, set_to
 from pmmkit.campaigns.motion.solver_axes import Solver, seen_from_hull, without_ramp
 from pmmkit.campaigns.run import Campaign, Correction, Kind, Run
-from pmmkit.campaigns.samples.bringing import at_hand
 from pmmkit.campaigns.samples.column_mapping import (
     ColumnSpec,
     Picked,
@@ -27,16 +28,57 @@ from pmmkit.campaigns.samples.corrections import correct
 from pmmkit.campaigns.samples.geodesy import out_of_range, placed
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.struts import Struts, place_on_struts
-from pmmkit.channels import CHANNEL_UNITS, STRUT_CHANNELS
-from pmmkit.errors import CampaignError, DataError, Problem
-from pmmkit.files import sha256
+from pmmkit.conventions import CHANNEL_UNITS, STRUT_CHANNELS, Ship, Water
+from pmmkit.files import Origin, local_copy, sha256
 from pmmkit.numerics import Array
-from pmmkit.readers import files_of, reader_for
-from pmmkit.readers.base import Columns, Request
-from pmmkit.ship import Ship, Water
+from pmmkit.readers import Columns, Request, files_of, reader_for, recognise
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+# Files behind URLs, brought to this machine when they are read.
+
+
+AT_ONCE: Final = 8
+"""Files that are fetched side by side, as each waits for its store most of the time."""
+
+
+def at_hand(request: Request, *, proven: bool = True) -> Request:
+    """The request with its file on this machine: as it is, or copied from its URL."""
+    if request.origin is None:
+        return request
+    try:
+        path = local_copy(request.origin, proven=proven)
+    except DataError as error:
+        shown = replace(request, withheld=False)
+        raise request.error(
+            *(shown.problem(item.message, remedy=item.remedy) for item in error.problems)
+        ) from error
+    withheld = request.withheld and recognise(path) is None
+    return replace(request, path=path, origin=None, withheld=withheld)
+
+
+def bring(requests: Sequence[Request]) -> None:
+    """Fetch several files side by side; what cannot be fetched is told when it is read.
+
+    Parameters
+    ----------
+    requests : sequence of Request
+        The files; those of this machine are left alone.
+    """
+    afar = {request.origin for request in requests if request.origin is not None}
+    if not afar:
+        return
+
+    def fetch(origin: Origin) -> None:
+        try:
+            local_copy(origin)
+        except DataError:
+            return
+
+    with ThreadPoolExecutor(min(AT_ONCE, len(afar))) as pool:
+        list(pool.map(fetch, afar))
 
 
 DOUBTFUL: Final = "doubtful: "
@@ -47,28 +89,11 @@ DOUBTFUL: Final = "doubtful: "
 class Context:
     """What the numbers of a run must be seen with to become SI.
 
-    Parameters
-    ----------
-    ship, water : Ship, Water
-        Particulars.
-    speed : float
-        Speed of the run [m/s].
-    frame : Frame
-        Axes, signs and system of the source.
-    corrections : tuple of Correction
-        Those that apply to the run.
-    notes : tuple of str
-        Conversions of the settings, in words.
-    antenna : tuple of float
-        Place of the antenna of a free-running record, forward of midship and to starboard [m].
-    solver : Solver
-        What the forces of a CFD refer to.
-    test : str
-        Kind of test.
-    settings : Settings or None
-        What it was set to.
-    struts : Struts or None
-        The mechanism that swings the model.
+    `speed`: speed of the run [m/s]. `frame`: axes, signs and system of the source.
+    `corrections`: those that apply to the run. `notes`: conversions of the settings, in words.
+    `antenna`: place of the antenna of a free-running record, forward of midship and to
+    starboard [m]. `solver`: what the forces of a CFD refer to. `settings`: what it was set to.
+    `struts`: the mechanism that swings the model.
     """
 
     ship: Ship
@@ -195,22 +220,10 @@ def _motion_of(request: Request, context: Context) -> dict[str, Array]:
 class RowLoader:
     """Gives a row of a table, or its rows that are samples, read when the campaign was opened.
 
-    Parameters
-    ----------
-    request : Request
-        The file the row stands in.
-    kind : {"means", "harmonics", "history"}
-        What the row holds, or the rows.
-    values : mapping of str to float or tuple of float
-        Channels, means and parts of harmonics after conversion of units; of a history its samples.
-    dimensional : frozenset of str
-        Those whose unit was stated.
-    turned : bool
-        Whether the motion of the test changes sign with the axes.
-    context : Context
-        How to make them SI.
-    notes : tuple of str
-        Conversions of units.
+    `request`: the file the row stands in. `kind`: what the row holds, or the rows. `values`:
+    channels, means and parts of harmonics after conversion of units; of a history its samples.
+    `dimensional`: those whose unit was stated. `turned`: whether the motion of the test changes
+    sign with the axes. `context`: how to make them SI.
     """
 
     request: Request
@@ -249,27 +262,7 @@ def dataset(
     turned: bool = False,
     motion: Mapping[str, Array] | None = None,
 ) -> xr.Dataset:
-    """Channels in SI, ship axes and our signs as a Dataset, with every conversion in ``attrs``.
-
-    Parameters
-    ----------
-    kind : {"history", "means", "harmonics"}
-        What the values are.
-    values : mapping of str to array
-        After conversion of units.
-    context : Context
-        How to make them SI.
-    notes : sequence of str
-        Conversions made before.
-    request : Request
-        The file, for messages.
-    dimensional : frozenset of str
-        Names whose unit was stated.
-    turned : bool
-        For harmonics: whether the motion changes sign with the axes.
-    motion : mapping of str to array, optional
-        Path of the hull from a file of its own.
-    """
+    """Channels in SI, ship axes and our signs as a Dataset, with every conversion in ``attrs``."""
     import xarray as xr
 
     said = [*context.notes, *notes]

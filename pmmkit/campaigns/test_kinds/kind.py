@@ -43,13 +43,9 @@ ShipMotion = Mapping[str, float | Array]
 class Swing:
     """A motion that oscillates.
 
-    Parameters
-    ----------
-    displacement, velocity : str
-        Channels of the displacement (``x``, ``y``, ``psi``; ``delta`` of the rudder) and of its
-        rate (``u``, ``v``, ``r``; empty for the rudder, whose rate is no channel).
-    amplitude : str
-        The setting that is the amplitude of the displacement.
+    `displacement, velocity`: channels of the displacement (``x``, ``y``, ``psi``; ``delta`` of
+    the rudder) and of its rate (``u``, ``v``, ``r``; empty for the rudder, whose rate is no
+    channel). `amplitude`: the setting that is the amplitude of the displacement.
     """
 
     displacement: str
@@ -67,14 +63,8 @@ RUDDER: Final = Swing(displacement="delta", velocity="", amplitude="rudder_ampli
 class PhaseChannel:
     """A channel that tells the phase θ of an oscillating test.
 
-    Parameters
-    ----------
-    channel : str
-        Its name.
-    with_cosine : bool
-        Whether it goes with cos θ, as velocities do; else with sin θ.
-    amplitude : str
-        The setting whose sign it has.
+    `with_cosine`: whether it goes with cos θ, as velocities do; else with sin θ. `amplitude`:
+    the setting whose sign it has.
     """
 
     channel: str
@@ -103,7 +93,7 @@ class NominalMotion:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fit:
+class KindFit:
     """The fit of derivatives to tests of one kind alone.
 
     Parameters
@@ -142,7 +132,7 @@ class TestKind:
     told_by : tuple of PhaseChannel
         Channels that tell the phase, the best first; by default displacement and velocity of the
         first swing.
-    fit : Fit, optional
+    fit : KindFit, optional
         Which derivatives tests of this kind tell by themselves; absent where they tell too little.
     quasi_steady : float
         ω' = ωL/U up to which the test counts as quasi-steady [-].
@@ -179,7 +169,7 @@ class TestKind:
     swings: tuple[Swing, ...] = ()
     motion: NominalMotion = NominalMotion()
     told_by: tuple[PhaseChannel, ...] = ()
-    fit: Fit | None = None
+    fit: KindFit | None = None
     quasi_steady: float = math.inf
     propeller_stops: bool = False
     codes: tuple[str, ...] = ()

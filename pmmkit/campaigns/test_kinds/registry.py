@@ -7,11 +7,10 @@ from functools import cache
 from types import MappingProxyType
 from typing import Final
 
+from pmmkit.base import UnknownNameError, offered
 from pmmkit.campaigns.test_kinds import free_running, oscillating, steady
 from pmmkit.campaigns.test_kinds.kind import TestKind
-from pmmkit.channels import did_you_mean
-from pmmkit.errors import UnknownNameError
-from pmmkit.plugins import offered
+from pmmkit.conventions import did_you_mean
 
 BUILT_IN: Final[Mapping[str, TestKind]] = MappingProxyType(
     {kind.name: kind for kind in (*steady.KINDS, *oscillating.KINDS, *free_running.KINDS)}

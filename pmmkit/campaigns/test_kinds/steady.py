@@ -16,7 +16,13 @@ from typing import Final
 import numpy as np
 
 from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.test_kinds.kind import Fit, NominalMotion, ShipMotion, TankMotion, TestKind
+from pmmkit.campaigns.test_kinds.kind import (
+    KindFit,
+    NominalMotion,
+    ShipMotion,
+    TankMotion,
+    TestKind,
+)
 from pmmkit.numerics import Array
 
 
@@ -83,7 +89,7 @@ STATIC_DRIFT: Final = TestKind(
     needs=("drift",),
     varies=("v",),
     motion=STRAIGHT,
-    fit=Fit(factors=("u", "v", "T")),
+    fit=KindFit(factors=("u", "v", "T")),
     codes=("SD", "SDT", "OT", "OTT"),
     phrase=r"\b(?:static|steady) ?drift\b|\boblique\b|\bdrift\b",
     shares={"drift": (0.25, 0.5, 1.0)},
@@ -96,7 +102,7 @@ STATIC_HEEL: Final = TestKind(
     needs=("heel",),
     varies=("phi",),
     motion=STRAIGHT,
-    fit=Fit(factors=("u", "v", "phi", "T")),
+    fit=KindFit(factors=("u", "v", "phi", "T")),
     codes=("SH",),
     phrase=r"\bheel(?:ed)?\b",
     shares={"heel": (0.5, 1.0)},
@@ -108,7 +114,7 @@ STATIC_RUDDER: Final = TestKind(
     needs=("rudder",),
     varies=("delta",),
     motion=STRAIGHT,
-    fit=Fit(factors=("u", "d", "T")),
+    fit=KindFit(factors=("u", "d", "T")),
     codes=("RS", "SR", "SRT"),
     phrase=r"\b(?:static|steady) ?rudder\b|\brudder (?:angle|test)\b",
     shares={"rudder": (0.4, 1.0)},
@@ -121,7 +127,7 @@ DRIFT_RUDDER: Final = TestKind(
     needs=("drift", "rudder"),
     varies=("v", "delta"),
     motion=STRAIGHT,
-    fit=Fit(factors=("u", "v", "d", "T"), beside=(STATIC_DRIFT.name, STATIC_RUDDER.name)),
+    fit=KindFit(factors=("u", "v", "d", "T"), beside=(STATIC_DRIFT.name, STATIC_RUDDER.name)),
     codes=("DR",),
     phrase=r"\bdrift\b.*\brudder\b",
     shares={"drift": (0.5, 1.0), "rudder": (0.8,)},
@@ -135,7 +141,7 @@ CIRCULAR_MOTION: Final = TestKind(
     takes=("drift",),
     varies=("v", "r"),
     motion=NominalMotion(ship=circle),
-    fit=Fit(factors=("u", "v", "r", "T")),
+    fit=KindFit(factors=("u", "v", "r", "T")),
     codes=("CM", "CMT"),
     phrase=r"\bcircular\b|\brotating ?arm\b|\bcmt\b",
 )

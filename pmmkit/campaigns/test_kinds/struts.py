@@ -105,20 +105,7 @@ def place_on_struts(
 ) -> dict[str, Array]:
     """Place and heading of the hull from the recorded positions of its struts.
 
-    Parameters
-    ----------
-    y_forward, y_aft : array (n,)
-        Positions of the struts across the tank [m].
-    struts : Struts
-        The mechanism.
-    turned : float
-        Heading to which the model is turned on the struts where both stand at one y [rad].
-
-    Returns
-    -------
-    dict of str to array (n,)
-        ``x``, ``y`` [m] of the point whose motion is meant, from where it lies with both struts at
-        y = 0, and the heading ``psi`` [rad].
+    y_forward, y_aft [m].
 
     Examples
     --------
@@ -138,23 +125,8 @@ def place_on_struts(
 
 
 def swung(settings: Settings, theta: Array, *, lags: bool) -> Mapping[str, Array]:
-    """Place, velocities and accelerations in tank axes of a hull on struts, exact in every angle.
-
-    Parameters
-    ----------
-    settings : Settings
-        With ``strut_spacing``; absent amplitudes count as zero.
-    theta : array (n,)
-        Phases θs: the point midway goes with sin θs, tan ψb with cos θs [rad].
-    lags : bool
-        Whether a positive ``yaw_amplitude`` means a heading with -cos θs, as in a test of both.
-
-    Returns
-    -------
-    mapping of str to array (n,)
-        ``x, y`` from rest, in axes that move with the carriage; ``xdot, ydot, xddot, yddot, psi,
-        r, rdot``.
-    """
+    """Place, velocities and accelerations in tank axes of a hull on struts, exact in every
+    angle."""
     spacing, omega = settings.strut_spacing or math.inf, settings.omega or 0.0
     sine, cosine = np.sin(theta), np.cos(theta)
     midway = settings.amplitude or 0.0

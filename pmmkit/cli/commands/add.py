@@ -14,9 +14,9 @@ from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Force, Out, results_file, results_folder
 from pmmkit.cli.records import (
     WINDOW,
-    Asked,
     Channels,
     Judged,
+    RecordOptions,
     Runs,
     Sensors,
     Shortest,
@@ -30,10 +30,10 @@ from pmmkit.cli.sessions import session_about
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign
-    from pmmkit.loop import Fall
+    from pmmkit.campaigns import Campaign
+    from pmmkit.diagnosis import Fall
     from pmmkit.models import Model
-    from pmmkit.simulation.track import Track
+    from pmmkit.simulation import Track
 
 
 EXAMPLE: Final = "pmmkit add model.toml nonlinear_added_mass --fit my-campaign -o model2.toml"
@@ -90,15 +90,13 @@ def add(
     force: Force = False,
 ) -> Outcome:
     """Add effects to a model, fit them together with it, and show how the error falls."""
-    from pmmkit.campaigns.several import sailing
-    from pmmkit.effects.grammar import own_effects
-    from pmmkit.effects.roll import ROLL_PART
+    from pmmkit.campaigns import sailing
+    from pmmkit.diagnosis import read_session, undone
+    from pmmkit.effects import ROLL_PART, own_effects
     from pmmkit.files import write_results
-    from pmmkit.loop.saved import read_session
-    from pmmkit.loop.session import undone
     from pmmkit.models import load_model, save_model
 
-    asked = Asked(
+    asked = RecordOptions(
         runs=runs,
         test_runs=test_runs,
         channels=channels,
@@ -166,12 +164,12 @@ def add(
     return marked(done, after)
 
 
-def _rolling(model: Model, campaign: Campaign, asked: Asked) -> Model:
+def _rolling(model: Model, campaign: Campaign, asked: RecordOptions) -> Model:
     """The model with a roll of its own, by the heel of free-running records."""
+    from pmmkit.base import DataError
     from pmmkit.cli.options import sensors_of
-    from pmmkit.effects.roll import ROLL_PART
-    from pmmkit.errors import DataError
-    from pmmkit.identification.roll import with_roll
+    from pmmkit.effects import ROLL_PART
+    from pmmkit.identification import with_roll
 
     if campaign.kind != "free-running":
         raise DataError(
@@ -190,7 +188,7 @@ def _rolling(model: Model, campaign: Campaign, asked: Asked) -> Model:
 
 
 def _files(fall: Fall, drawn: bool) -> list[tuple[str, Any]]:
-    from pmmkit.plotting.style import save
+    from pmmkit.plotting import save
 
     figure = [("error_fall.svg", partial(save, fall.plot()))] if drawn else []
     return [("error_fall.csv", fall.to_pandas()), *figure]
@@ -198,9 +196,9 @@ def _files(fall: Fall, drawn: bool) -> list[tuple[str, Any]]:
 
 def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, Track]:
     """Turning circles with both models at the middle speed of the tests; empty if they cannot."""
-    from pmmkit.errors import PmmkitError
-    from pmmkit.metrics import HARD_OVER
-    from pmmkit.simulation.simulate import simulate
+    from pmmkit.base import PmmkitError
+    from pmmkit.conventions import HARD_OVER
+    from pmmkit.simulation import simulate
 
     speeds = sorted({run.settings.speed for run in campaign.runs})
     ship = campaign.ship
@@ -218,7 +216,7 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, Track]:
 
 def _lengths(track: Track) -> dict[str, float]:
     """The measures of a turning circle in ship lengths."""
-    from pmmkit.simulation.manoeuvres.turning import LENGTHS
+    from pmmkit.simulation import LENGTHS
 
     return {key: track.metrics[key] for key in LENGTHS if key in track.metrics}
 
@@ -226,7 +224,7 @@ def _lengths(track: Track) -> dict[str, float]:
 def _words(
     fall: Fall | None, taken: str, rolled: Sequence[str], turns: Mapping[str, Track]
 ) -> list[str]:
-    from pmmkit.metrics import HARD_OVER
+    from pmmkit.conventions import HARD_OVER
 
     lines = [f"Taken out: {taken}.", ""] if taken else []
     lines += rolled

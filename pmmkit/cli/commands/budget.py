@@ -30,8 +30,7 @@ from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import Speed, approach
 
 if TYPE_CHECKING:
-    from pmmkit.reduction.budgets.budget import Budget
-    from pmmkit.reduction.budgets.grids import GridStudy
+    from pmmkit.reduction import Budget, GridStudy
 
 EXAMPLE: Final = "pmmkit budget my-campaign --of Yv,Nv"
 
@@ -89,14 +88,17 @@ def budget(
 ) -> Outcome:
     """Which source makes how much of the uncertainty: of derivatives, a manoeuvre, a grid."""
     from pmmkit.api import model_of
-    from pmmkit.campaigns.file.campaign_file import open_campaign
+    from pmmkit.base import shown
+    from pmmkit.campaigns import open_campaign
     from pmmkit.files import write_results
-    from pmmkit.plotting.style import save
-    from pmmkit.progress import shown
-    from pmmkit.reduction import reduce_campaign
-    from pmmkit.reduction.budgets.derivatives import derivative_budget
-    from pmmkit.reduction.budgets.grids import with_grids
-    from pmmkit.reduction.budgets.manoeuvres import imo_budget, manoeuvre_budget
+    from pmmkit.plotting import save
+    from pmmkit.reduction import (
+        derivative_budget,
+        imo_budget,
+        manoeuvre_budget,
+        reduce_campaign,
+        with_grids,
+    )
 
     if imo and manoeuvre is not None:
         raise typer.BadParameter("Give --manoeuvre or --imo, not both.")
@@ -154,8 +156,8 @@ def budget(
 
 
 def _study(grids: str | None, steps: str | None, formal_order: float) -> GridStudy | None:
-    from pmmkit.reduction.budgets.grids import grid_study
-    from pmmkit.tables import read_table
+    from pmmkit.models import read_table
+    from pmmkit.reduction import grid_study
 
     if (grids is None) != (steps is None):
         raise typer.BadParameter("--grids and --steps go together: three tables, three steps.")
@@ -169,9 +171,7 @@ def _study(grids: str | None, steps: str | None, formal_order: float) -> GridStu
 
 def _printed(budgets: list[Budget], names: list[str]) -> str:
     """What was asked of, wherever it stands; the last budget as a whole where nothing was."""
-    from pmmkit.presentation import text_of
-    from pmmkit.presentation.described import sections_of
-    from pmmkit.presentation.layout import Section
+    from pmmkit.presentation import Section, sections_of, text_of
 
     last = budgets[-1]
     if not names:

@@ -10,7 +10,7 @@ from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out
 
 if TYPE_CHECKING:
-    from pmmkit.checks import CheckFinding
+    from pmmkit.intake import CheckFinding
 
 
 EXAMPLE: Final = "pmmkit check my-campaign"
@@ -18,9 +18,9 @@ EXAMPLE: Final = "pmmkit check my-campaign"
 
 def check(campaign: Campaign, data: Data = None, out: Out = None) -> Outcome:
     """Look for data that contradict themselves; exit status 1 if some do."""
-    from pmmkit.campaigns.file.campaign_file import open_campaign
-    from pmmkit.checks import examine
+    from pmmkit.campaigns import open_campaign
     from pmmkit.files import check_folder, write_results
+    from pmmkit.intake import examine
 
     if out:
         check_folder(out)
@@ -41,7 +41,8 @@ def check(campaign: Campaign, data: Data = None, out: Out = None) -> Outcome:
 
 def _files(findings: Sequence[CheckFinding]) -> Iterator[tuple[str, str]]:
     """Figures and tables of the findings that have numbers of each run."""
-    from pmmkit.figures import svg, zeros_at_rest
+    from pmmkit.plotting import svg
+    from pmmkit.views import zeros_at_rest
 
     for item in findings:
         if item.by_run:
@@ -50,9 +51,8 @@ def _files(findings: Sequence[CheckFinding]) -> Iterator[tuple[str, str]]:
 
 def _text(findings: Sequence[CheckFinding]) -> str:
     """Findings of the checks for people."""
-    from pmmkit.checks.finding import name_runs
-    from pmmkit.checks.zeros import zeros_grid
-    from pmmkit.presentation.layout import table_lines
+    from pmmkit.intake import name_runs, zeros_grid
+    from pmmkit.presentation import table_lines
 
     if not findings:
         return "The checks found nothing to say."

@@ -24,9 +24,9 @@ from pmmkit.cli.sea import (
 from pmmkit.cli.submissions import compare_tables, submitted
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign
-    from pmmkit.checks.finding import CheckFinding
-    from pmmkit.validation.comparison import Comparison
+    from pmmkit.campaigns import Campaign
+    from pmmkit.intake import CheckFinding
+    from pmmkit.validation import Comparison
 
 
 EXAMPLE: Final = "pmmkit compare model.toml my-campaign"
@@ -85,12 +85,11 @@ def compare(
     """Compare a model, or what was submitted, with tests: errors against their uncertainty."""
     from statistics import median
 
-    from pmmkit.campaigns.run import Campaign
+    from pmmkit.base import shown
+    from pmmkit.campaigns import Campaign
     from pmmkit.models import load_model
-    from pmmkit.progress import shown
-    from pmmkit.validation import comparison
-    from pmmkit.validation.free_running import as_tested
-    from pmmkit.validation.submission import compare_submission
+    from pmmkit.validation import as_tested, compare_submission
+    from pmmkit.validation import compare as compare_comparison
 
     folder = results_folder(out, f"{stem(campaign)}-compared")
     other = submitted(model, data)
@@ -112,7 +111,7 @@ def compare(
         pace = float(median([run.settings.speed for run in opened]))
         rough = carried(tested, sea, model, pace, waves_from_deg, wave_speeds)
     with shown() as progress:
-        found = comparison.compare(
+        found = compare_comparison(
             rough.model,
             opened,
             floor=floor,
@@ -127,7 +126,7 @@ def _chosen(
     path: Path, data: Path | None, runs: list[str] | None
 ) -> tuple[Campaign, tuple[CheckFinding, ...]]:
     """The tests, those that are wanted, and what the checks say of them."""
-    from pmmkit.identification.chosen import matching
+    from pmmkit.identification import matching
 
     opened, findings = sound_campaign(path, data)
     if runs:
@@ -144,7 +143,7 @@ def _written(
 ) -> Outcome:
     """The results of a comparison in their folder."""
     from pmmkit.files import write_results
-    from pmmkit.report import write_comparison
+    from pmmkit.views import write_comparison
 
     content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
     # A page is a map of runs: manoeuvres of a submission are told by their measures alone.
@@ -158,9 +157,9 @@ def _written(
 
 
 def _files(found: Comparison, content: Mapping[str, Any], drawn: bool) -> Iterator[tuple[str, Any]]:
-    from pmmkit.figures.comparison import comparison_figures
-    from pmmkit.plotting.style import figure_files
-    from pmmkit.validation.percent import errors_in_percent, measures_in_percent
+    from pmmkit.plotting import figure_files
+    from pmmkit.validation import errors_in_percent, measures_in_percent
+    from pmmkit.views import comparison_figures
 
     if found.captive or found.free:
         yield "comparison.csv", found.to_pandas()

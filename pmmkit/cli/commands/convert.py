@@ -16,7 +16,7 @@ from pmmkit.cli.outputs import Out, results_file
 EXAMPLE: Final = "pmmkit convert derivatives.csv --system bis --format xlsx"
 
 
-class Format(StrEnum):
+class TableFormat(StrEnum):
     """Format of a derivative table."""
 
     csv = "csv"
@@ -31,13 +31,13 @@ def convert(
     coriolis: Annotated[str | None, typer.Option(help="in-derivatives or separate.")] = None,
     sway: Annotated[str | None, typer.Option(help="v or beta.")] = None,
     surge: Annotated[str | None, typer.Option(help="u or constant.")] = None,
-    format: Annotated[Format | None, typer.Option(help="That of the table if absent.")] = None,
+    format: Annotated[TableFormat | None, typer.Option(help="That of the table if absent.")] = None,
     out: Out = None,
 ) -> Outcome:
     """Convert a table between systems, conventions and file formats."""
-    from pmmkit.errors import FileExists
+    from pmmkit.base import FileExists
     from pmmkit.files import check_folder
-    from pmmkit.tables import converted, read_table, write_table
+    from pmmkit.models import converted, read_table, write_table
 
     changes = stated(system=system, coriolis=coriolis, sway=sway, surge=surge)
     known = read_table(table)

@@ -31,10 +31,10 @@ from pmmkit.cli.output import Outcome, marked, say, warned
 from pmmkit.cli.outputs import Force, Out, results_folder
 from pmmkit.cli.records import (
     WINDOW,
-    Asked,
     Candidates,
     Channels,
     Judged,
+    RecordOptions,
     Runs,
     Sensors,
     Shortest,
@@ -44,13 +44,13 @@ from pmmkit.cli.records import (
     Window,
     errors_table,
 )
-from pmmkit.escaping import quoted
+from pmmkit.presentation import quoted
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign as Tests
-    from pmmkit.checks.finding import CheckFinding
-    from pmmkit.diagnosis.findings import Diagnosis
-    from pmmkit.executors import Workers
+    from pmmkit.base import Workers
+    from pmmkit.campaigns import Campaign as Tests
+    from pmmkit.diagnosis import Diagnosis
+    from pmmkit.intake import CheckFinding
 
 EXAMPLE: Final = "pmmkit diagnose cubic my-campaign"
 Base = Annotated[
@@ -91,10 +91,10 @@ def diagnose(
     force: Force = False,
 ) -> Outcome:
     """Name the effect, or the fault of the measurement, that the model lacks."""
-    from pmmkit.errors import DataError
+    from pmmkit.base import DataError
     from pmmkit.files import write_results
 
-    asked = Asked(
+    asked = RecordOptions(
         candidates=candidates,
         runs=runs,
         test_runs=test_runs,
@@ -201,9 +201,9 @@ def _of_captive_tests(
     given: Sequence[str],
     drawn: bool,
 ) -> _Answer:
-    from pmmkit.effects.grammar import own_effects
-    from pmmkit.loop.session import begin
-    from pmmkit.report.loop import loop_of, write_diagnosis
+    from pmmkit.diagnosis import begin
+    from pmmkit.effects import own_effects
+    from pmmkit.views import loop_of, write_diagnosis
 
     session = begin(
         model,
@@ -233,15 +233,15 @@ def _of_records(
     name: str,
     campaign: Tests,
     checked: Sequence[CheckFinding],
-    asked: Asked,
+    asked: RecordOptions,
     executor: Workers,
     *,
     floor: float | None,
     drawn: bool,
 ) -> _Answer:
-    from pmmkit.loop.session import begin
+    from pmmkit.diagnosis import begin
     from pmmkit.models import load_model
-    from pmmkit.report import write_free_diagnosis
+    from pmmkit.views import write_free_diagnosis
 
     model = load_model(name)
     used, kept = asked.chosen(campaign, model)
@@ -281,7 +281,7 @@ def _of_records(
 
 def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
     from pmmkit.models import save_model
-    from pmmkit.plotting.style import save
+    from pmmkit.plotting import save
 
     for name, made in (("model", found.model), ("model_refitted", found.refitted)):
         if made is not None:
@@ -295,8 +295,8 @@ def _next(
     model: str, campaign: Path, found: Diagnosis, given: Sequence[str], *, data: str, options: str
 ) -> list[str]:
     """The command that puts the findings into the model, or plans the run that decides."""
+    from pmmkit.conventions import structures
     from pmmkit.files import first_free, free_folder
-    from pmmkit.structures import structures
 
     base, tests = quoted(Path(model)), quoted(campaign)
     advice = f"pmmkit plan {base} {tests}"

@@ -10,7 +10,7 @@ import typer
 from pmmkit.cli.output import Outcome
 
 if TYPE_CHECKING:
-    from pmmkit.effects.effect import Effect
+    from pmmkit.effects import Effect
 
 EXAMPLE: Final = "pmmkit effects crossflow_drag"
 
@@ -22,7 +22,7 @@ def effects(
     ] = None,
 ) -> Outcome:
     """The catalogue of effects that models are made of."""
-    from pmmkit.effects.catalogue import catalogue
+    from pmmkit.effects import catalogue
 
     asked = list(dict.fromkeys(x for name in names or [""] for x in _named(name)))
     found = [catalogue()[name] for name in asked]
@@ -35,7 +35,7 @@ def effects(
 
 def _named(text: str) -> list[str]:
     """The effect of a name, else those whose names hold it."""
-    from pmmkit.effects.catalogue import catalogue, effect_of
+    from pmmkit.effects import catalogue, effect_of
 
     every = catalogue()
     word = text.lower()

@@ -11,7 +11,7 @@ import typer
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import WAYS, TypedSpeed, typed
-from pmmkit.empirical import METHODS, Estimate, Method, StraightLine
+from pmmkit.models import METHODS, EmpiricalMethod, HullEstimate, StraightLine
 from pmmkit.presentation import ABSENT, WIDE, aligned, fixed, with_uncertainty
 
 EXAMPLE: Final = (
@@ -44,12 +44,12 @@ def estimate(
     """A model from particulars alone, and its linear derivatives by every method."""
     import pandas as pd
 
-    from pmmkit import empirical
-    from pmmkit.files import write_results
-    from pmmkit.models import estimated_model, save_model
-    from pmmkit.ship import Ship, Water
-    from pmmkit.simulation.simulate import simulate
-    from pmmkit.toml_files import MODEL
+    from pmmkit.conventions import Ship, Water
+    from pmmkit.files import MODEL, write_results
+    from pmmkit.models import METHODS as METHODS_empirical
+    from pmmkit.models import estimate as estimate_empirical
+    from pmmkit.models import estimated_model, save_model, straight_line
+    from pmmkit.simulation import simulate
 
     folder = results_folder(out, f"{name}-estimate")
     water = Water()
@@ -69,11 +69,11 @@ def estimate(
     model = estimated_model(
         ship, method, speed=service, propeller_diameter=propeller, rudder_area=rudder, water=water
     )
-    found = {item: empirical.estimate(ship, item) for item in empirical.METHODS}
+    found = {item: estimate_empirical(ship, item) for item in METHODS_empirical}
     track = simulate(model, "turning", speed=service)
     turn = track.metrics
     warnings = [*track.notes, *track.standing.sentences]
-    straight = {item: empirical.straight_line(guess, ship) for item, guess in found.items()}
+    straight = {item: straight_line(guess, ship) for item, guess in found.items()}
     rows = [_row(item, guess, straight[item]) for item, guess in found.items()]
     write_results(
         folder, [(MODEL.file, partial(save_model, model)), ("estimates.csv", pd.DataFrame(rows))]
@@ -111,7 +111,7 @@ def estimate(
     )
 
 
-def _row(method: str, guess: Estimate, straight: StraightLine) -> dict[str, str | float]:
+def _row(method: str, guess: HullEstimate, straight: StraightLine) -> dict[str, str | float]:
     """An estimate as a row of a table."""
     return {
         "method": method,
@@ -127,13 +127,13 @@ def _row(method: str, guess: Estimate, straight: StraightLine) -> dict[str, str 
     }
 
 
-def _told(guess: Estimate, name: str) -> str:
+def _told(guess: HullEstimate, name: str) -> str:
     if name not in guess.values:
         return ABSENT
     return with_uncertainty(guess.values[name], WIDE * guess.std[name], "plus-minus")
 
 
-def _linear(found: Mapping[str, Estimate]) -> str:
+def _linear(found: Mapping[str, HullEstimate]) -> str:
     """The linear derivatives by every method."""
     rows = [
         [item, guess.convention.system, guess.convention.sway, *(_told(guess, x) for x in LINEAR)]
@@ -157,13 +157,13 @@ def _stability(straight: Mapping[str, StraightLine]) -> str:
     return aligned(["method", "lever of yaw", "of sway", "C × 10⁶", "straight line"], rows)
 
 
-def _values(guess: Estimate) -> str:
+def _values(guess: HullEstimate) -> str:
     """All values of the method that the model is made by."""
     rows = [[name, _told(guess, name)] for name in guess.values]
     return aligned(["", "value"], rows)
 
 
-def _grounds(guess: Estimate, method: Method) -> str:
+def _grounds(guess: HullEstimate, method: EmpiricalMethod) -> str:
     """From what the uncertainties of the values were found, exceptions first."""
     grounds: dict[str, list[str]] = {}
     for name in guess.values:

@@ -23,7 +23,7 @@ class Interface(StrEnum):
     two = "2"
 
 
-class Format(StrEnum):
+class ExportFormat(StrEnum):
     """What other programs read."""
 
     mss = "mss"
@@ -45,7 +45,7 @@ def export(
         ),
     ],
     to: Annotated[
-        Format | None,
+        ExportFormat | None,
         typer.Option(help="What to write; the ending of the output says it if absent."),
     ] = None,
     output: Annotated[
@@ -69,9 +69,8 @@ def export(
     ] = False,
 ) -> Outcome:
     """Write a model, table, campaign or track for MATLAB, Simulink, Excel, SIMMAN and others."""
-    from pmmkit import exports
-    from pmmkit.exports.subject import read_subject
-    from pmmkit.exports.write import ENDINGS, file_name
+    from pmmkit.exports import ENDINGS, file_name, read_subject
+    from pmmkit.exports import export as export_exports
     from pmmkit.models import Model
 
     default: str | Path = ""
@@ -87,7 +86,7 @@ def export(
     if speed is not None:
         known = isinstance(subject, Model)
         pace = speed.of(subject.ship, subject.water) if known else speed.without_ship()
-    files = exports.export(
+    files = export_exports(
         what,
         target,
         to.value if to else None,
@@ -97,7 +96,7 @@ def export(
         compile=compile,
     )
     lines = [f"{target}: {len(files)} files." if target.is_dir() else f"Written: {target}"]
-    if target.suffix == ENDINGS[Format.fmu.value]:
+    if target.suffix == ENDINGS[ExportFormat.fmu.value]:
         lines += _of_fmu(what, pace, compile=compile)
     done = Outcome(content={"files": [str(file) for file in files]}, lines=lines)
     return marked(done, subject) if isinstance(subject, Model) else done
@@ -105,7 +104,7 @@ def export(
 
 def _of_fmu(what: str, speed: float | None, *, compile: bool) -> list[str]:
     """What a user of an FMU asks next: how the ship begins, and whether there is a library."""
-    from pmmkit.exports.fmu.unit import approach_of
+    from pmmkit.exports import approach_of
     from pmmkit.models import load_model
 
     model = load_model(what)

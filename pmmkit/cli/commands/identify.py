@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.channels import did_you_mean
 from pmmkit.cli.options import (
     Campaign,
     Data,
@@ -24,19 +23,18 @@ from pmmkit.cli.options import (
 )
 from pmmkit.cli.output import Outcome, marked, warned
 from pmmkit.cli.outputs import Force, Out, results_folder
+from pmmkit.conventions import did_you_mean
 
 if TYPE_CHECKING:
-    from pmmkit.checks import CheckFinding
-    from pmmkit.identification.chosen import Chosen
-    from pmmkit.identification.comparing import MethodComparison
-    from pmmkit.identification.smoother import Smoothed
+    from pmmkit.identification import Chosen, MethodComparison, Smoothed
     from pmmkit.inference import Consistency
+    from pmmkit.intake import CheckFinding
 
 
 EXAMPLE: Final = "pmmkit identify my-zigzags --model kvlcc2-l7 --derivatives 'Yv Yr Nv Nr'"
 
 
-class Method(StrEnum):
+class IdentificationChoice(StrEnum):
     """A method of identification, or all of them."""
 
     ekf = "ekf"
@@ -66,12 +64,12 @@ def identify(
         ),
     ],
     method: Annotated[
-        Method,
+        IdentificationChoice,
         typer.Option(
             help="all compares the methods that take seconds; posterior draws, in minutes (pip "
             "install 'pmmkit[posterior]')."
         ),
-    ] = Method.ekf,
+    ] = IdentificationChoice.ekf,
     derivatives: Annotated[
         str | None,
         typer.Option(
@@ -151,18 +149,20 @@ def identify(
     force: Force = False,
 ) -> Outcome:
     """Identify derivatives from free-running records, and predict runs that were held out."""
-    from pmmkit.errors import UnknownNameError
+    from pmmkit.base import UnknownNameError, shown
     from pmmkit.files import write_results
-    from pmmkit.identification.chosen import chosen_records
-    from pmmkit.identification.comparing import compare_methods
-    from pmmkit.identification.consistency import consistency
-    from pmmkit.identification.filters import Filtered
-    from pmmkit.identification.known import known_before, parameters_of
-    from pmmkit.identification.methods import SECONDS
-    from pmmkit.identification.predict import reference
-    from pmmkit.identification.record import CHANNELS
+    from pmmkit.identification import (
+        CHANNELS,
+        SECONDS,
+        Filtered,
+        chosen_records,
+        compare_methods,
+        consistency,
+        known_before,
+        parameters_of,
+        reference,
+    )
     from pmmkit.models import load_model
-    from pmmkit.progress import shown
 
     if spread is not None and spread <= 0.0:
         raise typer.BadParameter(f"--spread {spread:g}: it is a positive share, such as 0.3.")
@@ -200,14 +200,14 @@ def identify(
             base,
             used.records,
             names,
-            methods=SECONDS if method is Method.all else (method.value,),
+            methods=SECONDS if method is IdentificationChoice.all else (method.value,),
             references=references,
             window=window,
             prior=before,
             sensors=stds,
             extrapolate=extrapolate,
             settings={
-                Method.posterior.value: {
+                IdentificationChoice.posterior.value: {
                     "seed": seed,
                     "executor": where(workers, scheduler),
                     **({} if steps is None else {"steps": steps}),
@@ -250,11 +250,10 @@ class _Work:
 
 
 def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterator[tuple[str, Any]]:
-    from pmmkit.figures import identification as figures
-    from pmmkit.identification.comparing import BEFORE, predicted_window
-    from pmmkit.identification.posterior import Posterior, write_posterior
+    from pmmkit.identification import BEFORE, Posterior, predicted_window, write_posterior
     from pmmkit.models import save_model
-    from pmmkit.plotting.style import save
+    from pmmkit.plotting import save
+    from pmmkit.views import innovation_figure, parameter_histories, window_figure
 
     found, records = work.found, work.used.records
     yield "identified.csv", found.parameters()
@@ -268,9 +267,9 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
     yield "parameters.svg", partial(save, found.plot())
     for name in work.tests:
         detail = found.found[name].detail
-        drawn = figures.parameter_histories(detail, records, found.model.convention)
+        drawn = parameter_histories(detail, records, found.model.convention)
         yield f"history_{name}.svg", partial(save, drawn)
-        drawn = figures.innovation_figure(detail, records)
+        drawn = innovation_figure(detail, records)
         yield f"innovations_{name}.svg", partial(save, drawn)
     for item in found.found.values():
         if isinstance(item.detail, Posterior):
@@ -284,12 +283,11 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
         extrapolate=extrapolate,
         currents=found.currents,
     )
-    yield "prediction.svg", partial(save, figures.window_figure(sailed))
+    yield "prediction.svg", partial(save, window_figure(sailed))
 
 
 def _content(work: _Work) -> dict[str, Any]:
-    from pmmkit.identification.comparing import BEFORE, UNITS
-    from pmmkit.identification.posterior import Posterior
+    from pmmkit.identification import BEFORE, UNITS, Posterior
 
     found = work.found
     predictions = {

@@ -16,7 +16,7 @@ from pmmkit.presentation import counted, text_of
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pmmkit.simulation.imo import Verdict
+    from pmmkit.simulation import Verdict
 
 EXAMPLE: Final = "pmmkit imo kvlcc2 --speed 8 --spread 0.05"
 
@@ -60,8 +60,8 @@ def imo(
     """Judge a ship by every criterion of IMO MSC.137(76), to both sides."""
     from pmmkit.files import write_results
     from pmmkit.models import load_model
-    from pmmkit.report.imo_form import PAGE, form_files, form_of_model, read_stated
-    from pmmkit.simulation.imo import imo_verdicts, verdict_sections
+    from pmmkit.simulation import imo_verdicts, verdict_sections
+    from pmmkit.views import PAGE, form_files, form_of_model, read_stated
 
     folder = results_folder(out, f"{stem(model)}-imo")
     loaded = load_model(model)

@@ -10,10 +10,10 @@ import typer
 
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out
-from pmmkit.escaping import quoted
+from pmmkit.presentation import quoted
 
 if TYPE_CHECKING:
-    from pmmkit.inspection import Look
+    from pmmkit.intake import Look
 
 
 EXAMPLE: Final = "pmmkit inspect my-files"
@@ -25,9 +25,7 @@ def inspect(
 ) -> Outcome:
     """Say what a file or a folder holds: format, columns, units, and what they probably are."""
     from pmmkit.files import check_folder
-    from pmmkit.inspection import look
-    from pmmkit.inspection.content import look_content
-    from pmmkit.inspection.words import look_lines
+    from pmmkit.intake import look, look_content, look_lines
 
     if out:
         check_folder(out)
@@ -42,10 +40,10 @@ def inspect(
 
 
 def _write(found: Look, out: Path) -> list[str]:
-    from pmmkit.figures.inspecting import first_look
     from pmmkit.files import write_results
-    from pmmkit.inspection.content import columns_csv
-    from pmmkit.plotting.style import save
+    from pmmkit.intake import columns_csv
+    from pmmkit.plotting import save
+    from pmmkit.views import first_look
 
     results: list[tuple[str, Any]] = []
     if found.groups:

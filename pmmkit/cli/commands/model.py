@@ -64,9 +64,13 @@ def model(
     --because 'as built' · pmmkit model replace model.toml propeller --from kvlcc2
     """
     from pmmkit.files import write_results
-    from pmmkit.models import load_model, save_model
-    from pmmkit.models.astern import with_estimated_astern
-    from pmmkit.models.revise import with_part_of, with_stated
+    from pmmkit.models import (
+        load_model,
+        save_model,
+        with_estimated_astern,
+        with_part_of,
+        with_stated,
+    )
 
     loaded = load_model(model)
     words = list(what or ())
@@ -95,8 +99,8 @@ def model(
 
 def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
     """The model's page, and what it lacks for a simulation."""
-    from pmmkit.equations.prepared import missing_parts
-    from pmmkit.models.model import place_name
+    from pmmkit.models import place_name
+    from pmmkit.simulation import missing_parts
 
     lacks = missing_parts(model)
     said = (

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from pmmkit.cli.output import Outcome
-from pmmkit.escaping import quoted
+from pmmkit.presentation import quoted
 
 if TYPE_CHECKING:
-    from pmmkit.inspection.drafts.draft import Draft
+    from pmmkit.intake import Draft
 
 
 EXAMPLE: Final = "pmmkit new-campaign my-files --ship s175"
@@ -31,12 +31,10 @@ def new_campaign(
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
 ) -> Outcome:
     """Draft a campaign.toml from the files of a folder, for a person to check and complete."""
-    from pmmkit.campaigns.file.campaign_file import FILE_NAME
-    from pmmkit.errors import FileExists
+    from pmmkit.base import FileExists
+    from pmmkit.campaigns import FILE_NAME
     from pmmkit.files import write_text
-    from pmmkit.inspection.drafts.draft import draft_of
-    from pmmkit.inspection.drafts.propose import proposed
-    from pmmkit.inspection.drafts.write import written
+    from pmmkit.intake import draft_of, proposed, written
 
     beside = folder if folder.is_dir() or not folder.exists() else folder.parent
     target = beside / FILE_NAME if out is None else out

@@ -8,19 +8,17 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from pmmkit.base import DataError
 from pmmkit.cli.options import Data, Given, stated, stem, words
 from pmmkit.cli.output import Outcome, marked, say
 from pmmkit.cli.outputs import Out, results_folder
-from pmmkit.cli.records import Asked
+from pmmkit.cli.records import RecordOptions
 from pmmkit.cli.speeds import TypedSpeed, typed_list
-from pmmkit.errors import DataError
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign
-    from pmmkit.test_planning.advice import Advice
-    from pmmkit.test_planning.options import Limits, Option
-    from pmmkit.test_planning.programme import Plan
+    from pmmkit.campaigns import Campaign
+    from pmmkit.diagnosis import Advice, Limits, Option, TestPlan
 
 
 EXAMPLE: Final = "pmmkit plan cubic my-campaign"
@@ -97,13 +95,13 @@ def plan(
     out: Out = None,
 ) -> Outcome:
     """The run or manoeuvre to make next, or a whole programme, before any test is made as well."""
-    from pmmkit.test_planning import programme
-    from pmmkit.test_planning.next_run import next_runs
+    from pmmkit.diagnosis import next_runs
+    from pmmkit.diagnosis import plan as plan_programme
 
     listed = None if speeds is None else typed_list(speeds)
     folder = results_folder(out, f"{stem(model if campaign is None else campaign)}-plan")
     opened = None if campaign is None else _opened(campaign, data, before)
-    of_records = Asked(
+    of_records = RecordOptions(
         runs=records, channels=channels, sensors=sensors, windage=windage, spread=spread
     )
     if opened is not None and opened.kind == "free-running":
@@ -134,7 +132,7 @@ def plan(
     if opened is not None and opened.runs and runs is None and hours is None:
         advice = next_runs(model, opened, **asked)
         return marked(_written(advice, _advice_lines(advice), folder), model)
-    made = programme.plan(model, opened, runs=runs, hours=hours, record_noise=record_noise, **asked)
+    made = plan_programme(model, opened, runs=runs, hours=hours, record_noise=record_noise, **asked)
     return marked(_written(made, _plan_lines(made), folder), model)
 
 
@@ -156,11 +154,9 @@ def _next_manoeuvre(
     speeds: Sequence[TypedSpeed] | None,
     effects: Sequence[str],
     floor: float | None,
-    asked: Asked,
+    asked: RecordOptions,
 ) -> Advice:
-    from pmmkit.diagnosis.diagnose import complete_model
-    from pmmkit.test_planning.manoeuvres import limits_of_records, next_manoeuvres
-    from pmmkit.test_planning.plan_file import read_plan_file
+    from pmmkit.diagnosis import complete_model, limits_of_records, next_manoeuvres, read_plan_file
 
     loaded = complete_model(model)
     used, _ = asked.chosen(campaign, loaded)
@@ -181,8 +177,8 @@ def _next_manoeuvre(
 
 
 def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
-    from pmmkit.campaigns.file.campaign_file import open_campaign
-    from pmmkit.errors import CampaignError
+    from pmmkit.base import CampaignError
+    from pmmkit.campaigns import open_campaign
 
     if before:
         return open_campaign(campaign, data=data, runs=False)
@@ -197,9 +193,8 @@ def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
 def _limits(
     campaign: Campaign | None, model: str, file: Path | None, speeds: Sequence[TypedSpeed] | None
 ) -> tuple[Limits | None, tuple[Option, ...] | None]:
+    from pmmkit.diagnosis import Limits, limits_of, read_plan_file
     from pmmkit.models import load_model
-    from pmmkit.test_planning.options import Limits, limits_of
-    from pmmkit.test_planning.plan_file import read_plan_file
 
     found = limits_of(campaign) if campaign is not None and campaign.runs else None
     tested = load_model(model) if campaign is None and (speeds or file) else campaign
@@ -214,9 +209,9 @@ def _limits(
     return read_plan_file(file, ship, found)
 
 
-def _written(found: Advice | Plan, lines: Sequence[str], folder: Path) -> Outcome:
+def _written(found: Advice | TestPlan, lines: Sequence[str], folder: Path) -> Outcome:
+    from pmmkit.diagnosis import entries_text
     from pmmkit.files import write_results
-    from pmmkit.test_planning.plan_file import entries_text
 
     results = [("plan.csv", found.to_pandas()), ("plan.toml", entries_text(found.options))]
     files = write_results(folder, results)
@@ -269,7 +264,7 @@ def _advice_lines(advice: Advice) -> list[str]:
     return lines
 
 
-def _plan_lines(made: Plan) -> list[str]:
+def _plan_lines(made: TestPlan) -> list[str]:
     head = (
         f"{made.made} tests are made and show {len(made.before)} of {len(made.sights)} effects. "
         if made.made

@@ -28,14 +28,12 @@ from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import aligned, counted, table_lines
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign as Opened
-    from pmmkit.executors import Workers
-    from pmmkit.models import Model
-    from pmmkit.models.build import Missing as Gaps
-    from pmmkit.observations.prepare import CycleChoice
-    from pmmkit.reduction import Reduction
-    from pmmkit.report import Loop, Reference, Turns
-    from pmmkit.tables import DerivativeTable
+    from pmmkit.base import Workers
+    from pmmkit.campaigns import Campaign as Opened
+    from pmmkit.models import DerivativeTable, Model, ReferenceTable
+    from pmmkit.models import Missing as Gaps
+    from pmmkit.reduction import CycleChoice, Reduction
+    from pmmkit.views import Loop, Turns
 
 EXAMPLE: Final = "pmmkit reduce my-campaign --parts s175-3dof"
 MOST: Final = 8
@@ -61,7 +59,7 @@ class OddRuns(StrEnum):
     refuse = "refuse"
 
 
-class Method(StrEnum):
+class ReductionChoice(StrEnum):
     """How derivatives are found, or all ways side by side."""
 
     regression = "regression"
@@ -84,13 +82,13 @@ def reduce(
     fn: Sets = "each",
     cycles: Cycles = None,
     method: Annotated[
-        Method,
+        ReductionChoice,
         typer.Option(
             help="One regression over all runs; harmonics and curve fits test by test; terms "
             "chosen among a library (sindy); a Kalman filter through the histories (ekf); all of "
             "them side by side."
         ),
-    ] = Method.regression,
+    ] = ReductionChoice.regression,
     library: Annotated[
         str | None,
         typer.Option(
@@ -199,42 +197,10 @@ def reduced(
 
     What was read of a large campaign is kept beside `out` until everything is written, so that
     the same call goes on after an interruption.
-
-    Parameters
-    ----------
-    campaign, data : Path
-        As for `open_campaign`.
-    out : Path
-        The folder of the results, which can be written.
-    structure, fn, cycles, method, library, fourier
-        As for `reduce_campaign`.
-    parts : str, optional
-        Library ship or model file whose propeller and rudder the model gets.
-    missing : {"estimate", "zero", "library", "refuse"}
-        What stands for derivatives that the tests do not give.
-    reference : str, optional
-        Library ship, model file or derivative table to compare with.
-    reference_name : str
-        Its name in the report.
-    asked : str, optional
-        A simpler structure: the report ends with what it lacks.
-    odd_runs, executor, memory
-        As for `reduce_campaign`.
-    title : str
-        Of the results; that of the campaign if empty.
-    force : bool
-        Make a model of derivatives that are not usable.
-
-    Returns
-    -------
-    Outcome
-        Files, table, findings, notes, the model or why there is none.
     """
-    from pmmkit.campaigns.depths import by_depth
-    from pmmkit.campaigns.file.campaign_file import open_campaign
+    from pmmkit.campaigns import by_depth, open_campaign
     from pmmkit.cli.depths import over_depths
-    from pmmkit.models import load_model
-    from pmmkit.report import reference_of
+    from pmmkit.models import load_model, reference_of
 
     opened = open_campaign(campaign, data=data)
     opened = opened.with_(title=title) if title else opened
@@ -269,19 +235,15 @@ def _at_one_depth(
     memory: float,
     donor: Model | None,
     missing: Gaps,
-    beside: Reference | None,
+    beside: ReferenceTable | None,
     asked: str | None,
     force: bool,
 ) -> tuple[Outcome, Reduction]:
     """Reduce runs in water of one depth and write everything."""
-    from pmmkit.progress import shown
-    from pmmkit.reduction import reduce_campaign
-    from pmmkit.reduction.agreement import differences
-    from pmmkit.reduction.choice import AUTO
-    from pmmkit.reduction.reading.resume import forget, resume_folder
-    from pmmkit.report import changes, loop_of
-    from pmmkit.report.results import write_reduction
-    from pmmkit.toml_files import MODEL
+    from pmmkit.base import shown
+    from pmmkit.files import MODEL
+    from pmmkit.reduction import AUTO, differences, forget, reduce_campaign, resume_folder
+    from pmmkit.views import changes, loop_of, write_reduction
 
     kept = resume_folder(out)
     with shown() as progress:
@@ -292,7 +254,7 @@ def _at_one_depth(
     why += why_not
     loop = None
     if asked:
-        from pmmkit.loop.session import begin  # half a second, for a demo alone
+        from pmmkit.diagnosis import begin  # half a second, for a demo alone
 
         say(f"Diagnosing what the structure {asked} lacks ...")
         base = f"one set of derivatives ({asked}) over all speeds"
@@ -350,7 +312,7 @@ def _model(
 ) -> tuple[Model | None, list[str]]:
     """The model and in words what of it these tests do not show, or why there is none."""
     from pmmkit.api import model_of
-    from pmmkit.errors import NotUsableError, PmmkitError
+    from pmmkit.base import NotUsableError, PmmkitError
 
     try:
         model = model_of(found, donor, missing=missing, force=force)
@@ -364,12 +326,12 @@ def _model(
 
 
 def _turns(
-    found: Reduction, model: Model | None, beside: Reference | None
+    found: Reduction, model: Model | None, beside: ReferenceTable | None
 ) -> tuple[Turns | None, list[str]]:
     """Turning circles, or why there are none."""
-    from pmmkit.errors import PmmkitError
-    from pmmkit.models.roles import lacking
-    from pmmkit.report import turns_of
+    from pmmkit.base import PmmkitError
+    from pmmkit.models import lacking
+    from pmmkit.views import turns_of
 
     if model is None or lacking(model):
         return None, []
@@ -397,7 +359,7 @@ def _methods(found: Reduction) -> dict[str, dict[str, Any]]:
 
 def _side_by_side(found: Reduction) -> list[str]:
     """How far the methods are apart, and why."""
-    from pmmkit.reduction.agreement import differences, worst
+    from pmmkit.reduction import differences, worst
 
     lines = []
     for name, estimate in found.estimates.items():
@@ -418,9 +380,9 @@ def _side_by_side(found: Reduction) -> list[str]:
 
 
 def _words(
-    found: Reduction, beside: Reference | None, turns: Turns | None, why: Sequence[str]
+    found: Reduction, beside: ReferenceTable | None, turns: Turns | None, why: Sequence[str]
 ) -> list[str]:
-    from pmmkit.metrics import HARD_OVER
+    from pmmkit.conventions import HARD_OVER
 
     reasons = found.verdict.reasons
     doubts = ["Doubts:", *(f"  - {reason}" for reason in reasons), ""] if reasons else []
@@ -445,33 +407,19 @@ def _words(
     return lines
 
 
-def headline(table: DerivativeTable, beside: Reference | None) -> str:
-    """The table in plain text: a row per derivative, a column per Froude number.
-
-    Parameters
-    ----------
-    table : DerivativeTable
-        Our values.
-    beside : Reference or None
-        Values to compare with.
-    """
-    from pmmkit.report.tables import reference_values
+def headline(table: DerivativeTable, beside: ReferenceTable | None) -> str:
+    """The table in plain text: a row per derivative, a column per Froude number."""
+    from pmmkit.views import reference_values
 
     values = (beside.name, reference_values(table, beside)) if beside else None
     return "\n".join(table_lines(table.grid(beside=values)))
 
 
 def turn_table(turns: Turns) -> str:
-    """The measures of the turning circle in plain text.
-
-    Parameters
-    ----------
-    turns : Turns
-        Turns at several speeds.
-    """
+    """The measures of the turning circle in plain text."""
     from pmmkit.presentation import fixed, percent
-    from pmmkit.report import changes
-    from pmmkit.simulation.manoeuvres.turning import LENGTHS
+    from pmmkit.simulation import LENGTHS
+    from pmmkit.views import changes
 
     moved = changes(turns.tracks)
     rows = [

@@ -29,13 +29,13 @@ MOST: Final = 6
 """Keys that are named on the screen."""
 
 
-class Standard(StrEnum):
+class ReportStandard(StrEnum):
     """What a report is structured after."""
 
     ittc = "ittc"
 
 
-class Format(StrEnum):
+class ReportFormat(StrEnum):
     """What a report is written as."""
 
     html = "html"
@@ -45,10 +45,10 @@ class Format(StrEnum):
 def report(
     campaign: Campaign,
     standard: Annotated[
-        Standard, typer.Option(help="Procedure whose list of contents the report follows.")
-    ] = Standard.ittc,
+        ReportStandard, typer.Option(help="Procedure whose list of contents the report follows.")
+    ] = ReportStandard.ittc,
     to: Annotated[
-        Format | None,
+        ReportFormat | None,
         typer.Option(
             help="HTML that a browser prints on A4, or Word (pip install 'pmmkit[word]'); the "
             "ending of the output says it if absent."
@@ -69,11 +69,10 @@ def report(
     scheduler: Scheduler = None,
 ) -> Outcome:
     """Reduce captive tests and write their test report; what is not supplied is listed in it."""
-    from pmmkit.campaigns.file.campaign_file import open_campaign
-    from pmmkit.errors import DataError
-    from pmmkit.progress import shown
+    from pmmkit.base import DataError, shown
+    from pmmkit.campaigns import open_campaign
     from pmmkit.reduction import reduce_campaign
-    from pmmkit.report.captive import captive_document, check_target, write_document
+    from pmmkit.views import captive_document, check_target, write_document
 
     ending = to.value if to else "docx" if template and output is None else "html"
     target = results_file(output, f"{stem(campaign)}-report.{ending}", read=[template])

@@ -52,11 +52,10 @@ def scale(
     Or, with --like, to the model of another laboratory.
     """
     from pmmkit.api import carried_to
-    from pmmkit.campaigns.file.campaign_file import open_campaign
-    from pmmkit.files import write_results
+    from pmmkit.campaigns import open_campaign
+    from pmmkit.conventions import Water
+    from pmmkit.files import MODEL, write_results
     from pmmkit.models import full_scale, load_model, save_model, scaled
-    from pmmkit.ship import Water
-    from pmmkit.toml_files import MODEL
 
     if (length is None) == (like is None):
         raise typer.BadParameter(

@@ -16,7 +16,7 @@ from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.ship_in_waves import damped, state_of_code, typed_hull, typed_place, typed_speeds
 
 if TYPE_CHECKING:
-    from pmmkit.models.model import Part
+    from pmmkit.models import Part
     from pmmkit.seakeeping import AddedResistance, Operability, Rao, Response, Sea
 
 _FINE: Final = 120
@@ -164,7 +164,7 @@ def seakeeping(
         *(measured.files(figures=figures) if measured else ()),
     )
     if figures:
-        from pmmkit.report import write_seakeeping
+        from pmmkit.views import write_seakeeping
 
         page = partial(
             write_seakeeping,
@@ -247,7 +247,7 @@ def _drift(part: Part) -> str:
 
 
 def _operability(sailed: Operability, *, figures: bool) -> Iterator[tuple[str, Any]]:
-    from pmmkit.plotting.style import save
+    from pmmkit.plotting import save
 
     yield "operability.csv", sailed.to_pandas()
     if figures:
@@ -259,7 +259,7 @@ def _files(
 ) -> Iterator[tuple[str, Any]]:
     import pandas as pd
 
-    from pmmkit.plotting.style import save
+    from pmmkit.plotting import save
     from pmmkit.seakeeping import drift_part
 
     yield "rao.csv", found.to_pandas()

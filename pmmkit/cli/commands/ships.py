@@ -11,10 +11,10 @@ EXAMPLE: Final = "pmmkit ships"
 
 def ships() -> Outcome:
     """The library of ships."""
-    from pmmkit import ship_library
     from pmmkit.models import load_model
+    from pmmkit.models import ships as ships_ship_library
 
-    found = [load_model(name) for name in ship_library.ships()]
+    found = [load_model(name) for name in ships_ship_library()]
     entries = [
         {
             "name": item.name,

@@ -89,9 +89,7 @@ def simulate(
     """Simulate a manoeuvre: track, metrics and figures."""
     from pmmkit.files import write_results
     from pmmkit.models import load_model
-    from pmmkit.simulation.imo import imo_turning, verdict_sections
-    from pmmkit.simulation.results import metrics_of, track_files
-    from pmmkit.simulation.simulate import simulate
+    from pmmkit.simulation import imo_turning, metrics_of, simulate, track_files, verdict_sections
 
     folder = results_folder(out, f"{stem(model)}-{manoeuvre}")
     loaded = load_model(model)
@@ -129,7 +127,7 @@ def simulate(
         results.append(("wave_motion.csv", moved.to_pandas()))
         drawn |= {"wave_motion": moved.plot()} if figures else {}
     if drawn:
-        from pmmkit.plotting.style import figure_files
+        from pmmkit.plotting import figure_files
 
         results += figure_files(drawn, "svg")
     files = write_results(folder, results)

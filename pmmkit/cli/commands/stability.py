@@ -23,14 +23,14 @@ def stability(
     """Straight-line stability, Nomoto's constants and the curve of steady turns."""
     from pmmkit.files import write_results
     from pmmkit.models import load_model
-    from pmmkit.plotting.style import save
-    from pmmkit.simulation import linear
-    from pmmkit.simulation.spiral import spiral_curve
+    from pmmkit.plotting import save
+    from pmmkit.simulation import spiral_curve
+    from pmmkit.simulation import stability as stability_linear
 
     folder = results_folder(out, f"{stem(model)}-stability")
     loaded = load_model(model)
     pace = approach(speed, loaded)
-    found = linear.stability(loaded, pace, depth=depth, extrapolate=extrapolate)
+    found = stability_linear(loaded, pace, depth=depth, extrapolate=extrapolate)
     curve = spiral_curve(loaded, pace, depth=depth, extrapolate=extrapolate)
     numbers = {
         "name": found.name,

@@ -74,13 +74,18 @@ def sweep(
     out: Out = None,
 ) -> Outcome:
     """Metrics of a manoeuvre over the approach speed, or over --over, or over --depths."""
-    from pmmkit.figures import metrics_over
     from pmmkit.files import write_results
-    from pmmkit.models import load_model
-    from pmmkit.models.standing import standing
-    from pmmkit.plotting.style import save
-    from pmmkit.simulation import sweeps
-    from pmmkit.simulation.results import sweep_frame, told_metric, told_metrics
+    from pmmkit.models import load_model, standing
+    from pmmkit.plotting import save
+    from pmmkit.simulation import (
+        SHARES,
+        froude_sweep,
+        metrics_over,
+        sweep_frame,
+        told_metric,
+        told_metrics,
+    )
+    from pmmkit.simulation import sweep as sweep_sweeps
 
     typed = None if speeds is None else typed_list(speeds)
     settings = {
@@ -105,9 +110,9 @@ def sweep(
     loaded = load_model(model)
     asked = [speed.of(loaded.ship, loaded.water) for speed in typed] if typed else None
     if over is None or asked is None:
-        found = sweeps.froude_sweep(loaded, asked, manoeuvre, **settings)
+        found = froude_sweep(loaded, asked, manoeuvre, **settings)
     else:
-        found = sweeps.sweep(loaded, over, numbers(values), manoeuvre, speed=asked[0], **settings)
+        found = sweep_sweeps(loaded, over, numbers(values), manoeuvre, speed=asked[0], **settings)
     metrics = told_metrics(found)
     table = sweep_frame(found)
     rows: list[dict[str, Any]] = [
@@ -116,7 +121,7 @@ def sweep(
     figure = metrics_over(found, metrics[:4])
     files = write_results(folder, [("sweep.csv", table), ("sweep.svg", partial(save, figure))])
     coordinates = [str(name) for name in found.coords]
-    columns = [*metrics, *(name for name in sweeps.SHARES if name in found)]
+    columns = [*metrics, *(name for name in SHARES if name in found)]
     cells = [
         [f"{row[name]:.4g}" for name in coordinates] + [told_metric(row, name) for name in columns]
         for row in rows
@@ -137,10 +142,10 @@ def _heads(
     found: xr.Dataset, coordinates: Sequence[str], metrics: Sequence[str], manoeuvre: str
 ) -> list[str]:
     """Names of the columns, with their units."""
-    from pmmkit.metrics import unit_of
-    from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+    from pmmkit.conventions import metric_unit
+    from pmmkit.simulation import manoeuvre_of
 
     known = manoeuvre_of(manoeuvre).metrics
     units = {name: found[name].attrs.get("units", "") for name in coordinates}
-    units |= {name: unit_of(name, known) for name in metrics}
+    units |= {name: metric_unit(name, known) for name in metrics}
     return [f"{name} [{unit}]" if unit else name for name, unit in units.items()]

@@ -17,9 +17,8 @@ from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import Section, counted, text_of
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign as Opened
-    from pmmkit.trials import Trial
-    from pmmkit.trials.loading import Corrected, Prediction
+    from pmmkit.campaigns import Campaign as Opened
+    from pmmkit.identification import Corrected, LoadingPrediction, Trial
 
 
 EXAMPLE: Final = "pmmkit trial my-zigzags"
@@ -53,9 +52,9 @@ def trial(
 ) -> Outcome:
     """Measure turning circles, zigzags and stops of a sea trial, beside the limits of the IMO."""
     from pmmkit.files import write_results
-    from pmmkit.report.imo_form import PAGE, form_files, form_of_trials, read_stated
-    from pmmkit.simulation.imo import SOURCE
-    from pmmkit.trials import evaluate_trials
+    from pmmkit.identification import evaluate_trials
+    from pmmkit.simulation import SOURCE
+    from pmmkit.views import PAGE, form_files, form_of_trials, read_stated
 
     velocity = numbers(current)
     if velocity is not None and len(velocity) != 2:
@@ -103,8 +102,7 @@ def _loaded(
     """The measures at full load, and where the models' draughts are others."""
     if as_tried is None or full_load is None:
         return (), ()
-    from pmmkit.trials.conditions import mean_draught
-    from pmmkit.trials.loading import loading_notes, to_full_load
+    from pmmkit.identification import loading_notes, mean_draught, to_full_load
 
     tried, full = (_prediction(item) for item in (as_tried, full_load))
     return to_full_load(trials, tried, full), loading_notes(
@@ -116,9 +114,9 @@ def _loaded(
     )
 
 
-def _prediction(source: str) -> Prediction:
+def _prediction(source: str) -> LoadingPrediction:
     """A model, or the tests of a campaign."""
-    from pmmkit.trials.loading import predicted_by, predicted_by_tests
+    from pmmkit.identification import predicted_by, predicted_by_tests
 
     path = Path(source)
     if path.is_dir() or path.name == "campaign.toml" or path.suffix in (".h5", ".hdf5"):
@@ -129,7 +127,7 @@ def _prediction(source: str) -> Prediction:
 def _files(found: Sequence[Trial], content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     import pandas as pd
 
-    from pmmkit.plotting.style import save
+    from pmmkit.plotting import save
 
     yield "trial.csv", pd.DataFrame([row for item in found for row in item.rows()])
     yield "trial.json", content

@@ -8,7 +8,6 @@ from typing import Annotated, Final
 
 import typer
 
-from pmmkit.channels import did_you_mean
 from pmmkit.cli.options import (
     Depth,
     Extrapolate,
@@ -28,6 +27,7 @@ from pmmkit.cli.options import (
 from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import Speed, approach
+from pmmkit.conventions import did_you_mean
 from pmmkit.presentation import number, text_of
 
 CURVED: Final = 0.2
@@ -56,15 +56,12 @@ def uncertainty(
     out: Out = None,
 ) -> Outcome:
     """How sure a manoeuvre is, and which values decide it."""
-    from pmmkit.errors import UnknownNameError
+    from pmmkit.base import UnknownNameError, shown
+    from pmmkit.conventions import main_of
     from pmmkit.files import write_results
-    from pmmkit.metrics import main_of
     from pmmkit.models import load_model
-    from pmmkit.plotting.style import figure_files, save
-    from pmmkit.progress import shown
-    from pmmkit.simulation.bands import SHIPS, bands_of
-    from pmmkit.simulation.ensemble import SHOWN, monte_carlo
-    from pmmkit.simulation.sensitivity import sensitivities
+    from pmmkit.plotting import figure_files, save
+    from pmmkit.simulation import SHIPS, SHOWN, bands_of, monte_carlo, sensitivities
 
     folder = results_folder(out, f"{stem(model)}-uncertainty")
     loaded = load_model(model)

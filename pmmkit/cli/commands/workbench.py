@@ -12,7 +12,7 @@ from pmmkit.cli.output import Outcome, say
 from pmmkit.cli.outputs import Out
 
 if TYPE_CHECKING:
-    from pmmkit.workbench.desk import Desk
+    from pmmkit.workbench import Desk
 
 EXAMPLE: Final = "pmmkit workbench my-campaign model.toml --save page.html"
 
@@ -70,9 +70,7 @@ def workbench(
     """
     from pmmkit.files import check_folder, free_folder
     from pmmkit.presentation import counted
-    from pmmkit.workbench.desk import Desk
-    from pmmkit.workbench.saved import State
-    from pmmkit.workbench.serving import serve
+    from pmmkit.workbench import Desk, WorkbenchState, serve
 
     target = out or Path("pmmkit-workbench" if campaign is None else f"{stem(campaign)}-workbench")
     check_folder(target)
@@ -82,7 +80,7 @@ def workbench(
     own = [path for path in (campaign, *also, *map(Path, filter(None, (model, parts)))) if path]
     named = [*(folder or ([] if campaign else [Path()])), *(own if campaign else [])]
     desk = Desk(target, named)
-    asked = State(
+    asked = WorkbenchState(
         campaign=str(campaign or ""),
         model=model or "",
         data=str(data or ""),
@@ -109,7 +107,7 @@ def workbench(
 def _saved(desk: Desk, folder: Path, target: Path) -> Outcome:
     """The page as a file, with what stands in the folder."""
     from pmmkit.files import write_text
-    from pmmkit.workbench.frozen import frozen_page
+    from pmmkit.workbench import frozen_page
 
     try:
         if desk.job.stand == "idle":

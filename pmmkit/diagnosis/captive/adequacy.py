@@ -14,13 +14,11 @@ from pmmkit.diagnosis.captive.conditioning import condition_on, drawn_in, spread
 from pmmkit.diagnosis.captive.evidence import Sets, evidence_of
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, least_gains
 from pmmkit.diagnosis.captive.parity import BOTH, Parity, floor_places, parities
-from pmmkit.diagnosis.captive.system import Block, System
-from pmmkit.diagnosis.evidence import PRICE, Entry
-from pmmkit.models.step import odds
+from pmmkit.diagnosis.captive.system import CandidateColumns, System
+from pmmkit.diagnosis.evidence import PRICE, RankedSet
+from pmmkit.models import odds
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Channel
-from pmmkit.observations.views import View
-from pmmkit.observations.whitening import Piece
+from pmmkit.reduction import Channel, View, WhitenedChannel
 
 SMOOTH: Final = 3.0
 """ln evidence from which something smooth is left that the answer does not explain."""
@@ -46,17 +44,12 @@ HIGH: Final = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Lack:
+class UnexplainedScatter:
     """Rows that scatter more about an answer than noise and run scatter let them.
 
-    Parameters
-    ----------
-    channel, test, harmonic : str
-        Which rows; ``all`` stands for every test or harmonic.
-    size : float
-        Best size of the scatter, over the rms force of the channel.
-    log_evidence : float
-        For such a scatter against none, averaged over sizes.
+    `channel, test, harmonic`: which rows; ``all`` stands for every test or harmonic. `size`:
+    best size of the scatter, over the rms force of the channel. `log_evidence`: for such a
+    scatter against none, averaged over sizes.
     """
 
     channel: str
@@ -66,25 +59,10 @@ class Lack:
     log_evidence: float
 
 
-def chosen(system: System, entries: Sequence[Entry], given: Sequence[Block] = ()) -> Entry | None:
-    """The best set of which every effect is needed.
-
-    Parameters
-    ----------
-    system : System
-        Runs, base and candidates.
-    entries : sequence of Entry
-        Sets beside the effects that are given, best first.
-    given : sequence of Block
-        Effects that the base has already.
-
-    Returns
-    -------
-    Entry or None
-        Each effect adds to the others whatever error of form they have, and pays its price even
-        without the run that helps it most; nothing where no set is so. An effect that hangs on one
-        run in a better set is not tried again.
-    """
+def chosen(
+    system: System, entries: Sequence[RankedSet], given: Sequence[CandidateColumns] = ()
+) -> RankedSet | None:
+    """The best set of which every effect is needed."""
     known = condition_on(system, given)
     symmetry = cache(partial(parities, known))
     least = PRICE + LEAST
@@ -107,7 +85,7 @@ def chosen(system: System, entries: Sequence[Entry], given: Sequence[Block] = ()
     return None
 
 
-def blocks_of(system: System, entry: Entry) -> list[Block]:
+def blocks_of(system: System, entry: RankedSet) -> list[CandidateColumns]:
     """The effects of a set at their best grid points."""
     return [
         next(
@@ -121,23 +99,14 @@ def blocks_of(system: System, entry: Entry) -> list[Block]:
 
 def gains(
     system: System,
-    blocks: Sequence[Block],
-    symmetry: Callable[[Block], frozenset[Parity]] | None = None,
+    blocks: Sequence[CandidateColumns],
+    symmetry: Callable[[CandidateColumns], frozenset[Parity]] | None = None,
 ) -> tuple[float, ...]:
     """ln evidence that each effect of a set adds to the others where their form may err.
 
     A hull never follows v² r exactly. The error of form is a smooth force `FORM` times the floor,
     with the symmetry of the others: an error of form of an odd force is odd. One effect alone adds
     all there is: infinity.
-
-    Parameters
-    ----------
-    system : System
-        Runs, base and candidates.
-    blocks : sequence of Block
-        The set.
-    symmetry : callable, optional
-        The parities of a block, where some are known from other sets.
     """
     if len(blocks) < 2:
         return (math.inf,) * len(blocks)
@@ -153,29 +122,11 @@ def gains(
 
 def flags(
     system: System,
-    blocks: Sequence[Block],
-    given: Sequence[Block] = (),
-    refused: Sequence[Refused] = (),
+    blocks: Sequence[CandidateColumns],
+    given: Sequence[CandidateColumns] = (),
+    refused: Sequence[RefusedEffect] = (),
 ) -> tuple[str, ...]:
-    """Reasons to think that something else is left beside an answer.
-
-    Parameters
-    ----------
-    system : System
-        Runs, base and candidates.
-    blocks : sequence of Block
-        The answer; none where nothing was named.
-    given : sequence of Block
-        Effects that the base has already.
-    refused : sequence of Refused
-        What of the set of the greatest evidence is not in the answer.
-
-    Returns
-    -------
-    tuple of str
-        Empty where the answer is the whole story; otherwise ``not_the_whole_story`` and the
-        reasons in words.
-    """
+    """Reasons to think that something else is left beside an answer."""
     known, reasons = condition_on(system, given), []
     if remainder(known, blocks) > SMOOTH:
         reasons.append("something smooth in the motion is left")
@@ -190,20 +141,14 @@ def flags(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Refused:
+class RefusedEffect:
     """An effect of the set of the greatest evidence that is not named.
 
-    Parameters
-    ----------
-    block : Block
-        The effect.
-    log_odds : float
-        ln of the odds for it beside the others of the set.
-    run : str
-        The run without which it would not pay its price; empty where it may be an error of form.
+    `log_odds`: ln of the odds for it beside the others of the set. `run`: the run without which
+    it would not pay its price; empty where it may be an error of form.
     """
 
-    block: Block
+    block: CandidateColumns
     log_odds: float
     run: str = ""
 
@@ -215,22 +160,15 @@ class Refused:
 
 
 def refused(
-    system: System, sets: Sets, first: Entry, blocks: Sequence[Block], given: Sequence[Block] = ()
-) -> tuple[Refused, ...]:
+    system: System,
+    sets: Sets,
+    first: RankedSet,
+    blocks: Sequence[CandidateColumns],
+    given: Sequence[CandidateColumns] = (),
+) -> tuple[RefusedEffect, ...]:
     """Effects of the set of the greatest evidence that are not in the answer, and why.
 
     What adds next to nothing to the others of the set is left out.
-
-    Parameters
-    ----------
-    system : System
-        Runs, base and candidates.
-    sets : Sets
-        Of the system beside the effects that are given.
-    first : Entry
-        That set.
-    blocks, given : sequence of Block
-        The answer, and the effects that the base has already.
     """
     answered = [block.candidate.name for block in blocks]
     if first.log_evidence <= LEAST or set(first.names) <= set(answered):
@@ -238,7 +176,7 @@ def refused(
     tried = blocks_of(sets.system, first)
     least = PRICE + LEAST
     return tuple(
-        Refused(block=block, log_odds=log_odds, run=run if left < least else "")
+        RefusedEffect(block=block, log_odds=log_odds, run=run if left < least else "")
         for block, log_odds, (left, run) in zip(
             tried, sets.added(first), least_gains(system, tried, given), strict=True
         )
@@ -246,7 +184,7 @@ def refused(
     )
 
 
-def _lesser_kin(system: System, blocks: Sequence[Block]) -> list[str]:
+def _lesser_kin(system: System, blocks: Sequence[CandidateColumns]) -> list[str]:
     """Effects that add little beside another of their family: what its form may err by."""
     added = list(zip(blocks, gains(system, blocks), strict=True))
     return [
@@ -259,7 +197,7 @@ def _lesser_kin(system: System, blocks: Sequence[Block]) -> list[str]:
     ]
 
 
-def remainder(system: System, blocks: Sequence[Block]) -> float:
+def remainder(system: System, blocks: Sequence[CandidateColumns]) -> float:
     """ln evidence that something smooth is left beside some effects, larger than the floor.
 
     What is symmetric as a ship is, and what is not, have sizes of their own: two tries, each as
@@ -276,7 +214,7 @@ def remainder(system: System, blocks: Sequence[Block]) -> float:
 
 def _with_floor(
     system: System,
-    blocks: Sequence[Block],
+    blocks: Sequence[CandidateColumns],
     factor: float = 1.0,
     wanted: frozenset[Parity] = frozenset(),
 ) -> float:
@@ -298,7 +236,9 @@ def _with_floor(
     return alone + system.normal.only(at, size).log_evidence
 
 
-def lack_of_fit(system: System, blocks: Sequence[Block]) -> tuple[Lack, ...]:
+def lack_of_fit(
+    system: System, blocks: Sequence[CandidateColumns]
+) -> tuple[UnexplainedScatter, ...]:
     """Scatter of the oscillating runs beyond noise, by channel, test and harmonic; worst first.
 
     A force that no run repeats, or that jumps, has no smooth form; but it makes a harmonic of one
@@ -317,8 +257,8 @@ def lack_of_fit(system: System, blocks: Sequence[Block]) -> tuple[Lack, ...]:
 
 
 def _lacks(
-    views: Sequence[View], piece: Piece, columns: Array, fitted: Array, covariance: Array
-) -> list[Lack]:
+    views: Sequence[View], piece: WhitenedChannel, columns: Array, fitted: Array, covariance: Array
+) -> list[UnexplainedScatter]:
     projection = piece.projection
     groups, runs, unit = _units(views, projection.channel)
     if not groups:
@@ -339,7 +279,7 @@ def _lacks(
         )
         top = float(tried.max())
         found.append(
-            Lack(
+            UnexplainedScatter(
                 channel=projection.channel.name,
                 test=test,
                 harmonic=harmonic,

@@ -9,16 +9,15 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns.repeats import repeats
-from pmmkit.campaigns.run import Run
-from pmmkit.diagnosis.captive.base import Base
+from pmmkit.campaigns import Run, repeats
+from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.drawn import Drawn, OwnColumns
+from pmmkit.diagnosis.captive.drawn import OwnColumns, RunEffectColumns
 from pmmkit.diagnosis.captive.system import (
     FEATURES,
     MANY,
     WIDER,
-    Block,
+    CandidateColumns,
     System,
     candidate_columns,
     channels_of,
@@ -39,9 +38,17 @@ from pmmkit.inference import (
     run_effects,
 )
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Channel, Places
-from pmmkit.observations.views import View
-from pmmkit.observations.whitening import FLOOR, Piece, Projection, alike, noise_whitened, whitened
+from pmmkit.reduction import (
+    FLOOR,
+    Channel,
+    Places,
+    Projection,
+    View,
+    WhitenedChannel,
+    alike,
+    noise_whitened,
+    whitened,
+)
 
 ROUGH: Final = np.array([0.004, 0.0, 0.0, 0.0])
 """Run scatter for the first fit of the base: an offset."""
@@ -52,7 +59,7 @@ ENOUGH: Final = 240
 
 def build(
     views: Sequence[View],
-    base: Base,
+    base: CaptiveBase,
     candidates: Sequence[Candidate],
     *,
     floor: float = FLOOR,
@@ -60,19 +67,7 @@ def build(
 ) -> System:
     """The system of a campaign.
 
-    Parameters
-    ----------
-    views : sequence of View
-        Runs.
-    base : Base
-        Names of the derivatives; values are fitted.
-    candidates : sequence of Candidate
-        All that take part.
-    floor : float
-        Size of what is too small to matter, over the largest force of a channel: the user's
-        uncertainty of everything that is smooth in the motion.
-    scatter : mapping of channel to array (4,), optional
-        Run scatter, where it is known; by default it is estimated.
+    scatter (4,).
     """
     channels = channels_of(views, base)
     base = fitted(base, channels, views)
@@ -107,7 +102,7 @@ def build(
     layout = _layout(raw, few, len(channels))
     gram, score = np.zeros((layout.width, layout.width)), np.zeros(layout.width)
     square, rows = 0.0, 0
-    pieces: list[Piece] = []
+    pieces: list[WhitenedChannel] = []
     for number, c in enumerate(channels):
         at = layout.of_channel(number, c.name, raw)
         columns = np.column_stack(
@@ -121,18 +116,20 @@ def build(
         )
         projection = _projection(c, floors[c.name], own[c.name], scatter[c.name])
         left = projection.left(np.column_stack([columns, c.y]))
-        piece = Piece(projection=projection, columns=left[:, :-1], places=at, data=left[:, -1])
+        piece = WhitenedChannel(
+            projection=projection, columns=left[:, :-1], places=at, data=left[:, -1]
+        )
         pieces.append(piece)
         gram[np.ix_(at, at)] += piece.columns.T @ piece.columns
         score[at] += piece.columns.T @ piece.data
         square += float(piece.data @ piece.data)
         rows += projection.freedom
     beside = [
-        Block(
+        CandidateColumns(
             candidate=item.candidate,
             value=item.value,
             columns=slice(0, 0),
-            drawn=Drawn.of(
+            drawn=RunEffectColumns.of(
                 [x.whitened(piece.projection) for x, piece in zip(item.own, pieces, strict=True)],
                 pieces,
                 layout.width,
@@ -165,27 +162,14 @@ def build(
 def estimated_scatter(
     channels: Sequence[Channel],
     views: Sequence[View],
-    base: Base,
+    base: CaptiveBase,
     own: Mapping[str, Array],
     models: Mapping[str, Array],
     floors: Mapping[str, Array],
 ) -> dict[str, Array]:
     """The most probable sizes of what runs draw for themselves, by channel (4,).
 
-    Parameters
-    ----------
-    channels : sequence of Channel
-        Rows.
-    views : sequence of View
-        Runs.
-    base : Base
-        With the speed to which their scale refers.
-    own : mapping of channel to array (n, 3 + k)
-        What each run draws for itself, at size one.
-    models : mapping of channel to array (n, p)
-        The largest model, so that a missing effect is not taken for scatter.
-    floors : mapping of channel to array (n, D)
-        Features of the smooth floor at its size.
+    own (n, 3 + k); models (n, p); floors (n, D).
 
     Notes
     -----
@@ -240,7 +224,7 @@ def _runs(c: Channel, views: Sequence[View]) -> list[str]:
     return [views[i].run.id for i in c.views]
 
 
-def fitted(base: Base, channels: Sequence[Channel], views: Sequence[View]) -> Base:
+def fitted(base: CaptiveBase, channels: Sequence[Channel], views: Sequence[View]) -> CaptiveBase:
     """The base with values by weighted least squares, run scatter at usual sizes."""
     values: dict[str, float] = dict(base.values)
     for c in channels:
@@ -282,7 +266,10 @@ class _EachRun:
 
 
 def _raw(
-    candidates: Sequence[Candidate], channels: Sequence[Channel], views: Sequence[View], base: Base
+    candidates: Sequence[Candidate],
+    channels: Sequence[Channel],
+    views: Sequence[View],
+    base: CaptiveBase,
 ) -> list[_Raw]:
     """All candidates in all their forms at their grid points."""
     asked = [(form, value) for item in candidates for form in item.forms for value in item.grid]
@@ -311,7 +298,7 @@ class _Layout:
     A candidate has one place for all channels; transients have one per channel and run.
     """
 
-    blocks: tuple[Block, ...]
+    blocks: tuple[CandidateColumns, ...]
     transients: tuple[tuple[Places, ...], ...]
     floors: tuple[Places, ...]
     floor: slice
@@ -332,7 +319,9 @@ def _layout(raw: Sequence[_Raw], drawn: Sequence[_EachRun], channels: int) -> _L
     blocks, at = [], 0
     for item in raw:
         end = at + item.candidate.size
-        blocks.append(Block(candidate=item.candidate, value=item.value, columns=slice(at, end)))
+        blocks.append(
+            CandidateColumns(candidate=item.candidate, value=item.value, columns=slice(at, end))
+        )
         at = end
     transients: list[list[Places]] = [[] for _ in range(channels)]
     for one in drawn:
@@ -341,7 +330,9 @@ def _layout(raw: Sequence[_Raw], drawn: Sequence[_EachRun], channels: int) -> _L
             places.append(np.arange(at, at + own.count))
             at += own.count
         if at > begin:
-            blocks.append(Block(candidate=one.candidate, value=one.value, columns=slice(begin, at)))
+            blocks.append(
+                CandidateColumns(candidate=one.candidate, value=one.value, columns=slice(begin, at))
+            )
     begin = at
     floors = []
     for _ in transients:

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
-from pmmkit.channels import did_you_mean
-from pmmkit.conventions import parse_derivative
-from pmmkit.diagnosis.captive.base import Base
+from pmmkit.base import Problem, Remedy, UnknownNameError, Way
+from pmmkit.conventions import did_you_mean, parse_derivative
+from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.columns import (
     Columns,
     Terms,
@@ -18,10 +18,9 @@ from pmmkit.diagnosis.captive.columns import (
     terms_of,
     together_of,
 )
-from pmmkit.effects.effect import BY_SPEED, Effect
-from pmmkit.errors import Problem, Remedy, UnknownNameError, Way
+from pmmkit.effects import BY_SPEED, Effect
 from pmmkit.numerics import Array
-from pmmkit.observations.views import View
+from pmmkit.reduction import View
 
 LARGE: Final = 5
 """Coefficients from which the linear ones of an effect also compete alone."""
@@ -31,44 +30,21 @@ LARGE: Final = 5
 class Candidate:
     """One effect, or one fault of the measurement.
 
-    Parameters
-    ----------
-    name, family : str
-        Name in the catalogue; family by which an answer is given first.
-    kind : {"physics", "fault"}
-        Whether it is the ship and the water, or the measurement.
-    summary : str
-        One sentence for people.
-    coefficients : tuple of str
-        What is fitted: derivatives, or the size of a fault with its unit.
-    typical : tuple of float
-        Their usual sizes, signed where nature has a sign.
-    columns : callable
-        From a view, the base and a grid value to harmonics per unit coefficient; channels without
-        force are left out.
-    grid : tuple of float
-        Values of a nonlinear parameter; one without meaning where there is none.
-    parameter : str
-        What the grid is, with unit.
-    continuous : bool
-        Whether values between those of the grid have a meaning.
-    centre : tuple of float
-        Values about which coefficients are expected; zeros where absent.
-    each_run : bool
-        Whether each run and channel draws a size of its own.
-    check : str
-        A check at the bench or a run that shows it, in words.
-    excites : tuple of str
-        What a campaign must hold: ``several speeds``, ``roll``, ``rudder`` …
-    linear : tuple of int
-        Places of the coefficients that are linear in the motion, of an effect with many others.
-    partial : bool
-        Whether it is only these.
-    terms : sequence of mapping of str to float
-        Derivatives that each coefficient stands for, with its share of them, where `columns` are
-        those: of many such candidates they are made together.
-    together : callable, optional
-        `columns` of several views at once, where that is faster.
+    `name, family`: name in the catalogue; family by which an answer is given first. `kind`:
+    whether it is the ship and the water, or the measurement. `summary`: one sentence for
+    people. `coefficients`: what is fitted: derivatives, or the size of a fault with its unit.
+    `typical`: their usual sizes, signed where nature has a sign. `columns`: from a view, the
+    base and a grid value to harmonics per unit coefficient; channels without force are left
+    out. `grid`: values of a nonlinear parameter; one without meaning where there is none.
+    `parameter`: what the grid is, with unit. `continuous`: whether values between those of the
+    grid have a meaning. `centre`: values about which coefficients are expected; zeros where
+    absent. `each_run`: whether each run and channel draws a size of its own. `check`: a check
+    at the bench or a run that shows it, in words. `excites`: what a campaign must hold:
+    ``several speeds``, ``roll``, ``rudder`` …. `linear`: places of the coefficients that are
+    linear in the motion, of an effect with many others. `partial`: whether it is only these.
+    `terms`: derivatives that each coefficient stands for, with its share of them, where
+    `columns` are those: of many such candidates they are made together. `together`: `columns`
+    of several views at once, where that is faster.
     """
 
     name: str
@@ -91,7 +67,7 @@ class Candidate:
     together: Together | None = None
 
     def along(
-        self, views: Sequence[View], base: Base, value: float
+        self, views: Sequence[View], base: CaptiveBase, value: float
     ) -> Sequence[Mapping[str, Array]]:
         """Columns in several views."""
         if self.together is not None:
@@ -111,7 +87,7 @@ class Candidate:
             return (self,)
         places, columns = list(self.linear), self.columns
 
-        def linear(view: View, base: Base, value: float) -> Mapping[str, Array]:
+        def linear(view: View, base: CaptiveBase, value: float) -> Mapping[str, Array]:
             return {name: own[:, places] for name, own in columns(view, base, value).items()}
 
         part = replace(
@@ -138,21 +114,6 @@ def polynomial(
     excites: tuple[str, ...] = (),
 ) -> Candidate:
     """An effect whose forces are derivatives that the base does not have.
-
-    Parameters
-    ----------
-    name, family, summary : str
-        As in `Candidate`.
-    sizes : mapping of str to float
-        Derivatives with their typical sizes.
-    check : str
-        A run or a check that shows it.
-    excites : tuple of str
-        What a campaign must hold.
-
-    Returns
-    -------
-    Candidate
 
     Examples
     --------
@@ -186,7 +147,7 @@ def candidate_of(effect: Effect, speeds: Sequence[float] = ()) -> Candidate:
 
     Examples
     --------
-    >>> from pmmkit.effects.catalogue import effect_of
+    >>> from pmmkit.effects import effect_of
     >>> candidate_of(effect_of("memory")).coefficients
     ('Yv_late', 'Nv_late')
     """
@@ -247,7 +208,7 @@ def no_such_effect(name: str, known: Iterable[str]) -> UnknownNameError:
             message=f"No effect {name!r} takes part here{said}",
             remedy=Remedy(
                 "{} has the whole catalogue.",
-                (Way("pmmkit.effects.catalogue.catalogue()", "pmmkit effects"),),
+                (Way("pmmkit.effects.entries.catalogue()", "pmmkit effects"),),
             ),
         )
     )

@@ -11,11 +11,11 @@ from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.evidence import wide
 from pmmkit.diagnosis.captive.held_out import HeldOut, condition, held_out
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
-from pmmkit.diagnosis.captive.system import Block, System
-from pmmkit.diagnosis.evidence import Entry
+from pmmkit.diagnosis.captive.system import CandidateColumns, System
+from pmmkit.diagnosis.evidence import RankedSet
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Places
+from pmmkit.reduction import Places
 
 MOST: Final = 12
 """Sets that stand for election beside the best."""
@@ -25,31 +25,12 @@ HELD: Final = 2**17
 
 def chosen_anew(
     system: System,
-    entries: Sequence[Entry],
-    best: Entry,
+    entries: Sequence[RankedSet],
+    best: RankedSet,
     predicted: HeldOut,
-    given: Sequence[Block] = (),
+    given: Sequence[CandidateColumns] = (),
 ) -> HeldOut:
-    """Held-out errors with the effects chosen anew for each condition, from all others.
-
-    Parameters
-    ----------
-    system : System
-        Runs, base and candidates; of the base alone.
-    entries : sequence of Entry
-        Sets beside the effects that are given, best first.
-    best : Entry
-        The one that all conditions together choose.
-    predicted : HeldOut
-        Its errors.
-    given : sequence of Block
-        Effects that the base has already.
-
-    Returns
-    -------
-    HeldOut
-        Those errors, and where the others choose another set the errors of that.
-    """
+    """Held-out errors with the effects chosen anew for each condition, from all others."""
     blocks = blocks_of(system, best)
     if any(wide(block) for block in (*blocks, *given)):
         return predicted
@@ -75,12 +56,12 @@ def chosen_anew(
     return predicted
 
 
-def _wide(system: System, entry: Entry) -> bool:
+def _wide(system: System, entry: RankedSet) -> bool:
     return any(wide(block) for block in blocks_of(system, entry))
 
 
 def _losses(
-    system: System, sets: Sequence[Sequence[Block]], given: Sequence[Block]
+    system: System, sets: Sequence[Sequence[CandidateColumns]], given: Sequence[CandidateColumns]
 ) -> list[Mapping[str, float]]:
     """Change of the ln evidence of each set, beside what is given, without each condition."""
     if not sets:

@@ -9,22 +9,17 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.base import Base
-from pmmkit.diagnosis.captive.stretch import MOTION, Stretch, stretches
-from pmmkit.effects.catalogue import arguments_of
-from pmmkit.effects.effect import BY_SPEED, Effect
-from pmmkit.effects.faults.fault import slopes
-from pmmkit.effects.primitives import over_arrays
+from pmmkit.diagnosis.captive.base import MOTION, CaptiveBase, ViewSequence, stretches
+from pmmkit.effects import BY_SPEED, Effect, arguments_of, over_arrays, slopes
 from pmmkit.numerics import Array
-from pmmkit.observations.seen import Seen, times_factors
-from pmmkit.observations.views import View
+from pmmkit.reduction import RunView, View, times_factors
 
 CHANNELS: Final = ("X", "Y", "N")
 Terms = Sequence[Mapping[str, float]]
 """Derivatives that each coefficient stands for, with its share of them."""
-Columns = Callable[[View, Base, float], Mapping[str, Array]]
+Columns = Callable[[View, CaptiveBase, float], Mapping[str, Array]]
 """Harmonics of an effect in one view by channel, (m, q), at one grid point, q coefficients."""
-Together = Callable[[Sequence[View], Base, float], Sequence[Mapping[str, Array]]]
+Together = Callable[[Sequence[View], CaptiveBase, float], Sequence[Mapping[str, Array]]]
 """`Columns` of several views."""
 
 
@@ -68,9 +63,9 @@ def spread_over(
 def _of_a_fault(effect: Effect) -> Columns:
     inner, names = effect.nonlinear, list(effect.typical)
 
-    def columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    def columns(view: View, base: CaptiveBase, value: float) -> Mapping[str, Array]:
         at = {inner.name: value} if inner is not None else {}
-        return spread_over(view, slopes(effect, Seen(view, base), at, names), len(names))
+        return spread_over(view, slopes(effect, RunView(view, base), at, names), len(names))
 
     return columns
 
@@ -81,7 +76,7 @@ def of_terms(shares: Terms) -> Columns:
     A derivative with the mark of the speed is multiplied by F at the speed of the run.
     """
 
-    def columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    def columns(view: View, base: CaptiveBase, value: float) -> Mapping[str, Array]:
         del value
         known = tuple(name for name in channels_of_terms([shares]) if name in view.force)
         found = {name: TermTable.of([shares], name, [view], base) for name in known}
@@ -99,16 +94,8 @@ def channels_of_terms(every: Sequence[Terms]) -> tuple[str, ...]:
 class TermTable:
     """Harmonics of what derivatives multiply in one channel of some views.
 
-    Parameters
-    ----------
-    names : mapping of str to int
-        Column of each derivative.
-    plain : array (n, p)
-        Harmonics, the views one below the other.
-    law : array (n, 1)
-        F at the speed of each row's run.
-    channel : str
-        The channel.
+    `names`: column of each derivative. `plain (n, p)`: harmonics, the views one below the
+    other. `law (n, 1)`: f at the speed of each row's run.
     """
 
     names: Mapping[str, int]
@@ -118,7 +105,7 @@ class TermTable:
 
     @classmethod
     def of(
-        cls, every: Sequence[Terms], channel: str, views: Sequence[View], base: Base
+        cls, every: Sequence[Terms], channel: str, views: Sequence[View], base: CaptiveBase
     ) -> TermTable:
         """Of all derivatives of a channel that some coefficients stand for."""
         named = (name for shares in every for own in shares for name in own if name[0] == channel)
@@ -148,7 +135,9 @@ def of_a_force(effect: Effect) -> Together:
     """Columns of an effect with a force, a share of the mass matrix, or states of its own."""
     inner = effect.nonlinear
 
-    def columns(views: Sequence[View], base: Base, value: float) -> Sequence[Mapping[str, Array]]:
+    def columns(
+        views: Sequence[View], base: CaptiveBase, value: float
+    ) -> Sequence[Mapping[str, Array]]:
         given = {inner.name: value} if inner is not None else {}
         asked = [{label: 1.0, **given} for label in effect.typical]
         return [
@@ -161,7 +150,7 @@ def of_a_force(effect: Effect) -> Together:
 
 
 def _projected(
-    stretch: Stretch, forces: Sequence[Mapping[str, Array]]
+    stretch: ViewSequence, forces: Sequence[Mapping[str, Array]]
 ) -> list[Mapping[str, Array]]:
     """Columns by channel of each view, from the forces per unit of each coefficient."""
     count, channels = len(forces), list(forces[0])
@@ -180,26 +169,9 @@ def _projected(
 
 
 def histories(
-    effect: Effect, stretch: Stretch, base: Base, asked: Sequence[Mapping[str, float]]
+    effect: Effect, stretch: ViewSequence, base: CaptiveBase, asked: Sequence[Mapping[str, float]]
 ) -> list[dict[str, Array]]:
-    """Force of an effect of the catalogue along views, its states as in steady oscillation.
-
-    Parameters
-    ----------
-    effect : Effect
-        With a force, a share of the mass matrix, or states of its own.
-    stretch : Stretch
-        Motions.
-    base : Base
-        Ship, water, and the speed at which F is zero.
-    asked : sequence of mapping of str to float
-        Parameters; coefficients that are not named are zero, other parameters at their default.
-
-    Returns
-    -------
-    list of dict of channel to array (n,)
-        [N, N m].
-    """
+    """Force of an effect of the catalogue along views, its states as in steady oscillation."""
     ship, water = base.ship, base.water
     names = arguments_of(effect)
     there: dict[str, Any] = {
@@ -247,7 +219,7 @@ def _parameters(
     return found
 
 
-def _forces(stretch: Stretch, outputs: Mapping[str, Array]) -> dict[str, Array]:
+def _forces(stretch: ViewSequence, outputs: Mapping[str, Array]) -> dict[str, Array]:
     """Forces by channel; a share of the mass matrix is multiplied by its acceleration."""
     found: dict[str, Array] = {}
     for output, force in outputs.items():
@@ -259,7 +231,7 @@ def _forces(stretch: Stretch, outputs: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _settled(
-    effect: Effect, stretch: Stretch, outputs: Callable[..., Mapping[str, Array]]
+    effect: Effect, stretch: ViewSequence, outputs: Callable[..., Mapping[str, Array]]
 ) -> dict[str, Array]:
     """States of an effect as they follow the motion once the start is forgotten.
 

@@ -8,24 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.drawn import Drawn
-from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.captive.drawn import RunEffectColumns
+from pmmkit.diagnosis.captive.system import CandidateColumns, System
 
 
-def condition_on(system: System, blocks: Sequence[Block]) -> System:
+def condition_on(system: System, blocks: Sequence[CandidateColumns]) -> System:
     """The system of a base that has some effects, of unknown size within their prior.
-
-    Parameters
-    ----------
-    system : System
-        Of the base without them.
-    blocks : sequence of Block
-        What the base has.
-
-    Returns
-    -------
-    System
-        Evidence in it is evidence beside these effects, which no longer take part.
 
     Notes
     -----
@@ -44,7 +32,7 @@ def condition_on(system: System, blocks: Sequence[Block]) -> System:
     return _beside(replace(system, blocks=tuple(rest)), blocks)
 
 
-def _beside(system: System, blocks: Sequence[Block]) -> System:
+def _beside(system: System, blocks: Sequence[CandidateColumns]) -> System:
     taken = system.normal.taken(np.concatenate([block.places for block in blocks]))
     return replace(
         system,
@@ -56,7 +44,7 @@ def _beside(system: System, blocks: Sequence[Block]) -> System:
     )
 
 
-def _beside_drawn(system: System, drawn: Drawn) -> System:
+def _beside_drawn(system: System, drawn: RunEffectColumns) -> System:
     known = drawn.solve(np.column_stack([drawn.across.T, drawn.score]))
     normal = system.normal
     return replace(
@@ -70,16 +58,10 @@ def _beside_drawn(system: System, drawn: Drawn) -> System:
     )
 
 
-def spread(system: System, blocks: Sequence[Block]) -> tuple[System, tuple[Block, ...]]:
-    """A system that holds the columns of some blocks, and these blocks in it.
-
-    Parameters
-    ----------
-    system : System
-        Runs, base and candidates.
-    blocks : sequence of Block
-        Those that are asked for; what each of very many runs draws among them is written out.
-    """
+def spread(
+    system: System, blocks: Sequence[CandidateColumns]
+) -> tuple[System, tuple[CandidateColumns, ...]]:
+    """A system that holds the columns of some blocks, and these blocks in it."""
     made = []
     for block in blocks:
         if block.drawn is not None:
@@ -88,7 +70,7 @@ def spread(system: System, blocks: Sequence[Block]) -> tuple[System, tuple[Block
     return system, tuple(made)
 
 
-def drawn_in(system: System, asked: Block) -> Block:
+def drawn_in(system: System, asked: CandidateColumns) -> CandidateColumns:
     """A block that each run draws as it stands in a system, beside what that knows."""
     key = (asked.candidate.name, asked.value, asked.count)
     return next(
@@ -98,7 +80,7 @@ def drawn_in(system: System, asked: Block) -> Block:
     )
 
 
-def _written_out(system: System, asked: Block) -> tuple[System, Block]:
+def _written_out(system: System, asked: CandidateColumns) -> tuple[System, CandidateColumns]:
     """A system with the columns of a block that each run draws, and that block."""
     old = drawn_in(system, asked)
     drawn = old.drawn

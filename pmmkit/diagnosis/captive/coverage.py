@@ -11,26 +11,15 @@ from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.evidence import wide
 from pmmkit.diagnosis.captive.least_squares import effect_columns
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
-from pmmkit.diagnosis.captive.system import WIDER, Block, System
+from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
 from pmmkit.diagnosis.evidence import ROUNDING, SHOWS, Visible, could_hide, mimics
-from pmmkit.effects.seen import EXCITES
+from pmmkit.effects import EXCITES
 from pmmkit.numerics import Array
 
 
 def coverage(system: System) -> tuple[Visible, ...]:
-    """Coverage of every candidate by the runs of a system; the forces do not enter but by noise.
-
-    Parameters
-    ----------
-    system : System
-        Runs, base and candidates.
-
-    Returns
-    -------
-    tuple of Visible
-        The most visible first.
-    """
-    best: dict[str, tuple[float, Block]] = {}
+    """Coverage of every candidate by the runs of a system; the forces do not enter but by noise."""
+    best: dict[str, tuple[float, CandidateColumns]] = {}
     for block in system.blocks:
         signal = _signal(system, block)
         name = block.candidate.name
@@ -75,7 +64,7 @@ def _not_held(candidate: Candidate) -> Visible:
     )
 
 
-def _at_usual_size(block: Block) -> Array:
+def _at_usual_size(block: CandidateColumns) -> Array:
     """Coefficients at the usual size, in units of the prior."""
     if block.candidate.each_run:
         return np.full(block.count, 1.0 / WIDER)
@@ -85,14 +74,14 @@ def _at_usual_size(block: Block) -> Array:
     return usual
 
 
-def _signal(system: System, block: Block) -> float:
+def _signal(system: System, block: CandidateColumns) -> float:
     a = _at_usual_size(block)
     if block.drawn:
         return block.drawn.square_of(a)
     return float(a @ system.normal.information[block.columns, block.columns] @ a)
 
 
-def _signature(system: System, block: Block) -> list[Array]:
+def _signature(system: System, block: CandidateColumns) -> list[Array]:
     """An effect at its usual size in each channel (n + D,)."""
     a = _at_usual_size(block)
     if block.drawn:
@@ -100,7 +89,7 @@ def _signature(system: System, block: Block) -> list[Array]:
     return [columns_at(piece, block.places) @ a for piece in system.pieces]
 
 
-def _without_a_run(system: System, blocks: Sequence[Block]) -> list[tuple[float, str]]:
+def _without_a_run(system: System, blocks: Sequence[CandidateColumns]) -> list[tuple[float, str]]:
     """What is left of each signal without the run that shows most of it, and that run."""
     shown = zip(*(_signature(system, block) for block in blocks), strict=True)
     columns = [np.column_stack(own) for own in shown]
@@ -113,7 +102,7 @@ def _without_a_run(system: System, blocks: Sequence[Block]) -> list[tuple[float,
     ]
 
 
-def _still(system: System, block: Block) -> bool:
+def _still(system: System, block: CandidateColumns) -> bool:
     """Whether an effect makes no force in any of the runs."""
     return not any(np.any(x) for x in effect_columns(system, block).values())
 
@@ -132,7 +121,10 @@ def _why(candidate: Candidate, signal: float, run: str, *, still: bool) -> str:
 
 
 def _mimics(
-    system: System, block: Block, signal: float, others: Mapping[str, tuple[float, Block]]
+    system: System,
+    block: CandidateColumns,
+    signal: float,
+    others: Mapping[str, tuple[float, CandidateColumns]],
 ) -> dict[str, float]:
     """Effects that reproduce most of a signature."""
     information = system.normal.information

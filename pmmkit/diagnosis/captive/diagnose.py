@@ -10,27 +10,19 @@ from typing import Final
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from pmmkit.campaigns.reach import within_reach
-from pmmkit.campaigns.run import Campaign
-from pmmkit.conventions import Convention, parse_derivative
-from pmmkit.diagnosis.captive.asked import eligible, excited
-from pmmkit.diagnosis.captive.base import Base
+from pmmkit.base import DataError, Problem, Workers
+from pmmkit.campaigns import Campaign, within_reach
+from pmmkit.conventions import Convention, Structure, parse_derivative, structure_of, structures
+from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
-from pmmkit.diagnosis.captive.refit import effects_of
+from pmmkit.diagnosis.captive.refit import effects_of, eligible, excited
 from pmmkit.diagnosis.captive.system import LEAST, System
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.effects.catalogue import catalogue, effect_of
-from pmmkit.effects.effect import Effect
-from pmmkit.errors import DataError, Problem
-from pmmkit.executors import Workers
-from pmmkit.models import Model, load_model
-from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.observations.views import View, scale_of, views_of
-from pmmkit.observations.whitening import FLOOR
-from pmmkit.reduction.derivatives import columns_of
-from pmmkit.structures import Structure, structure_of, structures
+from pmmkit.effects import Effect, catalogue, effect_of
+from pmmkit.models import DERIVATIVE_PARTS, Model, load_model
+from pmmkit.reduction import FLOOR, View, columns_of, scale_of, views_of
 
 FLOOR_LEAST: Final = 0.001
 
@@ -39,14 +31,7 @@ FLOOR_LEAST: Final = 0.001
 class BaseModel:
     """What a model or a structure gives as base of a diagnosis.
 
-    Parameters
-    ----------
-    source : Model, str, tuple of str or Structure
-        Where it comes from.
-    structure : str, tuple of str or Structure
-        Derivatives.
-    effects : tuple of str
-        Effects beside them that a diagnosis knows.
+    `source`: where it comes from. `effects`: effects beside them that a diagnosis knows.
     """
 
     source: Model | str | tuple[str, ...] | Structure
@@ -55,13 +40,7 @@ class BaseModel:
 
 
 def derivatives_of(model: Model | str | Path | Sequence[str] | Structure) -> BaseModel:
-    """Derivatives and effects that a model, a structure or a list of derivatives has.
-
-    Parameters
-    ----------
-    model : Model, str, path, sequence of str or Structure
-        As for `diagnose`.
-    """
+    """Derivatives and effects that a model, a structure or a list of derivatives has."""
     if isinstance(model, Structure) or (isinstance(model, str) and model in structures()):
         return BaseModel(source=model, structure=model)
     if isinstance(model, (str, Path)):
@@ -91,42 +70,6 @@ def diagnose_captive(
     executor: Workers = None,
 ) -> Diagnosis:
     """Name the physical effect, or the fault of the measurement, that captive tests show.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Captive tests with histories. Steady runs at a drift above 45° are left out.
-    structure : str, sequence of str or Structure
-        The base: derivatives of one set over all speeds. Rudder and heel runs add their linear
-        terms.
-    floor : float, optional
-        Everything smooth in the motion below this share of the rms force of a channel does not
-        matter: the user's uncertainty of the forces beside noise. By default the numerical
-        uncertainty U_SN of the campaign file, 0.005 for measured forces; CFD without U_SN must say.
-    candidates : sequence of Candidate or Effect, optional
-        Who takes part; by default the whole catalogue of effects and faults.
-    given : sequence of str
-        Effects that the base has already, beside its derivatives: they are fitted with it.
-    noise : float, optional
-        Standard uncertainty of a mean or harmonic over the rms force of its channel, of runs that
-        state none (tables, CFD).
-    own : sequence of Effect
-        Effects beside the catalogue, on equal terms.
-    seed : int
-        Of the draws that calibrate chance.
-    executor : int, str or concurrent.futures.Executor, optional
-        Who reads the runs, as for `reduce_campaign`; by default this process alone. The answer does
-        not depend on it.
-
-    Returns
-    -------
-    Diagnosis
-
-    Raises
-    ------
-    DataError
-        If the campaign is free-running, holds no run with a known noise, or forces without noise
-        and no floor.
 
     Notes
     -----
@@ -161,22 +104,7 @@ def captive_system(
     own: Sequence[Effect] = (),
     executor: Workers = None,
 ) -> System:
-    """Runs, base and candidates, ready to be asked more than once.
-
-    Parameters
-    ----------
-    campaign, structure, floor, candidates, noise, own, executor
-        As for `diagnose_captive`.
-
-    Returns
-    -------
-    System
-
-    Raises
-    ------
-    DataError
-        If the campaign is free-running, or holds no run with a known noise.
-    """
+    """Runs, base and candidates, ready to be asked more than once."""
     campaign = within_reach(campaign)
     usable = _usable(views_of(campaign, unknown_noise=True, executor=executor), noise)
     channels = tuple(dict.fromkeys(name for view in usable for name in view.force))
@@ -184,7 +112,7 @@ def captive_system(
     if "X" in names and any(np.any(view.motion.thrust) for view in usable):
         names = {**names, "X": tuple(dict.fromkeys((*names["X"], "XT")))}
     speeds = sorted({round(view.speed, 6) for view in usable})
-    base = Base(
+    base = CaptiveBase(
         names=names,
         values={},
         ship=campaign.ship,
@@ -208,24 +136,7 @@ def captive_system(
 def standing(
     system: System, names: Sequence[str], own: Sequence[Effect] = ()
 ) -> tuple[System, tuple[str, ...]]:
-    """A system about its base as a model stands that was written with some effects.
-
-    Parameters
-    ----------
-    system : System
-        About the base without them.
-    names : sequence of str
-        Effects.
-    own : sequence of Effect
-        Those of the user, which the catalogue does not have.
-
-    Returns
-    -------
-    System
-        Derivatives that they bring are the base's own.
-    tuple of str
-        Those that bring none.
-    """
+    """A system about its base as a model stands that was written with some effects."""
     known = {**catalogue(), **{item.name: item for item in own}}
     brought = [known[x] for x in dict.fromkeys(names) if x in known and derivatives_in(known[x])]
     taken = {effect.name for effect in brought}
@@ -236,13 +147,6 @@ def standing(
 def with_derivatives(system: System, effects: Sequence[Effect]) -> System:
     """A system whose base has the derivatives of some effects as its own, as a model that was
     written with them has: fitted freely, and part of what the base expects.
-
-    Parameters
-    ----------
-    system : System
-        Of a base without them.
-    effects : sequence of Effect
-        Those that are derivatives; what changes with the speed is no derivative of the base.
     """
     names = {channel: list(own) for channel, own in system.base.names.items()}
     for name in (x for effect in effects for x in derivatives_in(effect)):
@@ -272,7 +176,7 @@ def derivatives_in(effect: Effect) -> tuple[str, ...]:
 
 
 def _drawn(
-    given: Sequence[Candidate], base: Base, speeds: Sequence[float]
+    given: Sequence[Candidate], base: CaptiveBase, speeds: Sequence[float]
 ) -> tuple[Candidate, ...]:
     """What every run draws for itself takes part whoever else does."""
     names = {item.name for item in given}
@@ -282,22 +186,8 @@ def _drawn(
 
 
 def floor_for(campaign: Campaign, views: Sequence[View], floor: float | None) -> float:
-    """What is smooth and too small to matter: as stated, else U_SN, else 0.5 % of measured forces.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        With `cfd` and `numerical`.
-    views : sequence of View
-        Its forces.
-    floor : float, optional
-        The user's.
-
-    Raises
-    ------
-    DataError
-        If the forces are computed, or have no noise of their own, and nothing is stated.
-    """
+    """What is smooth and too small to matter: as stated, else U_SN, else 0.5 % of measured
+    forces."""
     if floor is not None:
         return floor
     scale = _scales(views)

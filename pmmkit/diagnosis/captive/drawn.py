@@ -11,22 +11,15 @@ import numpy as np
 
 from pmmkit.inference import Taken
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Places
-from pmmkit.observations.whitening import Piece, Projection
+from pmmkit.reduction import Places, Projection, WhitenedChannel
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OwnColumns:
     """A column for each run that knows a candidate, in one channel.
 
-    Parameters
-    ----------
-    values : array (n,)
-        Of the rows; each belongs to one run.
-    column : array of int (n,)
-        Which column that is; -1 where the run has none.
-    count : int
-        How many columns there are.
+    `values`: of the rows; each belongs to one run. `column`: which column that is; -1 where the
+    run has none. `count`: how many columns there are.
     """
 
     values: Array
@@ -58,22 +51,15 @@ class OwnColumns:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Drawn:
+class RunEffectColumns:
     """Whitened and projected columns of a candidate that each run draws, never written out.
 
     Their products are ``diag(squares) - low' low``: a thousand runs take a thousand numbers and a
     thin matrix in place of a million.
 
-    Parameters
-    ----------
-    parts : tuple of sparse array (n, m)
-        Whitened, by channel; the columns of the channels stand one after another.
-    low : array (k, m)
-        What base, floor, and effects that are known explain of them.
-    across : array (q, m)
-        Products with the columns of the system.
-    score : array (m,)
-        Products with the data.
+    `parts (n, m)`: whitened, by channel; the columns of the channels stand one after another.
+    `low (k, m)`: what base, floor, and effects that are known explain of them. `across (q, m)`:
+    products with the columns of the system. `score (m,)`: products with the data.
     """
 
     parts: tuple[Any, ...]
@@ -82,18 +68,10 @@ class Drawn:
     score: Array
 
     @classmethod
-    def of(cls, own: Sequence[OwnColumns], pieces: Sequence[Piece], width: int) -> Drawn:
-        """From whitened columns by channel.
-
-        Parameters
-        ----------
-        own : sequence of OwnColumns
-            By channel.
-        pieces : sequence of Piece
-            The channels of the system.
-        width : int
-            Number of its columns.
-        """
+    def of(
+        cls, own: Sequence[OwnColumns], pieces: Sequence[WhitenedChannel], width: int
+    ) -> RunEffectColumns:
+        """From whitened columns by channel."""
         parts = tuple(item.sparse() for item in own)
         edges = np.cumsum([0, *(item.count for item in own)]).tolist()
         heights = np.cumsum([0, *(p.projection.span.shape[1] for p in pieces)]).tolist()
@@ -142,7 +120,7 @@ class Drawn:
         """Squared length of the columns times coefficients (m,)."""
         return float(self.squares @ coefficients**2 - np.sum((self.low @ coefficients) ** 2))
 
-    def left(self, pieces: Sequence[Piece], coefficients: Array) -> list[Array]:
+    def left(self, pieces: Sequence[WhitenedChannel], coefficients: Array) -> list[Array]:
         """Columns times coefficients (m,) in each channel, base and floor taken off (n + D,)."""
         edges = np.cumsum([0, *(part.shape[1] for part in self.parts)])
         shares = np.split(coefficients, edges[1:-1])
@@ -151,7 +129,7 @@ class Drawn:
             for part, own, piece in zip(self.parts, shares, pieces, strict=True)
         ]
 
-    def beside(self, taken: Taken) -> Drawn:
+    def beside(self, taken: Taken) -> RunEffectColumns:
         """Beside columns of the system that are known (`condition_on`)."""
         products = self.across[taken.at]
         own = np.linalg.solve(taken.root, products)
@@ -162,7 +140,7 @@ class Drawn:
             score=self.score - products.T @ taken.centre - own.T @ taken.explained,
         )
 
-    def products(self, other: Drawn) -> Array:
+    def products(self, other: RunEffectColumns) -> Array:
         """With the columns of another candidate, or with its own, written out (m, m')."""
         from scipy.sparse import block_diag
 

@@ -11,10 +11,10 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.conditioning import condition_on, spread
-from pmmkit.diagnosis.captive.system import MANY, Block, System
-from pmmkit.diagnosis.evidence import PRICE, Entry
+from pmmkit.diagnosis.captive.system import MANY, CandidateColumns, System
+from pmmkit.diagnosis.evidence import PRICE, RankedSet
 from pmmkit.inference import chance_of
-from pmmkit.observations.channels import Places
+from pmmkit.reduction import Places
 
 MOST: Final = 3
 """Effects in a set."""
@@ -24,7 +24,7 @@ AHEAD: Final = 8
 """Best single effects that are combined with all others."""
 
 
-def evidence_of(system: System, block: Block) -> float:
+def evidence_of(system: System, block: CandidateColumns) -> float:
     """ln evidence of one effect at one grid point."""
     return block.drawn.log_evidence if block.drawn else _at(system, [block])
 
@@ -33,24 +33,17 @@ def evidence_of(system: System, block: Block) -> float:
 class Sets:
     """Sets of effects of a system, and what is computed once for all of them.
 
-    Parameters
-    ----------
-    system : System
-        Runs, base and candidates.
-    by_name : mapping of str to list of Block
-        Each effect at its grid points, and in its forms.
-    near : mapping of str to list of Block
-        Those that explain most, which stand in sets of several.
-    beside : mapping of int to (float, System)
-        Evidence of each wide block, and the system beside it.
+    `system`: runs, base and candidates. `by_name`: each effect at its grid points, and in its
+    forms. `near`: those that explain most, which stand in sets of several. `beside`: evidence
+    of each wide block, and the system beside it.
     """
 
     system: System
-    by_name: Mapping[str, list[Block]]
-    near: Mapping[str, list[Block]]
+    by_name: Mapping[str, list[CandidateColumns]]
+    near: Mapping[str, list[CandidateColumns]]
     beside: Mapping[int, tuple[float, System]]
 
-    def value_of(self, blocks: Sequence[Block]) -> float:
+    def value_of(self, blocks: Sequence[CandidateColumns]) -> float:
         """ln evidence of blocks; one with many columns is taken into account once for all sets."""
         if len(blocks) == 1:
             return evidence_of(self.system, blocks[0])
@@ -61,21 +54,21 @@ class Sets:
         alone, rest = self.beside[id(many[0])]
         return alone + _at(rest, [block for block in blocks if block is not many[0]])
 
-    def entry(self, names: Sequence[str]) -> Entry:
+    def entry(self, names: Sequence[str]) -> RankedSet:
         """A set with its evidence, averaged over grids and forms."""
         own = self.by_name if len(names) == 1 else self.near
         found = [(self.value_of(blocks), blocks) for blocks in product(*(own[x] for x in names))]
         top, best = max(found, key=lambda item: item[0])
         total = sum(math.exp(value - top) for value, _ in found)
         share = math.prod(len(self.by_name[name]) for name in names)
-        return Entry(
+        return RankedSet(
             names=tuple(names),
             values=tuple(block.value for block in best),
             terms=tuple(block.candidate.size for block in best),
             log_evidence=top + math.log(total / share) - PRICE * len(names),
         )
 
-    def added(self, entry: Entry) -> tuple[float, ...]:
+    def added(self, entry: RankedSet) -> tuple[float, ...]:
         """ln evidence that each effect of a set adds to the others."""
         if len(entry.names) == 1:
             return (entry.log_evidence,)
@@ -85,20 +78,14 @@ class Sets:
         )
 
 
-def _at(system: System, blocks: Sequence[Block]) -> float:
+def _at(system: System, blocks: Sequence[CandidateColumns]) -> float:
     """ln evidence of blocks whose columns the system holds."""
     return system.normal.only(np.concatenate([block.places for block in blocks])).log_evidence
 
 
 def sets_of(system: System) -> Sets:
-    """Sets that can be asked for.
-
-    Parameters
-    ----------
-    system : System
-        Runs, base and candidates.
-    """
-    by_name: dict[str, list[Block]] = {}
+    """Sets that can be asked for."""
+    by_name: dict[str, list[CandidateColumns]] = {}
     for block in system.blocks:
         by_name.setdefault(block.candidate.name, []).append(block)
     near = {
@@ -114,13 +101,13 @@ def sets_of(system: System) -> Sets:
     return Sets(system=system, by_name=by_name, near=near, beside=beside)
 
 
-def ranked_sets(sets: Sets, *, most: int = MOST) -> list[Entry]:
+def ranked_sets(sets: Sets, *, most: int = MOST) -> list[RankedSet]:
     """All single effects, and the sets that deserve it, best first."""
     entry, by_name = sets.entry, sets.by_name
     singles = sorted((entry([name]) for name in by_name), key=lambda x: -x.log_evidence)
     found = list(singles)
     best = [x.names[0] for x in singles[:AHEAD]]
-    pairs: list[Entry] = []
+    pairs: list[RankedSet] = []
     if most > 1:
         wanted = {tuple(sorted(pair)) for pair in combinations(best, 2)}
         wanted |= {tuple(sorted((a, b))) for a in best[:4] for b in by_name if b != a}
@@ -137,7 +124,7 @@ def ranked_sets(sets: Sets, *, most: int = MOST) -> list[Entry]:
     return sorted(found, key=lambda x: -x.log_evidence)
 
 
-def wide(block: Block) -> bool:
+def wide(block: CandidateColumns) -> bool:
     """Whether a block has so many columns (one per run) that sets with it need another way."""
     return block.drawn is not None or block.count > MANY
 

@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
-from pmmkit.campaigns.repeats import repeats
-from pmmkit.campaigns.run import Run
+from pmmkit.campaigns import Run, repeats
 from pmmkit.diagnosis.captive.least_squares import Stack, solved, stacked
 from pmmkit.diagnosis.captive.noise_level import LeftOut, expected_errors
-from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.captive.system import CandidateColumns, System
 from pmmkit.inference import of_others
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Places
-from pmmkit.observations.views import View
+from pmmkit.reduction import Places, View
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,14 +29,9 @@ CHANGED: Final = 0.02
 class Misfit:
     """How far errors of left-out conditions are from their noise level.
 
-    Parameters
-    ----------
-    where : str
-        The channel that is fitted least, ``all`` for all harmonics of all channels.
-    ratio : float
-        Root mean square of its errors over what noise gives.
-    chance : float
-        Probability that noise gives one so large.
+    `where`: the channel that is fitted least, ``all`` for all harmonics of all channels.
+    `ratio`: root mean square of its errors over what noise gives. `chance`: probability that
+    noise gives one so large.
     """
 
     where: str
@@ -50,26 +43,16 @@ class Misfit:
 class HeldOut:
     """Errors of predictions of conditions that a fit had not seen.
 
-    Parameters
-    ----------
-    conditions : tuple of str
-        What was left out, one after another: runs of one setting together.
-    tests : tuple of str
-        Test type of each.
-    channels : tuple of str
-        Columns of the arrays.
-    error, force : array (conditions, channels)
-        Root mean square of the error and of the measured force over a cycle [N, N m]; NaN where a
-        condition has no such channel or the other conditions do not determine it.
-    level : array (conditions, channels)
-        Noise level: the error to be expected if nothing is missing, of noise, run scatter, the
-        smooth floor and what the other conditions leave unknown [N, N m].
-    distance, rows : array (conditions,)
-        Squares of all errors of a condition, harmonic by harmonic, over their covariance, and what
-        is expected of them: their number.
-    spread : array (channels + 1,)
-        Variance that noise gives the sum over the conditions of (error over level)², by channel,
-        and of `distance`.
+    `conditions`: what was left out, one after another: runs of one setting together. `tests`:
+    test type of each. `channels`: columns of the arrays. `error, force (conditions, channels)`:
+    root mean square of the error and of the measured force over a cycle [N, N m]; NaN where a
+    condition has no such channel or the other conditions do not determine it. `level
+    (conditions, channels)`: noise level: the error to be expected if nothing is missing, of
+    noise, run scatter, the smooth floor and what the other conditions leave unknown [N, N m].
+    `distance, rows (conditions,)`: squares of all errors of a condition, harmonic by harmonic,
+    over their covariance, and what is expected of them: their number. `spread (channels + 1,)`:
+    variance that noise gives the sum over the conditions of (error over level)², by channel,
+    and of `distance`.
     """
 
     conditions: tuple[str, ...]
@@ -173,14 +156,16 @@ def _rms(values: Array) -> Array:
     return found
 
 
-def held_out(system: System, effects: Sequence[Block] = (), *, with_level: bool = True) -> HeldOut:
+def held_out(
+    system: System, effects: Sequence[CandidateColumns] = (), *, with_level: bool = True
+) -> HeldOut:
     """Errors of base and effects on each condition, fitted to all other conditions.
 
     Parameters
     ----------
     system : System
         Runs with the estimated scatter.
-    effects : sequence of Block
+    effects : sequence of CandidateColumns
         Effects at a value of their nonlinear parameter.
     with_level : bool
         Whether the noise level is asked for; without it the numbers that tell of it are NaN.
@@ -289,11 +274,5 @@ def conditions(runs: Sequence[Run]) -> dict[str, str]:
 
 
 def condition(run: Run) -> str:
-    """The setting of a run in words: runs with one setting repeat each other.
-
-    Parameters
-    ----------
-    run : Run
-        A captive run.
-    """
+    """The setting of a run in words: runs with one setting repeat each other."""
     return f"{run.test.replace('_', ' ')}, {run.setting}"

@@ -8,12 +8,12 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.least_squares import Stack, effect_columns, sizes_of, solved, stacked
-from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.captive.system import CandidateColumns, System
 from pmmkit.numerics import Array
-from pmmkit.observations.views import View
+from pmmkit.reduction import View
 
 PARAMETER: Final = "nonlinear parameter"
 """Name of what a fit moves a nonlinear parameter by, to know its uncertainty."""
@@ -23,15 +23,10 @@ PARAMETER: Final = "nonlinear parameter"
 class JointFit:
     """Values of the base's derivatives and of effects, fitted to all runs at once.
 
-    Parameters
-    ----------
-    names : tuple of str
-        Derivatives of the base, then the effects' coefficients as ``effect: coefficient``.
-    values : array (n,)
-        Fitted; NaN where the runs do not determine one.
-    covariance : array (n, n)
-        With noise, run scatter, the smooth floor, the effects' prior sizes, and what is not known
-        of their nonlinear parameters.
+    `names`: derivatives of the base, then the effects' coefficients as ``effect: coefficient``.
+    `values`: fitted; NaN where the runs do not determine one. `covariance (n, n)`: with noise,
+    run scatter, the smooth floor, the effects' prior sizes, and what is not known of their
+    nonlinear parameters.
     """
 
     names: tuple[str, ...]
@@ -50,22 +45,10 @@ class JointFit:
         return self.values[at], self.std[at]
 
 
-def joint_fit(system: System, effects: Sequence[Block] = (), *, floor: float) -> JointFit:
-    """Base and effects fitted to all runs at once.
-
-    Parameters
-    ----------
-    system : System
-        Runs with the estimated scatter.
-    effects : sequence of Block
-        Effects at a value of their nonlinear parameter.
-    floor : float
-        Size of what is smooth and does not matter; it widens the uncertainty.
-
-    Returns
-    -------
-    JointFit
-    """
+def joint_fit(
+    system: System, effects: Sequence[CandidateColumns] = (), *, floor: float
+) -> JointFit:
+    """Base and effects fitted to all runs at once."""
     tangents = _tangents(system, effects)
     stack = stacked(system, [*effects, *tangents], floor=floor)
     found = solved(stack)
@@ -76,7 +59,7 @@ def joint_fit(system: System, effects: Sequence[Block] = (), *, floor: float) ->
     return JointFit(names=stack.names, values=values, covariance=covariance)
 
 
-def _tangents(system: System, effects: Sequence[Block]) -> list[Block]:
+def _tangents(system: System, effects: Sequence[CandidateColumns]) -> list[CandidateColumns]:
     """The change of each effect with its nonlinear parameter, as effects of their own."""
     if not any(block.candidate.continuous for block in effects):
         return []
@@ -92,10 +75,12 @@ def _tangents(system: System, effects: Sequence[Block]) -> list[Block]:
     return made
 
 
-def _tangent(block: Block, sizes: Array) -> Block:
+def _tangent(block: CandidateColumns, sizes: Array) -> CandidateColumns:
     c, value, step = block.candidate, block.value, 0.02 * block.value
 
-    def together(views: Sequence[View], base: Base, _: float) -> Sequence[Mapping[str, Array]]:
+    def together(
+        views: Sequence[View], base: CaptiveBase, _: float
+    ) -> Sequence[Mapping[str, Array]]:
         both = (c.along(views, base, value + step), c.along(views, base, value - step))
         return [
             {name: ((more[name] - less[name]) @ sizes / (2 * step))[:, None] for name in more}
@@ -113,25 +98,11 @@ def _tangent(block: Block, sizes: Array) -> Block:
         coefficients=(PARAMETER,),
         typical=(spread,),
     )
-    return Block(candidate=own, value=0.0, columns=slice(0, 1))
+    return CandidateColumns(candidate=own, value=0.0, columns=slice(0, 1))
 
 
-def refined(system: System, effects: Sequence[Block]) -> tuple[Block, ...]:
-    """Effects with their nonlinear parameters off the grid, where the runs are explained best.
-
-    Parameters
-    ----------
-    system : System
-        Runs with the estimated scatter.
-    effects : sequence of Block
-        Effects at points of their grids.
-
-    Returns
-    -------
-    tuple of Block
-        One parameter after another, each searched between the neighbours of its grid point. They
-        keep their columns, but those that each run draws.
-    """
+def refined(system: System, effects: Sequence[CandidateColumns]) -> tuple[CandidateColumns, ...]:
+    """Effects with their nonlinear parameters off the grid, where the runs are explained best."""
     from scipy.optimize import minimize_scalar
 
     found = [_with_columns(system, block) for block in effects]
@@ -146,7 +117,7 @@ def refined(system: System, effects: Sequence[Block]) -> tuple[Block, ...]:
         if at == len(grid) - 1:
             high = 2 * grid[-1] - grid[-2]
 
-        def misfit(value: float, place: int = place, block: Block = block) -> float:
+        def misfit(value: float, place: int = place, block: CandidateColumns = block) -> float:
             own = _with_columns(system, replace(block, value=value))
             return _misfit(stacked(system, [*found[:place], own, *found[place + 1 :]]))
 
@@ -159,7 +130,7 @@ def refined(system: System, effects: Sequence[Block]) -> tuple[Block, ...]:
     )
 
 
-def _with_columns(system: System, block: Block) -> Block:
+def _with_columns(system: System, block: CandidateColumns) -> CandidateColumns:
     """An effect with its columns made once for several fits."""
     return replace(block, made=effect_columns(system, replace(block, made=None)))
 

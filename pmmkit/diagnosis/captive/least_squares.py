@@ -12,7 +12,12 @@ from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.build import prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.system import Block, System, candidate_columns, each_run_columns
+from pmmkit.diagnosis.captive.system import (
+    CandidateColumns,
+    System,
+    candidate_columns,
+    each_run_columns,
+)
 from pmmkit.inference import RANK_TOLERANCE, dependent
 from pmmkit.numerics import Array
 
@@ -52,14 +57,14 @@ class Stack:
     begin: int
 
 
-def stacked(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> Stack:
+def stacked(system: System, effects: Sequence[CandidateColumns], *, floor: float = 0.0) -> Stack:
     """All channels below each other, whitened run by run.
 
     Parameters
     ----------
     system : System
         Runs with the estimated scatter.
-    effects : sequence of Block
+    effects : sequence of CandidateColumns
         Effects at a value of their nonlinear parameter.
     floor : float
         Size of the smooth floor, whose features stand as columns; none at zero.
@@ -111,16 +116,8 @@ def stacked(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> 
     )
 
 
-def effect_columns(system: System, block: Block) -> Mapping[str, Array]:
-    """Columns of an effect in units of its prior, by channel.
-
-    Parameters
-    ----------
-    system : System
-        Runs with the estimated scatter.
-    block : Block
-        The effect, at a value of its nonlinear parameter.
-    """
+def effect_columns(system: System, block: CandidateColumns) -> Mapping[str, Array]:
+    """Columns of an effect in units of its prior, by channel."""
     if block.made is not None:
         return block.made
     if not block.candidate.each_run:
@@ -148,7 +145,7 @@ def effect_columns(system: System, block: Block) -> Mapping[str, Array]:
     return whole
 
 
-def _labels(block: Block) -> list[str]:
+def _labels(block: CandidateColumns) -> list[str]:
     c = block.candidate
     if c.each_run:
         return [f"{c.name}: share {number + 1} [-]" for number in range(block.count)]
@@ -160,14 +157,14 @@ def labels(candidate: Candidate) -> list[str]:
     return [f"{candidate.name}: {name}" for name in candidate.coefficients]
 
 
-def sizes_of(block: Block) -> Array:
+def sizes_of(block: CandidateColumns) -> Array:
     """Prior standard deviations of the coefficients of an effect, a transient's of each run."""
     if block.candidate.each_run:
         return np.full(block.count, prior_sizes(block.candidate)[0])
     return prior_sizes(block.candidate)
 
 
-def _expected(block: Block) -> tuple[float, ...]:
+def _expected(block: CandidateColumns) -> tuple[float, ...]:
     """Values about which the coefficients are expected."""
     return block.candidate.centre or (0.0,) * block.count
 
@@ -176,18 +173,9 @@ def _expected(block: Block) -> tuple[float, ...]:
 class Solved:
     """Least squares with a unit prior on the later columns.
 
-    Parameters
-    ----------
-    Q : array (n, q)
-        Orthonormal, the rows of the data.
-    R : array (q, q)
-        Triangular, of scaled columns.
-    solution : array (q,)
-        In the units of the columns.
-    size : array (q,)
-        Scales of the columns.
-    triangle : array (q, q)
-        As the columns have it; in `R` the coefficients that nothing determines are held.
+    `Q (n, q)`: orthonormal, the rows of the data. `R (q, q)`: triangular, of scaled columns.
+    `solution (q,)`: in the units of the columns. `size (q,)`: scales of the columns. `triangle
+    (q, q)`: as the columns have it; in `R` the coefficients that nothing determines are held.
     """
 
     Q: Array

@@ -7,16 +7,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from pmmkit.campaigns.run import Run
+from pmmkit.campaigns import Run
 from pmmkit.diagnosis.captive.conditioning import spread
-from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.captive.system import CandidateColumns, System
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Places
-from pmmkit.observations.whitening import Piece
+from pmmkit.reduction import Places, WhitenedChannel
 
 
-def columns_at(piece: Piece, at: Places) -> Array:
+def columns_at(piece: WhitenedChannel, at: Places) -> Array:
     """Columns of a piece at places of the system, zeros where it has none (n + D, q)."""
     where = {place: i for i, place in enumerate(piece.places.tolist())}
     found = np.zeros((len(piece.data), len(at)))
@@ -31,18 +30,7 @@ def taken_with(
 ) -> Mapping[str, Array]:
     """Products of columns that go when a run is left out, base and floor fitted without it.
 
-    Parameters
-    ----------
-    system : System
-        Runs and base.
-    columns : sequence of array (n + D, q)
-        Projected columns of each channel.
-    named : callable
-        Name of a run; runs of one name are left out together.
-
-    Returns
-    -------
-    mapping of name to array (q, q)
+    columns (n + D, q).
 
     Notes
     -----
@@ -69,23 +57,10 @@ def taken_with(
 
 
 def least_gains(
-    system: System, blocks: Sequence[Block], given: Sequence[Block] = ()
+    system: System, blocks: Sequence[CandidateColumns], given: Sequence[CandidateColumns] = ()
 ) -> tuple[tuple[float, str], ...]:
-    """ln evidence that each effect of a set adds without the run that helps it most, and that run.
-
-    Parameters
-    ----------
-    system : System
-        Runs, base and candidates; of the base alone.
-    blocks : sequence of Block
-        The set.
-    given : sequence of Block
-        Effects that the base has already.
-
-    Returns
-    -------
-    tuple of (float, str)
-    """
+    """ln evidence that each effect of a set adds without the run that helps it most, and that
+    run."""
     system, every = spread(system, [*blocks, *given])
     at = np.concatenate([block.places for block in every])
     columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]

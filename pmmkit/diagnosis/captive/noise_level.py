@@ -11,7 +11,7 @@ import numpy as np
 from pmmkit.diagnosis.captive.least_squares import Solved, Stack
 from pmmkit.diagnosis.captive.system import System
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Places
+from pmmkit.reduction import Places
 
 TOGETHER: Final = 32
 """Conditions whose products are summed at once: of all of them they would fill the memory."""
@@ -21,18 +21,10 @@ TOGETHER: Final = 32
 class LeftOut:
     """One condition that a fit had not seen.
 
-    Parameters
-    ----------
-    rows : array (n,)
-        Its rows in the stack.
-    inverse : array (n, n)
-        Of I less their hat matrix: from residuals to errors of a fit without them.
-    counted : array (m,)
-        Rows whose errors count.
-    channel : array (m,)
-        Number of the channel of each.
-    weight : array (m,)
-        Of its squared error in the mean square of the channel over a cycle.
+    `rows`: its rows in the stack. `inverse (n, n)`: of I less their hat matrix: from residuals
+    to errors of a fit without them. `counted (m,)`: rows whose errors count. `channel (m,)`:
+    number of the channel of each. `weight (m,)`: of its squared error in the mean square of the
+    channel over a cycle.
     """
 
     rows: Places
@@ -43,21 +35,14 @@ class LeftOut:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Expected:
+class ExpectedErrors:
     """What noise alone would give the errors of left-out conditions.
 
-    Parameters
-    ----------
-    square : array (conditions, channels)
-        Mean squares of the error over a cycle.
-    distance : array (conditions,)
-        Squared errors e' S⁻¹ e of all rows of a condition, over their covariance; `rows` if nothing
-        is missing.
-    rows : array (conditions,)
-        Number of rows of each.
-    spread : array (channels + 1,)
-        Variance of the sum over the conditions of mean squares over `square`, by channel, and of
-        the sum of `distance`.
+    `square (conditions, channels)`: mean squares of the error over a cycle. `distance
+    (conditions,)`: squared errors e' S⁻¹ e of all rows of a condition, over their covariance;
+    `rows` if nothing is missing. `rows (conditions,)`: number of rows of each. `spread
+    (channels + 1,)`: variance of the sum over the conditions of mean squares over `square`, by
+    channel, and of the sum of `distance`.
     """
 
     square: Array
@@ -99,25 +84,8 @@ class _Errors:
 
 def expected_errors(
     system: System, stack: Stack, found: Solved, residual: Array, folds: Sequence[LeftOut]
-) -> Expected:
+) -> ExpectedErrors:
     """What noise, run scatter, smooth floor and the fit to the others give left-out conditions.
-
-    Parameters
-    ----------
-    system : System
-        Runs with the estimated scatter.
-    stack : Stack
-        Base and effects.
-    found : Solved
-        Their least squares.
-    residual : array (n,)
-        What it leaves, whitened.
-    folds : sequence of LeftOut
-        Conditions.
-
-    Returns
-    -------
-    Expected
 
     Notes
     -----
@@ -149,7 +117,7 @@ def expected_errors(
             plain.append([scaled.of(np.flatnonzero(fold.channel == k)) for k in range(len(begins))])
         every = [*zip(*plain, strict=True), white]
         sums = [one.with_(more) for one, more in zip(sums, every, strict=True)]
-    return Expected(
+    return ExpectedErrors(
         square=square,
         distance=distance,
         rows=np.array([len(fold.rows) for fold in folds], float),
@@ -161,14 +129,8 @@ def expected_errors(
 class _Squares:
     """Sums over conditions from which the variance of a sum of squares of their errors follows.
 
-    Parameters
-    ----------
-    own : float
-        Of each condition by itself.
-    fit, floor : array (q, q), (D, D)
-        Products of what the conditions share.
-    across : array (q, D)
-        Products of the one with the other.
+    `own`: of each condition by itself. `fit, floor (q, q)`: products of what the conditions
+    share. `across (q, D)`: products of the one with the other.
     """
 
     own: float = 0.0

@@ -8,9 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.system import FEATURES, Block, System, is_even
-from pmmkit.observations.channels import Places
-from pmmkit.observations.views import View
+from pmmkit.diagnosis.captive.system import FEATURES, CandidateColumns, System, is_even
+from pmmkit.reduction import Places, View
 
 PRESENT: Final = 0.01
 """Share of its square from which a parity counts as one that an effect has."""
@@ -30,16 +29,8 @@ def mirrored(view: View) -> View:
     )
 
 
-def parities(system: System, block: Block) -> frozenset[Parity]:
-    """Parities that an effect has: those of its columns in a motion and in its mirror.
-
-    Parameters
-    ----------
-    system : System
-        Runs; one of each kind of test and speed is looked at.
-    block : Block
-        The effect at a grid point. What each run draws for itself has no symmetry: both.
-    """
+def parities(system: System, block: CandidateColumns) -> frozenset[Parity]:
+    """Parities that an effect has: those of its columns in a motion and in its mirror."""
     if block.candidate.each_run:
         return BOTH
     squares = {True: 0.0, False: 0.0}

@@ -4,58 +4,106 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns.run import Campaign
+from pmmkit.base import ModelError, Problem, UnknownNameError
+from pmmkit.campaigns import Campaign, repeats
 from pmmkit.conventions import Convention, parse_derivative
-from pmmkit.diagnosis.captive.asked import asked_in_captive
-from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.base import CaptiveBase
+from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
 from pmmkit.diagnosis.captive.joint_fit import JointFit
 from pmmkit.diagnosis.captive.least_squares import labels
-from pmmkit.diagnosis.captive.system import Block
+from pmmkit.diagnosis.captive.system import CandidateColumns
 from pmmkit.diagnosis.refit import FittedValues, put_back
-from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.effect import BY_SPEED, Effect
-from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
-from pmmkit.errors import ModelError, Problem, UnknownNameError
-from pmmkit.models import Model
-from pmmkit.models.edit import with_effect, without_effect
-from pmmkit.models.model import needs_roll
-from pmmkit.models.terms import home_of
+from pmmkit.effects import BY_SPEED, HULL, RUDDER_POLYNOMIAL, Effect, catalogue
+from pmmkit.models import (
+    DerivativeTable,
+    Model,
+    converted,
+    home_of,
+    needs_roll,
+    with_effect,
+    without_effect,
+)
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE
-from pmmkit.tables import DerivativeTable, converted
+from pmmkit.reduction import View
+
+# Which effects of the catalogue captive tests are asked for.
+
+
+LARGE: Final = (0.3, 0.8)
+"""Sway over speed, and yaw rate r', from which terms of high order are looked for."""
+
+
+def asked_in_captive(effect: Effect) -> bool:
+    """Whether captive tests are asked for an effect."""
+    return bool(effect.coefficients) and not effect.not_captive
+
+
+def captive_candidates(
+    speeds: Sequence[float] = (), own: Sequence[Effect] = ()
+) -> tuple[Candidate, ...]:
+    """Every effect and fault that captive tests can be asked for.
+
+    speeds [m/s].
+
+    Examples
+    --------
+    >>> "memory" in [item.name for item in captive_candidates()]
+    True
+    """
+    every = {item.name: item for item in (*catalogue().values(), *own)}
+    asked = (candidate_of(item, speeds) for item in every.values() if asked_in_captive(item))
+    return tuple(item for item in asked if item.grid)
+
+
+def eligible(
+    base: CaptiveBase, speeds: Sequence[float], own: Sequence[Effect] = ()
+) -> tuple[Candidate, ...]:
+    """The catalogue and effects of the user, without what the base has already.
+
+    speeds [m/s].
+    """
+    known = {name for names in base.names.values() for name in names}
+    return tuple(
+        item for item in captive_candidates(speeds, own) if not set(item.coefficients) <= known
+    )
+
+
+def excited(views: Sequence[View], base: CaptiveBase) -> frozenset[str]:
+    """What runs hold, in the words of `effects.seen.EXCITES`."""
+    speeds = {round(view.speed, 6) for view in views}
+    runs = tuple({view.run.id: view.run for view in views}.values())
+    sway = max(float(np.max(np.abs(view.motion.v) / view.motion.speed)) for view in views)
+    yaw = max(
+        float(np.max(np.abs(view.motion.r) / view.motion.speed)) * base.ship.L for view in views
+    )
+    return frozenset(
+        word
+        for word, there in {
+            "several speeds": len(speeds) > 1,
+            "four speeds": len(speeds) > 3,
+            "repeats": any(len(own) > 1 for own in repeats(runs)),
+            "roll": any(np.any(view.motion.phi) or np.any(view.motion.p) for view in views),
+            "rudder": any(np.any(view.motion.delta) for view in views),
+            "large motion": sway > LARGE[0] or yaw > LARGE[1],
+            "sinkage": any(np.any(view.motion.sinkage) for view in views),
+        }.items()
+        if there
+    )
 
 
 def fitted_table(
     fit: JointFit,
-    base: Base,
+    base: CaptiveBase,
     campaign: Campaign,
     Fn: Sequence[float] = (),
     own: Sequence[Effect] = (),
 ) -> DerivativeTable:
-    """The derivatives of a joint fit, those of effects that are derivatives among them.
-
-    Parameters
-    ----------
-    fit : JointFit
-        Of the base with effects.
-    base : Base
-        What the derivatives mean, and the speed at which F is zero.
-    campaign : Campaign
-        The tests.
-    Fn : sequence of float
-        Froude numbers of the rows; one pooled row without them. Needed where derivatives change
-        with the speed.
-    own : sequence of Effect
-        Effects of the user, whose coefficients stand for derivatives.
-
-    Returns
-    -------
-    DerivativeTable
-        In the convention of the base. Derivatives that the runs do not determine are NaN.
-    """
+    """The derivatives of a joint fit, those of effects that are derivatives among them."""
     rows = np.asarray(Fn, float) if len(Fn) else np.array([np.nan])
     law = [base.law(campaign.ship.speed(x, campaign.water.g)) if len(Fn) else 0.0 for x in rows]
     places = [_places(label, own) for label in fit.names]
@@ -129,12 +177,7 @@ def _entry(name: str, own: Sequence[Effect]) -> Effect | None:
 class Refit:
     """A model with fitted values, and what could not be taken over.
 
-    Parameters
-    ----------
-    model : Model
-        With the values.
-    notes : tuple of str
-        Derivatives that were kept or left out, and why.
+    `notes`: derivatives that were kept or left out, and why.
     """
 
     model: Model
@@ -144,35 +187,12 @@ class Refit:
 def refitted(
     model: Model,
     fit: JointFit,
-    effects: Sequence[Block],
-    base: Base,
+    effects: Sequence[CandidateColumns],
+    base: CaptiveBase,
     campaign: Campaign,
     own: Sequence[Effect] = (),
 ) -> Refit:
-    """A model with the values of a joint fit.
-
-    Parameters
-    ----------
-    model : Model
-        Gives its convention, its scale and all other parts.
-    fit : JointFit
-        Of the model's derivatives together with effects.
-    effects : sequence of Block
-        The effects of the fit. Those of the ship enter the model; faults of the measurement do
-        not: they correct what the fit saw.
-    base : Base
-        Of the fit.
-    campaign : Campaign
-        The tests.
-    own : sequence of Effect
-        Effects of the user.
-
-    Returns
-    -------
-    Refit
-        Non-dimensional values carry over to the model's scale. A derivative that the runs do not
-        determine keeps its value.
-    """
+    """A model with the values of a joint fit."""
     varies = any(item.by_speed for label in fit.names for item in _places(label, own))
     Fn = (model.Fn or froude_numbers(campaign)) if varies else ()
     table = in_convention(fit, base, campaign, model.convention, Fn, own)
@@ -226,7 +246,7 @@ def _together(
     fit: JointFit,
     beside: Sequence[str],
     taken: DerivativeTable,
-    base: Base,
+    base: CaptiveBase,
     campaign: Campaign,
     convention: Convention,
     Fn: Sequence[float],
@@ -256,7 +276,12 @@ def _together(
 
 
 def _with_part(
-    model: Model, effect: Effect, block: Block, fit: JointFit, Fn: Sequence[float], source: str
+    model: Model,
+    effect: Effect,
+    block: CandidateColumns,
+    fit: JointFit,
+    Fn: Sequence[float],
+    source: str,
 ) -> Model:
     """A model with an effect that is a part of its own, at the values of a fit."""
     c = block.candidate
@@ -293,18 +318,8 @@ def _refuse_impossible(effect: Effect, names: Sequence[str], values: Array, std:
         raise ModelError(problems)
 
 
-def places_of(block: Block, model: Model, own: Sequence[Effect] = ()) -> tuple[str, ...]:
-    """Parts and values (``hull_polynomial.Yvvr``) of a model that an effect of a fit stands in.
-
-    Parameters
-    ----------
-    block : Block
-        The effect.
-    model : Model
-        With the values of the fit.
-    own : sequence of Effect
-        Effects of the user.
-    """
+def places_of(block: CandidateColumns, model: Model, own: Sequence[Effect] = ()) -> tuple[str, ...]:
+    """Parts and values (``hull_polynomial.Yvvr``) of a model that an effect of a fit stands in."""
     c = block.candidate
     if c.name in model.parts:
         return (c.name,)
@@ -314,7 +329,7 @@ def places_of(block: Block, model: Model, own: Sequence[Effect] = ()) -> tuple[s
 
 def in_convention(
     fit: JointFit,
-    base: Base,
+    base: CaptiveBase,
     campaign: Campaign,
     convention: Convention,
     Fn: Sequence[float] = (),
@@ -340,14 +355,7 @@ def froude_numbers(campaign: Campaign) -> tuple[float, ...]:
 
 
 def effects_of(model: Model) -> tuple[str, ...]:
-    """What of a model is fitted beside its derivatives.
-
-    Parameters
-    ----------
-    model : Model
-        A model: its effects with coefficients of usual sizes, and the faults of the measurement
-        that its steps know.
-    """
+    """What of a model is fitted beside its derivatives."""
     parts = [name for name, part in model.parts.items() if asked_in_captive(part.known)]
     varying = [
         effect.name

@@ -11,28 +11,27 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns.motion.nominal import nominal_motion
-from pmmkit.campaigns.run import Run
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.test_kinds.oscillating import PURE_SWAY, PURE_YAW, YAW_DRIFT
-from pmmkit.campaigns.test_kinds.steady import (
+from pmmkit.campaigns import (
     DRIFT_RUDDER,
+    PURE_SWAY,
+    PURE_YAW,
     STATIC_DRIFT,
     STATIC_HEEL,
     STATIC_RUDDER,
+    YAW_DRIFT,
+    Run,
+    Settings,
+    nominal_motion,
 )
-from pmmkit.conventions import Convention
-from pmmkit.diagnosis.captive.base import Base
+from pmmkit.conventions import Convention, structures
+from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.evidence import MIMICS
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.hull import HULL
+from pmmkit.effects import HULL, INERTIA
 from pmmkit.inference import RANK_TOLERANCE
-from pmmkit.models import load_model, scaled
+from pmmkit.models import converted, from_values, load_model, scaled
 from pmmkit.numerics import Array
-from pmmkit.observations.views import View
-from pmmkit.structures import structures
-from pmmkit.tables import converted, from_values
+from pmmkit.reduction import View
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,17 +54,10 @@ ABSORBED: Final = 1e-3
 class Signature:
     """An effect of usual size in standard tests.
 
-    Parameters
-    ----------
-    name : str
-        The effect.
-    acts : mapping of test to (mapping of channel to (mapping of harmonic to float))
-        Mean (C0) and harmonics in phase with the velocity (C1 …) and the displacement (S1 …), over
-        the rms force of the channel in these tests; what is below 1 % is left out.
-    mimics : mapping of str to float
-        Effects that reproduce most of it beside a cubic hull, with the share.
-    absorbed : bool
-        Whether the terms of a cubic hull take it over: no residual shows it.
+    `acts`: mean (C0) and harmonics in phase with the velocity (C1 …) and the displacement (S1
+    …), over the rms force of the channel in these tests; what is below 1 % is left out.
+    `mimics`: effects that reproduce most of it beside a cubic hull, with the share. `absorbed`:
+    whether the terms of a cubic hull take it over: no residual shows it.
     """
 
     name: str
@@ -77,21 +69,10 @@ class Signature:
 def signatures(candidates: Sequence[Candidate]) -> tuple[Signature, ...]:
     """Signatures of effects, from their columns alone.
 
-    Parameters
-    ----------
-    candidates : sequence of Candidate
-        The effects; each may be the mimic of another.
-
-    Returns
-    -------
-    tuple of Signature
-        In static drift, heel, rudder and drift with rudder, pure sway, pure yaw and yaw with drift
-        of the S175 at three speeds.
-
     Examples
     --------
     >>> from pmmkit.diagnosis.captive.candidate import candidate_of
-    >>> from pmmkit.effects.catalogue import effect_of
+    >>> from pmmkit.effects import effect_of
     >>> (found,) = signatures([candidate_of(effect_of("modulus_sway_drag"))])
     >>> sway = found.acts["pure_sway"]["Y"]
     >>> sorted(sway), round(sway["C3"] / sway["C1"], 2)
@@ -141,7 +122,7 @@ def _usual(candidate: Candidate) -> Array:
 
 
 def _stacked(
-    candidate: Candidate, value: float, channel: str, views: Sequence[View], base: Base
+    candidate: Candidate, value: float, channel: str, views: Sequence[View], base: CaptiveBase
 ) -> Array:
     none = np.zeros((1, candidate.size))
     return np.concatenate(
@@ -156,7 +137,7 @@ def _acts(
     candidate: Candidate,
     value: float,
     views: Sequence[View],
-    base: Base,
+    base: CaptiveBase,
     sizes: Mapping[tuple[float, str], float],
 ) -> dict[str, dict[str, dict[str, float]]]:
     """By test the harmonics of the run in which they are largest."""
@@ -202,7 +183,7 @@ def _projector(columns: Array) -> Any:
     return lambda x: x - Q @ (Q.T @ x)
 
 
-def _sizes(views: Sequence[View], base: Base) -> dict[tuple[float, str], float]:
+def _sizes(views: Sequence[View], base: CaptiveBase) -> dict[tuple[float, str], float]:
     """Root mean square of the base's force, by speed and channel [N, N m]."""
     found: dict[tuple[float, str], list[float]] = {}
     for view in views:
@@ -212,7 +193,7 @@ def _sizes(views: Sequence[View], base: Base) -> dict[tuple[float, str], float]:
 
 
 @cache
-def standard_tests() -> tuple[tuple[View, ...], Base]:
+def standard_tests() -> tuple[tuple[View, ...], CaptiveBase]:
     """Standard tests of the S175, and its published cubic hull as base."""
     model = scaled(load_model("s175-3dof"), LENGTH)
     values = {**model.values(HULL), **model.values(INERTIA)}
@@ -225,7 +206,7 @@ def standard_tests() -> tuple[tuple[View, ...], Base]:
         convention=model.convention,
     )
     total = converted(table, Convention()).at()
-    base = Base(
+    base = CaptiveBase(
         names=MappingProxyType({c: tuple(n for n in names if n[0] == c) for c in CHANNELS}),
         values=MappingProxyType(
             {name: float(known.get(name, total.get(name, 0.0))) for name in names}

@@ -10,18 +10,14 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.columns import TermTable, channels_of_terms
-from pmmkit.diagnosis.captive.drawn import Drawn, OwnColumns
-from pmmkit.effects.faults.alignment import MISALIGNMENT
-from pmmkit.effects.faults.fault import slopes
+from pmmkit.diagnosis.captive.drawn import OwnColumns, RunEffectColumns
+from pmmkit.effects import MISALIGNMENT, slopes
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
-from pmmkit.observations.channels import Channel, Places
-from pmmkit.observations.seen import Seen
-from pmmkit.observations.views import View, scale_of
-from pmmkit.observations.whitening import Piece
+from pmmkit.reduction import Channel, Places, RunView, View, WhitenedChannel, scale_of
 
 WIDER: Final = 1.5
 """Prior standard deviation of a coefficient over its typical size."""
@@ -38,7 +34,7 @@ LEAST: Final = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Block:
+class CandidateColumns:
     """One candidate at one grid point: its columns, whitened and projected, over prior sizes.
 
     Columns that each of very many runs draws stand beside the system, as `drawn`. Those that were
@@ -48,7 +44,7 @@ class Block:
     candidate: Candidate
     value: float
     columns: slice
-    drawn: Drawn | None = None
+    drawn: RunEffectColumns | None = None
     made: Mapping[str, Array] | None = None
 
     @property
@@ -71,13 +67,13 @@ class System:
     ----------
     views : tuple of View
         Runs.
-    base : Base
+    base : CaptiveBase
         With fitted values.
     channels : tuple of Channel
         Rows.
     scatter : mapping of channel to array (4,)
         Estimated.
-    blocks : tuple of Block
+    blocks : tuple of CandidateColumns
         Candidates; columns in units of their prior standard deviation.
     normal : Normal
         What the data say of the coefficients of all columns.
@@ -89,7 +85,7 @@ class System:
         Where the features of the smooth floor stand, at the size of the floor.
     prior : array (q,)
         Prior standard deviation of each column, to give coefficients back.
-    pieces : tuple of Piece
+    pieces : tuple of WhitenedChannel
         The channels, one by one.
     features : tuple of array (n, D)
         Of the smooth floor in each channel, at size one.
@@ -98,16 +94,16 @@ class System:
     """
 
     views: tuple[View, ...]
-    base: Base
+    base: CaptiveBase
     channels: tuple[Channel, ...]
     scatter: Mapping[str, Array]
-    blocks: tuple[Block, ...]
+    blocks: tuple[CandidateColumns, ...]
     normal: Normal
     rows: int
     floor: float
     floor_columns: slice
     prior: Array
-    pieces: tuple[Piece, ...]
+    pieces: tuple[WhitenedChannel, ...]
     features: tuple[Array, ...]
     unasked: tuple[Candidate, ...] = ()
 
@@ -126,7 +122,7 @@ class System:
         return tuple(name for name in names if name not in absent)
 
 
-def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
+def channels_of(views: Sequence[View], base: CaptiveBase) -> tuple[Channel, ...]:
     """Rows of every channel, in the order of the views."""
     found = []
     for name, names in base.names.items():
@@ -180,7 +176,7 @@ def _diagonal(blocks: Sequence[Array]) -> Array:
     return whole
 
 
-def offset_column(channel: Channel, views: Sequence[View], base: Base) -> Array:
+def offset_column(channel: Channel, views: Sequence[View], base: CaptiveBase) -> Array:
     """An offset of each run in a channel, at size one (n,)."""
     found = np.zeros(len(channel.y))
     for i, rows in zip(channel.views, channel.rows, strict=True):
@@ -190,13 +186,16 @@ def offset_column(channel: Channel, views: Sequence[View], base: Base) -> Array:
 
 
 def run_columns(
-    channels: Sequence[Channel], views: Sequence[View], base: Base, predicted: Mapping[str, Array]
+    channels: Sequence[Channel],
+    views: Sequence[View],
+    base: CaptiveBase,
+    predicted: Mapping[str, Array],
 ) -> dict[str, Array]:
     """What each run draws for itself, at size one: offset, gain, degree of drift, and each of the
     k harmonics, which its pieces have in common (n, 3 + k)."""
     harmonics = max(view.rows for view in views)
     turned = {
-        i: slopes(MISALIGNMENT, Seen(view, base), {}, ["turned"])
+        i: slopes(MISALIGNMENT, RunView(view, base), {}, ["turned"])
         for i, view in enumerate(views)
         if view.run.settings.drift and not view.run.kind_of_test.swings_hull
     }
@@ -214,7 +213,9 @@ def run_columns(
     return found
 
 
-def floor_features(channel: Channel, views: Sequence[View], base: Base, seed: int = 12345) -> Array:
+def floor_features(
+    channel: Channel, views: Sequence[View], base: CaptiveBase, seed: int = 12345
+) -> Array:
     """A smooth function of the motion as random features, of unit size over the scale (n, D).
 
     Its covariance k(x, x') is that of two functions, k± = ½[k(x, x') ± k(x, P x')], where P turns
@@ -248,7 +249,7 @@ def is_even(channel: str) -> bool:
     return channel == "X"
 
 
-def _variables(view: View, base: Base) -> Array:
+def _variables(view: View, base: CaptiveBase) -> Array:
     """What a smooth force may depend on; the first `TURNED` change sign in a mirrored motion."""
     m, L = view.motion, base.ship.L
     U = m.speed
@@ -271,7 +272,7 @@ def each_run_columns(
     value: float,
     channel: Channel,
     views: Sequence[View],
-    base: Base,
+    base: CaptiveBase,
     predicted: Array,
 ) -> OwnColumns:
     """A candidate of which each run draws a share: a column per run that knows it.
@@ -301,7 +302,7 @@ def candidate_columns(
     value: float,
     channels: Sequence[Channel],
     views: Sequence[View],
-    base: Base,
+    base: CaptiveBase,
 ) -> Mapping[str, Array]:
     """Columns of a candidate by channel (n, q)."""
     if candidate.terms:
@@ -319,7 +320,10 @@ def candidate_columns(
 
 
 def term_columns(
-    candidates: Sequence[Candidate], channels: Sequence[Channel], views: Sequence[View], base: Base
+    candidates: Sequence[Candidate],
+    channels: Sequence[Channel],
+    views: Sequence[View],
+    base: CaptiveBase,
 ) -> list[Mapping[str, Array]]:
     """`candidate_columns` of candidates that stand for derivatives, each motion looked at once."""
     every = [candidate.terms for candidate in candidates]

@@ -19,10 +19,10 @@ from pmmkit.diagnosis.captive.grid import best_blocks
 from pmmkit.diagnosis.captive.held_out import HeldOut, Misfit, held_out
 from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
 from pmmkit.diagnosis.captive.least_squares import labels
-from pmmkit.diagnosis.captive.system import Block, System
-from pmmkit.diagnosis.evidence import Entry, Visible
-from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, Suspect, Verdict
-from pmmkit.effects.effect import BY_SPEED
+from pmmkit.diagnosis.captive.system import CandidateColumns, System
+from pmmkit.diagnosis.evidence import RankedSet, Visible
+from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, SuspectRun, Verdict
+from pmmkit.effects import BY_SPEED
 
 CHANCE: Final = 0.01
 """A best effect that chance alone gives more often than this is no finding; nor is a set whose
@@ -33,28 +33,7 @@ RIVALS: Final = math.log(20.0)
 
 
 def answer(system: System, given: Sequence[str] = (), *, floor: float, seed: int = 0) -> Diagnosis:
-    """Ask a system which effects the base lacks.
-
-    Parameters
-    ----------
-    system : System
-        As `captive_system` gives it.
-    given : sequence of str
-        Effects that the base has already; they are fitted with it.
-    floor : float
-        What counts as too small to matter, over the rms force of a channel.
-    seed : int
-        Of the draws that calibrate chance.
-
-    Returns
-    -------
-    Diagnosis
-
-    Raises
-    ------
-    UnknownNameError
-        If an effect that is given does not take part.
-    """
+    """Ask a system which effects the base lacks."""
     with threadpool_limits(1):
         return _answered(system, tuple(given), floor, seed)
 
@@ -107,7 +86,7 @@ def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -
         base=system.base.values,
         given=given,
         suspected=tuple(
-            Suspect(effect=item.block.candidate.name, run=item.run, log_odds=item.log_odds)
+            SuspectRun(effect=item.block.candidate.name, run=item.run, log_odds=item.log_odds)
             for item in hanging
         ),
         nearest=nearest,
@@ -130,7 +109,7 @@ def _leads_on(system: System, named: Sequence[str]) -> bool:
     return chosen_anew(system, entries, best, after, known.used).misfit.chance >= CHANCE
 
 
-def _nearest(entry: Entry, before: HeldOut, after: HeldOut, misfit: Misfit) -> Nearest:
+def _nearest(entry: RankedSet, before: HeldOut, after: HeldOut, misfit: Misfit) -> Nearest:
     return Nearest(
         effects=entry.names,
         error_before=before.share(),
@@ -141,7 +120,9 @@ def _nearest(entry: Entry, before: HeldOut, after: HeldOut, misfit: Misfit) -> N
     )
 
 
-def _group(entries: Sequence[Entry], best: Entry) -> tuple[tuple[tuple[str, ...], float], ...]:
+def _group(
+    entries: Sequence[RankedSet], best: RankedSet
+) -> tuple[tuple[tuple[str, ...], float], ...]:
     """Sets of no greater size within `RIVALS` of the best, which stands first."""
     rivals = [
         item
@@ -160,8 +141,8 @@ class Given:
     """A system that knows effects, the grid points that stand for them, and the best of each."""
 
     system: System
-    used: tuple[Block, ...]
-    blocks: tuple[Block, ...]
+    used: tuple[CandidateColumns, ...]
+    blocks: tuple[CandidateColumns, ...]
 
 
 def taken_as_given(system: System, names: Sequence[str]) -> Given:
@@ -190,7 +171,7 @@ def taken_as_given(system: System, names: Sequence[str]) -> Given:
     return Given(system=_askable(system, blocks), used=tuple(used), blocks=tuple(blocks))
 
 
-def _askable(system: System, given: Sequence[Block]) -> System:
+def _askable(system: System, given: Sequence[CandidateColumns]) -> System:
     """Without what changes a derivative with the speed that the base does not have yet.
 
     Where most runs have one speed, the term and its change with the speed are one.
@@ -212,7 +193,7 @@ def _askable(system: System, given: Sequence[Block]) -> System:
 def _findings(
     system: System,
     evidence: Sequence[float],
-    together: Sequence[Block],
+    together: Sequence[CandidateColumns],
     given: int,
     after: HeldOut,
     covered: Sequence[Visible],
@@ -237,7 +218,12 @@ def _findings(
 
 
 def _finding(
-    block: Block, fit: JointFit, visible: Visible, log_odds: float, before: HeldOut, after: HeldOut
+    block: CandidateColumns,
+    fit: JointFit,
+    visible: Visible,
+    log_odds: float,
+    before: HeldOut,
+    after: HeldOut,
 ) -> Finding:
     c = block.candidate
     values, std = coefficients_of(block, fit)
@@ -263,7 +249,7 @@ def _finding(
     )
 
 
-def coefficients_of(block: Block, fit: JointFit) -> tuple[list[float], list[float]]:
+def coefficients_of(block: CandidateColumns, fit: JointFit) -> tuple[list[float], list[float]]:
     """Values and standard deviations; of a transient its rms share over runs and channels."""
     if not block.candidate.each_run:
         values, std = fit.of(labels(block.candidate))

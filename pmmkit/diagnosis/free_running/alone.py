@@ -7,18 +7,18 @@ from dataclasses import replace
 from typing import Final
 
 from pmmkit.diagnosis.free_running.contest import Contest
-from pmmkit.diagnosis.free_running.fits import Fit
+from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import probable
 from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted, unimportant
 from pmmkit.diagnosis.free_running.windows import joined, sailed, shown
-from pmmkit.equations.layouts import State
 from pmmkit.numerics import Array
+from pmmkit.simulation import State
 
 MOTION: Final = ("x", "y", "psi", "u", "v", "r")
 """What is told of a path: places [m], heading [rad], velocities [m/s], yaw rate [rad/s]."""
 
 
-def alone(contest: Contest, name: str | None = None) -> Fit:
+def alone(contest: Contest, name: str | None = None) -> SetFit:
     """The base with one candidate or without any, nothing fitted anew.
 
     Parameters
@@ -30,7 +30,7 @@ def alone(contest: Contest, name: str | None = None) -> Fit:
 
     Returns
     -------
-    Fit
+    SetFit
         Through the equations where the contest has fitted it, else by the linear problem about
         the base alone.
     """
@@ -45,17 +45,17 @@ def alone(contest: Contest, name: str | None = None) -> Fit:
     return replace(null, names=(name,), z=z, covariance=covariance)
 
 
-def errors_of(fit: Fit) -> dict[str, float]:
+def errors_of(fit: SetFit) -> dict[str, float]:
     """Errors of records that are left out one after another, as a diagnosis tells them."""
     return pooled(predicted(fit, each([item.record for item in fit.followed.stretches])))
 
 
-def taken_away(fit: Fit, before: Mapping[str, float], after: Mapping[str, float]) -> float:
+def taken_away(fit: SetFit, before: Mapping[str, float], after: Mapping[str, float]) -> float:
     """Share of the mean square errors that an effect takes away, over all kinds of errors.
 
     Parameters
     ----------
-    fit : Fit
+    fit : SetFit
         To the records.
     before, after : mapping of str to float
         Errors without and with the effect. What does not matter is no misfit.
@@ -65,12 +65,12 @@ def taken_away(fit: Fit, before: Mapping[str, float], after: Mapping[str, float]
     return 1.0 - sum(left) / len(left)
 
 
-def whole_path(fit: Fit, record: int) -> dict[str, Array]:
+def whole_path(fit: SetFit, record: int) -> dict[str, Array]:
     """A record sailed from its begin to its end with the measured rudder.
 
     Parameters
     ----------
-    fit : Fit
+    fit : SetFit
         To all records.
     record : int
         Which.

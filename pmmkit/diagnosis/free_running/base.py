@@ -7,11 +7,9 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.effects.catalogue import catalogue, effect_of
-from pmmkit.identification.prior import Prior, prior_of
-from pmmkit.models import Model, Part
-from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.models.vessel import Sailing, moves_of
+from pmmkit.effects import catalogue, effect_of
+from pmmkit.identification import Prior, prior_of
+from pmmkit.models import DERIVATIVE_PARTS, Model, Part, Sailing, moves_of
 from pmmkit.numerics import Array
 
 SPREAD: Final = 0.15
@@ -22,20 +20,13 @@ JITTER: Final = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Base:
+class FreeBase:
     """Values that may move, and by how much.
 
-    Parameters
-    ----------
-    names : tuple of str
-        Values of the model.
-    sizes : array (b,)
-        Usual size of each.
-    known : array (b + g, b + g)
-        Covariance that holds whatever the spread is, over the sizes; after the values, that of the
-        coefficients of effects that the base has.
-    spreads : array (s,)
-        Standard deviations over the sizes that are weighed against each other, beside it.
+    `names`: values of the model. `sizes (b,)`: usual size of each. `known (b + g, b + g)`:
+    covariance that holds whatever the spread is, over the sizes; after the values, that of the
+    coefficients of effects that the base has. `spreads (s,)`: standard deviations over the
+    sizes that are weighed against each other, beside it.
     """
 
     names: tuple[str, ...]
@@ -43,11 +34,11 @@ class Base:
     known: Array
     spreads: Array
 
-    def within(self, count: int) -> Base:
+    def within(self, count: int) -> FreeBase:
         """The same with the first, smallest spreads alone; the first is none."""
         return replace(self, spreads=self.spreads[:count])
 
-    def having(self, coefficients: int) -> Base:
+    def having(self, coefficients: int) -> FreeBase:
         """The same with effects of so many coefficients, each as wide as a candidate's."""
         width = len(self.known)
         known = np.eye(width + coefficients)
@@ -100,19 +91,10 @@ def movable(model: Model) -> tuple[str, ...]:
 
 def base_of(
     model: Model, speed: float, *, spread: float = SPREAD, extrapolate: bool = False
-) -> Base:
+) -> FreeBase:
     """The values of a model, its covariance, and a spread that the records have to tell.
 
-    Parameters
-    ----------
-    model : Model
-        Complete.
-    speed : float
-        Speed of the approach [m/s].
-    spread : float
-        Largest share of the usual sizes by which values may be off.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
+    speed [m/s].
 
     Examples
     --------
@@ -130,15 +112,15 @@ def base_of(
     stated = prior_of(model, names, speed, spread=None, extrapolate=extrapolate)
     there = np.isin(names, model.covariance_names)
     known = np.where(np.outer(there, there), stated.covariance, 0.0) / np.outer(sizes, sizes)
-    return Base(
+    return FreeBase(
         names=names, sizes=sizes, known=known, spreads=np.round(spread * np.array(STEPS), 12)
     )
 
 
-def stated_base(prior: Prior) -> Base:
+def stated_base(prior: Prior) -> FreeBase:
     """A base that is known as it is stated, and no further."""
     sizes = prior.std
-    return Base(
+    return FreeBase(
         names=prior.names,
         sizes=sizes,
         known=prior.covariance / np.outer(sizes, sizes),

@@ -8,18 +8,10 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final, Literal
 
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.effect import Effect
-from pmmkit.effects.hull import HULL
-from pmmkit.effects.seen import EXCITES, OUTSIDE
-from pmmkit.errors import DataError
-from pmmkit.identification.record import FreeRecord
-from pmmkit.identification.seas import ONE_SEA
-from pmmkit.models import Model, Part
-from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.models.roles import parts_of
-from pmmkit.models.vessel import Sailing, moves_of, told
+from pmmkit.base import DataError
+from pmmkit.effects import EXCITES, HULL, INERTIA, OUTSIDE, Effect, catalogue
+from pmmkit.identification import ONE_SEA, FreeRecord
+from pmmkit.models import DERIVATIVE_PARTS, Model, Part, Sailing, moves_of, parts_of, told
 
 APART: Final = 1.1
 """Ratio of two speeds of approach from which they count as two."""
@@ -31,26 +23,14 @@ DEEP: Final = 6.0
 class FreeCandidate:
     """One effect, or one fault, as directions in which the values of a model may move.
 
-    Parameters
-    ----------
-    name, family : str
-        Name in the catalogue; family by which an answer is given first.
-    kind : {"physics", "fault"}
-        Whether it is the ship and its surroundings, or a measurement.
-    summary : str
-        One sentence for people.
-    moves : mapping of str to Mapping of str to float
-        By coefficient: which values of the model it moves, and by how much for a coefficient of 1.
-        Values are named as in `identify`, with ``current_x``, ``current_y`` and ``rudder_zero``.
-    typical : mapping of str to float
-        Usual size of each coefficient.
-    part : Part, optional
-        What the model is given to have these values, where it lacks them.
-    options, begins : mapping
-        What parts of the model are told to use these values, and what these are then, as in
-        `effects.seen.Move`.
-    check : str
-        A run that tells it from others, in words.
+    `name, family`: name in the catalogue; family by which an answer is given first. `kind`:
+    whether it is the ship and its surroundings, or a measurement. `summary`: one sentence for
+    people. `moves`: by coefficient: which values of the model it moves, and by how much for a
+    coefficient of 1. Values are named as in `identify`, with ``current_x``, ``current_y`` and
+    ``rudder_zero``. `typical`: usual size of each coefficient. `part`: what the model is given
+    to have these values, where it lacks them. `options, begins`: what parts of the model are
+    told to use these values, and what these are then, as in `effects.seen.Move`. `check`: a run
+    that tells it from others, in words.
     """
 
     name: str
@@ -123,20 +103,13 @@ def why_not_asked(effect: Effect, model: Model, records: Sequence[FreeRecord]) -
     lacking = [EXCITES[word] for word in effect.excites if word not in held]
     if lacking:
         return f"these records lack {' and '.join(lacking)}"
-    if not candidate_of(effect, Sailing(model, records[0].speed)).moves:
+    if not free_candidate_of(effect, Sailing(model, records[0].speed)).moves:
         return "the model has no place for it"
     return ""
 
 
 def check_seas(model: Model, records: Sequence[FreeRecord]) -> None:
-    """Refuse records of seas that one table of drift cannot stand for.
-
-    Raises
-    ------
-    DataError
-        If the model has such a table, and the peak periods that records state differ by more than
-        a fifth.
-    """
+    """Refuse records of seas that one table of drift cannot stand for."""
     periods = [item.wave_period for item in records if item.wave_period is not None]
     if parts_of(model, "waves") and periods and max(periods) > ONE_SEA * min(periods):
         raise DataError(
@@ -155,21 +128,7 @@ def candidates_for(
 ) -> tuple[FreeCandidate, ...]:
     """Everything that may be missing of a model, as far as it has a place for it.
 
-    Parameters
-    ----------
-    model : Model
-        Complete.
-    records : sequence of FreeRecord
-        Whether they hold a wind.
-    windage : (float, float), optional
-        Frontal and lateral area above water [m²]; those of the model's wind, else as large as the
-        areas below water.
-    own : sequence of Effect
-        Effects beside the catalogue, on equal terms.
-
-    Returns
-    -------
-    tuple of FreeCandidate
+    windage [m²].
 
     Examples
     --------
@@ -184,14 +143,14 @@ def candidates_for(
     given = {} if windage is None else {"AF": windage[0], "AL": windage[1]}
     every = {item.name: item for item in (*catalogue().values(), *own)}
     found = [
-        candidate_of(effect, vessel, given)
+        free_candidate_of(effect, vessel, given)
         for effect in every.values()
         if asked_in_free_running(effect) and held.issuperset(effect.excites)
     ]
     return tuple(item for item in found if item.moves)
 
 
-def candidate_of(
+def free_candidate_of(
     effect: Effect, vessel: Sailing, given: Mapping[str, float] = MappingProxyType({})
 ) -> FreeCandidate:
     """An effect as free-running records are asked for it; without moves if it has no place."""

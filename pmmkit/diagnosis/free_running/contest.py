@@ -11,15 +11,14 @@ from typing import Final
 
 from threadpoolctl import threadpool_limits
 
-from pmmkit.diagnosis.evidence import PRICE, Entry
+from pmmkit.base import ModelError, Workers, crew_of, each
+from pmmkit.diagnosis.evidence import PRICE, RankedSet
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
-from pmmkit.diagnosis.free_running.findings import Named, model_of
-from pmmkit.diagnosis.free_running.fits import Fit, Place, at_place, fitted, place_at
+from pmmkit.diagnosis.free_running.findings import NamedSet, model_of
+from pmmkit.diagnosis.free_running.fits import Linearised, SetFit, at_place, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.information import Forces
 from pmmkit.diagnosis.free_running.left_out import judged, left_out_error
-from pmmkit.errors import ModelError
-from pmmkit.executors import Workers, crew_of, each
 from pmmkit.models import Model
 from pmmkit.presentation import counted
 
@@ -39,17 +38,11 @@ behind unknown forces that are quick."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Refused:
+class RefusedSet:
     """A set that no ship can be: its evidence asks for values that a model may not have.
 
-    Parameters
-    ----------
-    names : tuple of str
-        The set.
-    gain : float
-        ln of its odds against none.
-    why : str
-        The value, and the least or the most that there is.
+    `gain`: ln of its odds against none. `why`: the value, and the least or the most that there
+    is.
     """
 
     names: Names
@@ -63,29 +56,29 @@ class Contest:
 
     Parameters
     ----------
-    null : Fit
+    null : SetFit
         Without any effect, with the slopes of all.
-    zero : Place
+    zero : Linearised
         The linear problem about the model as it is given.
-    settled : list of Named
+    settled : list of NamedSet
         Sets that were fitted through the equations, the best first.
-    entries : tuple of Entry
+    entries : tuple of RankedSet
         All sets.
-    refused : tuple of Refused
+    refused : tuple of RefusedSet
         Sets that were in front where they were asked, but for values that no model can have.
     """
 
-    null: Fit
-    zero: Place
-    settled: list[Named]
-    entries: tuple[Entry, ...]
-    refused: tuple[Refused, ...] = ()
+    null: SetFit
+    zero: Linearised
+    settled: list[NamedSet]
+    entries: tuple[RankedSet, ...]
+    refused: tuple[RefusedSet, ...] = ()
 
-    def without(self, names: Names, left_out: str) -> Named:
+    def without(self, names: Names, left_out: str) -> NamedSet:
         """A set of effects without one of them."""
         rest = tuple(name for name in names if name != left_out)
         if not rest:
-            return Named(names=(), gain=0.0, fit=self.null)
+            return NamedSet(names=(), gain=0.0, fit=self.null)
         known = {item.names: item for item in self.settled}
         if rest in known:
             return known[rest]
@@ -93,7 +86,7 @@ class Contest:
         return _named(fitted(best.place, rest, best.forces), self.null)
 
 
-def base_alone(zero: Place) -> tuple[Place, Fit]:
+def base_alone(zero: Linearised) -> tuple[Linearised, SetFit]:
     """The base as far as it may move for the good of records left out.
 
     A spread that makes these worse is none for any set: with it the values take over, by the
@@ -116,8 +109,8 @@ def base_alone(zero: Place) -> tuple[Place, Fit]:
 
 
 def contest_of(
-    zero: Place,
-    null: Fit,
+    zero: Linearised,
+    null: SetFit,
     model: Model,
     every: Sequence[FreeCandidate],
     speed: float,
@@ -128,40 +121,25 @@ def contest_of(
 ) -> Contest:
     """All sets of effects against none.
 
-    Parameters
-    ----------
-    zero, null : Place and Fit
-        The linear problem about the model as it is given, and the base alone, of `base_alone`.
-    model : Model
-        Complete, without the candidates.
-    every : sequence of FreeCandidate
-        Who takes part.
-    speed : float
-        Speed of the approach [m/s].
-    most : int
-        Effects in a set.
-    tell : callable
-        Is told what is being done.
-    executor : int, str or concurrent.futures.Executor, optional
-        Who fits the sets.
+    speed [m/s].
     """
     names = [item.name for item in every]
-    settled: list[Named] = []
-    refused: list[Refused] = []
-    ahead = Named(names=(), gain=0.0, fit=null)
+    settled: list[NamedSet] = []
+    refused: list[RefusedSet] = []
+    ahead = NamedSet(names=(), gain=0.0, fit=null)
     place, first = null.place, null.weighed()
     with crew_of(executor) as crew:
         for count in range(min(most, len(names))):
             tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")
-            found: list[Named] = []
-            barred: list[Refused] = []
+            found: list[NamedSet] = []
+            barred: list[RefusedSet] = []
             front = _front(_larger(ahead.names, names), place, ahead.fit)
             for (chosen, _), fit in zip(front, _fits(place, front, crew, tell), strict=True):
                 item = _named(fit, null)
                 # The linear problem may promise what the equations, far from there, do not keep.
                 why = why_not(model, every, fit, speed)
                 if why:
-                    barred.append(Refused(names=chosen, gain=item.gain, why=why))
+                    barred.append(RefusedSet(names=chosen, gain=item.gain, why=why))
                     continue
                 # A base that moves by much may predict as well as an effect: where no error matters
                 # the evidence alone decides.
@@ -176,7 +154,7 @@ def contest_of(
             place = place_at(best.fit.place.question, best.fit.z)
     order = _by_gain([item for item in settled if item.error < ahead.error + FALL])
 
-    def can_be(item: Named) -> bool:
+    def can_be(item: NamedSet) -> bool:
         return not why_not(model, every, item.fit, speed)
 
     order = _thinned(order, null, can_be)
@@ -190,21 +168,21 @@ def contest_of(
         null=null,
         zero=zero,
         settled=order,
-        entries=tuple(Entry(names=n, log_evidence=gain, values=()) for n, gain in entries),
+        entries=tuple(RankedSet(names=n, log_evidence=gain, values=()) for n, gain in entries),
         refused=tuple(sorted(refused, key=lambda item: -item.gain)),
     )
 
 
 def _fits(
-    place: Place,
+    place: Linearised,
     sets: Sequence[tuple[Names, Forces]],
     crew: Executor | None,
     tell: Callable[[str], None],
-) -> list[Fit]:
+) -> list[SetFit]:
     """Sets fitted from a place, in their order."""
     names = [f"Fit with {' and '.join(chosen)}" for chosen, _ in sets]
 
-    def here(asked: tuple[Names, Forces]) -> Fit:
+    def here(asked: tuple[Names, Forces]) -> SetFit:
         tell(f"Fit with {' and '.join(asked[0])}")
         return _fit(place, asked)
 
@@ -213,21 +191,23 @@ def _fits(
     return [found[number] for number in range(len(sets))]
 
 
-def _fit(place: Place, asked: tuple[Names, Forces]) -> Fit:
+def _fit(place: Linearised, asked: tuple[Names, Forces]) -> SetFit:
     return fitted(place, *asked)
 
 
-def _named(fit: Fit, null: Fit) -> Named:
+def _named(fit: SetFit, null: SetFit) -> NamedSet:
     """A fit with ln of the odds of its set against none, the price of each effect taken off."""
     gain = fit.log_probability - null.log_probability - PRICE * len(fit.names)
-    return Named(names=fit.names, gain=gain, fit=fit)
+    return NamedSet(names=fit.names, gain=gain, fit=fit)
 
 
-def _by_gain(sets: Iterable[Named]) -> list[Named]:
+def _by_gain(sets: Iterable[NamedSet]) -> list[NamedSet]:
     return sorted(sets, key=lambda item: -item.gain)
 
 
-def _thinned(order: list[Named], null: Fit, can_be: Callable[[Named], bool]) -> list[Named]:
+def _thinned(
+    order: list[NamedSet], null: SetFit, can_be: Callable[[NamedSet], bool]
+) -> list[NamedSet]:
     """The order with sets of one effect less than the one in front, until none stands above it.
 
     An effect that was taken in early may have nothing left to explain; and a set that is fitted
@@ -247,7 +227,7 @@ def _thinned(order: list[Named], null: Fit, can_be: Callable[[Named], bool]) -> 
     return order
 
 
-def _next(found: Sequence[Named], ahead: Named) -> Named | None:
+def _next(found: Sequence[NamedSet], ahead: NamedSet) -> NamedSet | None:
     """The set of most evidence, unless another one clearly makes the errors of records left out
     fall further; None where none is better than the set that is ahead."""
     better = [item for item in found if item.gain > ahead.gain]
@@ -258,7 +238,7 @@ def _next(found: Sequence[Named], ahead: Named) -> Named | None:
     return min(lower, key=lambda item: item.error, default=best)
 
 
-def why_not(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> str:
+def why_not(model: Model, every: Sequence[FreeCandidate], fit: SetFit, speed: float) -> str:
     """What keeps a model from having the values of a fit; empty where it can have them."""
     try:
         model_of(model, every, fit, speed)
@@ -274,7 +254,7 @@ def _larger(chosen: Names, names: Sequence[str]) -> list[Names]:
     ]
 
 
-def _front(sets: Sequence[Names], place: Place, ahead: Fit) -> list[tuple[Names, Forces]]:
+def _front(sets: Sequence[Names], place: Linearised, ahead: SetFit) -> list[tuple[Names, Forces]]:
     """Sets that are in front by the linear problem of a place, and forces to begin with.
 
     They are looked at by the unknown forces of the set that is ahead, with a base that moves and
@@ -304,7 +284,7 @@ def _front(sets: Sequence[Names], place: Place, ahead: Fit) -> list[tuple[Names,
     return list((dict.fromkeys(foreseen, ahead.forces) | found).items())
 
 
-def steady(fit: Fit) -> Fit:
+def steady(fit: SetFit) -> SetFit:
     """A fit, or that of its set with a base that does not move, if records left out say so; the
     noise of the sensors is told with what it has found."""
     chosen = fit
@@ -318,7 +298,7 @@ def steady(fit: Fit) -> Fit:
     return fitted(place_at(question, chosen.z), chosen.names, chosen.forces)
 
 
-def within(place: Place, count: int) -> Place:
+def within(place: Linearised, count: int) -> Linearised:
     """The linear problem with a base that moves by the smallest spreads alone."""
     question = place.question
     numbers = replace(question.numbers, base=question.numbers.base.within(count))

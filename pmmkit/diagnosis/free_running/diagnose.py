@@ -10,7 +10,8 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns.run import Campaign
+from pmmkit.base import Workers
+from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
 from pmmkit.diagnosis.evidence import PRICE, Visible
@@ -26,14 +27,14 @@ from pmmkit.diagnosis.free_running.contest import (
     why_not,
 )
 from pmmkit.diagnosis.free_running.findings import (
-    Named,
+    NamedSet,
     coverage_of,
     findings_of,
     held_out_errors,
     model_of,
     moved,
 )
-from pmmkit.diagnosis.free_running.fits import Fit, above_floor, having
+from pmmkit.diagnosis.free_running.fits import SetFit, above_floor, having
 from pmmkit.diagnosis.free_running.hypotheses import screen
 from pmmkit.diagnosis.free_running.left_out import (
     each,
@@ -44,16 +45,12 @@ from pmmkit.diagnosis.free_running.left_out import (
     predicted,
 )
 from pmmkit.diagnosis.free_running.noise_level import noise_level
-from pmmkit.diagnosis.free_running.question import Question
+from pmmkit.diagnosis.free_running.question import RecordQuestion
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.diagnosis.free_running.windows import WINDOW
-from pmmkit.effects.effect import Effect
-from pmmkit.effects.seen import OUTSIDE
-from pmmkit.executors import Workers
-from pmmkit.identification.prior import Prior
-from pmmkit.identification.record import FreeRecord
-from pmmkit.identification.seas import sea_notes
+from pmmkit.effects import OUTSIDE, Effect
+from pmmkit.identification import FreeRecord, Prior, sea_notes
 from pmmkit.inference import chance_of
 from pmmkit.models import Model
 
@@ -92,61 +89,7 @@ def diagnose_free(
 ) -> Diagnosis:
     """Name what a model lacks that free-running records show.
 
-    Parameters
-    ----------
-    model : Model
-        Complete, for example from captive tests, with their covariance.
-    records : sequence of FreeRecord or Campaign
-        At least two; zigzags and turns to both sides.
-    prior : Prior, optional
-        What is known of the values of the model, where that is no question; by default their
-        covariance, and a spread that is found from the records.
-    spread : float
-        Largest share of their usual sizes by which the values of the model may be off.
-    floor : float
-        Unknown forces below this share of the rms force of a channel do not matter.
-    tolerance : (float, float)
-        Errors of heading [deg] and of speed over the approach that do not matter over a window.
-    window : float, optional
-        Length of the windows [s]; by default 5 ship lengths.
-    held_out : sequence of FreeRecord
-        Records that take no part but in the errors before and after.
-    held_out_window : float, optional
-        Length of their windows [s]; by default that of the others.
-    candidates : sequence of FreeCandidate, Effect or str, optional
-        Who takes part, those of the catalogue by name; by default all of `candidates_for`.
-    own : sequence of Effect
-        Effects beside the catalogue, on equal terms.
-    windage : (float, float), optional
-        Frontal and lateral area above water [m²].
-    sensors : mapping of str to float, optional
-        Standard deviations of channels; those not named are told from the records.
-    most : int
-        Effects in a set.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-    seed : int
-        Of the draws that calibrate chance.
-    progress : callable, optional
-        Is told what is being done.
-    executor : int, str or concurrent.futures.Executor, optional
-        Who fits the sets of effects, by default this process alone. The answer does
-        not depend on it.
-
-    Returns
-    -------
-    Diagnosis
-        The evidence of an `Entry` is ln of how much more probable it makes the records, less
-        `PRICE` for each effect.
-
-    Raises
-    ------
-    DataError
-        If there are fewer than two records.
-    UnknownNameError
-        If a candidate that is named has no place in the model or in such records.
-    SimulationError
-        If the motion of a record is lost however short its windows are.
+    window [s]; held_out_window [s]; windage [m²].
 
     Notes
     -----
@@ -201,19 +144,7 @@ def answer(
     seed: int = 0,
     contest: Contest | None = None,
 ) -> Diagnosis:
-    """The verdict on records and a base that has some of the candidates already.
-
-    Parameters
-    ----------
-    system : FreeSystem
-        Records, model and candidates.
-    given : sequence of str
-        Candidates of the base: fitted in all hypotheses, and not asked.
-    tolerance, held_out, held_out_window, most, seed
-        As for `diagnose_free`.
-    contest : Contest, optional
-        Of `contest_about`, where it has been made.
-    """
+    """The verdict on records and a base that has some of the candidates already."""
     records, speed = system.records, system.speed
     model, every = with_given(system, given)
     if contest is None:
@@ -287,13 +218,7 @@ def answer(
 
 
 def contest_about(system: FreeSystem, given: Sequence[str] = (), *, most: int = MOST) -> Contest:
-    """All sets of effects against a base that has some of the candidates already.
-
-    Parameters
-    ----------
-    system, given, most
-        As for `answer`.
-    """
+    """All sets of effects against a base that has some of the candidates already."""
     model, every = with_given(system, given)
     if given:
         system.tell("The base alone")
@@ -319,13 +244,13 @@ def with_given(system: FreeSystem, given: Sequence[str]) -> tuple[Model, tuple[F
     return model, tuple(item for item in system.every if item.name not in given)
 
 
-def _possible(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> Fit:
+def _possible(model: Model, every: Sequence[FreeCandidate], fit: SetFit, speed: float) -> SetFit:
     """The steady form of a fit, if there can be such a ship, else the fit."""
     found = steady(fit)
     return fit if why_not(model, every, found, speed) else found
 
 
-def _errors(contest: Contest, refit: Fit, best: Fit | None) -> dict[str, dict[str, float]]:
+def _errors(contest: Contest, refit: SetFit, best: SetFit | None) -> dict[str, dict[str, float]]:
     """Errors over windows of what is left out in turn: each record, each kind of record.
 
     The noise of the sensors that is taken off is that of the fit with most in it.
@@ -347,7 +272,7 @@ def _errors(contest: Contest, refit: Fit, best: Fit | None) -> dict[str, dict[st
     return found
 
 
-def _left(fit: Fit, tolerance: tuple[float, float]) -> bool:
+def _left(fit: SetFit, tolerance: tuple[float, float]) -> bool:
     """Whether records are missed by more than does not matter."""
     stretches = fit.place.question.stretches
     found = pooled(missed(fit.followed, fit.z, range(len(stretches))))
@@ -363,7 +288,7 @@ def _flags(told: bool, many: bool, left: bool) -> tuple[str, ...]:
     return (*found, *(["no_short_group"] if many else []))
 
 
-def _values(question: Question, fit: Fit) -> dict[str, float]:
+def _values(question: RecordQuestion, fit: SetFit) -> dict[str, float]:
     """Values of the base of a fit."""
     base = question.numbers.base
     start = dict(
@@ -378,7 +303,7 @@ def _values(question: Question, fit: Fit) -> dict[str, float]:
 
 
 def _findings(
-    best: Named,
+    best: NamedSet,
     contest: Contest,
     every: Sequence[FreeCandidate],
     covered: Sequence[Visible],
@@ -405,7 +330,7 @@ def _refused(contest: Contest) -> tuple[str, ...]:
     )
 
 
-def _notes(question: Question, last: Fit) -> tuple[str, ...]:
+def _notes(question: RecordQuestion, last: SetFit) -> tuple[str, ...]:
     """What a reader must know of how it was found."""
     windows = sum(len(item.begins) - 1 for item in question.stretches)
     shares = ", ".join(

@@ -13,42 +13,30 @@ import numpy as np
 from pmmkit.diagnosis.evidence import SHOWS, Visible, could_hide, mimics
 from pmmkit.diagnosis.findings import Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
-from pmmkit.diagnosis.free_running.fits import Fit
+from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, Names, Numbers, Screen
 from pmmkit.diagnosis.free_running.left_out import left_out_errors, mean_log
 from pmmkit.diagnosis.refit import FittedValues, Place, put_back
-from pmmkit.effects.effect import Parameter
-from pmmkit.effects.seen import OUTSIDE
-from pmmkit.equations.prepared import values_at
-from pmmkit.identification.parameters import places
-from pmmkit.identification.predict import predict, reference, smoothed_without
-from pmmkit.identification.record import FreeRecord, title_of
-from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.models.step import Value
+from pmmkit.effects import OUTSIDE, Parameter
+from pmmkit.identification import FreeRecord, places, predict, reference, smoothed_without, title_of
+from pmmkit.models import DERIVATIVE_PARTS, Model, Value
 from pmmkit.numerics import Array
+from pmmkit.simulation import values_at
 
 BEYOND: Final = 2.0
 """Standard deviations by which a fit may leave a value beyond the least or most that there is."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Named:
+class NamedSet:
     """A set after its fit through the equations.
 
-    Parameters
-    ----------
-    names : tuple of str
-        The set.
-    gain : float
-        ln of its odds against none.
-    fit : Fit
-        Its fit.
+    `gain`: ln of its odds against none.
     """
 
     names: Names
     gain: float
-    fit: Fit
+    fit: SetFit
 
     @cached_property
     def error(self) -> float:
@@ -65,14 +53,14 @@ class Named:
         return left_out_errors(self.fit)
 
 
-def moved(fit: Fit) -> dict[str, float]:
+def moved(fit: SetFit) -> dict[str, float]:
     """By how much a fit moves values of the model, and what else it finds."""
     numbers = fit.place.question.numbers
     change = (numbers.T @ fit.z).tolist()
     return {name: x for name, x in zip(numbers.values, change, strict=True) if x != 0.0}
 
 
-def _unknown(fit: Fit) -> Array:
+def _unknown(fit: SetFit) -> Array:
     """Covariance of the values of the model by a fit."""
     T = fit.place.question.numbers.T
     whole: Array = T @ fit.covariance @ T.T
@@ -80,7 +68,11 @@ def _unknown(fit: Fit) -> Array:
 
 
 def model_of(
-    model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float, tests: str | None = None
+    model: Model,
+    every: Sequence[FreeCandidate],
+    fit: SetFit,
+    speed: float,
+    tests: str | None = None,
 ) -> Model:
     """The model with the values of a fit, their covariance, and the parts of its effects.
 
@@ -89,23 +81,7 @@ def model_of(
     there. Values that the fit cannot move, and what is no value of a model, do not differ. What the
     model had is known from there and from the records, and its source says both.
 
-    Parameters
-    ----------
-    model : Model
-        As it was given.
-    every : sequence of FreeCandidate
-        Who took part.
-    fit : Fit
-        To records.
-    speed : float
-        Of the approach [m/s].
-    tests : str, optional
-        Whose values these are; by default the title of the records.
-
-    Raises
-    ------
-    ModelError
-        If a value is further beyond.
+    speed [m/s].
     """
     made = model
     for item in every:
@@ -138,7 +114,7 @@ def model_of(
     )
 
 
-def _title(fit: Fit) -> str:
+def _title(fit: SetFit) -> str:
     """Title of the records of a fit."""
     return title_of([item.record for item in fit.place.question.stretches]) or "records"
 
@@ -155,7 +131,7 @@ def _source(model: Model, place: Place, title: str) -> str:
 
 
 def _known(
-    model: Model, fit: Fit, values: Mapping[Place, Value], whole: Array
+    model: Model, fit: SetFit, values: Mapping[Place, Value], whole: Array
 ) -> tuple[tuple[Place, ...], Array]:
     """Values of a model of which a fit knows how uncertain they are, and their covariance."""
     numbers = fit.place.question.numbers
@@ -252,30 +228,14 @@ def _why(signal: float) -> str:
 
 
 def findings_of(
-    best: Named,
+    best: NamedSet,
     every: Sequence[FreeCandidate],
     covered: Sequence[Visible],
     odds: Mapping[str, float],
     errors: Mapping[str, tuple[Mapping[str, float], Mapping[str, float]]],
     levels: Mapping[str, float],
 ) -> tuple[Finding, ...]:
-    """The effects of the best set for people.
-
-    Parameters
-    ----------
-    best : Named
-        The set.
-    every : sequence of FreeCandidate
-        Who took part.
-    covered : sequence of Visible
-        What the records could show.
-    odds : mapping of str to float
-        ln of the odds for each effect beside the others.
-    errors : mapping of str to (mapping, mapping)
-        Errors of records left out without and with each effect.
-    levels : mapping of str to float
-        The same if nothing is missing beside the set.
-    """
+    """The effects of the best set for people."""
     visible = {item.name: item for item in covered}
     numbers: Numbers = best.fit.place.question.numbers
     std = np.sqrt(np.diagonal(best.fit.covariance))

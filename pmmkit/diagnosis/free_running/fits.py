@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from pmmkit.diagnosis.free_running.hypotheses import (
     Names,
-    Weighed,
+    WeighedScreens,
     damped,
     probable,
     unlikely,
     weighed,
 )
-from pmmkit.diagnosis.free_running.information import Forces, Information, Known
-from pmmkit.diagnosis.free_running.question import Question
+from pmmkit.diagnosis.free_running.information import Forces, Information, WindowInformation
+from pmmkit.diagnosis.free_running.question import RecordQuestion
 from pmmkit.diagnosis.free_running.slopes import Sheet
 from pmmkit.diagnosis.free_running.unknown import most_likely
 from pmmkit.numerics import Array
@@ -42,29 +42,20 @@ FINE: Final = (2.0, 1.4)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Place:
+class Linearised:
     """The linear problem about some numbers.
 
-    Parameters
-    ----------
-    question : Question
-        With the starts about which it is made.
-    z : array (q,)
-        The numbers.
-    sheets : list of list of Sheet
-        Rows of the windows.
-    information : Information
-        What they say.
+    `question`: with the starts about which it is made. `sheets`: rows of the windows.
     """
 
-    question: Question
+    question: RecordQuestion
     z: Array
     sheets: list[list[Sheet]]
     information: Information
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Fit:
+class SetFit:
     """A set fitted through the equations.
 
     Parameters
@@ -81,9 +72,9 @@ class Fit:
         Unknown forces of the most probable size.
     log_probability : float
         ln of how probable the records are, averaged over the spreads of the base.
-    known : Known
+    known : WindowInformation
         What each record says, under these forces.
-    place : Place
+    place : Linearised
         The linear problem there.
     """
 
@@ -93,11 +84,11 @@ class Fit:
     covariance: Array
     forces: Forces
     log_probability: float
-    known: Known
-    place: Place
+    known: WindowInformation
+    place: Linearised
 
     @cached_property
-    def followed(self) -> Question:
+    def followed(self) -> RecordQuestion:
         """The question along the path that the sensors tell, as they are read with its numbers."""
         return self.place.question.followed(self.z)
 
@@ -106,43 +97,36 @@ class Fit:
         """Noise of the sensors."""
         return self.place.question.sensors
 
-    def read_by(self, sensors: Mapping[str, float]) -> Fit:
+    def read_by(self, sensors: Mapping[str, float]) -> SetFit:
         """The same numbers beside records with some noise of the sensors."""
         question = self.place.question.read_by(sensors)
         if question is self.place.question:
             return self
         return replace(self, place=replace(self.place, question=question))
 
-    def weighed(self) -> Weighed:
+    def weighed(self) -> WeighedScreens:
         """All sets by the linear problem there and under its forces."""
         return weighed(self.known, self.place.question.numbers)
 
 
-def place_at(question: Question, z: Array, columns: NDArray[np.intp] | None = None) -> Place:
+def place_at(
+    question: RecordQuestion, z: Array, columns: NDArray[np.intp] | None = None
+) -> Linearised:
     """The linear problem about some numbers, with the slopes of some columns or of all."""
     used = question.numbers.every if columns is None else columns
     return _placed(question, z, question.sheets(z, used))
 
 
-def _placed(question: Question, z: Array, sheets: list[list[Sheet]]) -> Place:
-    return Place(question=question, z=z, sheets=sheets, information=question.information(sheets, z))
+def _placed(question: RecordQuestion, z: Array, sheets: list[list[Sheet]]) -> Linearised:
+    return Linearised(
+        question=question, z=z, sheets=sheets, information=question.information(sheets, z)
+    )
 
 
 def fitted(
-    place: Place, names: Sequence[str], forces: Forces | None = None, *, whole: bool = False
-) -> Fit:
+    place: Linearised, names: Sequence[str], forces: Forces | None = None, *, whole: bool = False
+) -> SetFit:
     """The most probable numbers of a set, by Gauss and Newton from some place.
-
-    Parameters
-    ----------
-    place : Place
-        Where to begin, with the slopes of the base and the set.
-    names : sequence of str
-        The set.
-    forces : Forces, optional
-        Where their sizes begin.
-    whole : bool
-        Whether to keep the slopes of all columns.
 
     Notes
     -----
@@ -174,7 +158,7 @@ def fitted(
     return found if _is_settled(found) else _where_it_stands(found, stands.value)
 
 
-def _is_settled(found: Fit) -> bool:
+def _is_settled(found: SetFit) -> bool:
     """Whether the linear problem leads nowhere else."""
     std = np.sqrt(np.maximum(np.diagonal(found.covariance), 1e-24))
     away = np.abs(found.z - found.place.z)
@@ -190,8 +174,8 @@ class _Standing:
     forces: Forces
 
 
-def _standing(found: Fit, place: Place) -> _Standing:
-    def value(known: Known) -> float:
+def _standing(found: SetFit, place: Linearised) -> _Standing:
+    def value(known: WindowInformation) -> float:
         return known.normal.log_density_at(np.zeros(0))
 
     question = place.question
@@ -201,7 +185,7 @@ def _standing(found: Fit, place: Place) -> _Standing:
     return _Standing(value=best - before, forces=forces)
 
 
-def _where_it_stands(found: Fit, stands: float) -> Fit:
+def _where_it_stands(found: SetFit, stands: float) -> SetFit:
     """A fit that no step takes further: not what the linear problem promises from there."""
     numbers = found.place.question.numbers
     promised = found.known.normal.log_density_at(found.z)
@@ -210,7 +194,7 @@ def _where_it_stands(found: Fit, stands: float) -> Fit:
     return replace(found, z=found.place.z, log_probability=lower)
 
 
-def _along(place: Place, names: Sequence[str]) -> Place:
+def _along(place: Linearised, names: Sequence[str]) -> Linearised:
     """The linear problem about the most probable path, unknown forces of the best size on it."""
     forces = _standing(at_place(place, names), place).forces
     return place_at(
@@ -220,7 +204,7 @@ def _along(place: Place, names: Sequence[str]) -> Place:
     )
 
 
-def first_place(question: Question) -> Place:
+def first_place(question: RecordQuestion) -> Linearised:
     """The linear problem of the model as it is given, with all slopes."""
     place = place_at(question, np.zeros(len(question.numbers.every)), np.zeros(0, np.intp))
     for _ in range(PATHS):
@@ -228,7 +212,7 @@ def first_place(question: Question) -> Place:
     return place_at(place.question, place.z)
 
 
-def having(place: Place, names: Sequence[str]) -> Place:
+def having(place: Linearised, names: Sequence[str]) -> Linearised:
     """The linear problem of a place, some candidates counted to the base."""
     numbers, order = place.question.numbers.having(names)
     return replace(
@@ -239,7 +223,9 @@ def having(place: Place, names: Sequence[str]) -> Place:
     )
 
 
-def _tried(question: Question, z: Array, columns: NDArray[np.intp] | None) -> Place | None:
+def _tried(
+    question: RecordQuestion, z: Array, columns: NDArray[np.intp] | None
+) -> Linearised | None:
     """The linear problem about some numbers; None where a little more leads to nowhere at all."""
     used = question.numbers.every if columns is None else columns
     with np.errstate(all="ignore"):
@@ -249,26 +235,14 @@ def _tried(question: Question, z: Array, columns: NDArray[np.intp] | None) -> Pl
 
 
 def at_place(
-    place: Place, names: Sequence[str], forces: Forces | None = None, *, fine: bool = False
-) -> Fit:
-    """The most probable numbers of a set by the linear problem of a place.
-
-    Parameters
-    ----------
-    place : Place
-        With the slopes of the base and the set.
-    names : sequence of str
-        The set.
-    forces : Forces, optional
-        Where their sizes begin.
-    fine : bool
-        Whether they begin nearly right.
-    """
+    place: Linearised, names: Sequence[str], forces: Forces | None = None, *, fine: bool = False
+) -> SetFit:
+    """The most probable numbers of a set by the linear problem of a place."""
     numbers = place.question.numbers
 
     few = numbers.only(names)
 
-    def value(known: Known) -> float:
+    def value(known: WindowInformation) -> float:
         return weighed(known, few)(names)
 
     asked = place.information.only(numbers.used(names))
@@ -278,7 +252,7 @@ def at_place(
     known = place.information.under(best)
     spread = float(numbers.base.spreads[weighed(known, numbers).best(names)])
     z, covariance = probable(known, numbers, names, spread)
-    return Fit(
+    return SetFit(
         names=tuple(names),
         spread=spread,
         z=z,
@@ -290,7 +264,7 @@ def at_place(
     )
 
 
-def above_floor(fit: Fit) -> float:
+def above_floor(fit: SetFit) -> float:
     """ln of how much more probable the records are by their unknown forces than by the floor's."""
     question = fit.place.question
     smallest = Forces(shares=question.least, memory=fit.forces.memory)
@@ -299,8 +273,8 @@ def above_floor(fit: Fit) -> float:
 
 
 def _stepped(
-    found: Fit, columns: NDArray[np.intp] | None, stands: _Standing, dampings: Sequence[float]
-) -> tuple[Place, _Standing, float] | None:
+    found: SetFit, columns: NDArray[np.intp] | None, stands: _Standing, dampings: Sequence[float]
+) -> tuple[Linearised, _Standing, float] | None:
     """The linear problem a step further, how it stands there, and by which damping; None where no
     step helps.
 

@@ -11,9 +11,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.diagnosis.free_running.base import Base
+from pmmkit.diagnosis.free_running.base import FreeBase
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
-from pmmkit.diagnosis.free_running.information import Known
+from pmmkit.diagnosis.free_running.information import WindowInformation
 from pmmkit.inference import Normal, integrated_out
 from pmmkit.numerics import Array
 
@@ -26,21 +26,14 @@ WIDER: Final = 1.5
 class Numbers:
     """All that may move: the values of the base over their sizes, then coefficients.
 
-    Parameters
-    ----------
-    values : tuple of str
-        Values of the model, and what the records show wrongly.
-    T : array (m, q)
-        ``values = T numbers``; a coefficient of 1 is `WIDER` times its usual size.
-    base : Base
-        Its first columns.
-    columns : mapping of str to array of int
-        Those of each candidate.
+    `values`: values of the model, and what the records show wrongly. `T (m, q)`: ``values = T
+    numbers``; a coefficient of 1 is `WIDER` times its usual size. `columns`: those of each
+    candidate.
     """
 
     values: tuple[str, ...]
     T: Array
-    base: Base
+    base: FreeBase
     columns: Mapping[str, NDArray[np.intp]]
 
     @property
@@ -86,7 +79,7 @@ class Numbers:
         return np.arange(self.T.shape[1])
 
 
-def numbers_of(base: Base, candidates: Sequence[FreeCandidate]) -> Numbers:
+def numbers_of(base: FreeBase, candidates: Sequence[FreeCandidate]) -> Numbers:
     """The numbers of a base and of candidates."""
     values = tuple(
         dict.fromkeys((*base.names, *(name for item in candidates for name in item.values)))
@@ -111,14 +104,8 @@ def numbers_of(base: Base, candidates: Sequence[FreeCandidate]) -> Numbers:
 class Screen:
     """What is known of candidates when the base is averaged over one spread.
 
-    Parameters
-    ----------
-    normal : Normal
-        What the records say of their coefficients.
-    ground : float
-        ln of how probable the records are without any.
-    columns : mapping of str to array of int
-        Places of each candidate.
+    `normal`: what the records say of their coefficients. `ground`: ln of how probable the
+    records are without any. `columns`: places of each candidate.
     """
 
     normal: Normal
@@ -134,7 +121,7 @@ class Screen:
         return self.normal.only(np.concatenate([self.columns[name] for name in names])).log_evidence
 
 
-def screen(known: Known, numbers: Numbers, spread: float) -> Screen:
+def screen(known: WindowInformation, numbers: Numbers, spread: float) -> Screen:
     """The base taken out of what is known."""
     b, P = numbers.width, known.products.sum(axis=0)
     root = numbers.base.root(spread)
@@ -154,7 +141,7 @@ def averaged(values: Sequence[float]) -> float:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Weighed:
+class WeighedScreens:
     """Screens of one information, one for each spread of the base."""
 
     screens: tuple[Screen, ...]
@@ -168,13 +155,15 @@ class Weighed:
         return int(np.argmax([item(names) for item in self.screens]))
 
 
-def weighed(known: Known, numbers: Numbers) -> Weighed:
+def weighed(known: WindowInformation, numbers: Numbers) -> WeighedScreens:
     """Screens for all spreads of the base."""
-    return Weighed(screens=tuple(screen(known, numbers, float(x)) for x in numbers.base.spreads))
+    return WeighedScreens(
+        screens=tuple(screen(known, numbers, float(x)) for x in numbers.base.spreads)
+    )
 
 
 def probable(
-    known: Known, numbers: Numbers, names: Sequence[str], spread: float
+    known: WindowInformation, numbers: Numbers, names: Sequence[str], spread: float
 ) -> tuple[Array, Array]:
     """The most probable numbers (q,) of a set, zero where they take no part; their covariance."""
     whole = _whole(numbers, names, spread)
@@ -183,7 +172,7 @@ def probable(
 
 
 def damped(
-    known: Known,
+    known: WindowInformation,
     numbers: Numbers,
     names: Sequence[str],
     spread: float,

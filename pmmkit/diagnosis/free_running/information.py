@@ -18,12 +18,8 @@ from pmmkit.numerics import Array
 class Forces:
     """Unknown forces: Ornstein-Uhlenbeck processes, one for each channel.
 
-    Parameters
-    ----------
-    shares : array (f,)
-        Their standard deviations over ½ρLdU² (moments over ½ρL²dU²).
-    memory : float
-        Time over which they hang together, in ship lengths over the speed.
+    `shares (f,)`: their standard deviations over ½ρLdU² (moments over ½ρL²dU²). `memory`: time
+    over which they hang together, in ship lengths over the speed.
     """
 
     shares: Array
@@ -58,26 +54,21 @@ class _Alike:
 class Information:
     """All windows of all records, made small: products of slopes and errors.
 
-    Parameters
-    ----------
-    alike : tuple
-        Windows by their number of pieces.
-    records : int
-        Number of records.
+    `alike`: windows by their number of pieces.
     """
 
     alike: tuple[_Alike, ...]
     records: int
 
-    def under(self, forces: Forces) -> Known:
+    def under(self, forces: Forces) -> WindowInformation:
         """What is known of the values where unknown forces are of some size."""
         return self._each(forces).by(self.records)
 
-    def windows(self, forces: Forces) -> Known:
+    def windows(self, forces: Forces) -> WindowInformation:
         """The same of every window."""
         return self._each(forces)
 
-    def _each(self, forces: Forces) -> Known:
+    def _each(self, forces: Forces) -> WindowInformation:
         products, volumes, owners = [], [], []
         for item in self.alike:
             root = forces.root(item.spacing, item.pieces)
@@ -88,7 +79,7 @@ class Information:
             products.append(own)
             volumes.append(volume)
             owners.append(item.owners)
-        return Known(
+        return WindowInformation(
             products=np.concatenate(products),
             volumes=np.concatenate(volumes),
             owners=np.concatenate(owners),
@@ -132,37 +123,34 @@ class Information:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Known:
+class WindowInformation:
     """What windows or records say of the values.
 
-    Parameters
-    ----------
-    products : array (w, m + 1, m + 1)
-        Of slopes and, last, of what would be left if no value were moved; whitened.
-    volumes : array (w,)
-        ln of the determinant of the covariance, up to what no unknown force changes.
-    owners : array (w,) of int
-        Record of each.
+    `products (w, m + 1, m + 1)`: of slopes and, last, of what would be left if no value were
+    moved; whitened. `volumes (w,)`: ln of the determinant of the covariance, up to what no
+    unknown force changes.
     """
 
     products: Array
     volumes: Array
     owners: NDArray[np.int64]
 
-    def by(self, records: int) -> Known:
+    def by(self, records: int) -> WindowInformation:
         """Summed over the windows of each record."""
         mine = (np.arange(records)[:, None] == self.owners).astype(float)
         products = np.tensordot(mine, self.products, axes=1)
-        return Known(products=products, volumes=mine @ self.volumes, owners=np.arange(records))
+        return WindowInformation(
+            products=products, volumes=mine @ self.volumes, owners=np.arange(records)
+        )
 
-    def without(self, left_out: Sequence[int]) -> Known:
+    def without(self, left_out: Sequence[int]) -> WindowInformation:
         """Without some records."""
         kept = ~np.isin(self.owners, left_out)
-        return Known(
+        return WindowInformation(
             products=self.products[kept], volumes=self.volumes[kept], owners=self.owners[kept]
         )
 
-    def over(self, wider: float) -> Known:
+    def over(self, wider: float) -> WindowInformation:
         """With all variances larger by a factor."""
         return replace(self, products=self.products / wider)
 
@@ -180,16 +168,7 @@ def information_of(
 ) -> Information:
     """The information of the windows of records.
 
-    Parameters
-    ----------
-    sheets : sequence of sequence of Sheet
-        By record.
-    names : sequence of sequence of str
-        Channels of each record.
-    sensors : mapping of str to float
-        Standard deviation of each channel.
-    change : array (m,)
-        Of the values, about which the sheets were made.
+    change (m,).
     """
     by: dict[int, list[tuple[int, float, Array, Array, Array]]] = {}
     for owner, (own, channels) in enumerate(zip(sheets, names, strict=True)):

@@ -9,11 +9,14 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.free_running.fits import Fit
+from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import probable, weighed
-from pmmkit.diagnosis.free_running.question import Question
-from pmmkit.diagnosis.free_running.windows import Stretch, joined, sailed, shown
-from pmmkit.identification.record import FreeRecord
+from pmmkit.diagnosis.free_running.information import Forces
+from pmmkit.diagnosis.free_running.question import RecordQuestion
+from pmmkit.diagnosis.free_running.settling import agile
+from pmmkit.diagnosis.free_running.slopes import Sheet, sheets_of
+from pmmkit.diagnosis.free_running.windows import RecordWindows, joined, sailed, shown
+from pmmkit.identification import FreeRecord
 from pmmkit.numerics import Array
 
 ERRORS: Final[Mapping[str, tuple[tuple[str, ...], float]]] = {
@@ -38,33 +41,28 @@ TURNS: Final = 0.8
 
 
 @dataclass(frozen=True, kw_only=True)
-class Kept:
+class LeftOutRecords:
     """Records that are left out together.
 
-    Parameters
-    ----------
-    name : str
-        What they have in common.
-    records : tuple of int
-        Their numbers.
+    `name`: what they have in common.
     """
 
     name: str
     records: tuple[int, ...]
 
 
-def each(records: Sequence[FreeRecord]) -> list[Kept]:
+def each(records: Sequence[FreeRecord]) -> list[LeftOutRecords]:
     """One record after another."""
-    return [Kept(name=item.name, records=(i,)) for i, item in enumerate(records)]
+    return [LeftOutRecords(name=item.name, records=(i,)) for i, item in enumerate(records)]
 
 
-def kinds(records: Sequence[FreeRecord]) -> list[Kept]:
+def kinds(records: Sequence[FreeRecord]) -> list[LeftOutRecords]:
     """Turns, zigzags, and each range of speed, where there are others to predict them by."""
     turns = [_turns(item) for item in records]
     speeds = np.array([item.speed for item in records])
     fast = speeds > 1.1 * np.min(speeds)
     found = [
-        Kept(name=name, records=tuple(np.flatnonzero(there).tolist()))
+        LeftOutRecords(name=name, records=tuple(np.flatnonzero(there).tolist()))
         for name, there in (
             ("turns", np.array(turns)),
             ("zigzags", ~np.array(turns)),
@@ -80,7 +78,7 @@ def _turns(record: FreeRecord) -> bool:
     return abs(float(np.sum(record.delta))) > TURNS * float(np.sum(np.abs(record.delta)))
 
 
-def log_left_out(fit: Fit) -> Array:
+def log_left_out(fit: SetFit) -> Array:
     """ln of how probable each record (n,) is by what the others say."""
     numbers = fit.place.question.numbers
     whole = weighed(fit.known, numbers)(fit.names)
@@ -92,14 +90,14 @@ def log_left_out(fit: Fit) -> Array:
     )
 
 
-def through_windows(question: Question, stretch: Stretch, z: Array) -> Array:
+def through_windows(question: RecordQuestion, stretch: RecordWindows, z: Array) -> Array:
     """What the channels (n, c) of a record show when a model sails through its windows."""
     change = question.numbers.T @ z
     states = np.nan_to_num(sailed(stretch.free, change), nan=LOST, posinf=LOST, neginf=-LOST)
     return shown(stretch, np.clip(states, -LOST, LOST), change)
 
 
-def squares(question: Question, stretch: Stretch, z: Array) -> dict[str, float]:
+def squares(question: RecordQuestion, stretch: RecordWindows, z: Array) -> dict[str, float]:
     """Mean squares of the errors of a record over its windows, the sensors' noise taken off."""
     record = stretch.record
     off = np.stack([record.measured[name] for name in stretch.channels], axis=1)
@@ -123,27 +121,21 @@ def _square(off: Array, noise: float) -> float:
     return max(float(np.mean(np.minimum(np.abs(off[measured]), LOST) ** 2)) - noise**2, 0.0)
 
 
-def predicted(fit: Fit, left_out: Sequence[Kept]) -> list[dict[str, float]]:
-    """Mean squares of the errors of all records that are left out in turn.
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose set is fitted to the others.
-    left_out : sequence of Kept
-        What is left out together.
-    """
+def predicted(fit: SetFit, left_out: Sequence[LeftOutRecords]) -> list[dict[str, float]]:
+    """Mean squares of the errors of all records that are left out in turn."""
     return _predicted(fit, left_out, fit.followed)
 
 
-def _predicted(fit: Fit, left_out: Sequence[Kept], question: Question) -> list[dict[str, float]]:
+def _predicted(
+    fit: SetFit, left_out: Sequence[LeftOutRecords], question: RecordQuestion
+) -> list[dict[str, float]]:
     found = []
     for item in left_out:
         found += missed(question, of_others(fit, item.records)[0], item.records)
     return found
 
 
-def judged(question: Question) -> tuple[Question, Question]:
+def judged(question: RecordQuestion) -> tuple[RecordQuestion, RecordQuestion]:
     """Windows, and so long ones that what pushes slowly shows.
 
     In a short window it hides behind the start, above all where the drift is not measured.
@@ -152,17 +144,10 @@ def judged(question: Question) -> tuple[Question, Question]:
     return question, replace(question, stretches=longer)
 
 
-def left_out_error(fit: Fit, windows: Sequence[Question] | None = None) -> float:
+def left_out_error(fit: SetFit, windows: Sequence[RecordQuestion] | None = None) -> float:
     """Mean of ln of the errors of records that are left out one after another.
 
     Each beside what does not matter of it: below that no set is better than another.
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose set is fitted to the others.
-    windows : sequence of Question, optional
-        From whose starts; by default `judged`, such as follow the sensors.
     """
     return mean_log(left_out_errors(fit, windows))
 
@@ -174,7 +159,7 @@ def mean_log(errors: Sequence[Sequence[tuple[float, float]]]) -> float:
 
 
 def left_out_errors(
-    fit: Fit, windows: Sequence[Question] | None = None
+    fit: SetFit, windows: Sequence[RecordQuestion] | None = None
 ) -> list[list[tuple[float, float]]]:
     """Errors of records that are left out one after another, each with what does not matter.
 
@@ -184,7 +169,7 @@ def left_out_errors(
     return [_beside_small(fit, question) for question in asked]
 
 
-def unimportant(question: Question) -> dict[str, float]:
+def unimportant(question: RecordQuestion) -> dict[str, float]:
     """What does not matter of each error, in its unit."""
     record, L = question.stretches[0].record, question.model.ship.L
     return {
@@ -195,37 +180,30 @@ def unimportant(question: Question) -> dict[str, float]:
     }
 
 
-def _beside_small(fit: Fit, question: Question) -> list[tuple[float, float]]:
+def _beside_small(fit: SetFit, question: RecordQuestion) -> list[tuple[float, float]]:
     small = unimportant(question)
     left_out = each([item.record for item in question.stretches])
     found = pooled(_predicted(fit, left_out, question))
     return [(x, small[name]) for name, x in found.items()]
 
 
-def left_out_windows(fit: Fit, record: int) -> tuple[Stretch, Array]:
+def left_out_windows(fit: SetFit, record: int) -> tuple[RecordWindows, Array]:
     """A record in its windows, and what its channels (n, c) show by what the others say."""
     question = fit.followed
     stretch = question.stretches[record]
     return stretch, through_windows(question, stretch, of_others(fit, (record,))[0])
 
 
-def of_others(fit: Fit, records: Sequence[int]) -> tuple[Array, Array]:
+def of_others(fit: SetFit, records: Sequence[int]) -> tuple[Array, Array]:
     """The numbers of a set fitted without some records, and their covariance."""
     others = fit.known.without(records)
     return probable(others, fit.place.question.numbers, fit.names, fit.spread)
 
 
-def missed(question: Question, z: Array, records: Sequence[int]) -> list[dict[str, float]]:
+def missed(question: RecordQuestion, z: Array, records: Sequence[int]) -> list[dict[str, float]]:
     """Mean squares of the errors of records with some numbers.
 
-    Parameters
-    ----------
-    question : Question
-        From starts that follow the sensors.
-    z : array (q,)
-        The numbers.
-    records : sequence of int
-        Which.
+    z (q,).
     """
     return [squares(question, question.stretches[j], z) for j in records]
 
@@ -237,3 +215,74 @@ def pooled(found: Sequence[Mapping[str, float]]) -> dict[str, float]:
         name: math.sqrt(float(np.mean([item[name] for item in found if name in item])))
         for name in names
     }
+
+
+# How far a model may be off where it sails records that were left out.
+
+
+def band(fit: SetFit, record: int) -> Array:
+    """Standard deviation (n, c) of what the channels of a record show that was left out.
+
+    It is that of the values, as well as the other records determine them, of the unknown forces of
+    the fit, and of the starts of the windows, as well as the sensors tell them.
+    """
+    question, numbers = fit.followed, fit.place.question.numbers
+    z, covariance = of_others(fit, (record,))
+    change, steps = numbers.T @ z, numbers.steps(numbers.used(fit.names))
+    stretch = question.stretches[record].free
+    whole = numbers.T @ covariance @ numbers.T.T
+    sigma = np.array([question.sensors[name] for name in stretch.channels])
+    sheets = sheets_of(stretch, change, steps)
+    return np.concatenate(
+        [
+            _of_window(
+                stretch,
+                w,
+                sheet,
+                _of_start(sheet, agile(stretch), sigma) + _variances(sheet, whole, fit.forces),
+            )
+            for w, sheet in enumerate(sheets)
+        ]
+    )
+
+
+def _pushed(sheet: Sheet, forces: Forces) -> Array:
+    """What unknown forces that are standard normal do to the rows (b, p f)."""
+    root = forces.root(np.array([sheet.spacing]), sheet.forces.shape[1])[0]
+    found: Array = sheet.forces.reshape(len(sheet.forces), -1) @ root
+    return found
+
+
+def _variances(sheet: Sheet, values: Array, forces: Forces) -> Array:
+    """Variance (b,) of each row by values and unknown forces."""
+    moved = np.einsum("bi,ij,bj->b", sheet.values, values, sheet.values)
+    found: Array = np.maximum(moved, 0.0) + np.sum(_pushed(sheet, forces) ** 2, axis=1)
+    return found
+
+
+def _of_start(sheet: Sheet, forces: Forces, sigma: Array) -> Array:
+    """Variance (b,) of each row by the start, told by the sensors along a path that such unknown
+    forces may bend."""
+    pushed = _pushed(sheet, forces)
+    noise = sigma[sheet.channels] ** 2 / sheet.counts
+    told = np.linalg.solve(np.diag(noise) + pushed @ pushed.T, sheet.starts)
+    size = np.sqrt(np.maximum(np.einsum("bi,bi->i", sheet.starts, told), 1e-300))
+    # Columns of one length: positions and rates differ by orders of magnitude.
+    known = np.linalg.pinv(sheet.starts.T @ told / np.outer(size, size), hermitian=True)
+    begun: Array = np.einsum("bi,ij,bj->b", sheet.starts / size, known, sheet.starts / size)
+    return np.maximum(begun, 0.0)
+
+
+def _of_window(stretch: RecordWindows, w: int, sheet: Sheet, variances: Array) -> Array:
+    """Standard deviations (n, c) at the instants of a window, straight lines between its blocks."""
+    rows = slice(stretch.begins[w], stretch.begins[w + 1])
+    t, blocks = stretch.record.t[rows], stretch.blocks[rows]
+    middles = {int(block): float(np.mean(t[blocks == block])) for block in np.unique(blocks)}
+
+    def along(channel: int) -> Array:
+        own = sheet.channels == channel
+        at = [middles[int(block)] for block in sheet.blocks[own]]
+        std: Array = np.interp(t, at, np.sqrt(variances[own]))
+        return std
+
+    return np.stack([along(channel) for channel in range(len(stretch.channels))], axis=1)

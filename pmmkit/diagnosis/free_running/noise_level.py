@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.free_running.fits import Fit
+from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.information import Forces
 from pmmkit.diagnosis.free_running.left_out import of_others, pooled, squares
-from pmmkit.diagnosis.free_running.windows import Stretch, of_instants, sailed, shown
+from pmmkit.diagnosis.free_running.windows import RecordWindows, of_instants, sailed, shown
 from pmmkit.numerics import Array
 
 DRAWS: Final = 24
@@ -21,29 +21,19 @@ RIDGE: Final = 1e-9
 """Comes to the correlations of values that others tell alone, so that they have a root."""
 
 
-def noise_level(fit: Fit) -> dict[str, float]:
+def noise_level(fit: SetFit) -> dict[str, float]:
     """Errors of records left out one after another if the fit says all there is, by channel.
 
     Each record is made anew from where its windows start, with values that the others allow, the
     unknown forces of the fit and the noise of the sensors; what is then missed is missed by those,
     and by the starts that the sensors tell of it.
-
-    Parameters
-    ----------
-    fit : Fit
-        Whose set is fitted to the others.
-
-    Returns
-    -------
-    dict of str to float
-        Root mean squares, as `left_out.pooled` of `left_out.predicted` [m, deg, m/s, deg/s].
     """
     records = len(fit.followed.stretches)
     times = math.ceil(DRAWS / records)
     return pooled([_missed(fit, j, draw) for j in range(records) for draw in range(times)])
 
 
-def _missed(fit: Fit, record: int, draw: int) -> dict[str, float]:
+def _missed(fit: SetFit, record: int, draw: int) -> dict[str, float]:
     """Mean squares of the errors of a record that is made anew; none where its motion is lost."""
     random = np.random.default_rng([record, draw])
     question, numbers = fit.followed, fit.place.question.numbers
@@ -81,7 +71,7 @@ def _drawn(covariance: Array, random: np.random.Generator) -> Array:
     return found
 
 
-def _pushed(stretch: Stretch, forces: Forces, random: np.random.Generator) -> Stretch:
+def _pushed(stretch: RecordWindows, forces: Forces, random: np.random.Generator) -> RecordWindows:
     """A stretch with unknown forces that are drawn."""
     drawn = []
     last = stretch.pieces[stretch.begins[1:] - 1] + 1

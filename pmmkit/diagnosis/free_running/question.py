@@ -9,8 +9,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns.run import Campaign
-from pmmkit.diagnosis.free_running.base import Base
+from pmmkit.base import DataError
+from pmmkit.campaigns import Campaign
+from pmmkit.diagnosis.free_running.base import FreeBase
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.hypotheses import Numbers, numbers_of
 from pmmkit.diagnosis.free_running.information import Forces, Information, information_of
@@ -20,17 +21,15 @@ from pmmkit.diagnosis.free_running.unknown import usual_forces
 from pmmkit.diagnosis.free_running.windows import (
     SHORT,
     WINDOW,
-    Stretch,
+    RecordWindows,
     joined,
     sailed,
     stretches_of,
 )
-from pmmkit.equations.layouts import State
-from pmmkit.errors import DataError
-from pmmkit.identification.from_run import free_records
-from pmmkit.identification.record import FreeRecord
+from pmmkit.identification import FreeRecord, free_records
 from pmmkit.models import Model
 from pmmkit.numerics import Array
+from pmmkit.simulation import State
 
 PACE: Final = 0.04
 """Time between the instants of a record in ship lengths over the speed; finer ones are averaged."""
@@ -39,20 +38,7 @@ ROUND: Final = 1.5
 
 
 def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequence[FreeRecord]:
-    """Records as they are given, or those of a campaign.
-
-    Parameters
-    ----------
-    records : sequence of FreeRecord or Campaign
-        Free-running tests.
-    model : Model
-        Of the ship that made them.
-
-    Raises
-    ------
-    DataError
-        If there are none.
-    """
+    """Records as they are given, or those of a campaign."""
     found = (
         [
             record
@@ -70,33 +56,20 @@ def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequen
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Question:
+class RecordQuestion:
     """What is asked of records.
 
-    Parameters
-    ----------
-    model : Model
-        With a place for every candidate.
-    numbers : Numbers
-        All that may move.
-    stretches : tuple of Stretch
-        The records in windows.
-    short : tuple of Stretch
-        The same in short windows, from which the sensors tell how the ship went.
-    sensors : mapping of str to float
-        Standard deviation of each channel.
-    stated : mapping of str to float
-        Of those that are known.
-    least : array (f,)
-        What unknown forces may not fall below, over ½ρLdU² (½ρL²dU²).
-    outliers : int
-        Averages that were left out.
+    `model`: with a place for every candidate. `numbers`: all that may move. `stretches`: the
+    records in windows. `short`: the same in short windows, from which the sensors tell how the
+    ship went. `sensors`: standard deviation of each channel. `stated`: of those that are known.
+    `least (f,)`: what unknown forces may not fall below, over ½ρLdU² (½ρL²dU²). `outliers`:
+    averages that were left out.
     """
 
     model: Model
     numbers: Numbers
-    stretches: tuple[Stretch, ...]
-    short: tuple[Stretch, ...]
+    stretches: tuple[RecordWindows, ...]
+    short: tuple[RecordWindows, ...]
     sensors: Mapping[str, float]
     stated: Mapping[str, float]
     least: Array
@@ -125,7 +98,7 @@ class Question:
                 return False
         return True
 
-    def followed(self, z: Array) -> Question:
+    def followed(self, z: Array) -> RecordQuestion:
         """The same along the path that the sensors tell, as they are read with some numbers."""
         change = self.numbers.T @ z
         short = (follow(item, change, self.sensors) for item in self.short)
@@ -139,11 +112,13 @@ class Question:
             self.short, self.numbers.T @ z, self.sensors, self.stated, self.model.ship.L
         )
 
-    def read_by(self, sensors: Mapping[str, float]) -> Question:
+    def read_by(self, sensors: Mapping[str, float]) -> RecordQuestion:
         """The same with some noise of the sensors."""
         return self if sensors is self.sensors else replace(self, sensors=sensors)
 
-    def moved(self, sheets: Sequence[Sequence[Sheet]], step: Array, forces: Forces) -> Question:
+    def moved(
+        self, sheets: Sequence[Sequence[Sheet]], step: Array, forces: Forces
+    ) -> RecordQuestion:
         """The same along the most probable path after a step in the numbers, by sheets from before
         it and with unknown forces."""
         change = self.numbers.T @ step
@@ -156,7 +131,7 @@ class Question:
         )
 
 
-def _measured(stretch: Stretch) -> tuple[Array, Array]:
+def _measured(stretch: RecordWindows) -> tuple[Array, Array]:
     """Instants at which the heading was measured, and headings."""
     psi = stretch.record.measured["psi"]
     there = np.isfinite(psi)
@@ -166,12 +141,7 @@ def _measured(stretch: Stretch) -> tuple[Array, Array]:
 def paced(record: FreeRecord, L: float) -> FreeRecord:
     """A record at instants `PACE` apart, its measurements averaged about each of them.
 
-    Parameters
-    ----------
-    record : FreeRecord
-        However finely sampled.
-    L : float
-        Ship length [m].
+    L [m].
     """
     step = float(np.median(np.diff(record.t)))
     # An odd number: an average over an even one lies between two instants.
@@ -193,36 +163,15 @@ def question_of(
     model: Model,
     records: Sequence[FreeRecord],
     candidates: Sequence[FreeCandidate],
-    base: Base,
+    base: FreeBase,
     *,
     floor: float,
     window: float | None,
     sensors: Mapping[str, float] | None,
     extrapolate: bool,
     tell: Callable[[str], None],
-) -> Question:
-    """The question that records are asked.
-
-    Parameters
-    ----------
-    model : Model
-        Complete, without the candidates.
-    records : sequence of FreeRecord
-        At least two.
-    candidates : sequence of FreeCandidate
-        Who takes part.
-    base : Base
-        What is known of the values of the model.
-    floor, window, sensors, extrapolate
-        As for `diagnose_free`.
-    tell : callable
-        Is told what is being done.
-
-    Raises
-    ------
-    DataError
-        If there are fewer than two records.
-    """
+) -> RecordQuestion:
+    """The question that records are asked."""
     if len(records) < 2:
         raise DataError(
             "A diagnosis leaves out one record after another: give at least two of them."
@@ -234,7 +183,7 @@ def question_of(
     tell(f"Starts and noise of {len(records)} records")
     length = (WINDOW if window is None else window * records[0].speed / model.ship.L) / SHORT
 
-    def cut(chosen: Sequence[FreeRecord], noise: Mapping[str, float]) -> tuple[Stretch, ...]:
+    def cut(chosen: Sequence[FreeRecord], noise: Mapping[str, float]) -> tuple[RecordWindows, ...]:
         return stretches_of(
             large, chosen, numbers.values, sensors=noise, window=length, extrapolate=extrapolate
         )
@@ -242,7 +191,7 @@ def question_of(
     ready = settled(large, [paced(item, large.ship.L) for item in records], cut, sensors or {})
     still = np.zeros(len(numbers.values))
     longer = [follow(joined(item), still, ready.sensors) for item in ready.stretches]
-    return Question(
+    return RecordQuestion(
         model=large,
         numbers=numbers,
         stretches=tuple(longer),

@@ -9,39 +9,22 @@ from typing import Final
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from pmmkit.base import DataError, Problem, Remedy, Way
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.findings import model_of
-from pmmkit.diagnosis.free_running.fits import Fit
+from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
 from pmmkit.diagnosis.free_running.system import FreeSystem
 from pmmkit.diagnosis.refit import FittedEffect, stepped
-from pmmkit.errors import DataError, Problem, Remedy, Way
-from pmmkit.identification.record import title_of
-from pmmkit.models import Model
-from pmmkit.models.step import Step
+from pmmkit.identification import title_of
+from pmmkit.models import Model, Step
 
 HEADING: Final = "heading"
 """The error of records that a step tells [deg]."""
 
 
 def refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -> Model:
-    """The model with its uncertain values and effects fitted together, a step for each.
-
-    Parameters
-    ----------
-    system : FreeSystem
-        Records and model.
-    begun : sequence of str
-        Faults of the records that are known.
-    steps : sequence of Step
-        What is added, one after another, with its odds and a remark. Faults correct the records
-        and enter no model.
-
-    Raises
-    ------
-    DataError
-        If no step towards an effect helps: it would be added with nothing in it.
-    """
+    """The model with its uncertain values and effects fitted together, a step for each."""
     with threadpool_limits(1):
         return _refitted(system, begun, steps)
 
@@ -74,14 +57,14 @@ def _refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -
     )
 
 
-def _as_fitted(step: Step, every: Mapping[str, FreeCandidate], fit: Fit, title: str) -> Step:
+def _as_fitted(step: Step, every: Mapping[str, FreeCandidate], fit: SetFit, title: str) -> Step:
     """A step with what the last fit says of its fault: it belongs to that fit's model."""
     if step.action != "fault_corrected" or step.effect not in fit.names:
         return step
     return replace(step, campaign=title, coefficients=_coefficients(every[step.effect], fit))
 
 
-def _coefficients(item: FreeCandidate, fit: Fit) -> dict[str, float]:
+def _coefficients(item: FreeCandidate, fit: SetFit) -> dict[str, float]:
     """Coefficients of an effect by a fit."""
     columns = fit.place.question.numbers.columns[item.name].tolist()
     return {
@@ -90,7 +73,7 @@ def _coefficients(item: FreeCandidate, fit: Fit) -> dict[str, float]:
     }
 
 
-def _found(item: FreeCandidate, fit: Fit, made: Model) -> FittedEffect:
+def _found(item: FreeCandidate, fit: SetFit, made: Model) -> FittedEffect:
     """What the fit says of an effect, and where it stands in the ship of it."""
     places: tuple[str, ...] = ()
     if item.kind == "physics":
@@ -109,6 +92,6 @@ def _not_found(name: str) -> Problem:
         remedy=Remedy(
             "{} says what is wrong with the records: cut them to what is sound (trim), state what "
             "their sensors are uncertain by, or begin with a model that sails them.",
-            (Way("pmmkit.checks.examine(campaign)", "pmmkit check"),),
+            (Way("pmmkit.intake.checks.examine(campaign)", "pmmkit check"),),
         ),
     )

@@ -11,12 +11,12 @@ import numpy as np
 
 from pmmkit.diagnosis.free_running.information import Forces, scaled, whitened
 from pmmkit.diagnosis.free_running.slopes import Sheet, channels_of, sheets_of
-from pmmkit.diagnosis.free_running.windows import Stretch, of_instants, sailed
-from pmmkit.identification.record import FreeRecord
+from pmmkit.diagnosis.free_running.windows import RecordWindows, of_instants, sailed
+from pmmkit.identification import FreeRecord
 from pmmkit.inference import InformationRoot
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.signals.noise import white_noise
+from pmmkit.signals import white_noise
 
 AGILE: Final = Forces(shares=np.full(4, 0.03), memory=1.0)
 """Unknown forces that follow any ship, so that its sensors alone say how it went."""
@@ -47,22 +47,16 @@ BETTER: Final = 0.8
 class Settled:
     """Records ready to be asked.
 
-    Parameters
-    ----------
-    stretches : tuple of Stretch
-        With starts that follow the sensors.
-    sensors : mapping of str to float
-        Standard deviation of each channel.
-    outliers : int
-        Averages that were left out.
+    `stretches`: with starts that follow the sensors. `sensors`: standard deviation of each
+    channel. `outliers`: averages that were left out.
     """
 
-    stretches: tuple[Stretch, ...]
+    stretches: tuple[RecordWindows, ...]
     sensors: Mapping[str, float]
     outliers: int
 
 
-def agile(stretch: Stretch) -> Forces:
+def agile(stretch: RecordWindows) -> Forces:
     """Forces that follow any ship, in the channels of a stretch."""
     channels = 4 if "phi" in stretch.states else 3
     return replace(AGILE, shares=AGILE.shares[:channels])
@@ -71,22 +65,10 @@ def agile(stretch: Stretch) -> Forces:
 def settled(
     model: Model,
     records: Sequence[FreeRecord],
-    cut: Callable[[Sequence[FreeRecord], Mapping[str, float]], tuple[Stretch, ...]],
+    cut: Callable[[Sequence[FreeRecord], Mapping[str, float]], tuple[RecordWindows, ...]],
     given: Mapping[str, float],
 ) -> Settled:
-    """Starts and noise from each other, in a few rounds.
-
-    Parameters
-    ----------
-    model : Model
-        Of the ship.
-    records : sequence of FreeRecord
-        Records.
-    cut : callable
-        Makes stretches of records with sensors.
-    given : mapping of str to float
-        Standard deviations that are known.
-    """
+    """Starts and noise from each other, in a few rounds."""
     sensors = first_sensors(records, given, model.ship.L)
     stretches = cut(records, sensors)
     outliers = 0
@@ -104,7 +86,7 @@ def settled(
 
 
 def told_anew(
-    stretches: Sequence[Stretch],
+    stretches: Sequence[RecordWindows],
     change: Array,
     sensors: Mapping[str, float],
     given: Mapping[str, float],
@@ -114,21 +96,7 @@ def told_anew(
 
     What moves positions or turns headings without any force looks like noise until it is found.
 
-    Parameters
-    ----------
-    stretches : sequence of Stretch
-        In short windows.
-    change : array (m,)
-        Of the values.
-    sensors, given : mapping of str to float
-        Standard deviation of each channel as it was told before, and of those that are known.
-    L : float
-        Ship length [m].
-
-    Returns
-    -------
-    mapping of str to float
-        The same where no channel is clearly better.
+    change (m,); L [m].
     """
     told = sensors
     for _ in range(ANEW):
@@ -139,8 +107,8 @@ def told_anew(
 
 
 def _on_their_way(
-    stretches: Sequence[Stretch], change: Array, sensors: Mapping[str, float]
-) -> tuple[tuple[Stretch, ...], list[list[Sheet]], list[list[Smooth]]]:
+    stretches: Sequence[RecordWindows], change: Array, sensors: Mapping[str, float]
+) -> tuple[tuple[RecordWindows, ...], list[list[Sheet]], list[list[Smooth]]]:
     """Stretches from the starts that sensors tell of them with some values, and what tells them."""
     sheets = [sheets_of(item, change) for item in stretches]
     fits = [
@@ -153,19 +121,12 @@ def _on_their_way(
     return moved, sheets, fits
 
 
-def follow(stretch: Stretch, change: Array, sensors: Mapping[str, float]) -> Stretch:
+def follow(stretch: RecordWindows, change: Array, sensors: Mapping[str, float]) -> RecordWindows:
     """A stretch along the path that the sensors tell, as they are read with some values.
 
     Where the motion is lost with these values the path stays as it is.
 
-    Parameters
-    ----------
-    stretch : Stretch
-        Near that path.
-    change : array (m,)
-        Of the values.
-    sensors : mapping of str to float
-        Standard deviation of each channel.
+    change (m,).
     """
     if not np.all(np.isfinite(sailed(stretch, change))):
         return stretch
@@ -174,38 +135,29 @@ def follow(stretch: Stretch, change: Array, sensors: Mapping[str, float]) -> Str
 
 
 def moved_along(
-    stretch: Stretch,
+    stretch: RecordWindows,
     sheets: Sequence[Sheet],
     sensors: Mapping[str, float],
     change: Array,
     forces: Forces,
-) -> Stretch:
+) -> RecordWindows:
     """A stretch along the most probable path as sheets tell it for other values.
 
-    Parameters
-    ----------
-    stretch : Stretch
-        Where the sheets were made.
-    sheets : sequence of Sheet
-        Of its windows.
-    sensors : mapping of str to float
-        Standard deviation of each channel.
-    change : array (m,)
-        Of the values from where the sheets were made.
-    forces : Forces
-        Unknown forces that may act on it.
+    change (m,).
     """
     sigma = _sigma(stretch, sensors)
     return _moved(stretch, [smoothed(sheet, sigma, forces, change) for sheet in sheets])
 
 
-def _kept_on_its_way(stretch: Stretch, fits: Sequence[Smooth], change: Array) -> Stretch:
+def _kept_on_its_way(
+    stretch: RecordWindows, fits: Sequence[Smooth], change: Array
+) -> RecordWindows:
     """A stretch from the starts of its windows' fits; as it was where the motion is lost there."""
     made = _moved(stretch, fits)
     return made if np.all(np.isfinite(sailed(made, change))) else stretch
 
 
-def _moved(stretch: Stretch, fits: Sequence[Smooth]) -> Stretch:
+def _moved(stretch: RecordWindows, fits: Sequence[Smooth]) -> RecordWindows:
     """A stretch from the starts and with the forces of its windows' fits."""
     return stretch.along(
         stretch.starts + np.stack([fit.start for fit in fits]),
@@ -213,7 +165,7 @@ def _moved(stretch: Stretch, fits: Sequence[Smooth]) -> Stretch:
     )
 
 
-def _sigma(stretch: Stretch, sensors: Mapping[str, float]) -> Array:
+def _sigma(stretch: RecordWindows, sensors: Mapping[str, float]) -> Array:
     return np.array([sensors[name] for name in stretch.channels])
 
 
@@ -241,16 +193,8 @@ def finest(name: str, speed: float, L: float) -> float:
 class Smooth:
     """A window as its sensors tell it.
 
-    Parameters
-    ----------
-    start : array (s,)
-        What comes to its first states.
-    forces : array (p, f)
-        Unknown forces.
-    left : array (b,)
-        Residuals over the noise.
-    leverage : array (b,)
-        Share of each average that starts and forces take.
+    `start (s,)`: what comes to its first states. `left (b,)`: residuals over the noise.
+    `leverage (b,)`: share of each average that starts and forces take.
     """
 
     start: Array
@@ -262,16 +206,7 @@ class Smooth:
 def smoothed(sheet: Sheet, sigma: Array, forces: Forces, moved: Array | None = None) -> Smooth:
     """The most probable start and forces of a window.
 
-    Parameters
-    ----------
-    sheet : Sheet
-        The window.
-    sigma : array (c,)
-        Noise of its channels.
-    forces : Forces
-        Unknown forces.
-    moved : array (m,), optional
-        By how much the values are moved from where the sheet was made.
+    sigma (c,); moved (m,).
     """
     rows, size = whitened(sheet, sigma), sheet.starts.shape[1]
     pieces, channels = sheet.forces.shape[1:]
@@ -294,7 +229,7 @@ def smoothed(sheet: Sheet, sigma: Array, forces: Forces, moved: Array | None = N
 
 
 def _told(
-    stretches: Sequence[Stretch],
+    stretches: Sequence[RecordWindows],
     sheets: Sequence[Sequence[Sheet]],
     fits: Sequence[Sequence[Smooth]],
     sensors: Mapping[str, float],
@@ -322,10 +257,10 @@ def _told(
 
 
 def _without_outliers(
-    stretches: Sequence[Stretch],
+    stretches: Sequence[RecordWindows],
     sheets: Sequence[Sequence[Sheet]],
     fits: Sequence[Sequence[Smooth]],
-) -> tuple[tuple[Stretch, ...], int]:
+) -> tuple[tuple[RecordWindows, ...], int]:
     """The worst average of each window is taken out of the records, where nothing explains it."""
     made, count = [], 0
     for item, own, fitted in zip(stretches, sheets, fits, strict=True):

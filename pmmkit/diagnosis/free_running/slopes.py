@@ -10,8 +10,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.base import SimulationError
 from pmmkit.diagnosis.free_running.windows import (
-    Stretch,
+    RecordWindows,
     by_piece,
     constants,
     inputs,
@@ -19,7 +20,6 @@ from pmmkit.diagnosis.free_running.windows import (
     sailed,
     shown,
 )
-from pmmkit.errors import SimulationError
 from pmmkit.numerics import Array
 
 SMALL: Final = 1e-5
@@ -33,26 +33,13 @@ JOBS: Final = 4
 class Sheet:
     """The linear rows of a window: averages over blocks, in the units of the channels.
 
-    Parameters
-    ----------
-    starts : array (b, s)
-        Slopes over the first states.
-    forces : array (b, p, f)
-        Over the unknown force of each channel in each piece, over ½ρLdU² (½ρL²dU²).
-    values : array (b, m)
-        Over the values that may move.
-    errors : array (b,)
-        Measured less shown, along the path about which it is made linear.
-    along : array (p, f)
-        Unknown forces on that path.
-    channels : array (b,) of int
-        Of the stretch's channels, the one that a row belongs to.
-    blocks : array (b,) of int
-        Number of the block of each row.
-    counts : array (b,)
-        Instants that are averaged in a row.
-    spacing : float
-        Length of the pieces in ship lengths over the speed.
+    `starts (b, s)`: slopes over the first states. `forces (b, p, f)`: over the unknown force of
+    each channel in each piece, over ½ρLdU² (½ρL²dU²). `values (b, m)`: over the values that may
+    move. `errors (b,)`: measured less shown, along the path about which it is made linear.
+    `along (p, f)`: unknown forces on that path. `channels (b,)`: of the stretch's channels, the
+    one that a row belongs to. `blocks (b,)`: number of the block of each row. `counts (b,)`:
+    instants that are averaged in a row. `spacing`: length of the pieces in ship lengths over
+    the speed.
     """
 
     starts: Array
@@ -67,25 +54,15 @@ class Sheet:
 
 
 def sheets_of(
-    stretch: Stretch, change: Array, steps: Mapping[int, float] | None = None, *, jobs: int = JOBS
+    stretch: RecordWindows,
+    change: Array,
+    steps: Mapping[int, float] | None = None,
+    *,
+    jobs: int = JOBS,
 ) -> list[Sheet]:
     """The linear problem of each window of a stretch about a change of the values.
 
-    Parameters
-    ----------
-    stretch : Stretch
-        With the starts about which it is made linear.
-    change : array (m,)
-        Of the values.
-    steps : mapping of int to float, optional
-        Of the values whose slopes are asked, by how much they are moved; none if absent.
-    jobs : int
-        Threads.
-
-    Raises
-    ------
-    SimulationError
-        If the motion is lost.
+    change (m,).
     """
     here = sailed(stretch, change)
     if not np.all(np.isfinite(here)):
@@ -116,7 +93,7 @@ def sheets_of(
     ]
 
 
-def _observed(stretch: Stretch, states: Array, change: Array) -> Array:
+def _observed(stretch: RecordWindows, states: Array, change: Array) -> Array:
     """Slopes (n, c, s) of what the channels show over the states."""
     now = shown(stretch, states, change)
     found = np.empty((*now.shape, states.shape[1]))
@@ -127,7 +104,7 @@ def _observed(stretch: Stretch, states: Array, change: Array) -> Array:
     return found
 
 
-def state_steps(stretch: Stretch) -> Array:
+def state_steps(stretch: RecordWindows) -> Array:
     """Steps (s,) of the states for slopes."""
     speed = stretch.record.speed
     L = speed / stretch.pace
@@ -136,7 +113,7 @@ def state_steps(stretch: Stretch) -> Array:
 
 
 def _carried(
-    stretch: Stretch, change: Array, here: Array, pool: ThreadPoolExecutor
+    stretch: RecordWindows, change: Array, here: Array, pool: ThreadPoolExecutor
 ) -> tuple[list[Array], list[Array]]:
     """Slopes of the states of each window over its start (n, s, s) and its forces (n, s, p, f).
 
@@ -194,7 +171,7 @@ def _carried(
 
 
 def _joined(
-    stretch: Stretch,
+    stretch: RecordWindows,
     begins: NDArray[np.int64],
     edges: NDArray[np.int64],
     state: Array,
@@ -225,7 +202,7 @@ def _joined(
 
 
 def _sheet(
-    stretch: Stretch,
+    stretch: RecordWindows,
     w: int,
     observed: Array,
     states: Array,
@@ -285,6 +262,6 @@ def _averages(blocks: NDArray[np.int64], there: NDArray[np.bool_]) -> _Averages:
     )
 
 
-def channels_of(stretches: Sequence[Stretch]) -> tuple[str, ...]:
+def channels_of(stretches: Sequence[RecordWindows]) -> tuple[str, ...]:
     """All channels of stretches, each once."""
     return tuple(dict.fromkeys(name for item in stretches for name in item.channels))

@@ -6,55 +6,39 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 
-from pmmkit.campaigns.run import Campaign
+from pmmkit.base import Workers
+from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.candidate import no_such_effect
-from pmmkit.diagnosis.free_running.base import SPREAD, Base, base_of, stated_base
+from pmmkit.diagnosis.free_running.base import SPREAD, FreeBase, base_of, stated_base
 from pmmkit.diagnosis.free_running.candidates import (
     FreeCandidate,
-    candidate_of,
     candidates_for,
     check_seas,
+    free_candidate_of,
 )
 from pmmkit.diagnosis.free_running.contest import base_alone, steady
-from pmmkit.diagnosis.free_running.fits import Fit, Place, first_place, fitted, place_at
+from pmmkit.diagnosis.free_running.fits import Linearised, SetFit, first_place, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
-from pmmkit.diagnosis.free_running.question import Question, question_of, records_of
+from pmmkit.diagnosis.free_running.question import RecordQuestion, question_of, records_of
 from pmmkit.diagnosis.free_running.unknown import FLOOR
-from pmmkit.effects.effect import Effect
-from pmmkit.executors import Workers
-from pmmkit.identification.prior import Prior
-from pmmkit.identification.record import FreeRecord
-from pmmkit.models import Model
-from pmmkit.models.vessel import Sailing
+from pmmkit.effects import Effect
+from pmmkit.identification import FreeRecord, Prior
+from pmmkit.models import Model, Sailing
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FreeSystem:
     """What free-running records are asked about a model.
 
-    Parameters
-    ----------
-    model : Model
-        Complete, without the candidates.
-    records : tuple of FreeRecord
-        At least two.
-    every : tuple of FreeCandidate
-        Who takes part.
-    base : Base
-        What is known of the values of the model.
-    floor, window, sensors, extrapolate
-        As for `diagnose_free`.
-    tell : callable
-        Is told what is being done.
-    executor : int, str or concurrent.futures.Executor, optional
-        Who fits the sets.
+    `model`: complete, without the candidates. `base`: what is known of the values of the model.
+    `tell`: is told what is being done. `executor`: who fits the sets.
     """
 
     model: Model
     records: tuple[FreeRecord, ...]
     every: tuple[FreeCandidate, ...]
-    base: Base
+    base: FreeBase
     floor: float
     window: float | None
     sensors: Mapping[str, float] | None
@@ -68,7 +52,7 @@ class FreeSystem:
         return self.records[0].speed
 
     @cached_property
-    def question(self) -> Question:
+    def question(self) -> RecordQuestion:
         """The question, with starts and noise of the records."""
         return question_of(
             self.model,
@@ -83,32 +67,32 @@ class FreeSystem:
         )
 
     @cached_property
-    def place(self) -> Place:
+    def place(self) -> Linearised:
         """The linear problem about the model as it is given, with the slopes of all."""
         question = self.question
         self.tell(f"Slopes of {len(question.numbers.values)} values")
         return first_place(question)
 
     @cached_property
-    def alone(self) -> tuple[Place, Fit]:
+    def alone(self) -> tuple[Linearised, SetFit]:
         """The base without any effect, as far as it may move, and the linear problem of that."""
         place = self.place
         self.tell("The base alone")
         return base_alone(place)
 
     @cached_property
-    def fit(self) -> Callable[[Names], Fit]:
+    def fit(self) -> Callable[[Names], SetFit]:
         """The base fitted together with a set of candidates, each set once."""
         return cache(lambda names: steady(self._moving(names)))
 
     @cached_property
-    def _moving(self) -> Callable[[Names], Fit]:
+    def _moving(self) -> Callable[[Names], SetFit]:
         """The same with a base that moves, each set from where the one before its last ended.
 
         From the model as it is given the way to several effects is long, and may end elsewhere.
         """
 
-        def made(names: Names) -> Fit:
+        def made(names: Names) -> SetFit:
             if not names:
                 return self.alone[1]
             before = self._moving(names[:-1])
@@ -148,28 +132,7 @@ def free_system(
     also: Sequence[str] = (),
     executor: Workers = None,
 ) -> FreeSystem:
-    """What records are asked about a model; nothing of it is worked out before it is needed.
-
-    Parameters
-    ----------
-    model : Model
-        Complete.
-    records : sequence of FreeRecord or Campaign
-        At least two.
-    prior, spread, floor, window, candidates, own, windage, sensors, extrapolate, progress
-        As for `diagnose_free`.
-    also : sequence of str
-        Names that take part beside the candidates, as far as such records can be asked for them.
-    executor : int, str or concurrent.futures.Executor, optional
-        As for `diagnose_free`.
-
-    Raises
-    ------
-    DataError
-        If there is no record, or one table of wave drift cannot stand for their seas.
-    UnknownNameError
-        If a candidate that is named has no place in the model or in such records.
-    """
+    """What records are asked about a model; nothing of it is worked out before it is needed."""
     given = tuple(records_of(records, model))
     check_seas(model, given)
     speed = given[0].speed
@@ -184,7 +147,7 @@ def free_system(
             chosen = (
                 item
                 if isinstance(item, FreeCandidate)
-                else candidate_of(item, Sailing(model, speed))
+                else free_candidate_of(item, Sailing(model, speed))
             )
         every[chosen.name] = chosen
     beside = {name: offered[name] for name in also if name in offered}

@@ -8,13 +8,12 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.free_running.information import Forces, Information, Known
-from pmmkit.equations.histories import rigid_body
-from pmmkit.errors import DataError
-from pmmkit.identification.record import FreeRecord
-from pmmkit.identification.smoother import units
+from pmmkit.base import DataError
+from pmmkit.diagnosis.free_running.information import Forces, Information, WindowInformation
+from pmmkit.identification import FreeRecord, units
 from pmmkit.models import Model
 from pmmkit.numerics import Array
+from pmmkit.simulation import rigid_body
 
 FLOOR: Final = 0.001
 """Unknown forces below this share of the rms force of a channel do not matter."""
@@ -28,25 +27,14 @@ MOST: Final = 0.3
 
 def most_likely(
     information: Information,
-    value: Callable[[Known], float],
+    value: Callable[[WindowInformation], float],
     least: Array,
     begin: Forces | None = None,
     factors: Sequence[float] = FACTORS,
 ) -> tuple[Forces, float]:
     """Unknown forces of the size and memory that make records most probable, and how probable.
 
-    Parameters
-    ----------
-    information : Information
-        Of the records.
-    value : callable
-        ln of how probable they are by what is known under some forces.
-    least : array (f,)
-        What they may not fall below.
-    begin : Forces, optional
-        Where to begin.
-    factors : sequence of float
-        By which they are varied, round by round.
+    least (f,).
     """
     told: dict[tuple[bytes, float], float] = {}  # a quarter is asked again
 
@@ -91,11 +79,6 @@ def usual_forces(model: Model, records: Sequence[FreeRecord]) -> Array:
     Surge force of the resistance, side force of m u r, moment of the inertia in a change of the
     yaw rate over a ship length; of roll that of the side force on a lever of a tenth of the
     draught.
-
-    Raises
-    ------
-    DataError
-        If a record holds neither heading nor yaw rate.
     """
     words = ("X", "Y", "N", "K") if model.rolls else ("X", "Y", "N")
     squares = []

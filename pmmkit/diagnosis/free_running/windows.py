@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.effects.seen import (
+from pmmkit.effects import (
     ANTENNA,
     CLOCK_LAG,
     CURRENT,
@@ -19,16 +19,20 @@ from pmmkit.effects.seen import (
     OUTSIDE,
     RUDDER_ZERO,
 )
-from pmmkit.equations.code_generation import ESTIMATING
-from pmmkit.equations.compilation import compiled
-from pmmkit.equations.layouts import Constant, InputField, State
-from pmmkit.identification.binding import FORCES, Binding, bound, driven
-from pmmkit.identification.filters import STEP, first_state
-from pmmkit.identification.record import FreeRecord
-from pmmkit.identification.smoother import units
-from pmmkit.identification.starts import first_states
+from pmmkit.identification import (
+    FORCES,
+    STEP,
+    Binding,
+    FreeRecord,
+    bound,
+    driven,
+    first_state,
+    first_states,
+    units,
+)
 from pmmkit.models import Model
 from pmmkit.numerics import Array
+from pmmkit.simulation import ESTIMATING, Constant, InputField, State, compiled
 
 WINDOW: Final = 5.0
 """Length of a window in ship lengths over the speed."""
@@ -44,34 +48,16 @@ INSTANTS: Final = 6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Stretch:
+class RecordWindows:
     """A record in windows, with the equations that sail it.
 
-    Parameters
-    ----------
-    record : FreeRecord
-        Measurements and inputs.
-    names : tuple of str
-        Values that may move.
-    binding : Binding
-        Constants over those of them that are constants.
-    functions : module
-        Compiled equations.
-    begins : array (w + 1,) of int
-        First instant of each window, and the number of instants.
-    starts : array (w, s)
-        States at the first instants.
-    forces : array (n, f)
-        Unknown forces that keep it on the measured path, over ½ρLdU² (½ρL²dU²): the path about
-        which all is made linear.
-    units : array (f,)
-        These units [N, N m].
-    pieces, blocks : array (n,) of int
-        Number within its window of the piece and of the block that each instant belongs to.
-    spacing : array (w,)
-        Length of the pieces of each window, in ship lengths over the speed.
-    pace : float
-        Speed over ship length [1/s].
+    `names`: values that may move. `binding`: constants over those of them that are constants.
+    `begins (w + 1,)`: first instant of each window, and the number of instants. `starts (w,
+    s)`: states at the first instants. `forces (n, f)`: unknown forces that keep it on the
+    measured path, over ½ρLdU² (½ρL²dU²): the path about which all is made linear. `units (f,)`:
+    these units [N, N m]. `pieces, blocks`: number within its window of the piece and of the
+    block that each instant belongs to. `spacing (w,)`: length of the pieces of each window, in
+    ship lengths over the speed. `pace`: speed over ship length [1/s].
     """
 
     record: FreeRecord
@@ -107,18 +93,18 @@ class Stretch:
         """Longest step of the integration [s]."""
         return STEP / self.pace
 
-    def along(self, starts: Array, forces: Array) -> Stretch:
+    def along(self, starts: Array, forces: Array) -> RecordWindows:
         """The same from other states and with other forces."""
         return replace(self, starts=starts, forces=forces)
 
     @property
-    def free(self) -> Stretch:
+    def free(self) -> RecordWindows:
         """The same without unknown forces."""
         return replace(self, forces=np.zeros_like(self.forces))
 
 
-def _compiled_anew(given: Mapping[str, Any]) -> Stretch:
-    return Stretch(functions=compiled(given["binding"].structure, ESTIMATING), **given)
+def _compiled_anew(given: Mapping[str, Any]) -> RecordWindows:
+    return RecordWindows(functions=compiled(given["binding"].structure, ESTIMATING), **given)
 
 
 def stretches_of(
@@ -129,24 +115,8 @@ def stretches_of(
     sensors: Mapping[str, float],
     window: float = WINDOW,
     extrapolate: bool = False,
-) -> tuple[Stretch, ...]:
-    """Records in windows of equal length that do not overlap.
-
-    Parameters
-    ----------
-    model : Model
-        With a place for every name.
-    records : sequence of FreeRecord
-        Records.
-    names : sequence of str
-        Values that may move.
-    sensors : mapping of str to float
-        Standard deviation of each channel.
-    window : float
-        Length of the windows in ship lengths over the speed.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-    """
+) -> tuple[RecordWindows, ...]:
+    """Records in windows of equal length that do not overlap."""
     ready = driven(model)
     own = [name for name in names if name in CURRENT or name not in OUTSIDE]
     at = {
@@ -166,14 +136,14 @@ def _stretch(
     binding: Binding,
     sensors: Mapping[str, float],
     window: float,
-) -> Stretch:
+) -> RecordWindows:
     pace = record.speed / model.ship.L
     default = first_state(record, binding.structure.states, sensors, model.ship.L)[0]
     begins = _begins(record, window / pace)
     pieces, spacing = _pieces(record, begins, pace)
     by = units(model, record.speed)
     words = FORCES if model.rolls else FORCES[:3]
-    return Stretch(
+    return RecordWindows(
         record=record,
         names=names,
         binding=binding,
@@ -189,7 +159,7 @@ def _stretch(
     )
 
 
-def joined(stretch: Stretch, count: int = SHORT) -> Stretch:
+def joined(stretch: RecordWindows, count: int = SHORT) -> RecordWindows:
     """A stretch whose windows are so many of another one's, along the same path."""
     begins = np.unique(np.append(stretch.begins[:-1:count], stretch.begins[-1]))
     if len(begins) > 2 and 2 * (begins[-1] - begins[-2]) < begins[1] - begins[0]:
@@ -206,7 +176,7 @@ def joined(stretch: Stretch, count: int = SHORT) -> Stretch:
     return replace(made, forces=of_instants(made, by_piece(made, stretch.forces)))
 
 
-def piece_begins(stretch: Stretch) -> NDArray[np.int64]:
+def piece_begins(stretch: RecordWindows) -> NDArray[np.int64]:
     """First instants of all pieces of all windows."""
     first = np.zeros(len(stretch.record), bool)
     first[stretch.begins[:-1]] = True
@@ -214,7 +184,7 @@ def piece_begins(stretch: Stretch) -> NDArray[np.int64]:
     return np.flatnonzero(first)
 
 
-def by_piece(stretch: Stretch, forces: Array) -> Array:
+def by_piece(stretch: RecordWindows, forces: Array) -> Array:
     """Means (q, f) over the pieces of all windows of forces (n, f) at instants."""
     begins = piece_begins(stretch)
     lengths = np.diff(np.append(begins, len(stretch.record)))[:, None]
@@ -222,13 +192,13 @@ def by_piece(stretch: Stretch, forces: Array) -> Array:
     return found
 
 
-def of_instants(stretch: Stretch, forces: Array) -> Array:
+def of_instants(stretch: RecordWindows, forces: Array) -> Array:
     """Forces (n, f) at instants from those of the pieces (q, f) of all windows."""
     begins = piece_begins(stretch)
     return np.repeat(forces, np.diff(np.append(begins, len(stretch.record))), axis=0)
 
 
-def starts_of(stretch: Stretch, begins: NDArray[np.int64]) -> Array:
+def starts_of(stretch: RecordWindows, begins: NDArray[np.int64]) -> Array:
     """The starts of those windows of a stretch that begin at some instants."""
     return stretch.starts[np.searchsorted(stretch.begins, begins[:-1])]
 
@@ -263,7 +233,7 @@ def _blocks(record: FreeRecord, begins: NDArray[np.int64], pace: float) -> NDArr
     return found
 
 
-def constants(stretch: Stretch, change: Array) -> Array | None:
+def constants(stretch: RecordWindows, change: Array) -> Array | None:
     """Constants of the equations after a change of the values; None if no ship has such a mass."""
     moved = dict(zip(stretch.names, change.tolist(), strict=True))
     own = np.array([moved[name] for name in stretch.binding.names])
@@ -271,7 +241,7 @@ def constants(stretch: Stretch, change: Array) -> Array | None:
     return k if stretch.functions.complete(k) == 0 else None
 
 
-def inputs(stretch: Stretch, change: Array) -> Array:
+def inputs(stretch: RecordWindows, change: Array) -> Array:
     """Inputs (n, i) after a change of the values."""
     moved = dict(zip(stretch.names, change.tolist(), strict=True))
     found = stretch.record.inputs
@@ -279,7 +249,7 @@ def inputs(stretch: Stretch, change: Array) -> Array:
     return found
 
 
-def sailed(stretch: Stretch, change: Array) -> Array:
+def sailed(stretch: RecordWindows, change: Array) -> Array:
     """States (n, s) at all instants, each window from its own start; NaN where they are lost."""
     out = np.full((len(stretch.record), len(stretch.states)), np.nan)
     k = constants(stretch, change)
@@ -297,7 +267,7 @@ def sailed(stretch: Stretch, change: Array) -> Array:
     return out
 
 
-def shown(stretch: Stretch, states: Array, change: Array) -> Array:
+def shown(stretch: RecordWindows, states: Array, change: Array) -> Array:
     """What the channels (n, c) should show of states (n, s)."""
     moved = dict(zip(stretch.names, change.tolist(), strict=True))
     psi, u, v = (states[:, place] for place in (State.psi, State.u, State.v))
@@ -326,7 +296,7 @@ def shown(stretch: Stretch, states: Array, change: Array) -> Array:
     )
 
 
-def _heel(stretch: Stretch, states: Array) -> Array | float:
+def _heel(stretch: RecordWindows, states: Array) -> Array | float:
     """Heel [rad] at all instants: the ship's own, else the one that was measured."""
     if State.phi.name in stretch.states:
         found: Array = states[:, stretch.states.index(State.phi.name)]

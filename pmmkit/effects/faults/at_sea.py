@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-from pmmkit.effects.effect import Effect
+from pmmkit.effects.definition import Effect
 from pmmkit.effects.faults.fault import size
 from pmmkit.effects.seen import ANTENNA, CLOCK_LAG, HEADING_OFFSET, LOG_GAIN, Move, Vessel
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.seen import Acts, Forces, Observed
 from pmmkit.effects.suspect import Suspect
 from pmmkit.numerics import Array

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.effects.effect import Parameter
+from pmmkit.effects.definition import Parameter
 from pmmkit.effects.faults.fault import AT_SEA, beside, fault, size, suspicion
 from pmmkit.effects.seen import Forces, Move, Observed, Vessel
 from pmmkit.effects.suspect import CHANNELS, Suspect, both_signs, larger_or_smaller

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.effects.effect import Parameter
+from pmmkit.effects.definition import Parameter
 from pmmkit.effects.faults.fault import DEGREES, ITTC_CAPTIVE, STEP, beside, fault, size
 from pmmkit.effects.faults.gauges import POINTS, SHARES
 from pmmkit.effects.seen import Forces, Observed

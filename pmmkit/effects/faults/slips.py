@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.faults.fault import suspicion
 from pmmkit.effects.seen import Forces, Observed
 from pmmkit.effects.suspect import CHANNELS, Suspect

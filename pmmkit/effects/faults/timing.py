@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.effects.effect import Parameter
+from pmmkit.effects.definition import Parameter
 from pmmkit.effects.faults.fault import ITTC_CAPTIVE, fault, size
 from pmmkit.effects.seen import Factor, Forces, Observed
 from pmmkit.effects.suspect import CHANNELS, Suspect, both_signs, late_or_early, oscillating

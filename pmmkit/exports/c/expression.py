@@ -14,13 +14,22 @@ from pmmkit.exports.c.kinds import (
     INT,
     LIST,
     TABLE,
-    Kind,
     Library,
+    ValueKind,
     identifier,
     joined,
     number,
 )
-from pmmkit.syntax.tree import (
+from pmmkit.syntax import (
+    AND,
+    ATOM,
+    CHOICE,
+    COMPARISON,
+    FUNCTIONS,
+    OPERATORS,
+    OR,
+    SIGN,
+    SUM,
     Binary,
     Call,
     Compare,
@@ -34,23 +43,12 @@ from pmmkit.syntax.tree import (
     Subscript,
     Unary,
     Unwritable,
-)
-from pmmkit.syntax.tree import Expression as Tree
-from pmmkit.syntax.words import (
-    AND,
-    ATOM,
-    CHOICE,
-    COMPARISON,
-    FUNCTIONS,
-    OPERATORS,
-    OR,
-    SIGN,
-    SUM,
     called,
     counted,
     outside_value,
     word_of,
 )
+from pmmkit.syntax import Expression as Tree
 
 _LARGEST: Final = 2**31 - 1
 """Whole number that C's int is sure to hold."""
@@ -62,7 +60,7 @@ class Expression:
     """Text of an expression, its kind, its rank among the operators, its number where known."""
 
     text: str
-    kind: Kind
+    kind: ValueKind
     rank: int = ATOM
     known: int | None = None
     count: str = ""
@@ -75,31 +73,19 @@ class Expression:
 class Writer:
     """Writes expressions.
 
-    Parameters
-    ----------
-    program : Library
-        That holds the functions and tables that they name.
-    kinds : mapping of str to Kind
-        Of the names of the function, as they become known.
-    outside : mapping
-        Names of its module.
+    `program`: that holds the functions and tables that they name. `kinds`: of the names of the
+    function, as they become known. `outside`: names of its module.
     """
 
     def __init__(
-        self, program: Library, kinds: Mapping[str, Kind], outside: Mapping[str, Any]
+        self, program: Library, kinds: Mapping[str, ValueKind], outside: Mapping[str, Any]
     ) -> None:
         self._program = program
         self._kinds = kinds
         self._outside = outside
 
     def of(self, tree: Tree) -> Expression:
-        """An expression.
-
-        Raises
-        ------
-        Unwritable
-            If C is not written for it.
-        """
+        """An expression."""
         match tree:
             case Number(value=value):
                 return _constant(value)

@@ -12,12 +12,12 @@ from pmmkit.exports.c.kinds import (
     INT,
     LIST,
     NOTHING,
-    Kind,
     Library,
+    ValueKind,
     identifier,
     joined,
 )
-from pmmkit.syntax.tree import (
+from pmmkit.syntax import (
     Assign,
     Augmented,
     Call,
@@ -37,7 +37,7 @@ from pmmkit.syntax.tree import (
     names,
     nodes,
 )
-from pmmkit.syntax.tree import Expression as Tree
+from pmmkit.syntax import Expression as Tree
 
 
 class Body:
@@ -46,23 +46,15 @@ class Body:
     A first pass finds the kinds of all names, for a name may stand for a whole number at first and
     for a fraction later; the second writes.
 
-    Parameters
-    ----------
-    program : Library
-        That holds the functions that this one calls.
-    tree : Function
-        The function.
-    arguments : mapping of str to Kind
-        Its arguments in their order.
-    outside : mapping
-        Names of its module.
+    `program`: that holds the functions that this one calls. `arguments`: its arguments in their
+    order. `outside`: names of its module.
     """
 
     def __init__(
         self,
         program: Library,
         tree: Function,
-        arguments: Mapping[str, Kind],
+        arguments: Mapping[str, ValueKind],
         outside: Mapping[str, Any],
     ) -> None:
         self.returned = NOTHING
@@ -71,7 +63,7 @@ class Body:
         self._kinds = dict(arguments)
         self._vectors: dict[str, int] = {}
         self._program = program
-        before: dict[str, Kind] | None = None
+        before: dict[str, ValueKind] | None = None
         while before != self._kinds:
             before = dict(self._kinds)
             self._expressions = Writer(program, self._kinds, outside)
@@ -160,7 +152,7 @@ class Body:
         self._returns(found.kind)
         return [f"return {found.text};"]
 
-    def _returns(self, kind: Kind) -> None:
+    def _returns(self, kind: ValueKind) -> None:
         self.returned = kind if self.returned == NOTHING else joined(self.returned, kind)
 
     @staticmethod
@@ -203,7 +195,7 @@ class Body:
             return place.text
         raise Unwritable("an assignment to something else than a name or a place in a list")
 
-    def _named(self, name: str, kind: Kind) -> None:
+    def _named(self, name: str, kind: ValueKind) -> None:
         known = self._kinds.get(name)
         if not kind.is_number or (known is not None and not known.is_number):
             raise Unwritable("a name for a list that is there already")

@@ -8,23 +8,18 @@ from dataclasses import dataclass
 from types import FunctionType
 from typing import Any, Final, Literal, Protocol
 
-from pmmkit.syntax.tree import Call, Expression, Unwritable
+from pmmkit.syntax import Call, Expression, Unwritable
 
 Name = Literal["bool", "int", "double", "list", "table", "grid", "tuple", "nothing"]
 
 
 @dataclass(frozen=True)
-class Kind:
+class ValueKind:
     """A kind of value.
 
-    Parameters
-    ----------
-    name : str
-        ``list``: numbers that a function may change, by their address; ``table``: numbers that it
-        only reads, with their count; ``grid``: tables of one length; ``tuple``: what a function
-        returns together.
-    size : int
-        Of a tuple: how many numbers.
+    `name`: ``list``: numbers that a function may change, by their address; ``table``: numbers
+    that it only reads, with their count; ``grid``: tables of one length; ``tuple``: what a
+    function returns together. `size`: of a tuple: how many numbers.
     """
 
     name: Name
@@ -43,21 +38,21 @@ class Kind:
         return {"bool": "int", "nothing": "void"}.get(self.name, self.name)
 
 
-BOOL: Final = Kind("bool")
-INT: Final = Kind("int")
-DOUBLE: Final = Kind("double")
-LIST: Final = Kind("list")
-TABLE: Final = Kind("table")
-GRID: Final = Kind("grid")
-NOTHING: Final = Kind("nothing")
+BOOL: Final = ValueKind("bool")
+INT: Final = ValueKind("int")
+DOUBLE: Final = ValueKind("double")
+LIST: Final = ValueKind("list")
+TABLE: Final = ValueKind("table")
+GRID: Final = ValueKind("grid")
+NOTHING: Final = ValueKind("nothing")
 
 
 class Library(Protocol):
     """What the text of a function asks of the program that it becomes a part of."""
 
     def function(
-        self, function: FunctionType, kinds: tuple[Kind, ...], alias: str
-    ) -> tuple[str, Kind]:
+        self, function: FunctionType, kinds: tuple[ValueKind, ...], alias: str
+    ) -> tuple[str, ValueKind]:
         """Name in C and kind of what is returned, of a function for arguments of some kinds."""
 
     def arguments(self, function: FunctionType, alias: str, tree: Call) -> tuple[Expression, ...]:
@@ -66,7 +61,7 @@ class Library(Protocol):
     def table(self, value: Sequence[Any], alias: str) -> str:
         """The name in C of numbers that stand in a module."""
 
-    def tuple_of(self, size: int) -> Kind:
+    def tuple_of(self, size: int) -> ValueKind:
         """The kind of so many numbers that a function returns together."""
 
 
@@ -82,13 +77,8 @@ _KEYWORDS: Final = frozenset(
 """Words of C, and of the head of a program, that no name may be."""
 
 
-def joined(first: Kind, second: Kind) -> Kind:
+def joined(first: ValueKind, second: ValueKind) -> ValueKind:
     """The kind that holds two.
-
-    Raises
-    ------
-    Unwritable
-        If there is none.
 
     Examples
     --------

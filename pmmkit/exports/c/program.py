@@ -12,12 +12,10 @@ from collections.abc import Sequence
 from types import FunctionType, ModuleType
 from typing import Any, Final
 
-from pmmkit.escaping import comment
 from pmmkit.exports.c.function import Body
-from pmmkit.exports.c.kinds import NOTHING, Kind, identifier, number
-from pmmkit.syntax.reading import function_of, functions
-from pmmkit.syntax.tree import Call, Expression, Function, Unwritable
-from pmmkit.syntax.words import bound
+from pmmkit.exports.c.kinds import NOTHING, ValueKind, identifier, number
+from pmmkit.presentation import comment
+from pmmkit.syntax import Call, Expression, Function, Unwritable, bound, function_of, functions
 
 PREFIX: Final = "eq_"
 """Of all translated functions, so that none has the name of one of C's."""
@@ -32,33 +30,22 @@ static int floored(int a, int b) { return a / b - (a % b != 0 && (a % b < 0) != 
 class Program:
     """A C program that grows by the functions that are asked for and all that they call.
 
-    Parameters
-    ----------
-    text : str
-        Of the module; its functions have no source elsewhere.
-    module : ModuleType
-        The same, executed.
+    `text`: of the module; its functions have no source elsewhere.
     """
 
     def __init__(self, text: str, module: ModuleType) -> None:
         self._trees = functions(text)
         self._own = vars(module)
-        self._done: dict[tuple[Any, tuple[Kind, ...]], tuple[str, Kind]] = {}
-        self._under_way: set[tuple[Any, tuple[Kind, ...]]] = set()
+        self._done: dict[tuple[Any, tuple[ValueKind, ...]], tuple[str, ValueKind]] = {}
+        self._under_way: set[tuple[Any, tuple[ValueKind, ...]]] = set()
         self._names: set[str] = set()
         self._tables: dict[int, str] = {}
         self._kept: list[object] = []
         self._sizes: set[int] = set()
         self._parts: list[str] = []
 
-    def take(self, name: str, kinds: Sequence[Kind]) -> str:
-        """Translate a function of the module; gives its name in C.
-
-        Raises
-        ------
-        Unwritable
-            With what it does that cannot be written.
-        """
+    def take(self, name: str, kinds: Sequence[ValueKind]) -> str:
+        """Translate a function of the module; gives its name in C."""
         return self.function(self._own[name], tuple(kinds), name)[0]
 
     @property
@@ -71,10 +58,10 @@ class Program:
         structs = [f"struct numbers_{size} {{ {inner} }};" for size, inner in members.items()]
         return "\n".join([*structs, _HEAD, *self._parts])
 
-    def tuple_of(self, size: int) -> Kind:
+    def tuple_of(self, size: int) -> ValueKind:
         """The kind of so many numbers that a function returns together."""
         self._sizes.add(size)
-        return Kind("tuple", size)
+        return ValueKind("tuple", size)
 
     def table(self, value: Sequence[Any], alias: str) -> str:
         """The name in C of numbers that stand in a module."""
@@ -90,8 +77,8 @@ class Program:
         return name
 
     def function(
-        self, function: FunctionType, kinds: tuple[Kind, ...], alias: str
-    ) -> tuple[str, Kind]:
+        self, function: FunctionType, kinds: tuple[ValueKind, ...], alias: str
+    ) -> tuple[str, ValueKind]:
         """Name in C and kind of what is returned, of a function for arguments of some kinds."""
         key = function, kinds
         if key in self._under_way:
@@ -151,7 +138,7 @@ def _wrapped(line: str) -> list[str]:
     )
 
 
-def _argument(name: str, kind: Kind) -> str:
+def _argument(name: str, kind: ValueKind) -> str:
     own = identifier(name)
     if kind.name == "list":
         return f"double *{own}"

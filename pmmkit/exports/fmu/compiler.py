@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from pmmkit.errors import DataError, Problem, Remedy, setting
-from pmmkit.escaping import lines_of
+from pmmkit.base import DataError, Problem, Remedy, setting
+from pmmkit.presentation import lines_of
 
 _COMPILERS: Final = ("cc", "gcc", "clang", "cl")
 _SYSTEMS: Final = {"win32": ("windows", "win", ".dll"), "darwin": ("darwin", "darwin", ".dylib")}
@@ -28,24 +28,7 @@ _LONGEST: Final = 2000
 def library(
     sources: Mapping[str, str], main: str, identifier: str, *, fmi: int
 ) -> tuple[str, bytes]:
-    """Compile the sources; gives the place of the library in the FMU, and its bytes.
-
-    Parameters
-    ----------
-    sources : mapping of str to str
-        Texts of the files by name.
-    main : str
-        The file that is compiled; it includes the others.
-    identifier : str
-        Name of the library.
-    fmi : int
-        Version, by which importers look for the library in another place.
-
-    Raises
-    ------
-    DataError
-        If there is no C compiler, or it fails.
-    """
+    """Compile the sources; gives the place of the library in the FMU, and its bytes."""
     compiler = _compiler()
     folder, ending = _place(fmi)
     name = f"{identifier}{ending}"

@@ -2,16 +2,78 @@
 
 from __future__ import annotations
 
+import math
+import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
 from typing import Any, Final
 
-from pmmkit.escaping import plain
-from pmmkit.exports.fmu.units import SHOWN, elements, modelica, used
-from pmmkit.exports.fmu.variables import Table, Variable
+from pmmkit.base import __version__
+from pmmkit.exports.fmu.variables import FmuVariable, Table
 from pmmkit.models import Model
-from pmmkit.simulation.simulate import RTOL
-from pmmkit.version import __version__
+from pmmkit.presentation import plain
+from pmmkit.simulation import RTOL
+
+# Units as powers of the base units.
+
+
+_BASE: Final = MappingProxyType(
+    {
+        "1": ({}, 1.0),
+        "m": ({"m": 1}, 1.0),
+        "kg": ({"kg": 1}, 1.0),
+        "s": ({"s": 1}, 1.0),
+        "rad": ({"rad": 1}, 1.0),
+        "deg": ({"rad": 1}, math.pi / 180),
+        "min": ({"s": 1}, 60.0),
+        "kn": ({"m": 1, "s": -1}, 1852 / 3600),
+        "N": ({"kg": 1, "m": 1, "s": -2}, 1.0),
+        "W": ({"kg": 1, "m": 2, "s": -3}, 1.0),
+    }
+)
+_FACTOR: Final = re.compile(r"([a-zA-Z]+|1)(\d*)")
+SHOWN: Final = MappingProxyType(
+    {"rad": ("deg",), "rad/s": ("deg/s",), "m/s": ("kn",), "1/s": ("1/min",)}
+)
+"""Other units in which programs may show values of a unit; the first is proposed for angles."""
+
+
+def modelica(unit: str) -> str:
+    """A unit as Modelica and FMI write it.
+
+    Examples
+    --------
+    >>> modelica("N m"), modelica("kg m2"), modelica("m/s")
+    ('N.m', 'kg.m2', 'm/s')
+    """
+    return unit.replace(" ", ".")
+
+
+def elements(unit: str) -> tuple[dict[str, int], float]:
+    """Powers of kg, m, s and rad in a unit, and the factor that leads to them.
+
+    Examples
+    --------
+    >>> elements("N m/min")
+    ({'kg': 1, 'm': 2, 's': -3}, 0.01666...)
+    """
+    powers: dict[str, int] = {}
+    factor = 1.0
+    for side, part in zip((1, -1), unit.split("/"), strict=False):
+        for name, power in _FACTOR.findall(part):
+            own, size = _BASE[name]
+            times = side * int(power or 1)
+            factor *= size**times
+            for base, exponent in own.items():
+                powers[base] = powers.get(base, 0) + times * exponent
+    return {base: power for base, power in powers.items() if power}, factor
+
+
+def used(units: Iterable[str]) -> list[str]:
+    """The units that must be defined, each once, in an order that depends on nothing else."""
+    return sorted(set(units) - {"", "-"})
+
 
 LENGTHS: Final = 50.0
 """Duration that is proposed, in ship lengths over the approach speed."""
@@ -31,18 +93,7 @@ def description_text(
 ) -> str:
     """The text of modelDescription.xml.
 
-    Parameters
-    ----------
-    model : Model
-        The model.
-    table : Table
-        Its variables.
-    fmi : int
-        Version 2 or 3.
-    identifier, token : str
-        Name of the library; what tells that library and description belong together.
-    pace : float
-        Approach speed over length [1/s].
+    pace [1/s].
     """
     root = ET.Element(
         "fmiModelDescription",
@@ -119,7 +170,7 @@ def _units(root: ET.Element, table: Table) -> None:
             ET.SubElement(entry, "DisplayUnit", name=modelica(shown), factor=repr(size))
 
 
-def _numeric(item: Variable) -> dict[str, str]:
+def _numeric(item: FmuVariable) -> dict[str, str]:
     """What both versions say of a number."""
     said: dict[str, str] = {}
     if item.unit != "-":
@@ -174,7 +225,7 @@ def _variable_2(parent: ET.Element, table: Table, place: int) -> None:
     ET.SubElement(scalar, "Real", _numeric(item) | more)
 
 
-def _word(item: Variable) -> str:
+def _word(item: FmuVariable) -> str:
     return "true" if item.start else "false"
 
 

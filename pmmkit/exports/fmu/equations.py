@@ -6,23 +6,28 @@ import inspect
 from collections.abc import Iterable, Iterator
 from typing import Final
 
-from pmmkit.equations import Prepared
-from pmmkit.equations.code_generation import CARRYING, module_text
-from pmmkit.equations.compilation import interpreted
-from pmmkit.equations.layouts import Constant, Control, GearField
-from pmmkit.errors import ModelError, Problem
-from pmmkit.escaping import comment
-from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, Kind, number
+from pmmkit.base import ModelError, Problem
+from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, ValueKind, number
 from pmmkit.exports.c.program import Program
 from pmmkit.exports.fmu.variables import BEGIN, GEAR, Table
 from pmmkit.exports.text import written_by
 from pmmkit.models import Model
-from pmmkit.simulation.run import LONGEST_STEP
-from pmmkit.simulation.simulate import RTOL
-from pmmkit.syntax.tree import Unwritable
+from pmmkit.presentation import comment
+from pmmkit.simulation import (
+    CARRYING,
+    LONGEST_STEP,
+    RTOL,
+    Constant,
+    Control,
+    GearField,
+    Prepared,
+    interpreted,
+    module_text,
+)
+from pmmkit.syntax import Unwritable
 
 _MOMENT: Final = (LIST, DOUBLE, DOUBLE, DOUBLE, LIST, LIST)
-_FUNCTIONS: Final[dict[str, tuple[Kind, ...]]] = {
+_FUNCTIONS: Final[dict[str, tuple[ValueKind, ...]]] = {
     "complete": (LIST,),
     "rates": _MOMENT,
     "forces": _MOMENT,
@@ -51,24 +56,7 @@ _SURROUNDINGS: Final = (
 
 
 def equations_text(model: Model, ready: Prepared, table: Table, *, token: str) -> str:
-    """The text of equations.h.
-
-    Parameters
-    ----------
-    model : Model
-        The model, for what is said of it.
-    ready : Prepared
-        The same at one approach speed.
-    table : Table
-        Its variables.
-    token : str
-        That modelDescription.xml holds too.
-
-    Raises
-    ------
-    ModelError
-        With every effect that cannot be written in C.
-    """
+    """The text of equations.h."""
     lines = [
         *(line.replace("%", "//", 1) for line in written_by("//")),
         *comment(f"{model.title or model.name}: equations and numbers.", "//"),
@@ -91,7 +79,7 @@ def _program(ready: Prepared, table: Table) -> Program:
         name = f"effect_{item.effect}"
         tables = {own for own, _ in item.tables}
         options = {own for own, _ in item.options}
-        asked = [Kind("table") if x in tables else INT if x in options else DOUBLE
+        asked = [ValueKind("table") if x in tables else INT if x in options else DOUBLE
                  for x in inspect.signature(getattr(module, name)).parameters]  # fmt: skip
         try:
             program.take(name, asked)

@@ -9,8 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final, Literal
 
-from pmmkit.equations import prepare
-from pmmkit.errors import DataError, ModelError, Problem, Remedy, setting
+from pmmkit.base import DataError, ModelError, Problem, Remedy, setting
 from pmmkit.exports.archive import write_archive
 from pmmkit.exports.fmu.compiler import library
 from pmmkit.exports.fmu.description import build_text, description_text
@@ -18,6 +17,7 @@ from pmmkit.exports.fmu.equations import equations_text
 from pmmkit.exports.fmu.variables import table_of
 from pmmkit.exports.text import WHICH_SPEED, matlab_name
 from pmmkit.models import Model
+from pmmkit.simulation import prepare
 
 Version = Literal[2, 3]
 VERSIONS: Final[tuple[Version, ...]] = (3, 2)
@@ -33,29 +33,7 @@ def model_to_fmu(
 ) -> bytes:
     """The bytes of an FMU for Model Exchange and Co-Simulation.
 
-    Parameters
-    ----------
-    model : Model
-        A model that can be simulated.
-    speed : float, optional
-        Approach speed [m/s], at which the ship begins and at whose Froude number the values are
-        taken; needed where they depend on it. Otherwise that of Fn 0.2 by default.
-    fmi : {3, 2}
-        Version of the Functional Mock-up Interface.
-    compile : bool
-        Compile the sources for this machine too, with the C compiler that is found.
-
-    Returns
-    -------
-    bytes
-        A zip archive, the same for the same model; with a library inside, on the same machine.
-
-    Raises
-    ------
-    ModelError
-        With every effect that cannot be written in C, and what else is missing.
-    DataError
-        If there is no such version, no C compiler, or it fails.
+    speed [m/s].
 
     Notes
     -----
@@ -115,6 +93,13 @@ def model_to_fmu(
 
 def approach_of(model: Model, speed: float | None) -> float:
     """The approach speed of an FMU [m/s]: the one that is asked for, or that of Fn 0.2.
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    speed : float or None
+        The speed that is asked for [m/s].
 
     Raises
     ------

@@ -7,16 +7,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.catalogue import effect_of
-from pmmkit.equations import CALM, Prepared
-from pmmkit.equations.code_generation import told
-from pmmkit.equations.layouts import NO_SEA, Constant
-from pmmkit.equations.prepared import Numbers, packed, values_at
-from pmmkit.equations.structure import POLYNOMIALS
+from pmmkit.effects import INERTIA, effect_of
 from pmmkit.exports.matlab.hull import variable as spelled
 from pmmkit.models import Model
-from pmmkit.simulation.simulate import steering
+from pmmkit.simulation import (
+    CALM,
+    NO_SEA,
+    POLYNOMIALS,
+    Constant,
+    Numbers,
+    Prepared,
+    packed,
+    steering,
+    told,
+    values_at,
+)
 
 Causality = Literal["independent", "input", "output", "local", "parameter", "calculatedParameter"]
 GEAR: Final = "delta_gear"
@@ -69,27 +74,14 @@ _ROLL_ALONE: Final = ("zG", "GM", "Ixx")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Variable:
+class FmuVariable:
     """One variable of an FMU.
 
-    Parameters
-    ----------
-    name, unit, text : str
-        Name; unit, ``-`` for a plain number; what it is.
-    causality : str
-        As FMI names it.
-    start : float, optional
-        Value where none is set, of inputs and parameters.
-    rate_of : str
-        The state whose rate it is.
-    is_word : bool
-        Whether it is true or false.
-    low, high : float, optional
-        Values beside these make no sense.
-    nominal : float, optional
-        Usual size, of states.
-    slopes : tuple of (int, float)
-        Of parameters: the places in the constants that it enters, each with its factor.
+    `name, unit, text`: name; unit, ``-`` for a plain number; what it is. `causality`: as FMI
+    names it. `start`: value where none is set, of inputs and parameters. `rate_of`: the state
+    whose rate it is. `is_word`: whether it is true or false. `low, high`: values beside these
+    make no sense. `nominal`: usual size, of states. `slopes`: of parameters: the places in the
+    constants that it enters, each with its factor.
     """
 
     name: str
@@ -109,17 +101,12 @@ class Variable:
 class Table:
     """All variables in the order of their value references, and the constants without parameters.
 
-    Parameters
-    ----------
-    variables : tuple of Variable
-        The reference of a variable is its place.
-    states : tuple of str
-        Continuous states; each begins at the parameter of its name with ``_start``.
-    base : tuple of float
-        Constants of the equations to which the parameters are added.
+    `variables`: the reference of a variable is its place. `states`: continuous states; each
+    begins at the parameter of its name with ``_start``. `base`: constants of the equations to
+    which the parameters are added.
     """
 
-    variables: tuple[Variable, ...]
+    variables: tuple[FmuVariable, ...]
     states: tuple[str, ...]
     base: tuple[float, ...]
 
@@ -134,17 +121,7 @@ class Table:
 
 
 def table_of(model: Model, ready: Prepared, speed: float) -> Table:
-    """The variables of a model at an approach speed [m/s].
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    ready : Prepared
-        The same, prepared for that speed.
-    speed : float
-        The approach speed, at which the ship begins too.
-    """
+    """The variables of a model at an approach speed [m/s]."""
     states = (*ready.structure.states, GEAR)
     propelled = ready.structure.revolutions
     n = ready.self_propulsion() if propelled else 0.0
@@ -156,7 +133,7 @@ def table_of(model: Model, ready: Prepared, speed: float) -> Table:
         for place, _ in item.slopes:
             base[place] = 0.0
     variables = [
-        Variable(name="time", unit="s", text="time", causality="independent"),
+        FmuVariable(name="time", unit="s", text="time", causality="independent"),
         *(_state(name, usual.get(name, 1.0)) for name in states),
         *(_rate(name) for name in states),
         *_outputs(ready),
@@ -169,16 +146,16 @@ def table_of(model: Model, ready: Prepared, speed: float) -> Table:
     return Table(variables=tuple(variables), states=states, base=tuple(base))
 
 
-def _state(name: str, nominal: float) -> Variable:
+def _state(name: str, nominal: float) -> FmuVariable:
     unit, text = _STATES.get(name, ("", f"{name.replace('_', ' ')}, a state of an effect"))
     causality: Causality = "output" if name in _STATES and name != GEAR else "local"
-    return Variable(name=name, unit=unit or "-", text=text, causality=causality, nominal=nominal)
+    return FmuVariable(name=name, unit=unit or "-", text=text, causality=causality, nominal=nominal)
 
 
-def _rate(name: str) -> Variable:
+def _rate(name: str) -> FmuVariable:
     unit = _STATES.get(name, ("", ""))[0]
     per_second = {"m": "m/s", "m/s": "m/s2", "rad": "rad/s", "rad/s": "rad/s2", "1/s": "1/s2"}
-    return Variable(
+    return FmuVariable(
         name=f"der({name})",
         unit=per_second.get(unit, "-"),
         text=f"rate of {name}",
@@ -187,9 +164,9 @@ def _rate(name: str) -> Variable:
     )
 
 
-def _begin(name: str, start: float) -> Variable:
+def _begin(name: str, start: float) -> FmuVariable:
     unit, text = _STATES.get(name, ("", name))
-    return Variable(
+    return FmuVariable(
         name=f"{name}{BEGIN}",
         unit=unit or "-",
         text=f"at the start: {text}",
@@ -198,25 +175,25 @@ def _begin(name: str, start: float) -> Variable:
     )
 
 
-def _outputs(ready: Prepared) -> list[Variable]:
+def _outputs(ready: Prepared) -> list[FmuVariable]:
     """What follows from the states; the forces last, in the order of `told`."""
     found = [
-        Variable(
+        FmuVariable(
             name="delta", unit="rad", text="rudder angle, positive to starboard", causality="output"
         )
     ]
     if ready.structure.revolutions and "n" not in ready.structure.states:
         unit, text = _STATES["n"]
-        found.append(Variable(name="n", unit=unit, text=text, causality="output"))
+        found.append(FmuVariable(name="n", unit=unit, text=text, causality="output"))
     for name in told(ready.structure):
         unit, text = _TOLD.get(name, ("-", f"{name.replace('_', ' ')}, between effects"))
         causality: Causality = "output" if name in _TOLD else "local"
-        found.append(Variable(name=name, unit=unit, text=text, causality=causality))
+        found.append(FmuVariable(name=name, unit=unit, text=text, causality=causality))
     return found
 
 
-def _approach() -> Variable:
-    return Variable(
+def _approach() -> FmuVariable:
+    return FmuVariable(
         name="n_approach",
         unit="1/s",
         text="revolutions that hold u_start straight ahead in the surroundings of the start",
@@ -224,7 +201,7 @@ def _approach() -> Variable:
     )
 
 
-def _inputs(ready: Prepared, n: float) -> list[Variable]:
+def _inputs(ready: Prepared, n: float) -> list[FmuVariable]:
     asked = {name for item in ready.structure.used for name in item.arguments}
     felt = {
         "n_order": ready.structure.revolutions,
@@ -234,17 +211,17 @@ def _inputs(ready: Prepared, n: float) -> list[Variable]:
     }
     starts = {"n_order": n, "wave_height": NO_SEA}
     return [
-        Variable(name=name, unit=unit, text=text, causality="input", start=starts.get(name, 0.0))
+        FmuVariable(name=name, unit=unit, text=text, causality="input", start=starts.get(name, 0.0))
         for name, (unit, text) in _INPUTS.items()
         if felt.get(name, True)
     ]
 
 
-def _steering(model: Model) -> list[Variable]:
+def _steering(model: Model) -> list[FmuVariable]:
     limits = steering(model)
     rate = limits.get("rate_deg_s")
     return [
-        Variable(
+        FmuVariable(
             name="steering_gear",
             unit="-",
             text="whether the rudder follows its order by a gear; else delta_order is its angle",
@@ -252,7 +229,7 @@ def _steering(model: Model) -> list[Variable]:
             start=0.0 if rate is None else 1.0,
             is_word=True,
         ),
-        Variable(
+        FmuVariable(
             name="delta_rate",
             unit="rad/s",
             text="rate of the steering gear",
@@ -260,7 +237,7 @@ def _steering(model: Model) -> list[Variable]:
             start=math.radians(90.0 if rate is None else rate),
             low=0.0,
         ),
-        Variable(
+        FmuVariable(
             name="delta_max",
             unit="rad",
             text="largest rudder angle of the steering gear",
@@ -268,7 +245,7 @@ def _steering(model: Model) -> list[Variable]:
             start=math.radians(limits.get("max_deg", 90.0)),
             low=0.0,
         ),
-        Variable(
+        FmuVariable(
             name="delta_lag",
             unit="s",
             text="time constant of the steering gear near its order",
@@ -279,12 +256,12 @@ def _steering(model: Model) -> list[Variable]:
     ]
 
 
-def _parameters(model: Model, ready: Prepared, speed: float) -> Iterator[Variable]:
+def _parameters(model: Model, ready: Prepared, speed: float) -> Iterator[FmuVariable]:
     """Particulars of the ship, derivatives, and the numbers of the effects."""
     for name, (unit, text) in _SHIP.items():
         if ready.rolls or name not in _ROLL_ALONE:
             place = Constant[name]
-            yield Variable(
+            yield FmuVariable(
                 name=f"ship.{name}",
                 unit=unit,
                 text=text,
@@ -328,13 +305,13 @@ def _numbers(ready: Prepared, values: Numbers) -> Iterator[tuple[str, str]]:
 
 def _number(
     model: Model, effect: str, name: str, value: Any, slopes: Sequence[tuple[int, float]]
-) -> Variable:
+) -> FmuVariable:
     part = model.parts[effect]
     known = part.known.parameter(name)
     source = part.source_of(name)
     text = f"derivative {name}, {model.convention.system} system" if known is None else known.text
     own = spelled(name) if known is None else name
-    return Variable(
+    return FmuVariable(
         name=f"{effect}.{own}",
         unit="-" if known is None else known.unit,
         text=f"{text}. Source: {source}" if source else text,

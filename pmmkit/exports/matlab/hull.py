@@ -7,10 +7,10 @@ from itertools import groupby
 from typing import Any, Final
 
 from pmmkit.conventions import CHANNELS, Convention, Derivative, parse_derivative
-from pmmkit.effects.catalogue import effect_of
-from pmmkit.equations.structure import POLYNOMIALS
-from pmmkit.exports.matlab.transcribe import Line, line
-from pmmkit.syntax.tree import Number
+from pmmkit.effects import effect_of
+from pmmkit.exports.matlab.transcribe import MatlabLine, line
+from pmmkit.simulation import POLYNOMIALS
+from pmmkit.syntax import Number
 
 Values = Mapping[str, Mapping[str, Any]]
 _FACTORS: Final = {
@@ -40,11 +40,6 @@ _INERTIA: Final = {
 def variable(name: str) -> str:
     """Name of a derivative as MATLAB takes it.
 
-    Parameters
-    ----------
-    name : str
-        Canonical name.
-
     Examples
     --------
     >>> variable("Yv|v|"), variable("Nvvr")
@@ -56,18 +51,8 @@ def variable(name: str) -> str:
     )
 
 
-def hull_lines(values: Values, convention: Convention, *, rolls: bool) -> list[Line]:
-    """The derivatives, and the hull's forces X, Y, N and K by them.
-
-    Parameters
-    ----------
-    values : mapping
-        Values of the parts of a model by effect and name.
-    convention : Convention
-        What the derivatives mean.
-    rolls : bool
-        Whether K is wanted.
-    """
+def hull_lines(values: Values, convention: Convention, *, rolls: bool) -> list[MatlabLine]:
+    """The derivatives, and the hull's forces X, Y, N and K by them."""
     terms: dict[str, float] = {}
     for effect in POLYNOMIALS:
         for name, value in values.get(effect, {}).items():
@@ -81,7 +66,8 @@ def hull_lines(values: Values, convention: Convention, *, rolls: bool) -> list[L
     sway = "-v" if convention.sway == "beta" else "v"
     rudder = "-delta" if convention.rudder_positive == "port" else "delta"
     lines = [
-        Line(target=variable(name), value=Number(float(value))) for name, value in terms.items()
+        MatlabLine(target=variable(name), value=Number(float(value)))
+        for name, value in terms.items()
     ]
     lines += [
         line("U_p", reference, note="speed that makes non-dimensional (m/s)"),
@@ -117,16 +103,8 @@ def _product(derivative: Derivative, convention: Convention) -> str:
     return "*".join(parts)
 
 
-def mass_lines(added: Mapping[str, float], convention: Convention) -> list[Line]:
-    """The added mass in SI units.
-
-    Parameters
-    ----------
-    added : mapping
-        Values of the part ``added_mass``.
-    convention : Convention
-        What they mean.
-    """
+def mass_lines(added: Mapping[str, float], convention: Convention) -> list[MatlabLine]:
+    """The added mass in SI units."""
     lines = [line("mass_unit", _MASS_UNITS[convention.system], note="kg")]
     for name, value in added.items():
         if name == "lx":
@@ -152,20 +130,8 @@ def motion_lines(
     convention: Convention,
     *,
     rolls: bool,
-) -> list[Line]:
-    """The equations of motion: accelerations from the forces X, Y, N and K.
-
-    Parameters
-    ----------
-    added : mapping
-        Values of the part ``added_mass``.
-    extra : mapping
-        Variables with further shares of the mass matrix, by acceleration derivative.
-    convention : Convention
-        Says where the Coriolis terms of the added mass are.
-    rolls : bool
-        Whether roll is a degree of freedom.
-    """
+) -> list[MatlabLine]:
+    """The equations of motion: accelerations from the forces X, Y, N and K."""
 
     def share(name: str) -> str:
         own = [variable(name)] if name in added else []

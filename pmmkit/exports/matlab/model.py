@@ -7,24 +7,27 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.catalogue import effect_of
-from pmmkit.effects.grammar import function_of_text
-from pmmkit.equations import Prepared, prepare
-from pmmkit.equations.layouts import NO_SEA
-from pmmkit.equations.prepared import values_at
-from pmmkit.equations.structure import ACCELERATIONS, FORCES, POLYNOMIALS, Used
-from pmmkit.errors import ModelError, Problem
-from pmmkit.escaping import WIDTH, comment
+from pmmkit.base import ModelError, Problem
+from pmmkit.effects import INERTIA, effect_of, function_of_text
 from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
 from pmmkit.exports.matlab.printed import COLUMN, printed
-from pmmkit.exports.matlab.transcribe import Line, line, needed, transcribe
+from pmmkit.exports.matlab.transcribe import MatlabLine, line, needed, transcribe
 from pmmkit.exports.matlab.words import heading, meaning
 from pmmkit.exports.text import WHICH_SPEED, is_matlab_name, matlab_name, number
-from pmmkit.models import Model
-from pmmkit.models.roles import parts_of
-from pmmkit.simulation.simulate import steering
-from pmmkit.syntax.tree import Binary, Call, Name, Number, Several, Unwritable
+from pmmkit.models import Model, parts_of
+from pmmkit.presentation import WIDTH, comment
+from pmmkit.simulation import (
+    ACCELERATIONS,
+    FORCES,
+    NO_SEA,
+    POLYNOMIALS,
+    Prepared,
+    Used,
+    prepare,
+    steering,
+    values_at,
+)
+from pmmkit.syntax import Binary, Call, Name, Number, Several, Unwritable
 
 _ANY_FROUDE: Final = 0.2
 """Where a model has one set of values for all speeds, any speed gives its structure."""
@@ -72,32 +75,13 @@ class _Section:
     """Lines under a heading."""
 
     title: str
-    lines: Sequence[Line]
+    lines: Sequence[MatlabLine]
 
 
 def model_to_mss(model: Model, *, name: str | None = None, speed: float | None = None) -> str:
     """The text of a function ``[xdot,U] = name(x,ui)`` with the equations of motion of a model.
 
-    Parameters
-    ----------
-    model : Model
-        A model that can be simulated.
-    name : str, optional
-        Of the function; by default made of the model's.
-    speed : float, optional
-        Speed [m/s] at whose Froude number the values are taken; needed where they depend on it,
-        and for derivatives about the approach speed. With it the revolutions of self-propulsion
-        stand in for a second input that is not given.
-
-    Returns
-    -------
-    str
-        ASCII; the same for the same model.
-
-    Raises
-    ------
-    ModelError
-        With every effect that has no place in such a function, and what else is missing.
+    speed [m/s].
 
     Notes
     -----
@@ -220,11 +204,11 @@ def _effects(
         ]
         for output, value in zip(item.known.outputs, returned, strict=True):
             if output in FORCES:
-                lines.append(Line(target=output, value=Binary("+", Name(output), value)))
+                lines.append(MatlabLine(target=output, value=Binary("+", Name(output), value)))
                 continue
             name = value.word if isinstance(value, Name) else f"{item.effect}_{output}_out"
             if not isinstance(value, Name):
-                lines.append(Line(target=name, value=value))
+                lines.append(MatlabLine(target=name, value=value))
             if output in ACCELERATIONS:
                 extra.setdefault(output, []).append(name)
             elif output.endswith("_rate"):
@@ -250,7 +234,7 @@ def _unfit(item: Used) -> str | None:
     return f"there is no input for {' and '.join(lacking)}" if lacking else None
 
 
-def _parameter(item: Used, name: str, value: Any, model: Model) -> Line:
+def _parameter(item: Used, name: str, value: Any, model: Model) -> MatlabLine:
     known = item.known.parameter(name)
     assert known is not None
     values = value if isinstance(value, tuple) else (value,)
@@ -259,10 +243,12 @@ def _parameter(item: Used, name: str, value: Any, model: Model) -> Line:
     unit = "" if known.unit == "-" else f" ({known.unit})"
     source = model.parts[item.effect].sources.get(name)
     note = known.text + unit + (f"; {source}" if source else "")
-    return Line(target=f"{item.effect}_{name}", value=given, note=note)
+    return MatlabLine(target=f"{item.effect}_{name}", value=given, note=note)
 
 
-def _with_sources(model: Model, effects: Iterable[str], lines: Iterable[Line]) -> list[Line]:
+def _with_sources(
+    model: Model, effects: Iterable[str], lines: Iterable[MatlabLine]
+) -> list[MatlabLine]:
     """Lines of derivatives with the source of those that have one of their own."""
     own = {
         variable(name): source
@@ -310,30 +296,32 @@ def _inputs(states: Sequence[str], inputs: Sequence[str], *, about: bool) -> _Se
 def _ship(model: Model) -> _Section:
     ship, water = model.ship, model.water
     lines = [
-        Line(target=name, value=Number(float(getattr(ship, name) or 0.0)), note=text)
+        MatlabLine(target=name, value=Number(float(getattr(ship, name) or 0.0)), note=text)
         for name, text in _PARTICULARS.items()
     ]
     depth = float("inf") if water.depth is None else water.depth
     lines += [
-        Line(target="rho", value=Number(float(water.rho)), note="density of the water (kg/m3)"),
-        Line(target="g", value=Number(float(water.g)), note="gravity (m/s2)"),
-        Line(target="depth", value=Number(float(depth)), note="of the water (m)"),
-        Line(
+        MatlabLine(
+            target="rho", value=Number(float(water.rho)), note="density of the water (kg/m3)"
+        ),
+        MatlabLine(target="g", value=Number(float(water.g)), note="gravity (m/s2)"),
+        MatlabLine(target="depth", value=Number(float(depth)), note="of the water (m)"),
+        MatlabLine(
             target="wave_height",
             value=Number(float(NO_SEA)),
             note="no sea but that of the model (m)",
         ),
-        Line(target="wave_direction", value=Number(0.0), note="where it comes from (rad)"),
+        MatlabLine(target="wave_direction", value=Number(0.0), note="where it comes from (rad)"),
         line("Fn", "U/sqrt(g*L)", "Froude number"),
     ]
     return _Section(title="Ship and water", lines=lines)
 
 
-def _levers(added: Mapping[str, float]) -> list[Line]:
+def _levers(added: Mapping[str, float]) -> list[MatlabLine]:
     known = effect_of(INERTIA).parameter("lx")
     assert known is not None
     given = added.get("lx", 0.0)
-    return [Line(target="lx", value=Number(float(given)), note=known.text)]
+    return [MatlabLine(target="lx", value=Number(float(given)), note=known.text)]
 
 
 def _steering(model: Model) -> _Section:
@@ -369,7 +357,7 @@ def _path(states: Sequence[str], rates: Mapping[str, str], *, rolls: bool) -> _S
         lines.append(line("n_dot", f"60*{rates['n']}", "rpm/s"))
     xdot = Call(Name(COLUMN), tuple(Name(f"{name}_dot") for name in states))
     return _Section(
-        title="Time derivative of the states", lines=[*lines, Line(target="xdot", value=xdot)]
+        title="Time derivative of the states", lines=[*lines, MatlabLine(target="xdot", value=xdot)]
     )
 
 

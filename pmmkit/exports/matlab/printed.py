@@ -6,9 +6,23 @@ from collections.abc import Sequence
 from typing import Final
 
 from pmmkit.exports.text import number
-from pmmkit.syntax.printing import Printed, PythonPrinter
-from pmmkit.syntax.tree import Call, Expression, Name, Number, Several, Unwritable
-from pmmkit.syntax.words import AND, ATOM, COMPARISON, FUNCTIONS, OPERATORS, POWER, SIGN
+from pmmkit.syntax import (
+    AND,
+    ATOM,
+    COMPARISON,
+    FUNCTIONS,
+    OPERATORS,
+    POWER,
+    SIGN,
+    Call,
+    Expression,
+    Name,
+    Number,
+    Printed,
+    PythonPrinter,
+    Several,
+    Unwritable,
+)
 
 COLUMN: Final = "column"
 """A function of trees here: its arguments below each other, as `Several` has them in a row."""
@@ -17,14 +31,9 @@ COLUMN: Final = "column"
 def printed(tree: Expression) -> str:
     """An expression as MATLAB takes it.
 
-    Raises
-    ------
-    Unwritable
-        If MATLAB has no words for it.
-
     Examples
     --------
-    >>> from pmmkit.syntax.reading import expression
+    >>> from pmmkit.syntax import expression
     >>> printed(expression("-x[0]**2*(a - -b)/c**-y**2"))
     '-x(1)^2*(a - (-b))/c^(-y^2)'
     """

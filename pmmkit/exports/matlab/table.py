@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict, fields
 from typing import Final
 
-from pmmkit.errors import TableError
-from pmmkit.escaping import comment, matlab_string
+from pmmkit.base import TableError
 from pmmkit.exports.matlab.hull import variable
 from pmmkit.exports.text import is_matlab_name, number, row, written_by
-from pmmkit.tables.table import DerivativeTable
+from pmmkit.models import DerivativeTable
+from pmmkit.presentation import comment, matlab_string
 
 _PARTICULARS: Final = {
     "L": "length between perpendiculars (m)",
@@ -25,30 +25,10 @@ _PARTICULARS: Final = {
 def table_to_mss(table: DerivativeTable, *, name: str = "derivatives") -> str:
     """The text of a function ``table = name()`` with the derivatives over the Froude number.
 
-    Parameters
-    ----------
-    table : DerivativeTable
-        The table.
-    name : str
-        Of the function.
-
-    Returns
-    -------
-    str
-        ASCII; the same for the same table. ``table.Fn`` is a row of Froude numbers (NaN for a
-        pooled table), ``table.Yv`` a row of values, NaN where there is none, ``table.std.Yv`` their
-        standard uncertainties, ``table.ship``, ``table.water`` and ``table.convention`` what they
-        mean. |v| is written absv in names.
-
-    Raises
-    ------
-    TableError
-        If the name is none that MATLAB takes.
-
     Examples
     --------
-    >>> from pmmkit.ship import Ship, Water
-    >>> from pmmkit.tables import from_values
+    >>> from pmmkit.conventions import Ship, Water
+    >>> from pmmkit.models import from_values
     >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
     >>> table = from_values({"Yv|v|": [-.01, -.012]}, Fn=[.1, .2], ship=ship, water=Water())
     >>> [line for line in table_to_mss(table).splitlines() if "Yv" in line][0]

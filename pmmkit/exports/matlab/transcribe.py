@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from types import FunctionType
 from typing import Any, Final
 
-from pmmkit.syntax.reading import expression, function_of
-from pmmkit.syntax.tree import (
+from pmmkit.syntax import (
+    FUNCTIONS,
+    OPERATORS,
     Assign,
     Augmented,
     Binary,
@@ -30,6 +31,7 @@ from pmmkit.syntax.tree import (
     Member,
     Name,
     Number,
+    Outside,
     Return,
     Several,
     Statement,
@@ -37,22 +39,19 @@ from pmmkit.syntax.tree import (
     Unary,
     Unwritable,
     While,
-    names,
-)
-from pmmkit.syntax.words import (
-    FUNCTIONS,
-    OPERATORS,
-    Outside,
     bound,
     called,
     counted,
+    expression,
+    function_of,
+    names,
     outside_value,
     word_of,
 )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Line:
+class MatlabLine:
     """One assignment, and what its comment says."""
 
     target: str
@@ -65,7 +64,7 @@ class Line:
         return names(self.value)
 
 
-def line(target: str, text: str, note: str = "") -> Line:
+def line(target: str, text: str, note: str = "") -> MatlabLine:
     """An assignment of an expression in Python's words.
 
     Examples
@@ -73,7 +72,7 @@ def line(target: str, text: str, note: str = "") -> Line:
     >>> line("U", "max(sqrt(u**2 + v**2), 1e-9)").uses == {"max", "sqrt", "u", "v"}
     True
     """
-    return Line(target=target, value=expression(text), note=note)
+    return MatlabLine(target=target, value=expression(text), note=note)
 
 
 def transcribe(
@@ -82,28 +81,8 @@ def transcribe(
     prefix: str,
     *,
     tree: Function | None = None,
-) -> tuple[list[Line], list[Expression]]:
+) -> tuple[list[MatlabLine], list[Expression]]:
     """The assignments of a function, and expressions of what it returns.
-
-    Parameters
-    ----------
-    function : callable
-        The `force` of an effect.
-    arguments : mapping
-        For each of its arguments the name of a variable, or the index of an option.
-    prefix : str
-        What the names of its own variables start with.
-    tree : Function, optional
-        The same, where its text is in no file.
-
-    Returns
-    -------
-    list of Line, list of Expression
-
-    Raises
-    ------
-    Unwritable
-        If it holds a loop, a table of its own or a branch that depends on the motion.
 
     Examples
     --------
@@ -124,7 +103,7 @@ def transcribe(
     return writer.lines, returned
 
 
-def needed(lines: Sequence[Line], wanted: Iterable[str]) -> list[Line]:
+def needed(lines: Sequence[MatlabLine], wanted: Iterable[str]) -> list[MatlabLine]:
     """The assignments on which some variables depend, in their order."""
     alive, kept = set(wanted), []
     for item in reversed(lines):
@@ -146,7 +125,7 @@ class _Writer:
     def __init__(self, prefix: str, taken: Iterable[str]) -> None:
         self.prefix = prefix
         self.taken = set(taken)
-        self.lines: list[Line] = []
+        self.lines: list[MatlabLine] = []
 
     def run(
         self, function: Callable[..., Any], tree: Function, given: Mapping[str, Expression]
@@ -201,7 +180,7 @@ class _Writer:
             count += 1
             target = f"{base}_{count}"
         self.taken.add(target)
-        self.lines.append(Line(target=target, value=value))
+        self.lines.append(MatlabLine(target=target, value=value))
         known[word] = Name(target)
 
     def _values(self, tree: Expression, known: Known, outside: Outside) -> list[Expression]:

@@ -6,9 +6,9 @@ import hashlib
 from collections.abc import Sequence
 from typing import Final
 
-from pmmkit.escaping import comment
 from pmmkit.exports.text import written_by
 from pmmkit.models import Model, model_text
+from pmmkit.presentation import comment
 
 _STATES: Final = {
     "u": ("surge velocity", "m/s"),
@@ -25,13 +25,7 @@ _STATES: Final = {
 
 
 def meaning(model: Model) -> str:
-    """What the derivatives of a model are, in words.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    """
+    """What the derivatives of a model are, in words."""
     convention = model.convention
     unit = {
         "prime": "forces over rho/2 L^2 U^2, moments over rho/2 L^3 U^2",
@@ -57,20 +51,7 @@ def heading(
 ) -> list[str]:
     """The comment behind the first line: states, inputs, axes, sources, the program.
 
-    Parameters
-    ----------
-    model : Model
-        The model.
-    called : str
-        How the function is called.
-    states, inputs : sequence of str
-        Names in x and in ui.
-    speed : float or None
-        At whose Froude number the values are taken [m/s].
-    revolutions : float or None
-        Revolutions of self-propulsion at that speed [1/s].
-    about : bool
-        Whether u is the loss of speed.
+    speed [m/s]; revolutions [1/s].
     """
     listed = " ".join(states)
     lines = comment(

@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns.run import FORCES, Campaign
-from pmmkit.escaping import plain
-from pmmkit.exports.simman.results import Result
+from pmmkit.campaigns import FORCES, Campaign
+from pmmkit.exports.simman.results import SimmanResult
 from pmmkit.exports.text import written_by
-from pmmkit.presentation import counted, number
+from pmmkit.presentation import counted, number, plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,20 +29,14 @@ _DIGITS: Final = 6
 
 
 def metadata(
-    campaign: Campaign, results: Sequence[Result], files: Mapping[str, str], rates: Sequence[float]
+    campaign: Campaign,
+    results: Sequence[SimmanResult],
+    files: Mapping[str, str],
+    rates: Sequence[float],
 ) -> str:
     """The text of ``metadata.txt``, ASCII.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        The tests.
-    results : sequence of Result
-        Of captive tests.
-    files : mapping of str to str
-        The files of the archive, or folders, and what they hold.
-    rates : sequence of float
-        Sampling rates of the records [Hz].
+    rates [Hz].
     """
     chapters = {
         "Title": [campaign.title or MISSING, f"{campaign.kind} tests, {_counts(campaign)}"],
@@ -190,7 +183,7 @@ def _conventions(campaign: Campaign) -> list[str]:
     ]
 
 
-def _results(campaign: Campaign, results: Sequence[Result]) -> list[str]:
+def _results(campaign: Campaign, results: Sequence[SimmanResult]) -> list[str]:
     if campaign.kind == "free-running":
         return [
             "Fourier coefficients are not given: a free manoeuvre has no cycle.",
@@ -199,7 +192,7 @@ def _results(campaign: Campaign, results: Sequence[Result]) -> list[str]:
     return [*_cycles(results), *_tables(results), *_unknown(results), *_excluded(campaign)]
 
 
-def _cycles(results: Sequence[Result]) -> Iterator[str]:
+def _cycles(results: Sequence[SimmanResult]) -> Iterator[str]:
     recorded = [item for item in results if item.run.dynamic and item.recorded]
     if recorded:
         order = max(int(item.labels[-1][1:]) for item in recorded)
@@ -214,7 +207,7 @@ def _cycles(results: Sequence[Result]) -> Iterator[str]:
         )
 
 
-def _tables(results: Sequence[Result]) -> Iterator[str]:
+def _tables(results: Sequence[SimmanResult]) -> Iterator[str]:
     bare = [item.run.id for item in results if item.run.dynamic and not item.recorded]
     if bare:
         yield f"No time series: the source is a table of harmonics of {', '.join(bare)}."
@@ -223,7 +216,7 @@ def _tables(results: Sequence[Result]) -> Iterator[str]:
         yield f"No times: the source is a table of means of {', '.join(means)}."
 
 
-def _unknown(results: Sequence[Result]) -> Iterator[str]:
+def _unknown(results: Sequence[SimmanResult]) -> Iterator[str]:
     for item in results:
         lost = [name for name, x in item.force.items() if not np.isfinite(x).all()]
         if lost:

@@ -8,13 +8,11 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns.motion.inertia import Rig, rig_of
-from pmmkit.campaigns.over_ground import over_ground
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.effects.state import State
-from pmmkit.errors import CampaignError, DataError, Problem
+from pmmkit.base import CampaignError, DataError, Problem
+from pmmkit.campaigns import Campaign, Rig, Run, over_ground, rig_of
+from pmmkit.effects import State
 from pmmkit.numerics import Array
-from pmmkit.observations.prepare import Prepared, one_cycle, prepare
+from pmmkit.reduction import PreparedRun, one_cycle, prepare
 from pmmkit.signals import design_matrix
 
 MOTION: Final = {name: name for name in ("u", "v", "r", "udot", "vdot", "rdot")}
@@ -23,30 +21,17 @@ HELD: Final = {"phi": "phi", "delta": "delta", "n": "rps"}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Result:
+class SimmanResult:
     """The means of a static run, or the Fourier coefficients of an oscillating one.
 
-    Parameters
-    ----------
-    run : Run
-        The run, with the period that its record has.
-    labels : tuple of str (m,)
-        ``C0``, or ``C0, C1, S1, C2 …`` with the displacement ∝ sin θ.
-    force : mapping of channel to array (m,)
-        Force of the water at midship, without the inertia of the model [N, N m]; NaN where the
-        source gives no such coefficient.
-    std : mapping of channel to array (m,)
-        Their standard uncertainties from the noise of the record, where they are known.
-    motion : mapping of channel to array (m,)
-        Velocities and accelerations of midship, heel, rudder, revolutions, SI and radians.
-    extras : mapping of channel to float
-        Means of further channels: thrust, sinkage …
-    samples : int
-        Samples that count; 0 where the source is a table.
-    cycles : int or None
-        Whole cycles that count.
-    begin, end : float
-        Times of the first and the last sample that counts [s]; NaN without a record.
+    `run`: the run, with the period that its record has. `labels`: ``C0``, or ``C0, C1, S1, C2
+    …`` with the displacement ∝ sin θ. `force (m,)`: force of the water at midship, without the
+    inertia of the model [N, N m]; NaN where the source gives no such coefficient. `std (m,)`:
+    their standard uncertainties from the noise of the record, where they are known. `motion
+    (m,)`: velocities and accelerations of midship, heel, rudder, revolutions, SI and radians.
+    `extras`: means of further channels: thrust, sinkage …. `samples`: samples that count; 0
+    where the source is a table. `cycles`: whole cycles that count. `begin, end`: times of the
+    first and the last sample that counts [s]; NaN without a record.
     """
 
     run: Run
@@ -66,21 +51,10 @@ class Result:
         return self.samples > 0
 
 
-def results_of(campaign: Campaign) -> list[Result]:
-    """The results of all captive runs, as `reduce` takes them.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Of captive tests.
-
-    Raises
-    ------
-    CampaignError
-        If runs cannot be read or are too short: all are listed.
-    """
+def results_of(campaign: Campaign) -> list[SimmanResult]:
+    """The results of all captive runs, as `reduce` takes them."""
     rig = rig_of(campaign)
-    found: list[Result] = []
+    found: list[SimmanResult] = []
     problems: list[Problem] = []
     for run in campaign.runs:
         try:
@@ -92,11 +66,11 @@ def results_of(campaign: Campaign) -> list[Result]:
     return found
 
 
-def _result(prepared: Prepared, rig: Rig) -> Result:
+def _result(prepared: PreparedRun, rig: Rig) -> SimmanResult:
     result = prepared.result
     motion = prepared.motion_at_midship(rig)
     recorded = result.run.kind == "history"
-    return Result(
+    return SimmanResult(
         run=result.run,
         labels=result.labels,
         force=_handed_in(prepared, rig),
@@ -114,7 +88,7 @@ def _result(prepared: Prepared, rig: Rig) -> Result:
     )
 
 
-def _handed_in(prepared: Prepared, rig: Rig) -> dict[str, Array]:
+def _handed_in(prepared: PreparedRun, rig: Rig) -> dict[str, Array]:
     """Harmonics of the force of the water; what a record was not fitted to is zero in it."""
     order = prepared.result.smoothed
     force = prepared.water_force(rig)
@@ -130,21 +104,9 @@ def _moved(motion: State, projection: Array) -> dict[str, Array]:
     }
 
 
-def cycle_of(result: Result) -> dict[str, Array]:
-    """One cycle from its Fourier coefficients, at equal steps from the displacement's upcrossing.
-
-    Parameters
-    ----------
-    result : Result
-        Of an oscillating run.
-
-    Returns
-    -------
-    dict of channel to array (n,)
-        ``t`` [s]; the forces all of whose coefficients are known [N, N m]; ``x``, ``y`` [m] and
-        ``psi`` [rad] of midship in the tank, integrated from the velocities: x from 0 on, y about
-        a mean of 0, psi about the drift angle; velocities and accelerations.
-    """
+def cycle_of(result: SimmanResult) -> dict[str, Array]:
+    """One cycle from its Fourier coefficients, at equal steps from the displacement's
+    upcrossing."""
     order = int(result.labels[-1][1:])
     theta = one_cycle()
     basis = design_matrix(theta, order)

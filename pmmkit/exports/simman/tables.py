@@ -7,16 +7,15 @@ import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.conventions import CHANNELS
-from pmmkit.escaping import plain, safe_cell
-from pmmkit.exports.simman.results import HELD, MOTION, Result, cycle_of
+from pmmkit.conventions import CHANNEL_UNITS, CHANNELS
+from pmmkit.exports.simman.results import HELD, MOTION, SimmanResult, cycle_of
 from pmmkit.numerics import Array
+from pmmkit.presentation import plain, safe_cell
 
 Row = dict[str, str | float]
 
 
-def static_means(results: Sequence[Result]) -> str:
+def static_means(results: Sequence[SimmanResult]) -> str:
     """A row per static run: means of forces and motions, standard uncertainties of the means."""
     rows = []
     for item in results:
@@ -41,7 +40,7 @@ def static_means(results: Sequence[Result]) -> str:
     return _text(rows)
 
 
-def fourier_coefficients(results: Sequence[Result]) -> str:
+def fourier_coefficients(results: Sequence[SimmanResult]) -> str:
     """A row per oscillating run: means, cosines and sines of forces and velocities."""
     return _text(
         {
@@ -57,7 +56,7 @@ def fourier_coefficients(results: Sequence[Result]) -> str:
     )
 
 
-def fourier_uncertainties(results: Sequence[Result]) -> str:
+def fourier_uncertainties(results: Sequence[SimmanResult]) -> str:
     """The same, of the coefficients of forces: standard uncertainties from the noise of the record.
 
     Runs of which nothing is known are left out; the text is empty where that is all of them.
@@ -69,7 +68,7 @@ def fourier_uncertainties(results: Sequence[Result]) -> str:
     )
 
 
-def one_cycle_series(result: Result, results: Sequence[Result]) -> str:
+def one_cycle_series(result: SimmanResult, results: Sequence[SimmanResult]) -> str:
     """One cycle of a run over time."""
     values = cycle_of(result)
     shown = _shown(results)
@@ -77,12 +76,12 @@ def one_cycle_series(result: Result, results: Sequence[Result]) -> str:
     return _series({_titled(name): x for name, x in kept.items()})
 
 
-def _head(item: Result) -> Row:
+def _head(item: SimmanResult) -> Row:
     run = item.run
     return {"run": safe_cell(plain(run.id)), "test": run.test, _titled("speed"): run.settings.speed}
 
 
-def _coefficients(item: Result, values: Mapping[str, Array]) -> Row:
+def _coefficients(item: SimmanResult, values: Mapping[str, Array]) -> Row:
     parts = {"C": "cos", "S": "sin"}
     found: Row = {}
     for name, numbers in values.items():
@@ -92,12 +91,12 @@ def _coefficients(item: Result, values: Mapping[str, Array]) -> Row:
     return found
 
 
-def _held(item: Result, results: Sequence[Result]) -> Row:
+def _held(item: SimmanResult, results: Sequence[SimmanResult]) -> Row:
     """Heel, rudder and revolutions, those that are not zero in all runs."""
     return {_titled(name): float(item.motion[name][0]) for name in _shown(results)}
 
 
-def _shown(results: Iterable[Result]) -> list[str]:
+def _shown(results: Iterable[SimmanResult]) -> list[str]:
     every = list(results)
     return [name for name in HELD if any(item.motion[name].any() for item in every)]
 

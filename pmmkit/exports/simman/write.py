@@ -9,16 +9,15 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns.file.campaign_file import FILE_NAME, PACKED
-from pmmkit.campaigns.run import Campaign
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
+from pmmkit.campaigns import FILE_NAME, PACKED, Campaign
 from pmmkit.exports.archive import write_archive
 from pmmkit.exports.campaign_csv import LONGEST, write_campaign_csv
 from pmmkit.exports.simman import tables
 from pmmkit.exports.simman.metadata import metadata
-from pmmkit.exports.simman.results import Result, results_of
+from pmmkit.exports.simman.results import SimmanResult, results_of
 from pmmkit.files import atomic_path
-from pmmkit.readers.saved.group import safe_names
+from pmmkit.readers import safe_names
 
 METADATA: Final = "metadata.txt"
 RECORDS: Final = "records"
@@ -29,19 +28,6 @@ _TOLERANCE: Final = 1e-6
 
 def write_simman(campaign: Campaign, path: str | Path) -> None:
     """Write a zip archive of ASCII files: results, records, and a file that describes them.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Model tests, captive or free-running, at model scale.
-    path : path
-        The archive, all or nothing; its ending is ``.zip``.
-
-    Raises
-    ------
-    DataError
-        If the ending is another one; or with every run that cannot be read, is too short to have
-        a result, or holds what text cannot keep.
 
     Notes
     -----
@@ -86,7 +72,7 @@ _RESULTS: Final = {
 }
 
 
-def _result_files(results: Sequence[Result]) -> Iterator[tuple[str, str]]:
+def _result_files(results: Sequence[SimmanResult]) -> Iterator[tuple[str, str]]:
     """Names and texts of the results that there are."""
     makers = (tables.static_means, tables.fourier_coefficients, tables.fourier_uncertainties)
     for name, make in zip(_RESULTS, makers, strict=True):

@@ -11,16 +11,23 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.equations.code_generation import ESTIMATING
-from pmmkit.equations.compilation import compiled
-from pmmkit.errors import SimulationError
+from pmmkit.base import SimulationError
 from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.filters import Filtered, first_state, process
-from pmmkit.identification.passes import Pass, Process, Seen, passed, seen, smoothed, state_steps
+from pmmkit.identification.passes import (
+    Pass,
+    Process,
+    RecordView,
+    passed,
+    seen,
+    smoothed,
+    state_steps,
+)
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.models import Model
 from pmmkit.numerics import Array, root_of
+from pmmkit.simulation import ESTIMATING, compiled
 
 STEP: Final = 0.1
 """Longest step of the integration in ship lengths over the speed of the approach."""
@@ -33,7 +40,7 @@ PROCESS_NOISE, SENSOR_SCALE = "process_noise", "sensor_scale"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Begun(Seen):
+class Begun(RecordView):
     """A record with what is known of the states at its first instant."""
 
     start: Array
@@ -46,20 +53,10 @@ class Begun(Seen):
 class Density:
     """Posterior density over numbers whose prior is a standard normal, each.
 
-    Parameters
-    ----------
-    prior : Prior
-        Of the parameters; the first numbers, through the root of its covariance.
-    roughness : float, optional
-        Process noise; where it is not given, the last number stands for it.
-    binding : Binding
-        Constants over the parameters.
-    functions : module
-        Compiled equations.
-    records : tuple of Begun
-        Independent of each other.
-    speed, L : float
-        Of the approach [m/s], length of the ship [m].
+    `prior`: of the parameters; the first numbers, through the root of its covariance.
+    `roughness`: process noise; where it is not given, the last number stands for it. `binding`:
+    constants over the parameters. `records`: independent of each other. `speed, L`: of the
+    approach [m/s], length of the ship [m].
     """
 
     prior: Prior
@@ -159,18 +156,6 @@ def _compiled_anew(given: Mapping[str, Any]) -> Density:
 def likelihood_of(squares: float, volume: float, count: int, freedom: float) -> float:
     """ln of how probable measurements are, averaged over the common scale of all variances.
 
-    Parameters
-    ----------
-    squares : float
-        Sum of the squared innovations over their variances.
-    volume : float
-        Sum of the logarithms of these variances.
-    count : int
-        Number of the innovations.
-    freedom : float
-        Degrees of freedom of the common variance: `DEGREES` and the number of the innovations less
-        those that find the starts.
-
     Notes
     -----
     Multiplying every variance of sensors and process noise by one factor leaves the filter's means
@@ -203,23 +188,7 @@ def density_of(
     roughness: float | None = None,
     extrapolate: bool = False,
 ) -> Density:
-    """The posterior density of parameters, made ready.
-
-    Parameters
-    ----------
-    model, records, prior, sensors, extrapolate
-        As for `identify`.
-    about : Filtered
-        An estimate: about the starts that it implies the filter is linearised, and what it did not
-        take in (outliers) is left out.
-    roughness : float, optional
-        Process noise, where it is not to be drawn.
-
-    Raises
-    ------
-    SimulationError
-        If the motion is lost at the estimate.
-    """
+    """The posterior density of parameters, made ready."""
     ready = driven(model)
     speed, L = records[0].speed, ready.ship.L
     binding = bound(

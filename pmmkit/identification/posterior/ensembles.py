@@ -9,11 +9,49 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
+from emcee.moves import RedBlueMove
 
-from pmmkit.errors import DataError
-from pmmkit.executors import Workers, crew_of, each
+from pmmkit.base import DataError, Workers, crew_of, each
 from pmmkit.inference import Convergence, convergence
 from pmmkit.numerics import Array
+
+# A move of walkers that emcee does not have; imported only where emcee is there.
+
+
+FREEDOM: Final = 5.0
+"""Degrees of freedom of the t: its tails are longer than those of most posteriors."""
+
+
+class FittedMove(RedBlueMove):  # type: ignore[misc]  # emcee has no types
+    """Proposals from a multivariate t with mean and covariance of the other half of the ensemble.
+
+    They do not depend on where a walker is, so that a walker forgets that at once; where the
+    posterior is nearly normal most are accepted. The half that is moved takes no part in the fit,
+    which keeps the balance (as in emcee's move by kernel densities).
+    """
+
+    def get_proposal(
+        self, sample: Array, complement: Sequence[Array], random: Any
+    ) -> tuple[Array, Array]:
+        """Places (n, d) for the walkers (n, d), and ln of the ratio of proposing them back."""
+        others = np.concatenate(complement)
+        middle = others.mean(axis=0)
+        away = others - middle
+        scale = np.sqrt(np.mean(away**2, axis=0))
+        correlation = away.T @ away / np.outer(scale, scale) / (len(others) - 1)
+        correlation[np.diag_indices_from(correlation)] += 1e-9
+        root = scale[:, None] * np.linalg.cholesky(correlation)
+        count, width = sample.shape
+        chance = np.sqrt(FREEDOM / random.chisquare(FREEDOM, (count, 1)))
+        proposed = middle + chance * random.standard_normal((count, width)) @ root.T
+
+        def density(places: Array) -> Array:
+            squares = np.sum(np.linalg.solve(root, (places - middle).T) ** 2, axis=0)
+            found: Array = -0.5 * (FREEDOM + width) * np.log1p(squares / FREEDOM)
+            return found
+
+        return proposed, density(sample) - density(proposed)
+
 
 ENSEMBLES: Final = 4
 """Least number that can be set against each other."""
@@ -31,23 +69,13 @@ LogDensity = Callable[[Array], tuple[float, ...]]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Drawn:
+class EnsembleDraws:
     """What ensembles drew.
 
-    Parameters
-    ----------
-    draws : array (e, t, w, d)
-        Numbers of each ensemble, step and walker, without the beginning.
-    log_density : array (e, t, w)
-        Of the draws.
-    more : array (e, t, w, b)
-        What the density gave beside it.
-    accepted : array (e,)
-        Share of the moves that were accepted.
-    steps, left_out : int
-        Steps of each walker, and those of them that are left out as the beginning.
-    convergence : Convergence
-        Of each number.
+    `draws (e, t, w, d)`: numbers of each ensemble, step and walker, without the beginning.
+    `more (e, t, w, b)`: what the density gave beside it. `accepted (e,)`: share of the moves
+    that were accepted. `steps, left_out`: steps of each walker, and those of them that are left
+    out as the beginning.
     """
 
     draws: Array
@@ -81,31 +109,10 @@ def drawn_from(
     steps: int,
     executor: Workers = None,
     tell: Callable[[int, str], None] | None = None,
-) -> Drawn:
+) -> EnsembleDraws:
     """Draw from a density by independent ensembles, until they agree or the steps are used up.
 
-    Parameters
-    ----------
-    density : callable
-        ln of the density of numbers (d,), minus infinity where there is none, and what is kept
-        beside it.
-    starts : array (e, w, d)
-        Where the walkers of each ensemble begin; more spread than the density.
-    names : sequence of str
-        Of the d numbers.
-    seed : int
-        Of the moves: the same seed gives the same draws, bit for bit.
-    steps : int
-        Most steps of a walker.
-    executor : int, str or concurrent.futures.Executor, optional
-        Who moves the ensembles; this process where none is given. The draws do not depend on it.
-    tell : callable, optional
-        Told how many steps are made, and how well the ensembles agree.
-
-    Raises
-    ------
-    DataError
-        If emcee is not installed.
+    starts (e, w, d).
 
     Notes
     -----
@@ -139,13 +146,7 @@ def drawn_from(
 
 
 def check_emcee() -> None:
-    """Raise where the sampler is not there.
-
-    Raises
-    ------
-    DataError
-        That says how to install it.
-    """
+    """Raise where the sampler is not there."""
     try:
         import emcee  # noqa: F401
     except ImportError as error:
@@ -165,8 +166,6 @@ def _moved(density: LogDensity, asked: tuple[Any, Any, Any, int]) -> tuple[Any, 
     """An ensemble moved by so many steps: where it is then, and the steps."""
     from emcee import EnsembleSampler, State
     from emcee.moves import DEMove, StretchMove
-
-    from pmmkit.identification.posterior.moves import FittedMove
 
     moves = {"fitted": FittedMove(), "differential": DEMove(), "stretch": StretchMove()}
     places, generator, known, count = asked
@@ -188,7 +187,7 @@ def _moved(density: LogDensity, asked: tuple[Any, Any, Any, int]) -> tuple[Any, 
 
 def _joined(
     pieces: Sequence[Sequence[tuple[Array, Array, Array, Array]]], done: int, names: Sequence[str]
-) -> Drawn:
+) -> EnsembleDraws:
     """The draws of all steps but the first."""
     left_out = int(done * BEGINNING)
     draws, log_density, more = (
@@ -196,7 +195,7 @@ def _joined(
         for i in range(3)
     )
     accepted = [sum(float(np.mean(piece[3])) for piece in own) / done for own in pieces]
-    return Drawn(
+    return EnsembleDraws(
         draws=draws,
         log_density=log_density,
         more=more,

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.errors import DataError, SimulationError
-from pmmkit.executors import Workers
-from pmmkit.identification.lack import Lack
+from pmmkit.base import DataError, Progress, SimulationError, Workers
+from pmmkit.identification.lack import LackOfFit
 from pmmkit.identification.posterior.density import (
     DEGREES,
     PROCESS_NOISE,
@@ -21,7 +20,7 @@ from pmmkit.identification.posterior.density import (
 )
 from pmmkit.identification.posterior.ensembles import (
     ENSEMBLES,
-    Drawn,
+    EnsembleDraws,
     check_emcee,
     drawn_from,
     walkers_of,
@@ -33,8 +32,7 @@ from pmmkit.identification.restarts import filtered
 from pmmkit.inference import R_HAT, Convergence
 from pmmkit.models import Model
 from pmmkit.numerics import Array, root_of
-from pmmkit.progress import Progress
-from pmmkit.simulation.spread import Draws
+from pmmkit.simulation import Draws
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,7 +66,7 @@ class Posterior:
         Of the draws.
     prior : Prior
         What was known before.
-    lack : Lack
+    lack : LackOfFit
         What the Kalman filter, from whose estimate the walkers began, says against the model.
     tree : xarray.DataTree
         Draws, what was told of them, and the records, in the layout of ArviZ.
@@ -88,7 +86,7 @@ class Posterior:
     values: Array
     covariance: Array
     prior: Prior
-    lack: Lack
+    lack: LackOfFit
     tree: xr.DataTree
     convergence: Convergence
     quantiles: Mapping[str, tuple[float, float, float]]
@@ -129,7 +127,7 @@ class Posterior:
         convention : Convention, optional
             Of the derivatives, for their symbols.
         """
-        from pmmkit.plotting.identification import marginals
+        from pmmkit.identification.figures import marginals
 
         return marginals(self.tree, convention)
 
@@ -189,46 +187,6 @@ def sample_posterior(
     progress: Progress | None = None,
 ) -> Posterior:
     """Draw parameters from their posterior, given free-running records.
-
-    Parameters
-    ----------
-    model : Model
-        Complete; its values outside `prior` are held.
-    records : sequence of FreeRecord
-        Independent of each other, given the parameters.
-    prior : Prior
-        Parameters with mean and covariance, normal.
-    sensors : mapping of str to float, optional
-        Standard deviations of channels, SI and radians; those not named are told from the records.
-        One factor for all is unknown.
-    roughness : float, optional
-        Process noise as for `kalman`; by default it is drawn too.
-    steps : int
-        Most steps of a walker; it ends before where the ensembles agree.
-    ensembles : int
-        Independent ensembles that are set against each other, four or more.
-    walkers : int, optional
-        Of each ensemble; by default six for each number that is drawn.
-    seed : int
-        Of starts and moves: the same seed gives the same draws, bit for bit.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-    executor : int, str or concurrent.futures.Executor, optional
-        Who moves the ensembles; this process where none is given. The draws do not depend on it.
-    progress : callable, optional
-        Told how many steps are made, and how well the ensembles agree.
-
-    Returns
-    -------
-    Posterior
-        `converged` says whether it may be used.
-
-    Raises
-    ------
-    DataError
-        If emcee is not installed, or there are fewer than four ensembles.
-    SimulationError
-        If the motion is lost.
 
     Notes
     -----
@@ -317,8 +275,8 @@ def _starts(
 def _told(
     density: Density,
     records: Sequence[FreeRecord],
-    found: Drawn,
-    lack: Lack,
+    found: EnsembleDraws,
+    lack: LackOfFit,
     tried: tuple[str, ...],
     seed: int,
     started: float,
@@ -352,7 +310,7 @@ def _told(
     )
 
 
-def _scales(density: Density, found: Drawn, seed: int) -> Array:
+def _scales(density: Density, found: EnsembleDraws, seed: int) -> Array:
     """Factors of the sensors' standard deviations, drawn given each draw of the parameters."""
     squares = found.more[..., 1]
     rng = np.random.default_rng([seed, len(squares)])

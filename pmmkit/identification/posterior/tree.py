@@ -9,18 +9,16 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.effects.seen import CURRENT
-from pmmkit.errors import DataError, Problem
+from pmmkit.base import DataError, Problem, __version__
+from pmmkit.conventions import CHANNEL_UNITS
+from pmmkit.effects import CURRENT
 from pmmkit.files import atomic_path, is_intact, seal
 from pmmkit.identification.posterior.density import DEGREES, PROCESS_NOISE, SENSOR_SCALE, Density
-from pmmkit.identification.posterior.ensembles import Drawn
+from pmmkit.identification.posterior.ensembles import EnsembleDraws
 from pmmkit.identification.record import FreeRecord
 from pmmkit.numerics import Array
-from pmmkit.readers.hdf5.datasets import declared_bytes
-from pmmkit.readers.hdf5.guard import open_hdf5
-from pmmkit.simulation.spread import Draws
-from pmmkit.version import __version__
+from pmmkit.readers import declared_bytes, open_hdf5
+from pmmkit.simulation import Draws
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,25 +35,14 @@ _NOT_READ: Final = "The posterior is not read"
 def tree_of(
     density: Density,
     records: Sequence[FreeRecord],
-    found: Drawn,
+    found: EnsembleDraws,
     everything: Mapping[str, Array],
     seed: int,
 ) -> xr.DataTree:
     """Groups of ArviZ: posterior, sample_stats, prior, observed_data, constant_data, and how well
     the ensembles agree.
 
-    Parameters
-    ----------
-    density : Density
-        That was drawn from.
-    records : sequence of FreeRecord
-        Measurements.
-    found : Drawn
-        Draws.
-    everything : mapping of str to array (e, t, w)
-        Parameters and what was drawn beside them.
-    seed : int
-        Of the draws.
+    everything (e, t, w).
 
     Notes
     -----
@@ -145,18 +132,7 @@ def _measured(records: Sequence[FreeRecord], what: Any) -> xr.Dataset:
 
 
 def draws_of(tree: xr.DataTree) -> Draws:
-    """The parameters' draws, for `monte_carlo` and `bands_of` in place of a spread.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Of a `Posterior`, or read.
-
-    Returns
-    -------
-    Draws
-        Without process noise, scale of the sensors and current, which are no part of a model.
-    """
+    """The parameters' draws, for `monte_carlo` and `bands_of` in place of a spread."""
     beside = (PROCESS_NOISE, SENSOR_SCALE, *CURRENT)
     data = tree["posterior"].to_dataset()
     names = tuple(str(name) for name in data.data_vars if name not in beside)
@@ -182,20 +158,6 @@ def write_posterior(tree: xr.DataTree, path: str | Path) -> None:
 
 def read_posterior(path: str | Path) -> xr.DataTree:
     """Read what `write_posterior` wrote.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-
-    Returns
-    -------
-    xarray.DataTree
-
-    Raises
-    ------
-    DataError
-        If it is damaged, of another kind or too large.
 
     Notes
     -----

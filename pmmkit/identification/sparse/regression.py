@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
+from pmmkit.conventions import Structure
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.sparse.request import (
     Groups,
-    Request,
+    SparseRequest,
     check_numbers,
     physics_groups,
     request,
@@ -26,7 +27,6 @@ from pmmkit.inference import (
 )
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.structures import Structure
 
 __all__ = [
     "Collinearity",
@@ -54,54 +54,6 @@ def sparse_regression(
     extrapolate: bool = False,
 ) -> SparseRegression:
     """Choose the terms of a library that measured forces ask for, and fit their values.
-
-    Parameters
-    ----------
-    model : Model
-        What is known: added mass, propeller, rudder, Coriolis terms and every derivative that is
-        not in the library are held at its values and their forces taken off the measured ones.
-    records : sequence of ForceRecord
-        Runs, at least three. A channel counts where it has forces and a standard deviation.
-    library : str, sequence of str or Structure
-        Name of a structure, or derivatives (``Yv Yv|v| Yvvr Nrrr``).
-    fixed : sequence of str
-        Derivatives held at the model's values even if the structure names them.
-    always : sequence of str
-        Terms that are fitted and never left out.
-    groups : "physics", mapping or sequence of sequences, optional
-        Terms that enter or leave together (see `physics_groups`); all others stand alone.
-    method : "stlsq", "stepwise", "elimination" or optimizer of pysindy
-        ``stlsq``: sequentially thresholded least squares. ``stepwise``: the same, but only the
-        smallest term leaves at a time, so that one of two like terms does not take the other with
-        it; several times faster. ``elimination``: the term leaves whose loss raises the misfit
-        least, as long as the BIC falls, as `reduce` chooses; no threshold, faster still. An
-        optimizer brings its own rule, applied bag by bag to columns of unit rms. The last two know
-        no groups.
-    threshold : float, optional
-        Rms force below which a term leaves, in standard deviations of a sample; by default chosen
-        by held-out runs, channel by channel.
-    share : float
-        Part of the bags in which a term must stay.
-    bags : int
-        Bags of runs, each as many as there are, drawn with replacement.
-    weak : bool or int
-        Multiply the equations with test functions of so many samples, at a constant step in time
-        (True: a twentieth of each run).
-    seed : int
-        Of the draws; the same seed gives the same result.
-    extrapolate : bool
-        Allow speeds outside the range of the model's values.
-
-    Returns
-    -------
-    SparseRegression
-
-    Raises
-    ------
-    DataError
-        If records, groups or numbers are not usable, or the records cannot tell terms apart.
-    UnknownNameError
-        If a name is no derivative, or not in the library.
 
     Notes
     -----
@@ -151,8 +103,8 @@ def sparse_regression(
 
     Examples
     --------
-    >>> from pmmkit.equations import prepare
-    >>> from pmmkit.equations.histories import water_forces
+    >>> from pmmkit.simulation import prepare
+    >>> from pmmkit.simulation import water_forces
     >>> from pmmkit.models import load_model
     >>> ship, rng = load_model("kvlcc2-l7"), np.random.default_rng(1)
     >>> ready = prepare(ship, 1.2)
@@ -199,7 +151,7 @@ def sparse_regression(
     )
 
 
-def _covariance(asked: Request, selections: Sequence[Selection]) -> Array:
+def _covariance(asked: SparseRequest, selections: Sequence[Selection]) -> Array:
     """Covariance of the terms that stay; systems that share no term are independent."""
     stays = np.zeros(len(asked.names), bool)
     whole = np.zeros((len(stays),) * 2)
@@ -211,7 +163,7 @@ def _covariance(asked: Request, selections: Sequence[Selection]) -> Array:
 
 
 def _errors(
-    asked: Request, selections: Sequence[Selection], resampling: Resampling
+    asked: SparseRequest, selections: Sequence[Selection], resampling: Resampling
 ) -> dict[str, dict[str, float]]:
     """Rms error of each run left out, by run and channel, where it is measured."""
     errors: dict[str, dict[str, float]] = {rows.run: {} for rows in asked.rows}
@@ -237,16 +189,5 @@ def look_for_collinearity(
     weak: bool | int = False,
     extrapolate: bool = False,
 ) -> Collinearity:
-    """Which terms of a library these records cannot tell apart, before any fit.
-
-    Parameters
-    ----------
-    model, records, library, weak, extrapolate
-        As for `sparse_regression`.
-
-    Returns
-    -------
-    Collinearity
-        Its `warnings` say it in words.
-    """
+    """Which terms of a library these records cannot tell apart, before any fit."""
     return request(model, records, library, weak=weak, extrapolate=extrapolate).collinearity

@@ -10,14 +10,12 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.conventions import CHANNELS, canonical, parse_derivative
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.base import DataError, UnknownNameError
+from pmmkit.conventions import CHANNELS, Structure, canonical, parse_derivative, structure_of
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.sparse.rows import RunRows, check_records, equations, measured
 from pmmkit.inference import Collinearity, Equations, Resampling, SelectionMethod, SparseProblem
-from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS, knows_heel
-from pmmkit.structures import Structure, structure_of
+from pmmkit.models import DERIVATIVE_PARTS, Model, knows_heel
 
 Groups = Literal["physics"] | Mapping[str, Sequence[str]] | Sequence[Sequence[str]]
 HEEL: Final = frozenset({"phi", "p"})
@@ -25,29 +23,14 @@ HEEL: Final = frozenset({"phi", "p"})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Request:
+class SparseRequest:
     """A request after its checks, with the equations of the runs.
 
-    Parameters
-    ----------
-    names : tuple of str
-        Terms that are looked for, the columns of the equations.
-    groups : mapping of str to tuple of str
-        Groups of several terms.
-    channels : tuple of str
-        Channels of the terms.
-    fixed : frozenset of str
-        Derivatives held on request.
-    rows : tuple of RunRows
-        Equations, run by run.
-    problems : tuple of SparseProblem
-        What is solved together.
-    runs : tuple of tuple of Equations
-        By problem and run.
-    undetermined, unmeasured : tuple of str
-        Terms that no run excites; terms of channels without forces.
-    collinearity : Collinearity
-        Terms that move together.
+    `names`: terms that are looked for, the columns of the equations. `groups`: groups of
+    several terms. `channels`: channels of the terms. `fixed`: derivatives held on request.
+    `rows`: equations, run by run. `problems`: what is solved together. `runs`: by problem and
+    run. `undetermined, unmeasured`: terms that no run excites; terms of channels without
+    forces. `collinearity`: terms that move together.
     """
 
     names: tuple[str, ...]
@@ -72,16 +55,6 @@ class Request:
 
 def physics_groups(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     """Groups by physics: lift, drag by moduli, cubic cross-flow, heel, rudder, added mass, surge.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Derivatives.
-
-    Returns
-    -------
-    dict of str to tuple of str
-        Terms of Y, N and K by family, those of X by themselves.
 
     Examples
     --------
@@ -111,13 +84,7 @@ def _family(name: str) -> str:
 
 
 def check_numbers(bags: int, share: float, threshold: float | None, weak: bool | int) -> None:
-    """Refuse numbers that make no sense, all at once.
-
-    Raises
-    ------
-    DataError
-        With everything that is wrong.
-    """
+    """Refuse numbers that make no sense, all at once."""
     wrong = []
     if bags < 2:
         wrong.append(f"bags = {bags}: take at least 2, better 100.")
@@ -142,16 +109,8 @@ def request(
     method: SelectionMethod = "stlsq",
     weak: bool | int = False,
     extrapolate: bool = False,
-) -> Request:
-    """Check what is asked for and set up the equations; arguments as of `sparse_regression`.
-
-    Raises
-    ------
-    DataError
-        If records or groups are not usable, or the records cannot tell terms apart.
-    UnknownNameError
-        If a name is no derivative, or not in the library.
-    """
+) -> SparseRequest:
+    """Check what is asked for and set up the equations; arguments as of `sparse_regression`."""
     if len(records) < Resampling.FEWEST:
         raise DataError(
             f"{len(records)} records are too few to hold runs out and to draw bags of runs: give "
@@ -201,7 +160,7 @@ def request(
         own = [seen[column] for column in problem.columns]
         _refuse_dependent(whole.dependent(), own)
         reports.append(Collinearity.of(whole, own, problem.channels))
-    return Request(
+    return SparseRequest(
         fixed=frozenset(held),
         names=tuple(seen),
         groups=wanted,

@@ -10,14 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.identification.sparse.request import Request, derivatives
+from pmmkit.identification.sparse.request import SparseRequest, derivatives
 from pmmkit.identification.sparse.rows import homes
 from pmmkit.inference import Collinearity, Equations, Selection, ThresholdPath
-from pmmkit.models import Model, Part
-from pmmkit.models.build import NEEDED
-from pmmkit.models.step import Step
+from pmmkit.models import NEEDED, DerivativeTable, Model, Part, Step
 from pmmkit.numerics import Array
-from pmmkit.tables import DerivativeTable
 
 FEW: Final = 8
 """Runs below which intervals are called rough."""
@@ -31,35 +28,19 @@ MISFIT: Final = 2.0
 class SparseRegression:
     """What a sparse regression found.
 
-    Parameters
-    ----------
-    model : Model
-        With the terms that stay, without those left out; simulate it like any other.
-    table : DerivativeTable
-        The terms that stay: least squares on all runs with these terms alone; their covariance
-        is that of the regression, with rows worth what errors shared by a run leave of them, and
-        of the choice. Channels that share no term are independent.
-    names : tuple of str
-        The terms that were looked for.
-    share : mapping of str to float
-        Part of the bags in which each term stays, of the bags that determine it.
-    coefficients : array (bags, terms)
-        Values in each bag, columns as `names`; zero where left out, NaN where the runs of the bag
-        do not determine the term.
-    paths : tuple of ThresholdPath
-        Thresholds tried and what held-out runs say of them, by channels solved together.
-    held_out : mapping of str to mapping of str to float
-        By run and channel: rms error over the standard deviation of the force, of a fit to other
-        runs (of weak equations, over that of their noise).
-    collinearity : Collinearity
-        Terms that move together.
-    groups : mapping of str to tuple of str
-        Terms that entered or left together.
-    left_out, undetermined, held : tuple of str
-        Terms found absent; terms that no run excites, which keep the model's values; derivatives
-        of the model that were not looked for.
-    warnings : tuple of str
-        What a reader must know.
+    `model`: with the terms that stay, without those left out; simulate it like any other.
+    `table`: the terms that stay: least squares on all runs with these terms alone; their
+    covariance is that of the regression, with rows worth what errors shared by a run leave of
+    them, and of the choice. Channels that share no term are independent. `names`: the terms
+    that were looked for. `share`: part of the bags in which each term stays, of the bags that
+    determine it. `coefficients (bags, terms)`: values in each bag, columns as `names`; zero
+    where left out, NaN where the runs of the bag do not determine the term. `paths`: thresholds
+    tried and what held-out runs say of them, by channels solved together. `held_out`: by run
+    and channel: rms error over the standard deviation of the force, of a fit to other runs (of
+    weak equations, over that of their noise). `collinearity`: terms that move together.
+    `groups`: terms that entered or left together. `left_out, undetermined, held`: terms found
+    absent; terms that no run excites, which keep the model's values; derivatives of the model
+    that were not looked for. `warnings`: what a reader must know.
     """
 
     model: Model
@@ -84,7 +65,7 @@ class SparseRegression:
 
 def assembled(
     model: Model,
-    asked: Request,
+    asked: SparseRequest,
     selection: Selection,
     *,
     covariance: Array,
@@ -93,20 +74,7 @@ def assembled(
 ) -> SparseRegression:
     """Put the result together from the bags and the held-out errors.
 
-    Parameters
-    ----------
-    model : Model
-        What was known.
-    asked : Request
-        What was asked for.
-    selection : Selection
-        Of the terms of all channels.
-    covariance : array (s, s)
-        Of the s terms that stay.
-    paths : sequence of ThresholdPath
-        Thresholds tried.
-    errors : mapping
-        Held-out errors by run and channel.
+    covariance (s, s).
     """
     stays = selection.stays
     value, misfit = _values(asked, stays)
@@ -139,7 +107,7 @@ def assembled(
     )
 
 
-def _values(asked: Request, stays: NDArray[np.bool_]) -> tuple[Array, dict[str, float]]:
+def _values(asked: SparseRequest, stays: NDArray[np.bool_]) -> tuple[Array, dict[str, float]]:
     """Least squares on all runs with the terms that stay; rms of what is left, by channel."""
     value = np.zeros(len(asked.names))
     misfit: dict[str, float] = {}
@@ -153,7 +121,7 @@ def _values(asked: Request, stays: NDArray[np.bool_]) -> tuple[Array, dict[str, 
 
 
 def _table(
-    model: Model, asked: Request, covariance: Array, value: Array, stays: NDArray[np.bool_]
+    model: Model, asked: SparseRequest, covariance: Array, value: Array, stays: NDArray[np.bool_]
 ) -> DerivativeTable:
     """The terms that stay, pooled over speeds."""
     n = int(stays.sum())
@@ -221,7 +189,7 @@ def _joint_covariance(
 
 
 def _doubts(
-    asked: Request,
+    asked: SparseRequest,
     selection: Selection,
     left_out: Sequence[str],
     errors: Mapping[str, Mapping[str, float]],
@@ -256,7 +224,7 @@ def _doubts(
     return said
 
 
-def _assumed(asked: Request, held: Sequence[str]) -> list[str]:
+def _assumed(asked: SparseRequest, held: Sequence[str]) -> list[str]:
     """What was taken from the model without being asked for, in words."""
     said = []
     beside = [name for name in held if name[0] in asked.channels]

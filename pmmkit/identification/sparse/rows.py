@@ -9,19 +9,21 @@ from typing import Any, Final
 
 import numpy as np
 
+from pmmkit.base import DataError
 from pmmkit.conventions import parse_derivative
-from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.hull import HULL
-from pmmkit.equations import Conditions
-from pmmkit.equations.histories import water_forces
-from pmmkit.equations.prepared import Numbers, packed, values_at
-from pmmkit.equations.structure import Structure
-from pmmkit.errors import DataError
+from pmmkit.effects import HULL, INERTIA
+from pmmkit.identification.binding import Place, replaced
 from pmmkit.identification.forces import ForceRecord
-from pmmkit.identification.parameters import Place, replaced
-from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models import DERIVATIVE_PARTS, Model
 from pmmkit.numerics import Array
+from pmmkit.simulation import (
+    Conditions,
+    EquationStructure,
+    Numbers,
+    packed,
+    values_at,
+    water_forces,
+)
 
 WEAK_SHARE: Final = 20
 """A test function spans this part of a run where its length is not stated."""
@@ -31,14 +33,9 @@ WEAK_SHARE: Final = 20
 class RunRows:
     """Equations of one run.
 
-    Parameters
-    ----------
-    run : str
-        Its name.
-    channels : mapping of str to (array (n, m), array (n,))
-        By channel what each term gives per unit of its derivative, and what is left of the
-        measured force without the terms, both over the standard deviation of the force. Rows
-        without a finite number are left out.
+    `channels (n, m)`: by channel what each term gives per unit of its derivative, and what is
+    left of the measured force without the terms, both over the standard deviation of the force.
+    Rows without a finite number are left out.
     """
 
     run: str
@@ -46,13 +43,7 @@ class RunRows:
 
 
 def check_records(records: Sequence[ForceRecord]) -> None:
-    """Refuse records that cannot be used, all faults at once.
-
-    Raises
-    ------
-    DataError
-        With everything that is wrong.
-    """
+    """Refuse records that cannot be used, all faults at once."""
     wrong = []
     names = [record.name for record in records]
     twice = sorted({name for name in names if names.count(name) > 1})
@@ -131,25 +122,10 @@ def equations(
     for its derivative at one less what they give for it at zero: the regression sees the term as
     the simulator does, with its non-dimensional system, the depth, and the Coriolis terms that an
     added mass brings to other channels.
-
-    Parameters
-    ----------
-    model : Model
-        What is known; the terms are taken out of it.
-    records : sequence of ForceRecord
-        Runs.
-    names : sequence of str
-        Derivatives of the library.
-    channels : sequence of str
-        Channels to be looked at.
-    weak : bool or int
-        Whether to multiply with test functions, and of how many samples (`averaged`).
-    extrapolate : bool
-        Allow speeds outside the range of the model's values.
     """
     at = homes(model, names)
     blank = emptied(model, at)
-    constants: dict[tuple[float, Conditions], tuple[Structure, list[list[Any]]]] = {}
+    constants: dict[tuple[float, Conditions], tuple[EquationStructure, list[list[Any]]]] = {}
     rows = []
     for record in records:
         key = (record.speed, record.conditions)
@@ -177,7 +153,7 @@ def equations(
 
 def _constants(
     blank: Model, numbers: Numbers, at: Sequence[Place], record: ForceRecord
-) -> tuple[Structure, list[list[Any]]]:
+) -> tuple[EquationStructure, list[list[Any]]]:
     """The constants without the terms, and with each of them at one."""
     structure, empty = packed(blank, numbers, record.speed, record.conditions, heeled=True)
     one = np.ones(1)
@@ -201,16 +177,7 @@ def averaged(rows: Array, length: int) -> Array:
     and target, so exact equations stay exact however strongly a bump smooths the motion. A gap
     takes with it the test functions that touch it.
 
-    Parameters
-    ----------
-    rows : array (n, c)
-        Samples at a constant step.
-    length : int
-        Samples of a test function; never more than the run has.
-
-    Returns
-    -------
-    array (k, c)
+    rows (n, c).
 
     Examples
     --------

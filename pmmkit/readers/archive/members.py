@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from pmmkit.channels import did_you_mean
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
+from pmmkit.conventions import did_you_mean
 from pmmkit.readers.base import Request
 from pmmkit.readers.bounds import limit_of, too_large
 from pmmkit.readers.zipped import ZIP, check_length, content_of, damage_told, members_of
@@ -102,18 +102,7 @@ def joined(folder: str, name: str) -> str:
 
 @contextmanager
 def taken_out(request: Request) -> Iterator[Request]:
-    """The file of an archive that is meant, alone in a folder that goes when it was read.
-
-    Parameters
-    ----------
-    request : Request
-        The archive; ``group`` names the file inside, and may be left out if there is only one.
-
-    Raises
-    ------
-    CampaignError
-        If there is no such file, or the archive is damaged.
-    """
+    """The file of an archive that is meant, alone in a folder that goes when it was read."""
     contents = contents_of(request)
     name = _meant(contents, request)
     with tempfile.TemporaryDirectory() as folder:

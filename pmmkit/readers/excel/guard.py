@@ -8,20 +8,89 @@ cells with one long text; no memory is enough for that.
 from __future__ import annotations
 
 import hashlib
+import html
+import posixpath
 import re
+import zipfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
 from pmmkit.readers.base import Options, Request
 from pmmkit.readers.bounds import limit_of, too_large
-from pmmkit.readers.excel.parts import parts_with_cells
 from pmmkit.readers.zipped import ZIP, check_length, content_of, damage_told, members_of
+
+# Which parts of a workbook hold cells and texts: those that its relationships say.
+#
+# A workbook is an archive of many parts: styles, drawings, caches of pivot tables, settings of the
+# printer, macros. Only sheets and the texts that they share become cells.
+
+
+_RELATIONSHIP: Final = re.compile(rb"<(?:\w+:)?Relationship\s([^>]*)>")
+_ATTRIBUTE: Final = re.compile(rb"""([\w:]+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
+_SHEET: Final = re.compile(rb"<(?:\w+:)?sheet\s([^>]*)>")
+_HOLDING: Final = ("worksheet", "sharedStrings")
+"""Last words of the types of relationships to parts with cells or texts, of either dialect."""
+_TAKEN_BY_NAME: Final = ("xl/sharedstrings.xml", "xl/sharedstrings.bin", "content.xml")
+"""Parts that the library reads wherever they stand, whatever refers to them."""
+
+
+def parts_with_cells(members: Mapping[str, zipfile.ZipInfo], data: bytes) -> frozenset[str]:
+    """Names of the parts of a workbook that hold cells or shared texts.
+
+    A relationship counts that says so, and one that the list of sheets refers to, whatever it
+    says: the library goes by that list. Where no part refers to a sheet all of them count.
+    """
+    found = {
+        place
+        for name, item in members.items()
+        if name.endswith(".rels")
+        for place in _targets(name, content_of(data, item), members, data)
+    }
+    names = {name for name in members if name.lower().replace("\\", "/").lstrip("/") in found}
+    if not names:
+        return frozenset(name for name in members if name.endswith((".xml", ".bin")))
+    return frozenset(names | {name for name in members if name.lower().endswith(_TAKEN_BY_NAME)})
+
+
+def _targets(
+    name: str, relations: bytes, members: Mapping[str, zipfile.ZipInfo], data: bytes
+) -> Iterator[str]:
+    """Where the parts stand that a part calls sheets or texts, in lower case."""
+    folder, _, own = name.rpartition("/")
+    source = posixpath.join(posixpath.dirname(folder), own.removesuffix(".rels"))
+    there = members.get(source)
+    part = b"" if there is None else content_of(data, there)
+    listed = {value for found in _SHEET.finditer(part) for value in _values(found[1]).values()}
+    for found in _RELATIONSHIP.finditer(relations):
+        stated = _values(found[1])
+        key = stated.get("Id", "")
+        # a binary workbook names its sheets by these keys, as text of two bytes a letter
+        named = key in listed or (key != "" and key.encode("utf-16-le") in part)
+        if named or stated.get("Type", "").rpartition("/")[2] in _HOLDING:
+            yield from _places(stated.get("Target", ""), posixpath.dirname(source))
+
+
+def _values(attributes: bytes) -> dict[str, str]:
+    return {
+        found[1].decode("latin-1"): html.unescape(
+            (found[2] or found[3] or b"").decode("utf-8", "replace")
+        )
+        for found in _ATTRIBUTE.finditer(attributes)
+    }
+
+
+def _places(target: str, folder: str) -> Iterator[str]:
+    """Names that a target may mean: from the root, from its folder, or with it written twice."""
+    plain = target.replace("\\", "/").lower()
+    yield plain.lstrip("/")
+    yield posixpath.normpath(posixpath.join(folder.lower(), plain)).lstrip("/")
+
 
 CFB: Final = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 _CELL: Final = 32
@@ -52,11 +121,6 @@ def check_workbook(request: Request) -> None:
 
     A workbook of many sheets is asked for sheet by sheet: one whose bytes were found to be good
     is not gone through again.
-
-    Raises
-    ------
-    CampaignError
-        With what was found.
     """
     data = request.path.read_bytes()
     if not data.startswith(ZIP):

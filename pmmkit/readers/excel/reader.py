@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from pmmkit.channels import did_you_mean
+from pmmkit.conventions import did_you_mean
 from pmmkit.readers.base import Cell, Cells, Choose, Columns, Request, columns_of
 from pmmkit.readers.excel.guard import check_workbook
 from pmmkit.readers.excel.sheet import layout_of
@@ -20,13 +20,7 @@ Grid = list[list[Any]]
 
 
 def sheets(request: Request) -> tuple[str, ...]:
-    """Names of the sheets.
-
-    Raises
-    ------
-    CampaignError
-        If the workbook cannot be read.
-    """
+    """Names of the sheets."""
     return tuple(_workbook(request).sheet_names)
 
 
@@ -34,11 +28,6 @@ def columns(request: Request, choose: Choose) -> Columns:
     """Some columns of the sheet as numbers; times of day and dates as seconds.
 
     A time or a duration gives its seconds, a date the seconds since the first one in its column.
-
-    Raises
-    ------
-    CampaignError
-        As for `cells`, or with every cell that is empty, not a number or absurdly large.
     """
     grid = _grid(request)
     sheet = _table(grid, request)
@@ -63,12 +52,6 @@ def cells(request: Request) -> Cells:
     The header is found (see `layout_of`), or stands after ``skip_rows``; a row of units below it
     goes into the names. The table ends with the sheet; rows without any cell are not counted.
     Merged cells all have the value of the first. Without ``sheet`` the workbook must have only one.
-
-    Raises
-    ------
-    CampaignError
-        If the workbook or the sheet cannot be read, would expand to far more than its size, or
-        has no row that can be the header.
     """
     return _table(_grid(request), request)
 

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.channels import split_unit
-from pmmkit.conventions import is_unit
+from pmmkit.conventions import is_unit, split_unit
 from pmmkit.readers.base import Cell, Request, to_number
 from pmmkit.readers.vectors import with_unit
 
@@ -17,37 +16,28 @@ _NO_UNIT: Final = frozenset({"", "-", "–", "1", "%"})
 
 
 @dataclass(frozen=True, kw_only=True)
-class Layout:
+class SheetLayout:
     """Where the table of a sheet stands.
 
-    Parameters
-    ----------
-    headers : tuple of str or None
-        Names of the columns with their units; None where there are none.
-    first : int
-        Row in which the values begin, counted from 0.
+    `headers`: names of the columns with their units; None where there are none. `first`: row in
+    which the values begin, counted from 0.
     """
 
     headers: tuple[str, ...] | None
     first: int
 
 
-def layout_of(grid: Sequence[Row], request: Request) -> Layout:
+def layout_of(grid: Sequence[Row], request: Request) -> SheetLayout:
     """Find the header of a sheet.
 
     It is the row after ``skip_rows``, where that or ``header = true`` is stated. Else it stands
     above the first row with half as many numbers as any row has, and is the last row of nothing but
     texts that names every column below it; or the first row of the sheet, if only that one names
     them; or just the last row of texts. A row of units may follow.
-
-    Raises
-    ------
-    CampaignError
-        If no row can be the header.
     """
     start = request.options.skip_rows
     if request.options.header is False:
-        return Layout(headers=None, first=start)
+        return SheetLayout(headers=None, first=start)
     filled = [row for row in range(start, len(grid)) if any(cell is not None for cell in grid[row])]
     if not filled:
         raise request.error(request.problem("the sheet is empty."))
@@ -60,7 +50,7 @@ def layout_of(grid: Sequence[Row], request: Request) -> Layout:
     while above and _units(grid[above[-1]]) is not None:
         above.pop()
     if body == filled[0]:
-        return Layout(headers=None, first=body)
+        return SheetLayout(headers=None, first=body)
     good = [row for row in above if _names_all(grid, filled, row)]
     if good or above:
         layout = _named(grid, filled, (good or above)[-1])
@@ -77,14 +67,14 @@ def layout_of(grid: Sequence[Row], request: Request) -> Layout:
     )
 
 
-def _named(grid: Sequence[Row], filled: Sequence[int], row: int) -> Layout:
+def _named(grid: Sequence[Row], filled: Sequence[int], row: int) -> SheetLayout:
     """The layout with the header in a row."""
     below = next((other for other in filled if other > row), row)
     units = _units(grid[below]) if below > row else None
     titles = _titles(grid, filled, row)
     if units is not None:
         titles = tuple(map(with_unit, titles, units))
-    return Layout(headers=titles, first=row + 1 if units is None else below + 1)
+    return SheetLayout(headers=titles, first=row + 1 if units is None else below + 1)
 
 
 def _titles(grid: Sequence[Row], filled: Sequence[int], row: int) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ class Hdf5(Reader):
 
     def recognises(self, path: Path, head: bytes) -> bool:  # noqa: ARG002
         """Whether a file is HDF5 or NetCDF, by its first bytes."""
-        from pmmkit.readers.hdf5.guard import is_hdf5
+        from pmmkit.readers.hdf5.datasets import is_hdf5
         from pmmkit.readers.hdf5.netcdf3 import is_netcdf3
 
         return is_hdf5(head) or is_netcdf3(head)

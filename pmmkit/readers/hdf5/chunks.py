@@ -37,14 +37,7 @@ class Chunk:
 
 
 def chunks_of(dataset: Any) -> tuple[Chunk, ...]:
-    """All chunks of a dataset.
-
-    Raises
-    ------
-    Incomplete
-        If they do not cover the dataset, each place once, or have not the size that they should:
-        on such chunks the library can write over memory that is not its own.
-    """
+    """All chunks of a dataset."""
     found: list[Chunk] = []
     dataset.id.chunk_iter(
         lambda info: found.append(
@@ -72,13 +65,7 @@ def chunks_of(dataset: Any) -> tuple[Chunk, ...]:
 
 
 def read_chunks(dataset: Any, chunks: Sequence[Chunk], file: BinaryIO) -> NDArray[Any] | None:
-    """The values of a dataset, or None where they must be left to the library.
-
-    Raises
-    ------
-    Incomplete
-        If a chunk is damaged.
-    """
+    """The values of a dataset, or None where they must be left to the library."""
     filters = _filters(dataset)
     if filters not in _OURS or dataset.dtype.hasobject or not chunks:
         return None

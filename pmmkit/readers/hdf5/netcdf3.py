@@ -40,14 +40,7 @@ _STREAMING: Final = (0xFFFFFFFF, 0xFFFFFFFFFFFFFFFF)
 class Classic:
     """A variable of a classic NetCDF file.
 
-    Parameters
-    ----------
-    name : str
-        Its name.
-    values : array
-        A view of the bytes of the file.
-    attributes : mapping
-        Texts, and arrays of numbers.
+    `values`: a view of the bytes of the file. `attributes`: texts, and arrays of numbers.
     """
 
     name: str
@@ -61,13 +54,7 @@ def is_netcdf3(head: bytes) -> bool:
 
 
 def netcdf3_variables(data: bytes) -> list[Classic]:
-    """The variables of a file.
-
-    Raises
-    ------
-    Damaged
-        If sizes do not fit, or if there are more records than the header says.
-    """
+    """The variables of a file."""
     if not is_netcdf3(data):
         raise Damaged("the mark of NetCDF is missing")
     return _Header(data, wide=data[3] == 5, far=data[3] != 1).variables()

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.channels import did_you_mean
+from pmmkit.conventions import did_you_mean
 from pmmkit.numerics import Array
 from pmmkit.readers.base import HEAD, Cells, Choose, Columns, Request
 from pmmkit.readers.bounds import Damaged
@@ -55,14 +55,7 @@ def names(request: Request) -> tuple[str, ...]:
 
 
 def columns(request: Request, choose: Choose) -> Columns:
-    """Some datasets as numbers.
-
-    Raises
-    ------
-    CampaignError
-        If the file is damaged, cut short, refers to other files or would expand to far more than
-        its size; or with every value that is missing, infinite or absurdly large.
-    """
+    """Some datasets as numbers."""
     with _contents(request) as (vectors, left_out):
         return chosen_columns(vectors, left_out, request, choose)
 

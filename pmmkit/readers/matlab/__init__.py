@@ -20,7 +20,7 @@ class Matlab(Reader):
 
     def recognises(self, path: Path, head: bytes) -> bool:  # noqa: ARG002
         """Whether a file is one of MATLAB, by its first bytes."""
-        from pmmkit.readers.hdf5.guard import is_hdf5
+        from pmmkit.readers.hdf5.datasets import is_hdf5
         from pmmkit.readers.matlab.mat5 import is_v4, is_v5
 
         return is_v5(head) or (head.startswith(b"MATLAB 7.3") and is_hdf5(head)) or is_v4(head)

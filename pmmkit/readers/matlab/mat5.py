@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pmmkit.readers.base import Request
 from pmmkit.readers.bounds import Damaged, limit_of, too_large
-from pmmkit.readers.matlab.variable import Variable
+from pmmkit.readers.matlab.variable import MatlabVariable
 
 Raw = NDArray[Any]
 
@@ -63,16 +63,8 @@ class _Element:
     data: memoryview
 
 
-def read_v5(data: bytes, request: Request) -> list[Variable]:
-    """Variables of a file of version 5 or 7, structs taken apart.
-
-    Raises
-    ------
-    Damaged
-        If sizes do not fit.
-    CampaignError
-        If it would expand too far.
-    """
+def read_v5(data: bytes, request: Request) -> list[MatlabVariable]:
+    """Variables of a file of version 5 or 7, structs taken apart."""
     order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
     if order is None:
         raise Damaged("the mark of the byte order is missing")
@@ -81,7 +73,7 @@ def read_v5(data: bytes, request: Request) -> list[Variable]:
     expanded = sum(_declared(element.data, order) for element in packed)
     if expanded > limit_of(len(data)):
         raise too_large(request, expanded, len(data), "what is packed inside")
-    found: list[Variable] = []
+    found: list[MatlabVariable] = []
     for element in elements:
         plain = _unpacked(element.data, order) if element.type == _COMPRESSED else element
         if plain.type != _MATRIX:
@@ -111,15 +103,9 @@ def is_v4(head: bytes) -> bool:
     )
 
 
-def read_v4(data: bytes) -> list[Variable]:
-    """Variables of a file of version 4.
-
-    Raises
-    ------
-    Damaged
-        If sizes do not fit.
-    """
-    found: list[Variable] = []
+def read_v4(data: bytes) -> list[MatlabVariable]:
+    """Variables of a file of version 4."""
+    found: list[MatlabVariable] = []
     place = 0
     while place < len(data):
         order, kind, text, rows, columns, complex_, size = _v4_header(data, place)
@@ -131,10 +117,10 @@ def read_v4(data: bytes) -> list[Variable]:
             raise Damaged(f"{name!r} ends {place - len(data)} bytes behind the end of the file")
         if text or complex_:
             other = ("complex numbers", "a text", "a sparse matrix")[text]
-            found.append(Variable(name=name, shape=(rows, columns), other=other))
+            found.append(MatlabVariable(name=name, shape=(rows, columns), other=other))
             continue
         flat = np.frombuffer(data, order + _V4_NUMBERS[kind], rows * columns, start)
-        found.append(Variable.of(name, flat.reshape((rows, columns), order="F")))
+        found.append(MatlabVariable.of(name, flat.reshape((rows, columns), order="F")))
     return found
 
 
@@ -204,7 +190,7 @@ class _Matrix:
 
     def variables(
         self, data: memoryview, name: str | None = None, depth: int = 0
-    ) -> list[Variable]:
+    ) -> list[MatlabVariable]:
         """A variable, or those inside a struct, with dots between their names."""
         parts = list(_elements(data, self.order))
         if len(parts) < 3 or depth > _DEEPEST:
@@ -227,26 +213,26 @@ class _Matrix:
         if kind == _CELL:
             return [self._cell(rest, shape, own)]
         if kind == _CHAR:
-            return [Variable(name=own, shape=_flat(shape), other="a text")]
+            return [MatlabVariable(name=own, shape=_flat(shape), other="a text")]
         if kind not in _NUMERIC_CLASSES or complex_:
-            return [Variable(name=own, shape=_flat(shape), other=_other(kind))]
+            return [MatlabVariable(name=own, shape=_flat(shape), other=_other(kind))]
         if rest and kind not in _OF_ONE_CLASS.get(rest[0].type, (kind,)):
             raise Damaged(f"the numbers of {own!r} are not of its class")
         return [self._array(rest, shape, own)]
 
-    def _array(self, rest: list[_Element], shape: tuple[int, ...], name: str) -> Variable:
+    def _array(self, rest: list[_Element], shape: tuple[int, ...], name: str) -> MatlabVariable:
         if len(rest) != 1:
             raise Damaged(f"{name!r} has no numbers")
         values = self._numbers(rest[0])
         if values.size != np.prod(shape, dtype=object):
             raise Damaged(f"{name!r} should have {shape} values, {values.size} are there")
         if len(shape) != 2:
-            return Variable(name=name, shape=_flat(shape), other=f"{len(shape)} dimensions")
-        return Variable.of(name, values.reshape(shape, order="F"))
+            return MatlabVariable(name=name, shape=_flat(shape), other=f"{len(shape)} dimensions")
+        return MatlabVariable.of(name, values.reshape(shape, order="F"))
 
     def _struct(
         self, rest: list[_Element], shape: tuple[int, ...], name: str, depth: int
-    ) -> list[Variable]:
+    ) -> list[MatlabVariable]:
         if len(rest) < 2 or not len(widths := self._numbers(rest[0])) or int(widths[0]) < 1:
             raise Damaged(f"the struct {name!r} has no list of fields")
         width = int(widths[0])
@@ -258,7 +244,7 @@ class _Matrix:
         count = int(np.prod(shape, dtype=object))
         if len(rest) - 2 != count * len(fields):
             raise Damaged(f"the struct {name!r} should have {count * len(fields)} fields")
-        found: list[Variable] = []
+        found: list[MatlabVariable] = []
         for place, element in enumerate(rest[2:]):
             owner = name if count == 1 else f"{name}({place // len(fields) + 1})"
             inner = f"{owner}.{fields[place % len(fields)]}"
@@ -268,15 +254,15 @@ class _Matrix:
                 found += self.variables(element.data, inner, depth + 1)
         return found
 
-    def _cell(self, rest: list[_Element], shape: tuple[int, ...], name: str) -> Variable:
+    def _cell(self, rest: list[_Element], shape: tuple[int, ...], name: str) -> MatlabVariable:
         """A cell array, of which only texts are of use."""
         if len(rest) != np.prod(shape, dtype=object):
             raise Damaged(f"the cell array {name!r} should have {shape} cells")
         texts = [self._cell_text(element) for element in rest]
         plain = [text for text in texts if text is not None]
         if len(plain) == len(texts) and texts:
-            return Variable(name=name, shape=_flat(shape), texts=tuple(plain))
-        return Variable(name=name, shape=_flat(shape), other="a cell array")
+            return MatlabVariable(name=name, shape=_flat(shape), texts=tuple(plain))
+        return MatlabVariable(name=name, shape=_flat(shape), other="a cell array")
 
     def _cell_text(self, element: _Element) -> str | None:
         if element.type != _MATRIX:
@@ -290,11 +276,11 @@ class _Matrix:
             return None
         return _text(parts[3], self.order)
 
-    def _opaque(self, parts: list[_Element], name: str | None) -> Variable:
+    def _opaque(self, parts: list[_Element], name: str | None) -> MatlabVariable:
         """A table, timetable, datetime …: MATLAB keeps these in a form of its own."""
         words = [_text(part) for part in parts[1:4]]
         own = words[0] if name is None else name
-        return Variable(name=own or "?", shape=(1, 1), other=words[-1], opaque=True)
+        return MatlabVariable(name=own or "?", shape=(1, 1), other=words[-1], opaque=True)
 
     def _shape(self, element: _Element) -> tuple[int, ...]:
         shape = tuple(int(side) for side in self._numbers(element))

@@ -16,7 +16,7 @@ import numpy as np
 from pmmkit.numerics import Array
 from pmmkit.readers.base import Request
 from pmmkit.readers.hdf5.datasets import members, new_to, numbers, text_of
-from pmmkit.readers.matlab.variable import Variable
+from pmmkit.readers.matlab.variable import MatlabVariable
 
 _PLAIN: Final = {
     "double",
@@ -27,15 +27,9 @@ _PLAIN: Final = {
 _MOST_CELLS: Final = 4096
 
 
-def read_v73(file: Any, request: Request) -> list[Variable]:
-    """Variables of an open file, structs taken apart.
-
-    Raises
-    ------
-    CampaignError
-        If a dataset would expand too far, when it is read.
-    """
-    found: list[Variable] = []
+def read_v73(file: Any, request: Request) -> list[MatlabVariable]:
+    """Variables of an open file, structs taken apart."""
+    found: list[MatlabVariable] = []
     seen: set[int] = set()
     for name, item in members(file):
         if not name.startswith("#"):
@@ -43,15 +37,15 @@ def read_v73(file: Any, request: Request) -> list[Variable]:
     return found
 
 
-def _variables(item: Any, name: str, request: Request, seen: set[int]) -> Iterator[Variable]:
+def _variables(item: Any, name: str, request: Request, seen: set[int]) -> Iterator[MatlabVariable]:
     import h5py
 
     kind = text_of(item.attrs, "MATLAB_class")
     if "MATLAB_object_decode" in item.attrs:
-        yield Variable(name=name, shape=(1, 1), other=kind or "an object", opaque=True)
+        yield MatlabVariable(name=name, shape=(1, 1), other=kind or "an object", opaque=True)
     elif isinstance(item, h5py.Group):
         if "MATLAB_sparse" in item.attrs:
-            yield Variable(name=name, shape=(1, 1), other="a sparse matrix")
+            yield MatlabVariable(name=name, shape=(1, 1), other="a sparse matrix")
         elif new_to(seen, item):
             for field, inner in members(item):
                 yield from _variables(inner, f"{name}.{field}", request, seen)
@@ -61,24 +55,24 @@ def _variables(item: Any, name: str, request: Request, seen: set[int]) -> Iterat
 
 def _dataset(
     item: Any, name: str, kind: str | None, request: Request, seen: set[int]
-) -> Iterator[Variable]:
+) -> Iterator[MatlabVariable]:
     import h5py
 
     shape = item.shape or ()
     size = math.prod(shape)
     if "MATLAB_empty" in item.attrs:
-        yield Variable(name=name, shape=(0, 0), other="empty")
+        yield MatlabVariable(name=name, shape=(0, 0), other="empty")
     elif h5py.check_ref_dtype(item.dtype) is h5py.Reference:
         yield from _references(item, name, kind, request, seen)
     elif kind == "char":
-        yield Variable(name=name, shape=(1, 1), other="a text")
+        yield MatlabVariable(name=name, shape=(1, 1), other="a text")
     elif len(shape) not in (1, 2) or item.dtype.kind not in "fiub" or kind not in (*_PLAIN, None):
         other = f"{len(shape)} dimensions" if len(shape) > 2 else kind or "not numbers"
         other = "complex numbers" if item.dtype.names == ("real", "imag") else other
-        yield Variable(name=name, shape=(1, size), other=other)
+        yield MatlabVariable(name=name, shape=(1, size), other=other)
     else:
         rows, columns = reversed(shape) if len(shape) == 2 else (size, 1)
-        yield Variable(name=name, shape=(rows, columns), read=_reader(item, request))
+        yield MatlabVariable(name=name, shape=(rows, columns), read=_reader(item, request))
 
 
 def _reader(item: Any, request: Request) -> Callable[[], Array]:
@@ -91,20 +85,20 @@ def _reader(item: Any, request: Request) -> Callable[[], Array]:
 
 def _references(
     item: Any, name: str, kind: str | None, request: Request, seen: set[int]
-) -> Iterator[Variable]:
+) -> Iterator[MatlabVariable]:
     """A cell array, or one field of an array of structs."""
     count = math.prod(item.shape or ())
     if not 0 < count <= _MOST_CELLS or not new_to(seen, item):
-        yield Variable(name=name, shape=(1, count), other="a cell array")
+        yield MatlabVariable(name=name, shape=(1, count), other="a cell array")
         return
     targets = [item.file[reference] for reference in numbers(item, request).reshape(-1)]
     if kind == "cell":
         texts = [_text(target, request) for target in targets]
         plain = tuple(text for text in texts if text is not None)
         if len(plain) == count:
-            yield Variable(name=name, shape=(count, 1), texts=plain)
+            yield MatlabVariable(name=name, shape=(count, 1), texts=plain)
         else:
-            yield Variable(name=name, shape=(1, count), other="a cell array")
+            yield MatlabVariable(name=name, shape=(1, count), other="a cell array")
         return
     owner, _, field = name.rpartition(".")
     for place, target in enumerate(targets, start=1):

@@ -13,16 +13,15 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Final
 
-from pmmkit.channels import did_you_mean
-from pmmkit.errors import CampaignError
+from pmmkit.base import CampaignError
+from pmmkit.conventions import did_you_mean
 from pmmkit.numerics import Array
 from pmmkit.readers.base import HEAD, Cells, Choose, Columns, Request
 from pmmkit.readers.bounds import Damaged
-from pmmkit.readers.hdf5.datasets import opened
-from pmmkit.readers.hdf5.guard import is_hdf5
+from pmmkit.readers.hdf5.datasets import is_hdf5, opened
 from pmmkit.readers.matlab.mat5 import is_v4, is_v5, read_v4, read_v5
 from pmmkit.readers.matlab.mat73 import read_v73
-from pmmkit.readers.matlab.variable import Variable
+from pmmkit.readers.matlab.variable import MatlabVariable
 from pmmkit.readers.vectors import (
     WIDEST,
     Vector,
@@ -48,14 +47,7 @@ def names(request: Request) -> tuple[str, ...]:
 
 
 def columns(request: Request, choose: Choose) -> Columns:
-    """Some vectors, or columns of matrices, as numbers.
-
-    Raises
-    ------
-    CampaignError
-        If the file is damaged, cut short or would expand to far more than its size; if what is
-        asked for is kept in a form of MATLAB's own; or with every value that is missing.
-    """
+    """Some vectors, or columns of matrices, as numbers."""
     with _contents(request) as (vectors, left_out):
         return chosen_columns(vectors, left_out, request, choose)
 
@@ -85,7 +77,7 @@ def _contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
 
 
 @contextmanager
-def _variables(request: Request) -> Iterator[list[Variable]]:
+def _variables(request: Request) -> Iterator[list[MatlabVariable]]:
     try:
         with request.path.open("rb") as stream:
             head = stream.read(HEAD)
@@ -98,7 +90,7 @@ def _variables(request: Request) -> Iterator[list[Variable]]:
     yield _in_memory(head, request)
 
 
-def _in_memory(head: bytes, request: Request) -> list[Variable]:
+def _in_memory(head: bytes, request: Request) -> list[MatlabVariable]:
     try:
         if is_v5(head):
             return read_v5(request.path.read_bytes(), request)
@@ -125,7 +117,7 @@ def _not_matlab(head: bytes, request: Request) -> CampaignError:
     )
 
 
-def _group(found: list[Variable], request: Request) -> list[Variable]:
+def _group(found: list[MatlabVariable], request: Request) -> list[MatlabVariable]:
     """The variables, or the fields of the struct that is asked for."""
     wanted = request.options.group
     if wanted is None:
@@ -146,14 +138,14 @@ def _group(found: list[Variable], request: Request) -> list[Variable]:
     return inside
 
 
-def _is_column(variable: Variable) -> bool:
+def _is_column(variable: MatlabVariable) -> bool:
     rows, columns = variable.shape
     if variable.texts is not None:
         return min(rows, columns) == 1
     return variable.other is None and rows * columns > 1 and min(rows, columns) <= WIDEST
 
 
-def _vectors(found: Sequence[Variable]) -> list[Vector]:
+def _vectors(found: Sequence[MatlabVariable]) -> list[Vector]:
     usable = [variable for variable in found if _is_column(variable)]
     lengths = frozenset(
         max(item.shape) for item in usable if min(item.shape) == 1 and item.texts is None
@@ -170,7 +162,9 @@ def _vectors(found: Sequence[Variable]) -> list[Vector]:
     return [vector for vector in offered if vector.texts is None or vector.length == main]
 
 
-def _matrix(item: Variable, lengths: frozenset[int], found: Sequence[Variable]) -> list[Vector]:
+def _matrix(
+    item: MatlabVariable, lengths: frozenset[int], found: Sequence[MatlabVariable]
+) -> list[Vector]:
     """Columns of a matrix, named by the one list of texts beside it that fits."""
     owner, dot, _ = item.name.rpartition(".")
     plain = matrix_columns(item.name, item.shape, item.read, lengths=lengths)
@@ -187,16 +181,16 @@ def _matrix(item: Variable, lengths: frozenset[int], found: Sequence[Variable]) 
     return matrix_columns(item.name, item.shape, item.read, lengths=lengths, names=named)
 
 
-def _flat(item: Variable) -> functools.partial[Array]:
+def _flat(item: MatlabVariable) -> functools.partial[Array]:
     return functools.partial(lambda read: read().reshape(-1), item.read)
 
 
-def _texts(item: Variable) -> Callable[[], tuple[str, ...]] | None:
+def _texts(item: MatlabVariable) -> Callable[[], tuple[str, ...]] | None:
     texts = item.texts
     return None if texts is None else lambda: texts
 
 
-def _described(variable: Variable) -> str:
+def _described(variable: MatlabVariable) -> str:
     rows, columns = variable.shape
     if variable.opaque:
         return f"{variable.name} ({variable.other}: {_SAVE_PLAINLY})"

@@ -17,23 +17,13 @@ def _nothing() -> Array:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Variable:
+class MatlabVariable:
     """A variable, or a field of a struct.
 
-    Parameters
-    ----------
-    name : str
-        Its name, fields behind dots.
-    shape : tuple of int
-        Rows and columns.
-    read : callable
-        Gives real numbers in rows and columns.
-    texts : tuple of str or None
-        The texts of a cell array of texts.
-    other : str or None
-        What it is, if neither numbers nor texts.
-    opaque : bool
-        Whether it is of a class that MATLAB keeps in a form of its own (tables, times).
+    `name`: its name, fields behind dots. `read`: gives real numbers in rows and columns.
+    `texts`: the texts of a cell array of texts. `other`: what it is, if neither numbers nor
+    texts. `opaque`: whether it is of a class that MATLAB keeps in a form of its own (tables,
+    times).
     """
 
     name: str
@@ -44,7 +34,7 @@ class Variable:
     opaque: bool = False
 
     @classmethod
-    def of(cls, name: str, values: NDArray[Any]) -> Variable:
+    def of(cls, name: str, values: NDArray[Any]) -> MatlabVariable:
         """A matrix of numbers in the bytes of the file."""
         rows, columns = values.shape
         return cls(

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from pmmkit.readers.openfoam.places import RESULTS, Series
+from pmmkit.readers.openfoam.places import RESULTS, FileSeries
 
 LARGEST: Final = 1 << 20
 """Bytes beyond which a dictionary is not looked at."""
@@ -26,13 +26,7 @@ _NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 
 def entries_of(file: Path) -> Mapping[str, str]:
-    """Plain entries of the function object that wrote a file; empty if it is not to be found.
-
-    Parameters
-    ----------
-    file : Path
-        ``<case>/postProcessing/<function object>/<start time>/<name>.dat``.
-    """
+    """Plain entries of the function object that wrote a file; empty if it is not to be found."""
     case = case_of(file)
     if case is None:
         return {}
@@ -80,7 +74,7 @@ def density_in(entries: Mapping[str, str]) -> float | None:
     return density if density is not None and density > 0 else None
 
 
-def told(series: Series, entries: Mapping[str, str]) -> list[str]:
+def told(series: FileSeries, entries: Mapping[str, str]) -> list[str]:
     """What headers and controlDict say that a reader of the report should know."""
     stated = {name: entries[name] for name in _LISTED if name in entries}
     stated |= series.parts[0].layout.values
@@ -171,15 +165,7 @@ def case_of(file: Path) -> Path | None:
 
 
 def text_of(path: Path, *, most: int = LARGEST) -> str:
-    """The text of a small file, empty if there is none.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    most : int
-        Bytes beyond which it is not looked at.
-    """
+    """The text of a small file, empty if there is none."""
     try:
         if path.is_file() and path.stat().st_size <= most:
             return path.read_bytes().decode("utf-8", "replace")

@@ -38,30 +38,17 @@ _VECTORS: Final = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Layout:
+class RowLayout:
     """How the rows of a file are to be read.
 
-    Parameters
-    ----------
-    kind : str
-        ``forces``: forces and moments in one file; ``force``, ``moment``: one of them;
-        ``coefficients``; ``motion`` of a rigid body.
-    width : int
-        Numbers in a row, the time among them.
-    brackets : int
-        Opening brackets in a row.
-    offered : mapping of str to tuple of int
-        Headers for the user (``Fx [N]``) and the columns, counted from 0, whose sum each is.
-    parts : mapping of str to tuple of int
-        Of totals that the file states itself: the columns that they must be the sum of.
-    local : bool
-        Whether a second row of the same time follows, with the same in local axes.
-    values : mapping of str to str
-        The values of the header, e.g. ``CofR``.
-    start : int
-        Byte at which the rows begin.
-    first_line : int
-        Line, counted from 1, in which they begin.
+    `kind`: ``forces``: forces and moments in one file; ``force``, ``moment``: one of them;
+    ``coefficients``; ``motion`` of a rigid body. `width`: numbers in a row, the time among
+    them. `brackets`: opening brackets in a row. `offered`: headers for the user (``Fx [N]``)
+    and the columns, counted from 0, whose sum each is. `parts`: of totals that the file states
+    itself: the columns that they must be the sum of. `local`: whether a second row of the same
+    time follows, with the same in local axes. `values`: the values of the header, e.g.
+    ``CofR``. `start`: byte at which the rows begin. `first_line`: line, counted from 1, in
+    which they begin.
     """
 
     kind: Kind
@@ -92,7 +79,7 @@ class _Columns:
     local: bool = False
 
 
-def layout_of(head: bytes) -> Layout | None:
+def layout_of(head: bytes) -> RowLayout | None:
     """The layout of a file from its first bytes; None if it is not one that is known.
 
     Examples
@@ -119,7 +106,7 @@ def layout_of(head: bytes) -> Layout | None:
         stated = _VALUE.fullmatch(line)
         if stated is not None:
             values[stated[1]] = stated[2]
-    return Layout(
+    return RowLayout(
         kind=found.kind,
         width=found.width,
         brackets=found.brackets,

@@ -39,15 +39,10 @@ _DEEPEST: Final = 8
 class MeshMotion:
     """How a mesh was told to move.
 
-    Parameters
-    ----------
-    moves : bool
-        False where the dictionary says that it stands still.
-    path : mapping of str to array (n,)
-        Of the hull along the axes of the mesh: ``t`` [s], ``x``, ``y`` [m], ``psi`` [rad]; empty
-        where the dictionary does not state it in plain numbers. Of an oscillation four cycles.
-    notes : tuple of str
-        What was not followed: computed values, files outside of the case, other kinds of motion.
+    `moves`: false where the dictionary says that it stands still. `path`: of the hull along the
+    axes of the mesh: ``t`` [s], ``x``, ``y`` [m], ``psi`` [rad]; empty where the dictionary
+    does not state it in plain numbers. Of an oscillation four cycles. `notes`: what was not
+    followed: computed values, files outside of the case, other kinds of motion.
     """
 
     moves: bool = True
@@ -67,13 +62,7 @@ class _Piece:
 
 
 def mesh_motion(case: Path) -> MeshMotion | None:
-    """The motion of a case's mesh; None where there is no dictionary of it.
-
-    Parameters
-    ----------
-    case : Path
-        Folder of the case.
-    """
+    """The motion of a case's mesh; None where there is no dictionary of it."""
     text = text_of(case / PLACE)
     if not text:
         return None

@@ -16,10 +16,10 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.errors import Problem
+from pmmkit.base import Problem
 from pmmkit.numerics import ABSURD, Array
 from pmmkit.readers.base import LISTED, Request, abridged, fault, to_number
-from pmmkit.readers.openfoam.header import Layout
+from pmmkit.readers.openfoam.header import RowLayout
 
 BLOCK: Final = 1 << 21
 """Bytes that are parsed at a time."""
@@ -30,17 +30,11 @@ _ENDS: Final = b" \t\r\n\0"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rows:
+class FileRows:
     """Columns of one file.
 
-    Parameters
-    ----------
-    values : array (k, n)
-        The columns that were asked for, a row each.
-    dropped : int
-        Rows without a value that were left out.
-    notes : tuple of str
-        What was left out besides.
+    `values (k, n)`: the columns that were asked for, a row each. `dropped`: rows without a
+    value that were left out. `notes`: what was left out besides.
     """
 
     values: Array
@@ -48,23 +42,8 @@ class Rows:
     notes: tuple[str, ...]
 
 
-def read_rows(request: Request, layout: Layout, wanted: Sequence[int]) -> Rows:
-    """Some columns of a file, every row checked.
-
-    Parameters
-    ----------
-    request : Request
-        The file.
-    layout : Layout
-        From its header.
-    wanted : sequence of int
-        Columns, counted from 0; those from the width on are of the second row of a time.
-
-    Raises
-    ------
-    CampaignError
-        With every row that is damaged.
-    """
+def read_rows(request: Request, layout: RowLayout, wanted: Sequence[int]) -> FileRows:
+    """Some columns of a file, every row checked."""
     columns = sorted({0, *(place % layout.width for place in wanted)})
     found: list[Array] = []
     problems: list[Problem] = []
@@ -89,14 +68,14 @@ def read_rows(request: Request, layout: Layout, wanted: Sequence[int]) -> Rows:
     step = 2 if layout.local else 1
     first = None if dropped else layout.first_line
     _check_times(table[0], first, step, request)
-    return Rows(
+    return FileRows(
         values=table[[columns.index(place) for place in wanted]],
         dropped=dropped,
         notes=tuple(notes),
     )
 
 
-def _blocks(request: Request, layout: Layout, notes: list[str]) -> Iterator[bytes]:
+def _blocks(request: Request, layout: RowLayout, notes: list[str]) -> Iterator[bytes]:
     """The rows in blocks of whole lines; a last row that is cut off is left out and noted."""
     rest = b""
     try:
@@ -137,7 +116,7 @@ def _fields(line: bytes) -> list[bytes]:
     return line.translate(_BRACKETS).split()
 
 
-def _fast(block: bytes, layout: Layout, columns: Sequence[int]) -> Array | None:
+def _fast(block: bytes, layout: RowLayout, columns: Sequence[int]) -> Array | None:
     """The columns of a block, or None where anything is not as it should be."""
     import pandas as pd
 
@@ -174,7 +153,7 @@ def _fast(block: bytes, layout: Layout, columns: Sequence[int]) -> Array | None:
 
 
 def _careful(
-    block: bytes, first: int, layout: Layout, columns: Sequence[int], request: Request
+    block: bytes, first: int, layout: RowLayout, columns: Sequence[int], request: Request
 ) -> tuple[Array, int, list[Problem]]:
     """Every line taken apart on its own."""
     rows: list[list[float]] = []
@@ -203,7 +182,7 @@ def _careful(
     return np.array(rows, float).reshape(len(rows), len(columns)).T, dropped, problems
 
 
-def _misshapen(raw: bytes, count: int, layout: Layout) -> str | None:
+def _misshapen(raw: bytes, count: int, layout: RowLayout) -> str | None:
     if not raw.strip():
         return "the line is empty."
     if b"\0" in raw:

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from pmmkit.errors import Problem
+from pmmkit.base import Problem
 from pmmkit.readers.base import Request
-from pmmkit.readers.openfoam.header import LONGEST, Kind, Layout, layout_of
+from pmmkit.readers.openfoam.header import LONGEST, Kind, RowLayout, layout_of
 
 RESULTS: Final = "postProcessing"
 _PREFERRED: Final[tuple[tuple[Kind, ...], ...]] = (
@@ -35,42 +35,30 @@ _OTHER_HALF: Final = {"force": "moment", "moment": "force"}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class RestartPart:
     """What one start of the computation wrote into one file.
 
-    Parameters
-    ----------
-    request : Request
-        The file.
-    layout : Layout
-        From its header.
-    start : float
-        Time from which it was written, -inf where neither folder nor file say [s].
+    `start`: time from which it was written, -inf where neither folder nor file say [s].
     """
 
     request: Request
-    layout: Layout
+    layout: RowLayout
     start: float
 
 
 @dataclass(frozen=True, kw_only=True)
-class Series:
+class FileSeries:
     """The files that hold one history.
 
-    Parameters
-    ----------
-    families : tuple of tuple of Part
-        One family, or two where forces and moments have files of their own; of each the parts in
-        the order in which they were computed.
-    notes : tuple of str
-        Files that hold nothing.
+    `families`: one family, or two where forces and moments have files of their own; of each the
+    parts in the order in which they were computed. `notes`: files that hold nothing.
     """
 
-    families: tuple[tuple[Part, ...], ...]
+    families: tuple[tuple[RestartPart, ...], ...]
     notes: tuple[str, ...] = ()
 
     @property
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[RestartPart]:
         """All files."""
         return [part for family in self.families for part in family]
 
@@ -94,14 +82,8 @@ def recognises(path: Path, head: bytes) -> bool:
     return False
 
 
-def series_of(request: Request) -> Series:
-    """The files that a request means.
-
-    Raises
-    ------
-    CampaignError
-        If there are none, if several function objects are meant, or if a file is not understood.
-    """
+def series_of(request: Request) -> FileSeries:
+    """The files that a request means."""
     path = request.path
     try:
         if not path.is_dir():
@@ -115,7 +97,7 @@ def series_of(request: Request) -> Series:
         raise request.unreadable(error) from error
 
 
-def _of_file(request: Request) -> Series:
+def _of_file(request: Request) -> FileSeries:
     """A file, and the moments beside the forces."""
     layout = read_layout(request)
     if layout is None:
@@ -128,12 +110,12 @@ def _of_file(request: Request) -> Series:
         half = read_layout(beside) if name != request.path.name and beside.path.is_file() else None
         if half is not None and half.kind == other:
             families.append([_part(beside, half)])
-    return Series(families=tuple(map(tuple, families)))
+    return FileSeries(families=tuple(map(tuple, families)))
 
 
-def _of_folders(request: Request, starts: Sequence[Path]) -> Series:
+def _of_folders(request: Request, starts: Sequence[Path]) -> FileSeries:
     """Every start of a function object."""
-    parts: list[Part] = []
+    parts: list[RestartPart] = []
     unknown: list[Path] = []
     for folder in starts:
         for path in sorted(folder.glob("*.dat")):
@@ -176,13 +158,13 @@ def _of_folders(request: Request, starts: Sequence[Path]) -> Series:
     problems += _several(request, families)
     if problems:
         raise request.error(*problems)
-    return Series(
+    return FileSeries(
         families=tuple(tuple(sorted(family, key=_order)) for family in families if family),
         notes=tuple(notes),
     )
 
 
-def _several(request: Request, families: Iterable[Sequence[Part]]) -> list[Problem]:
+def _several(request: Request, families: Iterable[Sequence[RestartPart]]) -> list[Problem]:
     """A problem for each kind of which there are files of several names."""
     problems = []
     for family in families:
@@ -230,7 +212,7 @@ def _only_object(request: Request, results: Path) -> Request:
     )
 
 
-def read_layout(request: Request) -> Layout | None:
+def read_layout(request: Request) -> RowLayout | None:
     """The layout of a file, None if it is not one of OpenFOAM."""
     try:
         with request.path.open("rb") as stream:
@@ -239,13 +221,13 @@ def read_layout(request: Request) -> Layout | None:
         raise request.unreadable(error) from error
 
 
-def _part(request: Request, layout: Layout) -> Part:
+def _part(request: Request, layout: RowLayout) -> RestartPart:
     again = _opened_again(request.path)
     start = _time(request.path.parent.name) if again is None else again[1]
-    return Part(request=request, layout=layout, start=-math.inf if start is None else start)
+    return RestartPart(request=request, layout=layout, start=-math.inf if start is None else start)
 
 
-def _order(part: Part) -> tuple[float, float]:
+def _order(part: RestartPart) -> tuple[float, float]:
     """Starts by time; a file that was opened again after the one that was there."""
     folder = _time(part.request.path.parent.name)
     again = _opened_again(part.request.path)

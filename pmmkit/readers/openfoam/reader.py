@@ -15,13 +15,13 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.errors import Problem
+from pmmkit.base import Problem
 from pmmkit.numerics import Array
 from pmmkit.readers.base import Choose, Columns, Request, abridged
 from pmmkit.readers.openfoam.case import density_doubt, entries_of, told
 from pmmkit.readers.openfoam.header import MOVED
 from pmmkit.readers.openfoam.numbers import read_rows
-from pmmkit.readers.openfoam.places import Part, Series, series_of
+from pmmkit.readers.openfoam.places import FileSeries, RestartPart, series_of
 
 TIME: Final = "Time [s]"
 USUAL: Final[Mapping[str, str]] = MappingProxyType(
@@ -50,14 +50,7 @@ def names(request: Request) -> tuple[str, ...]:
 
 
 def columns(request: Request, choose: Choose) -> Columns:
-    """Some columns of the whole history, from the first start of the computation to the last.
-
-    Raises
-    ------
-    CampaignError
-        With every row that is damaged; if forces and moments stand at different times, if a total
-        is not the sum of its parts, or if the starts differ in their columns or their CofR.
-    """
+    """Some columns of the whole history, from the first start of the computation to the last."""
     series = series_of(request)
     headers = _headers(series)
     positions = tuple(choose(headers, len(headers)))
@@ -88,12 +81,12 @@ def columns(request: Request, choose: Choose) -> Columns:
     )
 
 
-def _headers(series: Series) -> tuple[str, ...]:
+def _headers(series: FileSeries) -> tuple[str, ...]:
     offered = [name for family in series.families for name in family[0].layout.offered]
     return (TIME, *offered)
 
 
-def _has(family: Sequence[Part], name: str) -> bool:
+def _has(family: Sequence[RestartPart], name: str) -> bool:
     return name in family[0].layout.offered
 
 
@@ -101,7 +94,7 @@ def _of_forces(wanted: Sequence[str]) -> bool:
     return any(name.endswith(("[N]", "[N m]")) for name in wanted)
 
 
-def _same_layouts(series: Series, request: Request) -> None:
+def _same_layouts(series: FileSeries, request: Request) -> None:
     """Refuse starts that offer other columns or took moments about another point."""
     problems: list[Problem] = []
     first = series.families[0][0]
@@ -141,7 +134,7 @@ def _alike(one: str | None, other: str | None) -> bool:
 
 
 def _family(
-    family: Sequence[Part], wanted: Sequence[str], notes: list[str]
+    family: Sequence[RestartPart], wanted: Sequence[str], notes: list[str]
 ) -> tuple[dict[str, Array], int]:
     """One file of each start, joined: what a later start computed counts."""
     pieces: list[dict[str, Array]] = []
@@ -175,7 +168,9 @@ def _after(start: float) -> float:
     return start + 1e-9 * max(abs(start), 1e-3) if math.isfinite(start) else math.inf
 
 
-def _part(part: Part, wanted: Sequence[str]) -> tuple[dict[str, Array], int, tuple[str, ...]]:
+def _part(
+    part: RestartPart, wanted: Sequence[str]
+) -> tuple[dict[str, Array], int, tuple[str, ...]]:
     """What one file holds of some headers; totals that it states are compared with their parts."""
     layout = part.layout
     places = sorted(
@@ -200,7 +195,7 @@ def _sum(column: Mapping[int, Array], places: Sequence[int]) -> Array:
     return total
 
 
-def _check_total(column: Mapping[int, Array], total: Array, name: str, part: Part) -> None:
+def _check_total(column: Mapping[int, Array], total: Array, name: str, part: RestartPart) -> None:
     places = part.layout.parts[name]
     size = np.abs(total)
     for place in places:
@@ -224,7 +219,7 @@ def _check_total(column: Mapping[int, Array], total: Array, name: str, part: Par
 
 
 def _joined(
-    tables: Sequence[dict[str, Array]], series: Series, request: Request, notes: list[str]
+    tables: Sequence[dict[str, Array]], series: FileSeries, request: Request, notes: list[str]
 ) -> dict[str, Array]:
     """Forces and moments at the same times."""
     if len(tables) == 1:

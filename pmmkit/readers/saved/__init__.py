@@ -23,7 +23,7 @@ class SavedCampaign(Reader):
 
     def recognises(self, path: Path, head: bytes) -> bool:
         """Whether a file is a campaign that pmmkit saved, by its attributes."""
-        from pmmkit.readers.hdf5.guard import is_hdf5, is_saved_campaign
+        from pmmkit.readers.hdf5.datasets import is_hdf5, is_saved_campaign
 
         return is_hdf5(head) and is_saved_campaign(path)
 

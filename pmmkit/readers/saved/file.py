@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
-from pmmkit.errors import CampaignError, ModelError, PmmkitError, Problem
-from pmmkit.json_text import from_json
-from pmmkit.readers.hdf5.guard import LIBRARY_FAULTS
+from pmmkit.base import CampaignError, ModelError, PmmkitError, Problem, __version__
+from pmmkit.files import from_json, read_toml, refuse_other
+from pmmkit.readers.hdf5.datasets import LIBRARY_FAULTS
 from pmmkit.readers.saved.group import read_group, safe_names, text_of
-from pmmkit.toml_files import read_toml, refuse_other
-from pmmkit.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,20 +25,7 @@ FORMAT: Final = "pmmkit campaign"
 
 
 def read_run(path: str | Path, run_id: str) -> xr.Dataset:
-    """The data of one run of a saved campaign, without opening the campaign.
-
-    Parameters
-    ----------
-    path : path
-        The HDF5 file.
-    run_id : str
-        Id of the run, or the name of its group.
-
-    Raises
-    ------
-    CampaignError
-        If the file is missing, damaged or not a campaign, or has no such run.
-    """
+    """The data of one run of a saved campaign, without opening the campaign."""
     path = Path(path)
     with opened(path) as file:
         _check_schema(file, path)

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.errors import CampaignError, Problem
-from pmmkit.json_text import from_json, to_json
+from pmmkit.base import CampaignError, Problem
+from pmmkit.conventions import CHANNEL_UNITS
+from pmmkit.files import from_json, to_json
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -161,13 +161,7 @@ def write_group(group: Any, entry: Mapping[str, Any], data: xr.Dataset) -> None:
 
 
 def read_group(group: Any, *, file: str) -> xr.Dataset:
-    """The Dataset of an h5py group that `write_group` wrote.
-
-    Raises
-    ------
-    CampaignError
-        If texts or samples do not match the checksum.
-    """
+    """The Dataset of an h5py group that `write_group` wrote."""
     import xarray as xr
 
     texts = (text_of(group.attrs, "run"), text_of(group.attrs, "variables"))

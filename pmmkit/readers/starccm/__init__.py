@@ -20,7 +20,7 @@ class StarCcm(Reader):
 
     def recognises(self, path: Path, head: bytes) -> bool:
         """Whether a file begins with a header of monitors, or a folder holds such a file."""
-        from pmmkit.readers.starccm import exports
+        from pmmkit.readers.starccm import reader as exports
 
         return exports.recognises(path, head)
 
@@ -53,12 +53,12 @@ class StarCcm(Reader):
 
     def files(self, request: Request) -> Sequence[Path]:
         """The file itself, those that a pattern fits, or the .csv files of a folder."""
-        from pmmkit.readers.starccm import exports
+        from pmmkit.readers.starccm import reader as exports
 
         return exports.files(request)
 
     def is_one_run(self, folder: Path) -> bool:
         """Whether its exports differ in their columns, or one begins well after another."""
-        from pmmkit.readers.starccm import exports
+        from pmmkit.readers.starccm import reader as exports
 
         return exports.are_one_run(folder)

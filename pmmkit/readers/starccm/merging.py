@@ -28,19 +28,10 @@ _AGREE: Final = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class ColumnPart:
     """Columns over time of one file or of several put together.
 
-    Parameters
-    ----------
-    files : tuple of str
-        Their names.
-    times : array
-        Increasing.
-    values : mapping of str to array
-        Columns by header.
-    notes : tuple of str
-        What was left out.
+    `notes`: what was left out.
     """
 
     files: tuple[str, ...]
@@ -53,7 +44,7 @@ class Part:
         """The files, for messages."""
         return " + ".join(self.files)
 
-    def taken(self, rows: Mask) -> Part:
+    def taken(self, rows: Mask) -> ColumnPart:
         """Some rows."""
         return replace(
             self,
@@ -62,13 +53,8 @@ class Part:
         )
 
 
-def steps(name: str, times: Array, values: Mapping[str, Array], request: Request) -> Part:
+def steps(name: str, times: Array, values: Mapping[str, Array], request: Request) -> ColumnPart:
     """The last row of each time step.
-
-    Raises
-    ------
-    CampaignError
-        If time goes back.
 
     Examples
     --------
@@ -90,7 +76,7 @@ def steps(name: str, times: Array, values: Mapping[str, Array], request: Request
             )
         )
     last = np.append(np.diff(times) > 0, True)
-    part = Part(files=(name,), times=times, values=values)
+    part = ColumnPart(files=(name,), times=times, values=values)
     if last.all():
         return part
     inner = len(last) - np.count_nonzero(last)
@@ -98,16 +84,9 @@ def steps(name: str, times: Array, values: Mapping[str, Array], request: Request
     return replace(part.taken(last), notes=(said,))
 
 
-def merged(parts: Sequence[Part], request: Request) -> Part:
-    """All files of a run as one.
-
-    Raises
-    ------
-    CampaignError
-        If files with the same columns overlap and disagree, or if files with different columns
-        have different times.
-    """
-    groups: dict[frozenset[str], list[Part]] = {}
+def merged(parts: Sequence[ColumnPart], request: Request) -> ColumnPart:
+    """All files of a run as one."""
+    groups: dict[frozenset[str], list[ColumnPart]] = {}
     for part in parts:
         groups.setdefault(frozenset(part.values), []).append(part)
     shared = [
@@ -133,7 +112,7 @@ def merged(parts: Sequence[Part], request: Request) -> Part:
     return _side_by_side([_in_sequence(listed, request) for listed in groups.values()], request)
 
 
-def _in_sequence(parts: Sequence[Part], request: Request) -> Part:
+def _in_sequence(parts: Sequence[ColumnPart], request: Request) -> ColumnPart:
     """Files with the same columns, one after the other in time."""
     order = request.options.order
     stated = all(part.name in order for part in parts)
@@ -145,7 +124,7 @@ def _in_sequence(parts: Sequence[Part], request: Request) -> Part:
     return whole
 
 
-def _later_counts(earlier: Part, later: Part) -> Part:
+def _later_counts(earlier: ColumnPart, later: ColumnPart) -> ColumnPart:
     kept = earlier.taken(earlier.times < later.times[0] - _tolerance(earlier.times))
     lost = len(earlier.times) - len(kept.times)
     said = (
@@ -154,7 +133,7 @@ def _later_counts(earlier: Part, later: Part) -> Part:
     return _joined(kept, later, said)
 
 
-def _agreeing(earlier: Part, later: Part, request: Request) -> Part:
+def _agreeing(earlier: ColumnPart, later: ColumnPart, request: Request) -> ColumnPart:
     """Two files that overlap only where both have the same numbers."""
     tolerance = _tolerance(earlier.times)
     first, last = later.times[0], earlier.times[-1]
@@ -179,8 +158,8 @@ def _agreeing(earlier: Part, later: Part, request: Request) -> Part:
     return _joined(earlier, later.taken(later.times > end), said)
 
 
-def _joined(earlier: Part, later: Part, said: str) -> Part:
-    return Part(
+def _joined(earlier: ColumnPart, later: ColumnPart, said: str) -> ColumnPart:
+    return ColumnPart(
         files=(*earlier.files, *later.files),
         times=np.concatenate([earlier.times, later.times]),
         values={
@@ -191,7 +170,7 @@ def _joined(earlier: Part, later: Part, said: str) -> Part:
     )
 
 
-def _disagreement(one: Part, other: Part, tolerance: float) -> str | None:
+def _disagreement(one: ColumnPart, other: ColumnPart, tolerance: float) -> str | None:
     """The first place where two files over the same span differ, in words."""
     if len(one.times) != len(other.times) or np.any(np.abs(one.times - other.times) > tolerance):
         return f"{len(one.times)} and {len(other.times)} rows, not at the same times"
@@ -207,7 +186,7 @@ def _disagreement(one: Part, other: Part, tolerance: float) -> str | None:
     return None
 
 
-def _side_by_side(parts: Sequence[Part], request: Request) -> Part:
+def _side_by_side(parts: Sequence[ColumnPart], request: Request) -> ColumnPart:
     """Files with different columns at the times that all of them have."""
     base = max(parts, key=lambda part: len(part.times))
     tolerance = _tolerance(base.times)
@@ -242,7 +221,7 @@ def _side_by_side(parts: Sequence[Part], request: Request) -> Part:
     for part in parts:
         kept = common[places[part.name]]
         values |= {header: numbers[kept] for header, numbers in part.values.items()}
-    return Part(
+    return ColumnPart(
         files=tuple(name for part in parts for name in part.files),
         times=base.times[common],
         values=values,

@@ -20,7 +20,7 @@ class Tdms(Reader):
 
     def recognises(self, path: Path, head: bytes) -> bool:  # noqa: ARG002
         """Whether a file is TDMS, by its first bytes."""
-        from pmmkit.readers.tdms.segments import TAG
+        from pmmkit.readers.tdms.reader import TAG
 
         return head.startswith(TAG)
 

@@ -10,20 +10,21 @@ import functools
 import io
 import logging
 import math
+import struct
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.channels import did_you_mean, split_unit
-from pmmkit.errors import CampaignError, PmmkitError
+from pmmkit.base import CampaignError, PmmkitError
+from pmmkit.conventions import did_you_mean, split_unit
 from pmmkit.numerics import Array
 from pmmkit.readers.base import Cells, Choose, Columns, Request
 from pmmkit.readers.bounds import limit_of, too_large
-from pmmkit.readers.tdms.segments import Segments, walk
 from pmmkit.readers.vectors import (
     Vector,
     checked,
@@ -32,6 +33,72 @@ from pmmkit.readers.vectors import (
     small_table,
     with_unit,
 )
+
+# The segments of a TDMS file, their sizes checked against the file.
+#
+# Layout after National Instruments, "TDMS File Format Internal Structure" (2023): each segment
+# begins with 28 bytes that tell where the next one begins and where its raw data begin.
+
+
+TAG: Final = b"TDSm"
+LEAD_IN: Final = 28
+_META, _RAW, _BIG_ENDIAN, _DAQMX = 1 << 1, 1 << 3, 1 << 6, 1 << 7
+_KNOWN: Final = 0b1110_1110
+_UNFINISHED: Final = 0xFFFFFFFFFFFFFFFF
+_VERSIONS: Final = (4712, 4713)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Segments:
+    """What the beginnings of all segments tell.
+
+    `unfinished`: whether the last one was never closed: the program that wrote it stopped.
+    `daqmx`: whether there are raw data of DAQmx.
+    """
+
+    unfinished: bool
+    daqmx: bool
+
+
+def walk(path: Path, request: Request) -> Segments:
+    """Go through the beginnings of all segments."""
+    size = path.stat().st_size
+    place, last, daqmx = 0, 0, False
+    with path.open("rb") as stream:
+        while place < size:
+            stream.seek(place)
+            lead = stream.read(LEAD_IN)
+            if len(lead) < LEAD_IN or lead[:4] != TAG:
+                raise _damaged(request, f"there is no segment at byte {place}, where one should be")
+            mask = struct.unpack_from("<I", lead, 4)[0]
+            order = ">" if mask & _BIG_ENDIAN else "<"
+            version, length, data = struct.unpack_from(f"{order}IQQ", lead, 8)
+            if version not in _VERSIONS or mask & ~_KNOWN:
+                raise _damaged(request, f"the segment at byte {place} is damaged")
+            daqmx = daqmx or bool(mask & _DAQMX)
+            if length == _UNFINISHED:
+                if place + LEAD_IN + data > size:
+                    raise _damaged(request, f"the segment at byte {place} lacks its description")
+                return Segments(unfinished=True, daqmx=daqmx)
+            if data > length:
+                raise _damaged(request, f"the segment at byte {place} is damaged")
+            last, place = place, place + LEAD_IN + length
+    if place != size:
+        raise _damaged(
+            request,
+            f"the segment at byte {last} should end at byte {place}, the file at byte {size}: "
+            f"{place - size} bytes are missing",
+        )
+    return Segments(unfinished=False, daqmx=daqmx)
+
+
+def _damaged(request: Request, what: str) -> Exception:
+    return request.error(
+        request.problem(
+            f"{what}: the file is damaged or cut short.", remedy="Copy it again from the logger."
+        )
+    )
+
 
 _TIME: Final = "t [s]"
 _SCALES: Final = frozenset(
@@ -59,14 +126,7 @@ def names(request: Request) -> tuple[str, ...]:
 
 
 def columns(request: Request, choose: Choose) -> Columns:
-    """Some channels as numbers, scaled as the file says.
-
-    Raises
-    ------
-    CampaignError
-        If the file is damaged or cut short, if channels that are used differ in length or in
-        their sampling, or with every value that is missing, infinite or absurdly large.
-    """
+    """Some channels as numbers, scaled as the file says."""
     with _contents(request) as contents:
         headers = contents.headers(request)
         try:

@@ -14,18 +14,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pmmkit.errors import Problem
+from pmmkit.base import Problem
 from pmmkit.numerics import ABSURD, Array
 from pmmkit.readers.base import LISTED, Cells, Choose, Columns, Request, abridged, numbers_of
-from pmmkit.readers.text.splitting import (
-    BLANKS,
-    Text,
-    blocks,
-    comments_left_out,
-    cut_off,
-    line_end,
-    take_apart,
-)
+from pmmkit.readers.text.heading import BLANKS, line_end
+from pmmkit.readers.text.splitting import Text, blocks, comments_left_out, cut_off, take_apart
 
 
 def names(request: Request) -> tuple[str, ...]:
@@ -80,13 +73,7 @@ def columns(request: Request, choose: Choose) -> Columns:
 
 
 def numbers(text: Text, positions: Sequence[int], request: Request) -> Columns:
-    """Some columns of a text that is taken apart.
-
-    Raises
-    ------
-    CampaignError
-        As `columns`.
-    """
+    """Some columns of a text that is taken apart."""
     values, dropped, problems = _numbers(text, positions, request)
     if problems:
         raise request.error(*abridged(problems, request))
@@ -120,13 +107,7 @@ def _joined(parts: Sequence[Sequence[Array]]) -> tuple[Array, ...]:
 
 
 def cells(request: Request) -> Cells:
-    """All cells of a small file as text.
-
-    Raises
-    ------
-    CampaignError
-        If the file is empty or cannot be decoded, or if rows are not well formed.
-    """
+    """All cells of a small file as text."""
     text = take_apart(request)
     found = _careful(text, request)
     if found.problems:

@@ -10,9 +10,9 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.errors import Problem
+from pmmkit.base import Problem
+from pmmkit.presentation import letters
 from pmmkit.readers.base import Request
-from pmmkit.vocabulary import letters
 
 CUT: Final = "\x01"
 """Stands between columns of fixed width once they are taken apart."""
@@ -40,13 +40,8 @@ what it says for an encoding that a text has them."""
 class Decoded:
     """A text as UTF-8 without byte order mark.
 
-    Parameters
-    ----------
-    data : bytes
-        The text.
-    doubt : Problem or None
-        What is wrong if the text is not ASCII from the first row of numbers on: it is not UTF-8
-        and was read as cp1252, which a heading may be and numbers need not.
+    `doubt`: what is wrong if the text is not ASCII from the first row of numbers on: it is not
+    UTF-8 and was read as cp1252, which a heading may be and numbers need not.
     """
 
     data: bytes
@@ -100,22 +95,7 @@ def keeps_line_ends(encoding: str) -> bool:
 
 
 def decoded(data: bytes, request: Request, line: int = 1) -> Decoded:
-    """The text in the encoding stated, or that of its byte order mark, or UTF-8, or cp1252.
-
-    Parameters
-    ----------
-    data : bytes
-        The file, or a piece of it.
-    request : Request
-        The file, for messages and its options.
-    line : int
-        Line of the file, counted from 1, in which the piece begins.
-
-    Raises
-    ------
-    CampaignError
-        If it is empty, cannot be decoded or holds zero bytes.
-    """
+    """The text in the encoding stated, or that of its byte order mark, or UTF-8, or cp1252."""
     if not data:
         raise request.error(request.problem("the file is empty (0 bytes)."))
     encoding = request.options.encoding or marked(data) or "utf-8"
@@ -165,11 +145,6 @@ def unix_ends(data: bytes, request: Request, line: int = 1) -> bytes:
     """The text with line feeds at its line ends, those after carriage returns included.
 
     `line` is the line of the file, counted from 1, in which the text begins.
-
-    Raises
-    ------
-    CampaignError
-        If a carriage return stands inside a line.
     """
     if b"\r" not in data or data.count(b"\r") == data.count(b"\r\n"):
         return data
@@ -184,14 +159,6 @@ def unix_ends(data: bytes, request: Request, line: int = 1) -> bytes:
 
 def cut_apart(data: bytes, widths: Sequence[int]) -> bytes:
     r"""Lines of columns of fixed width with ``CUT`` between the columns.
-
-    Parameters
-    ----------
-    data : bytes
-        Lines as UTF-8.
-    widths : sequence of int
-        Width of each column [characters]. What a line has beyond them becomes one more field; a
-        line that ends before them has empty fields.
 
     Examples
     --------

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from pmmkit.channels import split_unit
-from pmmkit.conventions import is_unit
+from pmmkit.conventions import is_unit, split_unit
 from pmmkit.readers.base import Request, to_number
 from pmmkit.readers.text.decoding import CUT
 
@@ -44,16 +43,10 @@ _GROUPED: Final = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+")
 class Heading:
     """Where the rows begin, what their columns are called and how they are written.
 
-    Parameters
-    ----------
-    headers : tuple of str or None
-        Names, with their units in brackets where a line of units says so; None without names.
-    start, line : int
-        Where in the text, and in which line counted from 1, the rows begin.
-    delimiter, decimal : str
-        What stands between fields; decimal sign.
-    notes : tuple of str
-        What was left out above.
+    `headers`: names, with their units in brackets where a line of units says so; None without
+    names. `start, line`: where in the text, and in which line counted from 1, the rows begin.
+    `delimiter, decimal`: what stands between fields; decimal sign. `notes`: what was left out
+    above.
     """
 
     headers: tuple[str, ...] | None
@@ -91,11 +84,6 @@ def find_heading(data: bytes, start: int, stop: int, line: int, request: Request
     Names stand in the first line, or in the last of the comments above the rows. Where the file
     cannot be read so and ``skip_rows`` is not stated, the first rows of numbers of one width are
     looked for, and the line above them is taken for the names.
-
-    Raises
-    ------
-    CampaignError
-        If there are no rows, or if it cannot be told whether a line is a header or a damaged row.
     """
     for count in (_SAMPLE + 4, -1):
         lines = _top(data, start, stop, line, request, count)

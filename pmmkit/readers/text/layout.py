@@ -29,7 +29,7 @@ _SAMPLE: Final = 24
 
 
 @dataclass(frozen=True, kw_only=True)
-class Layout:
+class TextLayout:
     """The layout of a text file of columns.
 
     Parameters
@@ -73,7 +73,7 @@ class Layout:
         )
 
 
-def layout_of(head: bytes, *, whole: bool) -> Layout | None:
+def layout_of(head: bytes, *, whole: bool) -> TextLayout | None:
     r"""The layout of a text file, or None if no rows of numbers are found.
 
     Parameters
@@ -117,7 +117,7 @@ def layout_of(head: bytes, *, whole: bool) -> Layout | None:
     header_line, headers, units = _names(lines[:first], width, delimiter)
     if len(body) < 2 and (header_line is None or width < 3):
         return None
-    return Layout(
+    return TextLayout(
         encoding=encoding,
         delimiter=delimiter,
         decimal=decimal,

@@ -42,22 +42,12 @@ BLOCK: Final = 1 << 22
 class Text:
     """A text file, or a piece of it, taken apart.
 
-    Parameters
-    ----------
-    headers : tuple of str or None
-        Names in the header; None where there is none.
-    data : bytes
-        Its text as UTF-8, without comments among the rows.
-    start, stop : int
-        Where in `data` the rows of numbers begin and end, line ends after them left out.
-    first_line : int
-        Line of the file, counted from 1, in which the rows begin.
-    delimiter, decimal : str
-        What stands between fields (a blank for any number of blanks or tabs); decimal sign.
-    comments : tuple of int
-        Lines of the file, counted from 1, below the first of the rows that held comments.
-    notes : tuple of str
-        What was left out or found out.
+    `headers`: names in the header; None where there is none. `data`: its text as UTF-8, without
+    comments among the rows. `start, stop`: where in `data` the rows of numbers begin and end,
+    line ends after them left out. `first_line`: line of the file, counted from 1, in which the
+    rows begin. `delimiter, decimal`: what stands between fields (a blank for any number of
+    blanks or tabs); decimal sign. `comments`: lines of the file, counted from 1, below the
+    first of the rows that held comments. `notes`: what was left out or found out.
     """
 
     headers: tuple[str, ...] | None
@@ -97,13 +87,7 @@ class Text:
 
 
 def take_apart(request: Request) -> Text:
-    """Read a text file whole and find out how it is written.
-
-    Raises
-    ------
-    CampaignError
-        If it is empty, has no rows of numbers, cannot be decoded or holds zero bytes.
-    """
+    """Read a text file whole and find out how it is written."""
     try:
         data = request.path.read_bytes()
     except OSError as error:
@@ -116,11 +100,6 @@ def blocks(request: Request) -> Iterator[Text]:
 
     Blank lines at the end of a piece go to the next one. The last piece is large enough to tell
     by it whether the file was cut off.
-
-    Raises
-    ------
-    CampaignError
-        As `take_apart`.
     """
     encoding = request.options.encoding or "utf-8"
     try:

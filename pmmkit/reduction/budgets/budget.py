@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final, Literal, cast
 
 import numpy as np
 
-from pmmkit.channels import did_you_mean
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.base import DataError, UnknownNameError
+from pmmkit.conventions import did_you_mean
 from pmmkit.inference import Propagated
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, at_froude, counted, number
@@ -33,24 +33,13 @@ SEEN: Final = 0.01
 class Source:
     """One source of uncertainty.
 
-    Parameters
-    ----------
-    title : str
-        In words.
-    gum : {"A", "B", "A, B"}
-        Evaluated from the measurements, or stated (JCGM 100:2008, 3.3.4), or both.
-    acts : {"bias", "precision"}
-        The same error in all runs, or one that each run draws for itself.
-    factors : array (q, n)
-        Change of each result by each of q independent errors of one standard deviation.
-    common : str
-        Cause that it shares with other sources, of which the errors are then the same; empty for
-        none.
-    tested : bool
-        Whether it is one of the tests; else of what was estimated or lent beside them.
-    drawn : tuple of str
-        Of each of the q errors the name of the kind of test whose run draws it; empty where all
-        runs have the same.
+    `gum`: evaluated from the measurements, or stated (JCGM 100:2008, 3.3.4), or both. `acts`:
+    the same error in all runs, or one that each run draws for itself. `factors (q, n)`: change
+    of each result by each of q independent errors of one standard deviation. `common`: cause
+    that it shares with other sources, of which the errors are then the same; empty for none.
+    `tested`: whether it is one of the tests; else of what was estimated or lent beside them.
+    `drawn`: of each of the q errors the name of the kind of test whose run draws it; empty
+    where all runs have the same.
     """
 
     title: str
@@ -63,19 +52,10 @@ class Source:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Result:
+class BudgetResult:
     """What a budget is of.
 
-    Parameters
-    ----------
-    name : str
-        A derivative or a metric.
-    value : float
-        Its value.
-    unit : str
-        ``-`` for none.
-    Fn : float
-        Froude number; NaN for a set over all speeds.
+    `name`: a derivative or a metric. `Fn`: Froude number; NaN for a set over all speeds.
     """
 
     name: str
@@ -92,7 +72,7 @@ class Budget(Described):
     ----------
     subject : str
         What it is a budget of.
-    results : tuple of Result
+    results : tuple of BudgetResult
         Derivatives or metrics.
     sources : tuple of Source
         What makes their uncertainty.
@@ -107,7 +87,7 @@ class Budget(Described):
     """
 
     subject: str
-    results: tuple[Result, ...]
+    results: tuple[BudgetResult, ...]
     sources: tuple[Source, ...]
     not_stated: tuple[str, ...] = ()
     outside: tuple[str, ...] = ()
@@ -206,14 +186,14 @@ class Budget(Described):
             ),
         )
 
-    def carried(self, carry: Array, results: Sequence[Result], subject: str) -> Budget:
+    def carried(self, carry: Array, results: Sequence[BudgetResult], subject: str) -> Budget:
         """The budget of other results, which are linear in these.
 
         Parameters
         ----------
         carry : array (n, m)
             Change of each new result by each of these.
-        results : sequence of m Result
+        results : sequence of m BudgetResult
             What they are.
         subject : str
             What it is a budget of.
@@ -316,7 +296,7 @@ class Budget(Described):
 
     def plot(self) -> Figure:
         """Shares as stacked bars, a bar a result and a panel a Froude number."""
-        from pmmkit.plotting.shares import stacked_shares
+        from pmmkit.reduction.figures import stacked_shares
 
         if not self.results:
             raise DataError("The budget has no results to draw.")
@@ -347,14 +327,7 @@ class Budget(Described):
 
 
 def beside(budgets: Sequence[Budget]) -> Budget:
-    """Budgets of several results by the same sources as one.
-
-    Parameters
-    ----------
-    budgets : sequence of Budget
-        Sources of one title are the same in all of them, with as many independent errors; one that
-        a budget lacks does nothing there. What is told of them is that of the first.
-    """
+    """Budgets of several results by the same sources as one."""
     known: dict[tuple[str, int], dict[int, Source]] = {}
     for place, budget in enumerate(budgets):
         count: dict[str, int] = {}
@@ -378,12 +351,12 @@ def beside(budgets: Sequence[Budget]) -> Budget:
     )
 
 
-def _heading(item: Result) -> str:
+def _heading(item: BudgetResult) -> str:
     unit = "" if item.unit == "-" else f" [{item.unit}]"
     return f"{item.name}{unit}" if math.isnan(item.Fn) else f"{item.name}{unit}, {_key(item)}"
 
 
-def _key(item: Result) -> str:
+def _key(item: BudgetResult) -> str:
     return at_froude(item.Fn).strip().removeprefix("at ")
 
 

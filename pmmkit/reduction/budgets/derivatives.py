@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns.motion.inertia import rig_of
-from pmmkit.campaigns.motion.nominal import has_nominal
-from pmmkit.campaigns.uncertainty import STATABLE, TypeB
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
+from pmmkit.campaigns import STATABLE, TypeB, has_nominal, rig_of
 from pmmkit.inference import root
-from pmmkit.observations.equations import sensitivity
-from pmmkit.observations.stated import acts
-from pmmkit.reduction.budgets.budget import Budget, Result, Source
+from pmmkit.numerics import Array
+from pmmkit.reduction.budgets.budget import Budget, BudgetResult, Source
 from pmmkit.reduction.joint import Push
+from pmmkit.reduction.observations.equations import sensitivity
+from pmmkit.reduction.observations.stated import acts
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from pmmkit.reduction.reduce import Reduction
+
 
 NOISE: Final = "noise, repeats and misfit"
 NUMERICAL: Final = "U_SN of the computation"
@@ -66,22 +70,17 @@ def derivative_budget(reduction: Reduction) -> Budget:
     Notes
     -----
     A source that is wrong by one standard uncertainty changes the equations of each run
-    (`pmmkit.observations.stated`); the regression, with its weights as they are, carries that to
-    the derivatives. An error of all runs moves them together; one that each run draws counts run by
-    run. Type A is the noise of the records with what repeats and residuals show beyond it, and
-    the scatter between runs (Simonsen 2004, ITTC 7.5-02-06-04 and JCGM 100:2008, 5.1).
+    (`pmmkit.reduction.observations.stated`); the regression, with its weights as they are, carries
+    that to the derivatives. An error of all runs moves them together; one that each run draws
+    counts run by run. Type A is the noise of the records with what repeats and residuals show
+    beyond it, and the scatter between runs (Simonsen 2004, ITTC 7.5-02-06-04 and JCGM 100:2008,
+    5.1).
     """
     return replace(measured_budget(reduction), not_stated=not_stated(reduction), outside=OUTSIDE)
 
 
 def measured_budget(reduction: Reduction) -> Budget:
-    """The same without what was not stated, which takes longer to find than the budget itself.
-
-    Parameters
-    ----------
-    reduction : Reduction
-        The reduced tests.
-    """
+    """The same without what was not stated, which takes longer to find than the budget itself."""
     joint = reduction.solution.joint
     asked = set(next(iter(reduction.estimates.values())).table.names)
     there = [
@@ -95,7 +94,7 @@ def measured_budget(reduction: Reduction) -> Budget:
             "derivatives are needed, or records that show their noise."
         )
     results = tuple(
-        Result(
+        BudgetResult(
             name=joint.labels[place][1],
             value=float(joint.value[place]),
             Fn=float(reduction.solution.Fn[joint.labels[place][0]]),
@@ -165,13 +164,7 @@ def _test(reduction: Reduction, run: int) -> str:
 
 
 def not_stated(reduction: Reduction) -> tuple[str, ...]:
-    """What acts on the runs of a reduction and nobody stated, in words.
-
-    Parameters
-    ----------
-    reduction : Reduction
-        The reduced tests.
-    """
+    """What acts on the runs of a reduction and nobody stated, in words."""
     stated = [change.source for change in reduction.sensitivities[0]]
     found = []
     for known in STATABLE.values():
@@ -206,3 +199,75 @@ def _felt(source: TypeB, reduction: Reduction) -> bool:
             if moved > ROUNDING * size or np.nan_to_num(change.force[channel]).any():
                 return True
     return False
+
+
+# Which runs, tests and sources of uncertainty make the uncertainty of a result.
+
+
+def contributions(
+    reduction: Reduction, slopes: Mapping[str, float], *, Fn: float | None = None
+) -> pd.DataFrame:
+    """Share of each test type and of each shared uncertainty in the variance of a result.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        The reduced tests.
+    slopes : mapping of str to float
+        Change of the result per unit of each derivative, such as
+        ``dict(zip(found.names, found.slopes["tactical_diameter"]))`` with `found` from
+        `sensitivities`; derivatives without an entry do not count.
+    Fn : float, optional
+        Froude number of the result; needed where the table has several. Between two of them the
+        derivatives are interpolated linearly.
+
+    Returns
+    -------
+    DataFrame
+        `derivative_budget` grouped by test: a row per test type (the noise of its runs and what
+        each draws for itself: offset, gain, the setting of the drift angle) and per source that
+        all runs share (such as a gauge), with the number of runs, the standard deviation of the
+        result by it alone, and its share of the variance, the largest first. The shares sum to 1.
+
+    Raises
+    ------
+    DataError
+        If no derivative with a slope was determined.
+    """
+    budget, known = measured_budget(reduction), reduction.solution.Fn
+    weights = _weights(known, Fn)
+    carry = np.zeros((len(budget.results), 1))
+    for place, item in enumerate(budget.results):
+        weight = weights[0] if len(known) == 1 else weights[known == item.Fn][0]
+        if math.isfinite(item.value):
+            carry[place] = weight * slopes.get(item.name, 0.0)
+    result = BudgetResult(name="", value=math.nan)
+    carried = budget.carried(carry, [result], budget.subject).by_test()
+    if not carried.std[0] > 0.0:
+        raise DataError("None of these derivatives was determined with an uncertainty.")
+    runs, every = _runs(reduction, weights), len(reduction.rows)
+    frame = carried.to_pandas().set_index("source")
+    frame["runs"] = [runs[item.title] if item.drawn else every for item in carried.sources]
+    kept = frame.loc[frame["runs"] > 0, ["runs", "std", "share"]]
+    return kept.sort_values("share", ascending=False)
+
+
+def _runs(reduction: Reduction, weights: Array) -> Counter[str]:
+    """How many runs of each kind of test count at a Froude number."""
+    groups = reduction.solution.groups
+    return Counter(
+        reduction.rows[run].result.run.test
+        for weight, runs in zip(weights.tolist(), groups, strict=True)
+        for run in runs
+        if weight > 0.0
+    )
+
+
+def _weights(known: Array, Fn: float | None) -> Array:
+    """Share of each group of runs in the derivatives at a Froude number."""
+    if len(known) == 1:
+        return np.ones(1)
+    if Fn is None:
+        raise DataError("The table has several Froude numbers: say which.")
+    place = np.interp(Fn, known, np.arange(len(known)))
+    return np.maximum(0.0, 1.0 - np.abs(np.arange(len(known)) - place))

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.inference import COVERAGE
+from pmmkit.models import DerivativeTable
 from pmmkit.presentation import Described, Grid, Group, Section, at_froude, counted, number
 from pmmkit.reduction.budgets.budget import Budget, Source
-from pmmkit.tables import DerivativeTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,20 +36,9 @@ ROUNDING: Final = 1e-6
 class GridUncertainty(Described):
     """Numerical uncertainty of one number by Richardson extrapolation.
 
-    Parameters
-    ----------
-    value : float
-        On the finest grid.
-    extrapolated : float
-        At a step of zero, with the order that counts.
-    order : float
-        Observed order p; NaN where all three values are the same.
-    formal_order : float
-        Of the method.
-    factor : float
-        Factor of safety.
-    expanded : float
-        U_SN, about 95 %: the factor times the estimated error.
+    `value`: on the finest grid. `extrapolated`: at a step of zero, with the order that counts.
+    `order`: observed order p; NaN where all three values are the same. `expanded`: U_SN, about
+    95 %: the factor times the estimated error.
     """
 
     value: float

@@ -9,20 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
+from pmmkit.conventions import in_lengths, main_of
 from pmmkit.inference import root
-from pmmkit.metrics import in_lengths, main_of
-from pmmkit.models import Model, load_model
+from pmmkit.models import DerivativeTable, Model, load_model
 from pmmkit.numerics import Array
-from pmmkit.reduction.budgets.budget import Budget, Result, Source, beside
+from pmmkit.reduction.budgets.budget import Budget, BudgetResult, Source, beside
 from pmmkit.reduction.budgets.derivatives import derivative_budget
-from pmmkit.simulation.imo.judged import sided_tests
-from pmmkit.simulation.sensitivity import Sensitivities, sensitivities
-from pmmkit.tables import DerivativeTable
+from pmmkit.simulation import Sensitivities, sensitivities, sided_tests
 
 if TYPE_CHECKING:
     from pmmkit.reduction.reduce import Reduction
-    from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
+    from pmmkit.simulation import Manoeuvre
 
 
 def manoeuvre_budget(
@@ -138,7 +136,7 @@ def _carried(
         )
     tested = {item.name for item in budget.results}
     results = [
-        Result(name=name, value=found.nominal[name], unit=found.units.get(name, "-"))
+        BudgetResult(name=name, value=found.nominal[name], unit=found.units.get(name, "-"))
         for name in names
     ]
     carried = budget.carried(carry, results, subject)
@@ -182,6 +180,6 @@ def _weight(weights: Mapping[float, float], Fn: float) -> float:
     return sum(share for at, share in weights.items() if np.isclose(at, Fn, rtol=1e-9))
 
 
-def _widening(table: DerivativeTable, item: Result) -> float:
+def _widening(table: DerivativeTable, item: BudgetResult) -> float:
     row = 0 if table.pooled else int(np.argmin(np.abs(table.Fn - item.Fn)))
     return float(table.widening[row, table.index(item.name)])

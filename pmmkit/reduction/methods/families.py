@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pmmkit.campaigns.run import Campaign
-from pmmkit.campaigns.test_kinds.registry import captive_kinds
+from pmmkit.campaigns import Campaign, captive_kinds
 from pmmkit.conventions import Convention, parse_derivative
-from pmmkit.observations.equations import Rows, Sensitivity
-from pmmkit.reduction.derivatives import Columns
+from pmmkit.models import DerivativeTable
+from pmmkit.reduction.derivatives import DerivativeNames
+from pmmkit.reduction.observations.equations import Rows, Sensitivity
 from pmmkit.reduction.solve import Solution, solve, to_table
-from pmmkit.tables import DerivativeTable
 
 
 def by_family(
     rows: Sequence[Rows],
     sensitivities: Sequence[Sequence[Sensitivity]],
-    columns: Columns,
+    columns: DerivativeNames,
     solution: Solution,
     campaign: Campaign,
     convention: Convention,
@@ -26,20 +25,6 @@ def by_family(
 
     Their intervals hold the scatter that repeats show: families that contradict each other would
     widen the scatter by which all runs agree.
-
-    Parameters
-    ----------
-    rows, sensitivities, columns
-        As in `solve`.
-    solution : Solution
-        The global solution; its Froude groups are used.
-    campaign, convention
-        For the tables.
-
-    Returns
-    -------
-    dict of str to DerivativeTable
-        By the title of the kind of test; kinds without runs are absent.
     """
     tables = {}
     between = replace(solution.between, scatter=solution.repeatability)
@@ -65,7 +50,7 @@ def by_family(
 def by_run(
     rows: Sequence[Rows],
     sensitivities: Sequence[Sequence[Sensitivity]],
-    columns: Columns,
+    columns: DerivativeNames,
     solution: Solution,
     campaign: Campaign,
     convention: Convention,
@@ -74,16 +59,6 @@ def by_run(
 
     In yaw with drift the single-motion derivatives are held at the global solution, so that the
     run gives the coupling ones.
-
-    Parameters
-    ----------
-    rows, sensitivities, columns, solution, campaign, convention
-        As in `by_family`.
-
-    Returns
-    -------
-    dict of str to DerivativeTable
-        By the run's id.
     """
     values: dict[int, dict[str, float]] = {}
     for group, item in solution.fits:
@@ -98,7 +73,7 @@ def by_run(
             wanted = columns.only(kind.fit.factors, optional=False)
             held: dict[str, float] = {}
             if {"v", "r"} <= set(kind.fit.factors):
-                wanted = Columns(
+                wanted = DerivativeNames(
                     required={c: tuple(filter(couples, n)) for c, n in wanted.required.items()},
                     optional=wanted.optional,
                 )

@@ -10,16 +10,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns.test_kinds.kind import Fit as KindFit
-from pmmkit.campaigns.test_kinds.kind import TestKind
-from pmmkit.campaigns.test_kinds.registry import captive_kinds
+from pmmkit.campaigns import KindFit, TestKind, captive_kinds
 from pmmkit.conventions import bare, parse_derivative
 from pmmkit.inference import LeastSquares, least_squares
 from pmmkit.numerics import Array
-from pmmkit.observations.equations import Rows
-from pmmkit.reduction.estimate import Block, ChannelFit, blocks_of, origins_of
+from pmmkit.reduction.estimate import ChannelFit, RunBlock, blocks_of, origins_of
 from pmmkit.reduction.joint import join
-from pmmkit.reduction.methods.method import Estimate, Evidence
+from pmmkit.reduction.methods.method import Estimate, MethodInputs
+from pmmkit.reduction.observations.equations import Rows
 
 TITLE: Final = "harmonics"
 
@@ -28,19 +26,10 @@ TITLE: Final = "harmonics"
 class _Stacked:
     """Rows of all runs of a channel, over U².
 
-    Parameters
-    ----------
-    blocks : tuple of Block
-        By run.
-    tests : array (n,) of str
-        Kind of test of each row.
-    scale : array (n,)
-        U⁻² of each row's run.
-    design : array (n, p)
-        Regressors over U².
+    `tests`: kind of test of each row. `scale`: U⁻² of each row's run.
     """
 
-    blocks: tuple[Block, ...]
+    blocks: tuple[RunBlock, ...]
     tests: NDArray[np.str_]
     scale: Array
     design: Array
@@ -51,13 +40,8 @@ class _Stacked:
         return np.concatenate([block.rows for block in self.blocks])
 
 
-def by_harmonics(evidence: Evidence) -> Estimate:
+def by_harmonics(evidence: MethodInputs) -> Estimate:
     """Derivatives by the classical steps, one kind of test after another.
-
-    Parameters
-    ----------
-    evidence : Evidence
-        Its rows may come from least squares or from trapezoidal integrals.
 
     Notes
     -----

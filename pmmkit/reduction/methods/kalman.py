@@ -11,7 +11,7 @@ import numpy as np
 from pmmkit.inference import InformationRoot, Innovations, innovation_tests
 from pmmkit.numerics import Array
 from pmmkit.reduction.estimate import ChannelFit
-from pmmkit.reduction.methods.method import Estimate, Evidence
+from pmmkit.reduction.methods.method import Estimate, MethodInputs
 from pmmkit.reduction.methods.over_time import OverTime, determined
 
 TITLE: Final = "Kalman filter"
@@ -27,15 +27,9 @@ LEARNING: Final = 2.0
 class Passed:
     """What a filter made of one channel.
 
-    Parameters
-    ----------
-    value : array (p,)
-        States at the end.
-    covariance : array (p, p)
-        Their covariance.
-    innovations : tuple of array (k_i,)
-        By block: each sample less what the samples before it predict, over the standard
-        deviation that the filter gave it; NaN while it learns.
+    `value (p,)`: states at the end. `innovations (k_i,)`: by block: each sample less what the
+    samples before it predict, over the standard deviation that the filter gave it; NaN while it
+    learns.
     """
 
     value: Array
@@ -43,13 +37,8 @@ class Passed:
     innovations: tuple[Array, ...]
 
 
-def by_filter(evidence: Evidence) -> Estimate:
+def by_filter(evidence: MethodInputs) -> Estimate:
     """Derivatives as the states of a Kalman filter that runs through the histories.
-
-    Parameters
-    ----------
-    evidence : Evidence
-        With the runs over time.
 
     Notes
     -----
@@ -82,13 +71,6 @@ def by_filter(evidence: Evidence) -> Estimate:
 
 def filtered(channel: OverTime, names: Sequence[str]) -> Passed:
     """Run the filter through the blocks of a channel in their order.
-
-    Parameters
-    ----------
-    channel : OverTime
-        Equations, whitened block by block.
-    names : sequence of str
-        The states, columns of the equations.
 
     Notes
     -----

@@ -4,30 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pmmkit.conventions import bare, parse_derivative
-from pmmkit.reduction.derivatives import Columns
-from pmmkit.structures import Structure, structure_of, structures
+from pmmkit.conventions import Structure, bare, parse_derivative, structure_of, structures
+from pmmkit.reduction.derivatives import DerivativeNames
 
 
 def library_of(
-    columns: Columns, structure: Structure, library: str | Sequence[str] | Structure | None
+    columns: DerivativeNames, structure: Structure, library: str | Sequence[str] | Structure | None
 ) -> dict[str, tuple[str, ...]]:
     """Terms by channel: those asked for, then those of the library.
 
-    Parameters
-    ----------
-    columns : Columns
-        The derivatives asked for, with what rudder, heel and propeller runs add.
-    structure : Structure
-        What the user asks for.
-    library : str, sequence of str or Structure, optional
-        More terms; by default those of all structures that mean the same by their factors, in
-        the variables of the structure.
-
     Examples
     --------
-    >>> from pmmkit.structures import structures
-    >>> asked = Columns(required={"Y": ("Yv", "Yvvv")}, optional={"Y": ("Y0",)})
+    >>> from pmmkit.conventions import structures
+    >>> asked = DerivativeNames(required={"Y": ("Yv", "Yvvv")}, optional={"Y": ("Y0",)})
     >>> library_of(asked, structure_of("Yv Yvvv"), None)["Y"]
     ('Yv', 'Yvvv', 'Y0', 'Yv|v|')
     """

@@ -7,59 +7,43 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from pmmkit.campaigns.run import Campaign
+from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Convention
 from pmmkit.inference import Consistency
+from pmmkit.models import DerivativeTable
 from pmmkit.numerics import Array
-from pmmkit.observations.equations import Rows, Sensitivity
-from pmmkit.observations.histories import History
 from pmmkit.presentation import Described, Section
-from pmmkit.reduction.derivatives import Columns
+from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.methods.over_time import OverTime, joined
+from pmmkit.reduction.observations.equations import Rows, Sensitivity
+from pmmkit.reduction.observations.histories import RunHistory
 from pmmkit.reduction.solve import Solution, to_table
-from pmmkit.tables import DerivativeTable
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Evidence:
+class MethodInputs:
     """What every method starts from: the runs, and what the global regression knows of them.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        The tests.
-    convention : Convention
-        Meaning of the derivatives.
-    columns : Columns
-        The derivatives asked for.
-    solution : Solution
-        The global regression. Its groups, the noise of its blocks and their errors private to
-        runs (`ChannelFit.noise`, `ChannelFit.private`) are those of every method.
-    table : DerivativeTable
-        Its derivatives.
-    rows : tuple of Rows
-        Means and harmonics of each run.
-    cycles : tuple of float
-        Whole cycles behind the harmonics of the regression over those behind `rows`, run by run.
-    sensitivities : tuple of tuple of Sensitivity
-        How the equations change with each stated uncertainty.
-    histories : tuple of History
-        Each run over time; empty where no method that was asked for needs them.
-    channels : tuple of (int, OverTime)
-        The equations over time, with their Froude group; the terms that the regression
-        determines come first, then those of the library.
+    `convention`: meaning of the derivatives. `columns`: the derivatives asked for. `solution`:
+    the global regression. Its groups, the noise of its blocks and their errors private to runs
+    (`ChannelFit.noise`, `ChannelFit.private`) are those of every method. `rows`: means and
+    harmonics of each run. `cycles`: whole cycles behind the harmonics of the regression over
+    those behind `rows`, run by run. `sensitivities`: how the equations change with each stated
+    uncertainty. `histories`: each run over time; empty where no method that was asked for needs
+    them. `channels`: the equations over time, with their Froude group; the terms that the
+    regression determines come first, then those of the library.
     """
 
     campaign: Campaign
     convention: Convention
-    columns: Columns
+    columns: DerivativeNames
     solution: Solution
     table: DerivativeTable
     rows: tuple[Rows, ...]
     cycles: tuple[float, ...]
     sensitivities: tuple[tuple[Sensitivity, ...], ...]
-    histories: tuple[History, ...] = ()
+    histories: tuple[RunHistory, ...] = ()
     channels: tuple[tuple[int, OverTime], ...] = ()
 
     def over_time(self, fits: Iterable[tuple[int, ChannelFit]]) -> Solution:
@@ -67,7 +51,7 @@ class Evidence:
         return joined(self.solution, fits, self.sensitivities, self.histories)
 
     def tabled(
-        self, solution: Solution, method: str, columns: Columns | None = None
+        self, solution: Solution, method: str, columns: DerivativeNames | None = None
     ) -> DerivativeTable:
         """A solution as a table."""
         return to_table(
@@ -129,19 +113,11 @@ class Estimate(Described):
 class Method:
     """A way from captive runs to derivatives.
 
-    Parameters
-    ----------
-    name : str
-        What a user asks for.
-    text : str
-        What it does, in a line.
-    estimate : callable
-        From `Evidence` to an `Estimate`.
-    over_time : bool
-        Whether it needs the runs over time.
+    `name`: what a user asks for. `text`: what it does, in a line. `estimate`: from
+    `MethodInputs` to an `Estimate`. `over_time`: whether it needs the runs over time.
     """
 
     name: str
     text: str
-    estimate: Callable[[Evidence], Estimate]
+    estimate: Callable[[MethodInputs], Estimate]
     over_time: bool = False

@@ -11,11 +11,11 @@ import numpy as np
 
 from pmmkit.inference import least_squares
 from pmmkit.numerics import Array, projector, rms
-from pmmkit.observations.equations import Sensitivity
-from pmmkit.observations.histories import History
-from pmmkit.observations.noise import FLOOR, whiteners
-from pmmkit.reduction.estimate import Block, ChannelFit, Width
+from pmmkit.reduction.estimate import ChannelFit, RunBlock, Width
 from pmmkit.reduction.joint import join
+from pmmkit.reduction.observations.equations import Sensitivity
+from pmmkit.reduction.observations.histories import RunHistory
+from pmmkit.reduction.observations.noise import FLOOR, whiteners
 from pmmkit.reduction.solve import Solution
 
 CALM: Final = 0.25
@@ -25,19 +25,9 @@ FREE: Final = 100.0
 
 
 def channels_over_time(
-    solution: Solution, histories: Sequence[History], library: Mapping[str, Sequence[str]]
+    solution: Solution, histories: Sequence[RunHistory], library: Mapping[str, Sequence[str]]
 ) -> tuple[tuple[int, OverTime], ...]:
-    """Every channel at every Froude number over time, with its group.
-
-    Parameters
-    ----------
-    solution : Solution
-        The global regression.
-    histories : sequence of History
-        All runs over time.
-    library : mapping of channel to names
-        Terms wanted beside those that the regression determines, which come first.
-    """
+    """Every channel at every Froude number over time, with its group."""
     found = []
     for group, item in solution.fits:
         base = determined(item)
@@ -51,30 +41,18 @@ def channels_over_time(
 class OverTime:
     """Equations of one channel at one Froude number, run by run.
 
-    Parameters
-    ----------
-    base : ChannelFit
-        The global regression of the same channel and runs.
-    names : tuple of str
-        Columns of the designs.
-    blocks : tuple of Block
-        Forces and regressors of each run's stretches; harmonics where there is no history.
-    noise : tuple of array (k_i, k_i)
-        Covariance of each block's rows without the scatter between runs.
-    private : tuple of array (k_i, q) or None
-        Errors that each run draws on its own, as columns per standard deviation.
-    drawn : tuple of array (k_i, 3)
-        Those of them that the regression estimated: offset, gain, drift setting.
-    whiteners : tuple of array (k_i, k_i)
-        Lower triangles that whiten each block for both, so that row by row they are also what is
-        new of each sample after the earlier ones.
-    design, rows : tuple of array
-        Whitened.
+    `base`: the global regression of the same channel and runs. `names`: columns of the designs.
+    `blocks`: forces and regressors of each run's stretches; harmonics where there is no
+    history. `noise (k_i, k_i)`: covariance of each block's rows without the scatter between
+    runs. `private (k_i, q)`: errors that each run draws on its own, as columns per standard
+    deviation. `drawn (k_i, 3)`: those of them that the regression estimated: offset, gain,
+    drift setting. `whiteners (k_i, k_i)`: lower triangles that whiten each block for both, so
+    that row by row they are also what is new of each sample after the earlier ones.
     """
 
     base: ChannelFit
     names: tuple[str, ...]
-    blocks: tuple[Block, ...]
+    blocks: tuple[RunBlock, ...]
     noise: tuple[Array, ...]
     private: tuple[Array | None, ...]
     drawn: tuple[Array, ...]
@@ -115,20 +93,9 @@ class OverTime:
 
 
 def over_time(
-    base: ChannelFit, members: Sequence[int], histories: Sequence[History], names: Sequence[str]
+    base: ChannelFit, members: Sequence[int], histories: Sequence[RunHistory], names: Sequence[str]
 ) -> OverTime:
     """The equations of a channel over time.
-
-    Parameters
-    ----------
-    base : ChannelFit
-        The global regression.
-    members : sequence of int
-        Places of the runs of its Froude number.
-    histories : sequence of History
-        All runs over time.
-    names : sequence of str
-        Columns wanted.
 
     Notes
     -----
@@ -173,13 +140,13 @@ def over_time(
 
 def _block(
     channel: str,
-    block: Block,
+    block: RunBlock,
     noise: Array,
     private: Array | None,
-    history: History,
+    history: RunHistory,
     names: Sequence[str],
     calm: float,
-) -> tuple[Block, Array, Array | None]:
+) -> tuple[RunBlock, Array, Array | None]:
     """A run's rows over time, their noise, and the errors private to the run."""
     from scipy.linalg import toeplitz
 
@@ -216,21 +183,9 @@ def joined(
     solution: Solution,
     fits: Iterable[tuple[int, ChannelFit]],
     sensitivities: Sequence[Sequence[Sensitivity]],
-    histories: Sequence[History],
+    histories: Sequence[RunHistory],
 ) -> Solution:
-    """Fits over time as a solution, with the uncertainties that runs share.
-
-    Parameters
-    ----------
-    solution : Solution
-        The global regression, at whose values forces change with each stated uncertainty.
-    fits : iterable of (group, ChannelFit)
-        From `OverTime.fitted`.
-    sensitivities : sequence of sequence of Sensitivity
-        How the means and harmonics of each run change.
-    histories : sequence of History
-        All runs over time.
-    """
+    """Fits over time as a solution, with the uncertainties that runs share."""
     found = tuple(fits)
     known: dict[int, dict[str, float]] = {}
     for group, item in solution.fits:
@@ -244,7 +199,9 @@ def joined(
     return replace(solution, fits=found, joint=join(found, changes, run_of, {}))
 
 
-def _over_time(change: Sensitivity, history: History, values: Mapping[str, float]) -> Sensitivity:
+def _over_time(
+    change: Sensitivity, history: RunHistory, values: Mapping[str, float]
+) -> Sensitivity:
     """A change of a run's harmonics at the values of the regression, as one of its stretches."""
     moved = {
         channel: history.basis @ np.nan_to_num(change.residual(channel, values))

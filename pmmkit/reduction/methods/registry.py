@@ -8,17 +8,17 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
-from pmmkit.errors import UnknownNameError
+from pmmkit.base import UnknownNameError
 from pmmkit.reduction.methods.harmonics import by_harmonics
 from pmmkit.reduction.methods.kalman import by_filter
-from pmmkit.reduction.methods.method import Estimate, Evidence, Method
+from pmmkit.reduction.methods.method import Estimate, Method, MethodInputs
 from pmmkit.reduction.methods.sparse import by_sparse_regression
 
 ALL: Final = "all"
 """What asks for every method."""
 
 
-def by_regression(evidence: Evidence) -> Estimate:
+def by_regression(evidence: MethodInputs) -> Estimate:
     """The global regression that every method starts from."""
     return Estimate(method="global regression", table=evidence.table)
 
@@ -59,16 +59,6 @@ METHODS: Final = MappingProxyType(
 def methods_of(choice: str) -> tuple[Method, ...]:
     """The methods that a choice stands for, the basis first.
 
-    Parameters
-    ----------
-    choice : str
-        A name, or ``all``.
-
-    Raises
-    ------
-    UnknownNameError
-        With the names there are.
-
     Examples
     --------
     >>> [method.name for method in methods_of("ekf")]
@@ -84,16 +74,8 @@ def methods_of(choice: str) -> tuple[Method, ...]:
     return tuple(dict.fromkeys((basis, METHODS[choice])))
 
 
-def estimates(methods: Sequence[Method], evidence: Evidence) -> dict[str, Estimate]:
-    """What each method makes of the runs, with the seconds it took.
-
-    Parameters
-    ----------
-    methods : sequence of Method
-        From `methods_of`.
-    evidence : Evidence
-        The runs.
-    """
+def estimates(methods: Sequence[Method], evidence: MethodInputs) -> dict[str, Estimate]:
+    """What each method makes of the runs, with the seconds it took."""
     found = {}
     for method in methods:
         started = time.perf_counter()

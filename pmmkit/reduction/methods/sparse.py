@@ -18,9 +18,9 @@ from pmmkit.inference import (
     select_terms,
 )
 from pmmkit.numerics import Array
-from pmmkit.reduction.derivatives import Columns
+from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.estimate import ChannelFit
-from pmmkit.reduction.methods.method import Estimate, Evidence
+from pmmkit.reduction.methods.method import Estimate, MethodInputs
 from pmmkit.reduction.methods.over_time import OverTime, determined
 from pmmkit.reduction.solve import Solution
 
@@ -30,19 +30,12 @@ TELLABLE: Final = 1e4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Choice:
+class ChosenTerms:
     """Terms chosen in one channel.
 
-    Parameters
-    ----------
-    names : tuple of str
-        Terms that were looked for.
-    selection : Selection
-        Their shares of the bags, and which stay.
-    fit : ChannelFit
-        Least squares with those that stay.
-    moved : array (s, s)
-        Covariance that the choice itself brings, of the terms that stay.
+    `names`: terms that were looked for. `selection`: their shares of the bags, and which stay.
+    `fit`: least squares with those that stay. `moved (s, s)`: covariance that the choice itself
+    brings, of the terms that stay.
     """
 
     names: tuple[str, ...]
@@ -51,15 +44,8 @@ class Choice:
     moved: Array
 
 
-def by_sparse_regression(evidence: Evidence, *, seed: int = 0) -> Estimate:
+def by_sparse_regression(evidence: MethodInputs, *, seed: int = 0) -> Estimate:
     """Derivatives of those terms of a library that the runs ask for.
-
-    Parameters
-    ----------
-    evidence : Evidence
-        With the runs over time, and the library.
-    seed : int
-        Of the bags.
 
     Notes
     -----
@@ -71,7 +57,7 @@ def by_sparse_regression(evidence: Evidence, *, seed: int = 0) -> Estimate:
     with the covariance of the regression and, on top, of the choice itself
     (`pmmkit.inference.Selection.covariance_of_choice`).
     """
-    found: list[tuple[int, Choice]] = []
+    found: list[tuple[int, ChosenTerms]] = []
     same: list[tuple[int, ChannelFit]] = []
     rng = np.random.default_rng(seed)
     said = []
@@ -104,18 +90,8 @@ def _tellable(channel: OverTime, count: int) -> list[str]:
     return [*base, *(more[place] for place in further)]
 
 
-def chosen(channel: OverTime, names: Sequence[str], rng: np.random.Generator) -> Choice:
-    """Choose among the terms of a channel.
-
-    Parameters
-    ----------
-    channel : OverTime
-        Whitened equations.
-    names : sequence of str
-        Terms to choose among.
-    rng : Generator
-        Of folds and bags.
-    """
+def chosen(channel: OverTime, names: Sequence[str], rng: np.random.Generator) -> ChosenTerms:
+    """Choose among the terms of a channel."""
     at = [channel.names.index(name) for name in names]
     runs = [Equations.of((X[:, at], y)) for X, y in zip(channel.design, channel.rows, strict=True)]
     independent = sum(len(block.rows) for block in channel.base.blocks)
@@ -127,7 +103,7 @@ def chosen(channel: OverTime, names: Sequence[str], rng: np.random.Generator) ->
         sample=sample,
     )
     kept = [name for name, stay in zip(names, selection.stays, strict=True) if stay]
-    return Choice(
+    return ChosenTerms(
         names=tuple(names),
         selection=selection,
         fit=channel.fitted(kept),
@@ -135,7 +111,7 @@ def chosen(channel: OverTime, names: Sequence[str], rng: np.random.Generator) ->
     )
 
 
-def _with_choice(solution: Solution, found: Sequence[tuple[int, Choice]]) -> Solution:
+def _with_choice(solution: Solution, found: Sequence[tuple[int, ChosenTerms]]) -> Solution:
     """A solution with the covariance that the choice of terms brings."""
     covariance = solution.joint.covariance.copy()
     start = 0
@@ -146,20 +122,20 @@ def _with_choice(solution: Solution, found: Sequence[tuple[int, Choice]]) -> Sol
     return replace(solution, joint=replace(solution.joint, covariance=covariance))
 
 
-def _columns(evidence: Evidence, found: Sequence[tuple[int, Choice]]) -> Columns:
+def _columns(evidence: MethodInputs, found: Sequence[tuple[int, ChosenTerms]]) -> DerivativeNames:
     """The terms kept at any Froude number; what the regression took beside stays beside."""
     kept: dict[str, dict[str, None]] = {}
     for _, item in found:
         names = dict.fromkeys(item.fit.fit.names)
         kept[item.fit.channel] = {**kept.get(item.fit.channel, {}), **names}
     optional = evidence.columns.optional
-    return Columns(
+    return DerivativeNames(
         required={c: tuple(n for n in own if n not in optional[c]) for c, own in kept.items()},
         optional={c: tuple(n for n in own if n in optional[c]) for c, own in kept.items()},
     )
 
 
-def _shares(found: Sequence[tuple[int, Choice]], groups: int) -> dict[str, Array]:
+def _shares(found: Sequence[tuple[int, ChosenTerms]], groups: int) -> dict[str, Array]:
     shares: dict[str, Array] = {}
     for group, item in found:
         for name, share in zip(item.names, item.selection.shares.tolist(), strict=True):
@@ -167,7 +143,7 @@ def _shares(found: Sequence[tuple[int, Choice]], groups: int) -> dict[str, Array
     return shares
 
 
-def _undecided(found: Sequence[tuple[int, Choice]]) -> list[str]:
+def _undecided(found: Sequence[tuple[int, ChosenTerms]]) -> list[str]:
     """Terms on which the bags of runs are of two minds."""
     names = dict.fromkeys(name for _, item in found for name in item.names)
     open_ = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
+import os
 import time
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
@@ -15,15 +16,88 @@ from typing import Final
 
 from threadpoolctl import threadpool_limits
 
-from pmmkit.campaigns.run import Run
-from pmmkit.campaigns.samples.bringing import bring
-from pmmkit.campaigns.samples.loading import requests_of
-from pmmkit.errors import CampaignError, DataError
-from pmmkit.executors import Workers, each, opened
+from pmmkit.base import CampaignError, DataError, Workers, each, opened
+from pmmkit.campaigns import Run, bring, data_files, requests_of
 from pmmkit.presentation import counted
-from pmmkit.reduction.reading.memory import memory_of, shared_out, size_of
-from pmmkit.reduction.reading.resume import Kept
+from pmmkit.reduction.reading.resume import StoredResults
 from pmmkit.reduction.reading.run import Reading, ReductionSettings, read_run
+
+# How much memory the reading of runs takes, and how many processes there is memory for.
+#
+# Executors know nothing of memory, and records of gigabytes read side by side would take all of
+# it.
+
+
+PROCESS_MB: Final = 125.0
+"""Memory of a process that has read a small run."""
+OWN_MB: Final = 160.0
+"""Memory of the asking process, and of the results of some thousand runs in it."""
+SAMPLE_BYTES: Final = 480.0
+"""Memory for each sample of a history while it is reduced."""
+WHOLE: Final = 8.0
+"""Memory over file size where a file is read whole."""
+PIECES_MB: Final = 40.0
+"""Memory for the pieces in which a large text file is read."""
+HEAD: Final = 1 << 16
+MB: Final = 1e6
+
+
+def memory_of(run: Run) -> float:
+    """About how much memory the reading of a run takes [MB], from the sizes of its files.
+
+    Files of the same name follow one another in time, others stand side by side.
+    """
+    samples: dict[str, float] = {}
+    held = 0.0
+    for path in _files(run):
+        try:
+            size = path.stat().st_size
+            with path.open("rb") as stream:
+                head = stream.read(HEAD)
+        except OSError:
+            continue
+        whole = b"\0" in head or not head
+        held = max(held, WHOLE * size if whole else min(WHOLE * size, PIECES_MB * MB))
+        lines = 0.0 if whole else size * (head.count(b"\n") + 1) / len(head)
+        samples[path.name] = samples.get(path.name, 0.0) + lines
+    return (held + SAMPLE_BYTES * max(samples.values(), default=0.0)) / MB
+
+
+def size_of(run: Run) -> int:
+    """Bytes of the files of a run; of those behind a URL what their store says."""
+    requests = requests_of(run)
+    if any(request.origin is not None for request in requests):
+        return sum(item.origin.size or 0 for item in requests if item.origin is not None)
+    total = 0
+    for path in _files(run):
+        try:
+            total += path.stat().st_size
+        except OSError:
+            continue
+    return total
+
+
+def _files(run: Run) -> list[Path]:
+    try:
+        return list(data_files(run).values())
+    except DataError:
+        return []
+
+
+def shared_out(memory: float, most: int | None) -> tuple[int, float]:
+    """How many processes there is memory for, and what is left for the runs that they read [MB].
+
+    memory [MB].
+
+    Examples
+    --------
+    >>> shared_out(1000.0, 4), shared_out(1000.0, 64)
+    ((4, 340.0), (5, 215.0))
+    """
+    left = memory - OWN_MB
+    count = max(1, min(most or os.cpu_count() or 1, int(left / (1.25 * PROCESS_MB))))
+    return count, max(left - count * PROCESS_MB, 0.0)
+
 
 PATIENCE: Final = 2.0
 """Seconds of reading after which results are kept and processes started."""
@@ -40,14 +114,9 @@ Result = Reading | DataError
 class Means:
     """What may be used for the reading.
 
-    Parameters
-    ----------
-    executor : Executor, int or str, optional
-        Who reads: processes of this machine where a number, or nothing, is given.
-    memory : float
-        Memory of these [MB]; that of a given executor is its own affair.
-    kept : Path or None
-        Folder for the results of runs.
+    `executor`: who reads: processes of this machine where a number, or nothing, is given.
+    `memory`: memory of these [MB]; that of a given executor is its own affair. `kept`: folder
+    for the results of runs.
     """
 
     executor: Workers = None
@@ -56,26 +125,11 @@ class Means:
 
 
 def read_all(settings: ReductionSettings, tell: Progress, means: Means) -> list[Reading]:
-    """All runs of a campaign, in their order.
-
-    Parameters
-    ----------
-    settings : ReductionSettings
-        The campaign and how its runs are read.
-    tell : callable
-        Called with (runs done, runs in all, what is done).
-    means : Means
-        Processes, memory and the folder of kept results.
-
-    Raises
-    ------
-    CampaignError
-        If there are no runs, or some cannot be read: with all problems of all of them.
-    """
+    """All runs of a campaign, in their order."""
     runs = settings.campaign.runs
     if not runs:
         raise CampaignError(f"Campaign {settings.campaign.title!r} has no run to reduce.")
-    kept = None if means.kept is None else Kept(folder=means.kept, settings=settings)
+    kept = None if means.kept is None else StoredResults(folder=means.kept, settings=settings)
     found = _read_before(runs, kept, tell)
     left = [place for place in range(len(runs)) if place not in found]
     if not isinstance(means.executor, (str, Executor)):
@@ -117,7 +171,9 @@ def _fetch(runs: Sequence[Run], tell: Progress) -> None:
         bring(afar)
 
 
-def _read_before(runs: Sequence[Run], kept: Kept | None, tell: Progress) -> dict[int, Reading]:
+def _read_before(
+    runs: Sequence[Run], kept: StoredResults | None, tell: Progress
+) -> dict[int, Reading]:
     """What an interrupted call has read, by the place of the run."""
     if kept is None or not kept.folder.is_dir():
         return {}
@@ -134,10 +190,7 @@ def _read_before(runs: Sequence[Run], kept: Kept | None, tell: Progress) -> dict
 class _Pace:
     """How fast the reading goes and how long it will still take.
 
-    Parameters
-    ----------
-    weights : sequence of int
-        What each run counts, in their order: about the bytes of its files.
+    `weights`: what each run counts, in their order: about the bytes of its files.
     """
 
     weights: Sequence[int]

@@ -18,18 +18,14 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.campaigns.run import Run
-from pmmkit.campaigns.samples.loading import data_files
-from pmmkit.campaigns.settings import Settings
-from pmmkit.checks import Summary
-from pmmkit.errors import PmmkitError
-from pmmkit.files import sha256
-from pmmkit.json_text import from_json, to_json
-from pmmkit.observations.equations import Rows, Sensitivity
-from pmmkit.observations.histories import History
-from pmmkit.observations.prepare import RunResult
+from pmmkit.base import PmmkitError, __version__
+from pmmkit.campaigns import Run, Settings, data_files
+from pmmkit.files import from_json, sha256, to_json
+from pmmkit.intake import Summary
+from pmmkit.reduction.observations.equations import Rows, Sensitivity
+from pmmkit.reduction.observations.histories import RunHistory
+from pmmkit.reduction.observations.prepare import RunResult
 from pmmkit.reduction.reading.run import Reading, ReductionSettings
-from pmmkit.version import __version__
 
 LAYOUT: Final = 4
 """Version of the files' content."""
@@ -53,15 +49,11 @@ def forget(folder: Path) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Kept:
+class StoredResults:
     """Results of the runs of one campaign, kept in a folder.
 
-    Parameters
-    ----------
-    folder : Path
-        The folder; it is made when there is something to keep.
-    settings : ReductionSettings
-        How the runs are read.
+    `folder`: the folder; it is made when there is something to keep. `settings`: how the runs
+    are read.
     """
 
     folder: Path
@@ -170,5 +162,5 @@ def _restored(plain: Mapping[str, Any], run: Run, settings: ReductionSettings) -
             for source, item in zip(settings.sources, plain["sensitivities"], strict=True)
         ),
         summary=Summary(run=run, **plain["summary"]),
-        history=plain["history"] and History(**plain["history"]),
+        history=plain["history"] and RunHistory(**plain["history"]),
     )

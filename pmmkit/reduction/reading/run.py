@@ -5,40 +5,64 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from pmmkit.campaigns.motion.inertia import rig_of
-from pmmkit.campaigns.run import Campaign, Run
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.checks import Known, Summary, summarise
+from pmmkit.campaigns import Campaign, Run, TypeB, rig_of
 from pmmkit.conventions import Convention
-from pmmkit.observations.blockage import speed_increase
-from pmmkit.observations.equations import Rows, Sensitivity, rows_of, sensitivity
-from pmmkit.observations.histories import History, history_of
-from pmmkit.observations.prepare import CycleChoice, Prepared, prepare
-from pmmkit.reduction.derivatives import Columns
+from pmmkit.intake import KnownHistory, Summary, summarise
+from pmmkit.reduction.derivatives import DerivativeNames
+from pmmkit.reduction.observations.equations import Rows, Sensitivity, rows_of, sensitivity
+from pmmkit.reduction.observations.histories import RunHistory, history_of
+from pmmkit.reduction.observations.prepare import CycleChoice, PreparedRun, prepare
+
+# Blockage of the tank: how much faster the water passes the model than the carriage says.
+
+
+def speed_increase(campaign: Campaign, speed: float) -> float | None:
+    """Mean increase of the water's speed beside the model, as a share of the carriage's.
+
+    One-dimensional continuity with the lowered surface: m/(1 - m - Fh²), m the model's midship
+    section over the tank's and Fh the Froude number on the tank's depth. A mean over the section:
+    a first estimate, not a wall correction of moments.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Its water must hold tank_width and tank_depth.
+    speed : float
+        Carriage speed [m/s].
+
+    Returns
+    -------
+    float or None
+        Share; None where the tank is not stated or the flow is critical.
+
+    Examples
+    --------
+    >>> from pmmkit.conventions import Ship, Water
+    >>> ship = Ship(name="m", L=6.9, B=1.25, d=.45, volume=3.1, mass=3100., Izz=9500.)
+    >>> tank = Water(tank_width=14.0, tank_depth=6.0)
+    >>> round(speed_increase(Campaign(title="", ship=ship, water=tank, runs=()), 1.17), 5)
+    0.0069
+    """
+    water, ship = campaign.water, campaign.ship
+    depth = water.depth or water.tank_depth
+    if water.tank_width is None or depth is None:
+        return None
+    section = ship.B * ship.d / (water.tank_width * depth)
+    room = 1 - section - speed**2 / (water.g * depth)
+    return section / room if room > 0 else None
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReductionSettings:
     """How the runs of a campaign are read.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        Ship, water, rig and uncertainties; its runs are not looked at.
-    columns : Columns
-        The derivatives that may be asked for.
-    convention : Convention
-        Meaning of the derivatives.
-    cycles, blockage
-        As for `reduce_campaign`.
-    integrated : bool
-        As for `prepare`.
-    library : mapping of channel to names, optional
-        Derivatives whose regressors are wanted over time; no histories are kept without.
+    `campaign`: ship, water, rig and uncertainties; its runs are not looked at. `columns`: the
+    derivatives that may be asked for. `convention`: meaning of the derivatives. `library`:
+    derivatives whose regressors are wanted over time; no histories are kept without.
     """
 
     campaign: Campaign
-    columns: Columns
+    columns: DerivativeNames
     convention: Convention
     cycles: CycleChoice
     blockage: str
@@ -59,46 +83,25 @@ class ReductionSettings:
 class Reading:
     """What is kept of one run.
 
-    Parameters
-    ----------
-    rows : Rows
-        Its equations.
-    sensitivities : tuple of Sensitivity
-        How they change with each stated uncertainty.
-    summary : Summary
-        What the checks look at.
-    history : History or None
-        The run over time, where the settings ask for it.
+    `sensitivities`: how they change with each stated uncertainty. `summary`: what the checks
+    look at. `history`: the run over time, where the settings ask for it.
     """
 
     rows: Rows
     sensitivities: tuple[Sensitivity, ...]
     summary: Summary
-    history: History | None = None
+    history: RunHistory | None = None
 
 
 def read_run(run: Run, settings: ReductionSettings) -> Reading:
-    """Read the samples of a run once and keep what the reduction needs.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-    settings : ReductionSettings
-        How.
-
-    Raises
-    ------
-    DataError
-        If the run cannot be read or reduced.
-    """
+    """Read the samples of a run once and keep what the reduction needs."""
     data = run.data
     once = run.with_(loader=lambda: data)
     prepared = prepare(
         once, settings.campaign, cycles=settings.cycles, integrated=settings.integrated
     )
     rows, changes, history = _equations(prepared, once, settings)
-    known = Known(
+    known = KnownHistory(
         channels=tuple(prepared.result.measured),
         window=prepared.window,
         counted=prepared.counted,
@@ -114,8 +117,8 @@ def read_run(run: Run, settings: ReductionSettings) -> Reading:
 
 
 def _equations(
-    prepared: Prepared, run: Run, settings: ReductionSettings
-) -> tuple[Rows, Iterator[Sensitivity], History | None]:
+    prepared: PreparedRun, run: Run, settings: ReductionSettings
+) -> tuple[Rows, Iterator[Sensitivity], RunHistory | None]:
     """What a run says about the derivatives, how that changes with the uncertainties, over time."""
     campaign = settings.campaign
     rig = rig_of(campaign)

@@ -14,14 +14,17 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.numerics import Array
-from pmmkit.plotting.waves import over_wave_length
 from pmmkit.presentation import Described, Grid, Group, Section, number
-from pmmkit.seakeeping.asked import between, nearest
-from pmmkit.seakeeping.hulls.hull import Hull
+from pmmkit.seakeeping.figures import over_wave_length
+from pmmkit.seakeeping.hull_forms.hull import Hull
 from pmmkit.seakeeping.seas import Sea
-from pmmkit.seakeeping.second_order.empirical_resistance import Form, snnm, stawave2
+from pmmkit.seakeeping.second_order.empirical_resistance import (
+    ResistanceParticulars,
+    snnm,
+    stawave2,
+)
 from pmmkit.seakeeping.second_order.mean_drift import drift, mean_force, radiated_force
-from pmmkit.seakeeping.transfer import Rao
+from pmmkit.seakeeping.transfer import Rao, between, nearest
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -152,7 +155,8 @@ def added_resistance(rao: Rao) -> AddedResistance:
 
     Examples
     --------
-    >>> from pmmkit.seakeeping import hull_from_particulars, rao
+    >>> from pmmkit.seakeeping.hull_forms.particulars import hull_from_particulars
+    >>> from pmmkit.seakeeping.motions import rao
     >>> hull = hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.7)
     >>> found = added_resistance(rao(hull, speeds=5.0, omega=[0.5, 0.7]))
     >>> sorted(found.methods)
@@ -171,19 +175,14 @@ def added_resistance(rao: Rao) -> AddedResistance:
     )
 
 
-def form_of(hull: Hull, kyy: float) -> Form:
+def form_of(hull: Hull, kyy: float) -> ResistanceParticulars:
     """What formulas ask of a hull.
 
-    Parameters
-    ----------
-    hull : Hull
-        The hull.
-    kyy : float
-        Radius of gyration in pitch [m].
+    kyy [m].
     """
     breadth = float(hull.breadths.max())
     full = hull.x[hull.breadths > 0.99 * breadth]
-    return Form(
+    return ResistanceParticulars(
         L=hull.L,
         B=breadth,
         d=hull.draught,

@@ -12,21 +12,12 @@ from pmmkit.numerics import Array
 
 
 @dataclass(frozen=True, kw_only=True)
-class Form:
+class ResistanceParticulars:
     """Particulars of a ship that formulas ask.
 
-    Parameters
-    ----------
-    L, B, d : float
-        Length between perpendiculars, breadth, draught [m].
-    block : float
-        Block coefficient [-].
-    kyy : float
-        Radius of gyration in pitch over the length [-].
-    entrance, run : float
-        Lengths of entrance and run of the waterline [m].
-    trim : float
-        Draught aft less that forward [m].
+    `L, B, d`: length between perpendiculars, breadth, draught [m]. `kyy`: radius of gyration in
+    pitch over the length [-]. `entrance, run`: lengths of entrance and run of the waterline
+    [m]. `trim`: draught aft less that forward [m].
     """
 
     L: float
@@ -46,21 +37,12 @@ def _peak(ratio: Array, rising: float, falling: float, low: Array, high: Array) 
     return np.asarray(ratio**b * np.exp(b / d * (1 - ratio**d)))
 
 
-def stawave2(form: Form, speed: Array, heading: Array, omega: Array, rho: float, g: float) -> Array:
+def stawave2(
+    form: ResistanceParticulars, speed: Array, heading: Array, omega: Array, rho: float, g: float
+) -> Array:
     """STAWAVE-2 (ITTC 2014) over the square of the amplitude [N/m²], NaN out of its range.
 
-    Parameters
-    ----------
-    form : Form
-        The ship.
-    speed, heading, omega : array
-        [m/s, rad, rad/s], axes of the result.
-    rho, g : float
-        Density [kg/m³], gravity [m/s²].
-
-    Returns
-    -------
-    array, shape (speeds, headings, frequencies)
+    rho, g [kg/m³].
     """
     from scipy.special import i1, k1
 
@@ -88,21 +70,12 @@ def stawave2(form: Form, speed: Array, heading: Array, omega: Array, rho: float,
     return np.asarray(np.where(holds, (moving + reflected)[:, None, :], np.nan))
 
 
-def snnm(form: Form, speed: Array, heading: Array, omega: Array, rho: float, g: float) -> Array:
+def snnm(
+    form: ResistanceParticulars, speed: Array, heading: Array, omega: Array, rho: float, g: float
+) -> Array:
     """SNNM (Liu and Papanikolaou 2020) over the square of the amplitude [N/m²].
 
-    Parameters
-    ----------
-    form : Form
-        The ship.
-    speed, heading, omega : array
-        [m/s, rad, rad/s], axes of the result.
-    rho, g : float
-        Density [kg/m³], gravity [m/s²].
-
-    Returns
-    -------
-    array, shape (speeds, headings, frequencies)
+    rho, g [kg/m³].
     """
     angle = np.abs((heading + math.pi) % (2 * math.pi) - math.pi)[None, :, None]
     U, w = speed[:, None, None], omega[None, None, :]
@@ -110,7 +83,7 @@ def snnm(form: Form, speed: Array, heading: Array, omega: Array, rho: float, g: 
     return np.asarray(scale * (_motion(form, U, angle, w, g) + _reflection(form, U, angle, w, g)))
 
 
-def _motion(form: Form, U: Array, angle: Array, omega: Array, g: float) -> Array:
+def _motion(form: ResistanceParticulars, U: Array, angle: Array, omega: Array, g: float) -> Array:
     froude = U / math.sqrt(g * form.L)
     length = 2 * math.pi * g / omega**2
     slender = math.log(form.B / form.d)
@@ -143,7 +116,7 @@ def _motion(form: Form, U: Array, angle: Array, omega: Array, g: float) -> Array
 
 
 def _following(
-    form: Form, U: Array, omega: Array, g: float, strength: Callable[..., Array]
+    form: ResistanceParticulars, U: Array, omega: Array, g: float, strength: Callable[..., Array]
 ) -> Array:
     """Strength in following seas: none at a quarter of the speed of the waves."""
     wave = g / omega
@@ -158,7 +131,9 @@ def _following(
     return np.asarray(np.where(part < 1, low, np.where(part < 2, middle, beyond)))
 
 
-def _reflection(form: Form, U: Array, angle: Array, omega: Array, g: float) -> Array:
+def _reflection(
+    form: ResistanceParticulars, U: Array, angle: Array, omega: Array, g: float
+) -> Array:
     """Reflection at the bow and at the stern, over ρgB²/L."""
     froude = U / math.sqrt(g * form.L)
     length = 2 * math.pi * g / omega**2

@@ -7,12 +7,11 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Final
 
-from pmmkit.effects.waves import WAVE_DRIFT
-from pmmkit.errors import DataError
-from pmmkit.models import Model
-from pmmkit.models.model import Part
-from pmmkit.seakeeping.hulls.hull import Hull
-from pmmkit.seakeeping.hulls.library import hull_of
+from pmmkit.base import DataError
+from pmmkit.effects import WAVE_DRIFT
+from pmmkit.models import Model, Part
+from pmmkit.seakeeping.hull_forms.hull import Hull
+from pmmkit.seakeeping.hull_forms.particulars import hull_of
 from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.motions import frequencies, rao
 from pmmkit.seakeeping.seas import Sea
@@ -101,7 +100,8 @@ def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: fl
 
     Examples
     --------
-    >>> from pmmkit.seakeeping import hull_from_particulars, rao
+    >>> from pmmkit.seakeeping.hull_forms.particulars import hull_from_particulars
+    >>> from pmmkit.seakeeping.motions import rao
     >>> hull = hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.7)
     >>> found = rao(hull, speeds=[0.0, 6.0], headings_deg=[0, 90, 180], omega=[0.5, 0.7, 0.9])
     >>> part = drift_part(found, Sea(Hs=3.0, Tp=9.0))
@@ -170,7 +170,8 @@ def in_waves(
     Examples
     --------
     >>> from pmmkit.models import load_model
-    >>> from pmmkit.seakeeping import hull_from_particulars, rao
+    >>> from pmmkit.seakeeping.hull_forms.particulars import hull_from_particulars
+    >>> from pmmkit.seakeeping.motions import rao
     >>> hull = hull_from_particulars(name="KCS", L=230.0, B=32.2, d=10.8, block=0.65)
     >>> found = rao(hull, speeds=[0, 6, 12], headings_deg=[0, 90, 180], omega=[0.5, 0.7])
     >>> rough = in_waves(load_model("kcs"), Sea(Hs=4.0, Tp=10.0), motions=found, from_deg=30.0)

@@ -10,15 +10,14 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.errors import DataError
+from pmmkit.base import DataError
 from pmmkit.numerics import Array
-from pmmkit.seakeeping.arrays import Complex
-from pmmkit.seakeeping.asked import nearest
-from pmmkit.seakeeping.hulls.hull import Hull
+from pmmkit.seakeeping.hull_forms.hull import Hull
+from pmmkit.seakeeping.lengthwise import Complex
 from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.sectional import HEAVE, ROLL, SWAY
 from pmmkit.seakeeping.strips import at_frequency
-from pmmkit.seakeeping.transfer import Rao
+from pmmkit.seakeeping.transfer import Rao, nearest
 
 _TURNED: Final = np.array([-1j, -1.0, -1.0])
 """Elevation beside the section over what `Sections.far` holds: a source lags by a quarter."""
@@ -27,12 +26,7 @@ _TURNED: Final = np.array([-1j, -1.0, -1.0])
 def mean_force(values: Array, omega: Array, sea: Sea) -> float:
     """2∫S F/ζ² dω [N]; NaN where a method does not hold in the sea.
 
-    Parameters
-    ----------
-    values, omega : array
-        Force over the square of the amplitude [N/m²] at frequencies of the waves [rad/s].
-    sea : Sea
-        The sea.
+    values, omega [N/m²].
     """
     energy = sea.spectrum(omega)
     silent = energy < 1e-4 * energy.max()
@@ -44,15 +38,6 @@ def radiated_force(rao: Rao) -> Array:
 
     k/(2ωₑ) ∫ (b₃₃ - U da₃₃/dx) |V|² dx, with V the vertical velocity of a section against the
     wave, whose velocity decays with depth (Gerritsma and Beukelman 1972).
-
-    Parameters
-    ----------
-    rao : Rao
-        The motions.
-
-    Returns
-    -------
-    array, shape (speeds, headings, frequencies)
     """
     strips, k = rao.strips, rao.wavenumber
     x = strips.x
@@ -87,15 +72,6 @@ def reflected_force(rao: Rao) -> Array:
     Faltinsen's (1980) asymptote for waves that are short beside the ship, over the part of the
     waterline that the waves strike: ½ρg (c² + 2ωU/g c n_x) on the normal, with c the cosine of
     incidence; times the energy that a plate of the draught reflects (Ursell 1947).
-
-    Parameters
-    ----------
-    rao : Rao
-        For its hull, speed, heading and frequencies.
-
-    Returns
-    -------
-    array, shape (speeds, headings, frequencies)
     """
     normal, length = _waterline(rao.strips.hull)
     direction = np.stack([np.cos(rao.heading), -np.sin(rao.heading)], axis=-1)
@@ -110,11 +86,6 @@ def reflected_force(rao: Rao) -> Array:
 
 def plate_reflection(depth: Array) -> Array:
     """Energy of waves that a plate from the surface down reflects [-]: π²I₁²/(π²I₁² + K₁²).
-
-    Parameters
-    ----------
-    depth : array
-        Wavenumber times the depth of the plate.
 
     Examples
     --------
@@ -135,10 +106,7 @@ def scattering(far: Complex) -> tuple[Complex, Complex]:
     The waves of heave and of sway say both: each part of the incident wave, even or odd, comes
     back whole and out of phase (Newman 1975), so that energy is kept.
 
-    Parameters
-    ----------
-    far : array of complex, shape (2 or more, …)
-        Elevation sent out to the side of the incident wave over the motion, heave and sway first.
+    far (2 or more, …).
     """
     even, odd = (-far[row] / far[row].conj() for row in (HEAVE, SWAY))
     return 0.5 * (even + odd), 0.5 * (even - odd)
@@ -150,16 +118,6 @@ def scattered_force(rao: Rao) -> Array:
     Each section meets the wave squarely and moves as the ship does: ¼ρg(1 + |R|² - |T|²) for a
     wave of unit amplitude (Maruo 1960), times sin²β. At speed it sends out waves of the frequency
     of encounter, in waves from abaft the beam of that of the wave, which is higher.
-
-    Parameters
-    ----------
-    rao : Rao
-        The motions; those that are not known are taken for none.
-
-    Returns
-    -------
-    array, shape (2, speeds, headings, frequencies)
-        Y to port [N/m²] and N [N m/m²].
     """
     strips = rao.strips
     x = strips.x
@@ -192,15 +150,6 @@ def drift(rao: Rao) -> Array:
     a plate of the draught reflects. In waves from abaft the beam, where energy over the frequency
     of encounter grows beyond reason, it is taken over that of the wave. Y and N: what the sections
     scatter (`scattered_force`).
-
-    Parameters
-    ----------
-    rao : Rao
-        The motions.
-
-    Returns
-    -------
-    array, shape (3, speeds, headings, frequencies)
     """
     share = plate_reflection(rao.wavenumber * rao.strips.hull.draught)
     met = np.minimum(np.abs(rao.encounter) / rao.omega, 1.0)
@@ -209,28 +158,7 @@ def drift(rao: Rao) -> Array:
 
 
 def drift_table(rao: Rao, sea: Sea, *, speed: float | None = None) -> dict[str, tuple[float, ...]]:
-    """Mean drift of a sea as the table that a manoeuvring model takes.
-
-    Parameters
-    ----------
-    rao : Rao
-        Motions at headings from 0 to 180°.
-    sea : Sea
-        Its period counts; forces go with the square of its height, which the model has.
-    speed : float, optional
-        One of those of `rao` [m/s].
-
-    Returns
-    -------
-    dict
-        ``angle_deg`` from which the waves come, from the bow, to starboard; ``DX``, ``DY`` over
-        ρgHs²L and ``DN`` over ρgHs²L², x forward, y to starboard.
-
-    Raises
-    ------
-    DataError
-        If headings do not reach from 0 to 180°, or the sea is short-crested.
-    """
+    """Mean drift of a sea as the table that a manoeuvring model takes."""
     a = nearest(rao.speed, speed, "speed [m/s]")
     headings = np.degrees(rao.heading)
     if sea.spreading is not None:

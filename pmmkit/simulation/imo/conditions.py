@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Final
 
-from pmmkit.metrics import HARD_OVER
+from pmmkit.conventions import HARD_OVER, Ship
 from pmmkit.presentation import listed
-from pmmkit.ship import Ship
 
 SHORTEST: Final = 100.0
 """Length from which on the standard applies [m]: MSC.137(76)."""

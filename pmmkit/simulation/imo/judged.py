@@ -9,12 +9,10 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.effects.catalogue import catalogue
-from pmmkit.errors import DataError
-from pmmkit.metrics import HARD_OVER, Criterion, Metric, criteria
-from pmmkit.models import Model, load_model
-from pmmkit.models.astern import ESTIMATED, as_it_stops, reversed_by_bucket
-from pmmkit.models.standing import standing
+from pmmkit.base import DataError
+from pmmkit.conventions import HARD_OVER, Criterion, Metric, criteria
+from pmmkit.effects import catalogue
+from pmmkit.models import ESTIMATED, Model, as_it_stops, load_model, reversed_by_bucket, standing
 from pmmkit.simulation.imo.conditions import Condition, simulated_conditions
 from pmmkit.simulation.imo.verdict import (
     Verdict,
@@ -23,9 +21,9 @@ from pmmkit.simulation.imo.verdict import (
     turning_conditions,
     verdict_of,
 )
+from pmmkit.simulation.kinds.catalogue import manoeuvre_of
 from pmmkit.simulation.machinery import FullAstern, assumed, of_a_model, reached
-from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
-from pmmkit.simulation.simulate import NO_BOTTOM, NO_WAVES, REVERSAL, ship_for, simulate, steering
+from pmmkit.simulation.single import NO_BOTTOM, NO_WAVES, REVERSAL, ship_for, simulate, steering
 from pmmkit.simulation.track import Track
 
 if TYPE_CHECKING:
@@ -61,7 +59,7 @@ def imo_turning(track: Track) -> list[Verdict]:
 
     Examples
     --------
-    >>> from pmmkit.simulation import simulate
+    >>> from pmmkit.simulation.single import simulate
     >>> [(v.criterion, v.limit, v.passed) for v in imo_turning(simulate("s175", speed=9.0))]
     [('advance', 4.5, True), ('tactical_diameter', 5.0, True)]
     """

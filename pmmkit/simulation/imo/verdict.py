@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final, Literal
 
-from pmmkit.bibliography import cite
-from pmmkit.metrics import (
+from pmmkit.conventions import (
     HARD_OVER,
     Criterion,
     Metric,
+    cite,
     criteria,
     first_overshoot_limit,
     second_overshoot_limit,
@@ -157,11 +157,6 @@ def in_unit(text: str, unit: str) -> str:
 def probability_within(margin: float, std: float) -> float | None:
     """Probability that a normal value with that margin to its limit is within it.
 
-    Parameters
-    ----------
-    margin, std : float
-        In one unit; there is no probability without a margin or a positive standard uncertainty.
-
     Examples
     --------
     >>> probability_within(0.0, 1.0), round(probability_within(1.959964, 1.0), 4)
@@ -246,12 +241,7 @@ def judge(
 def zigzag_limits(L: float, speed: float) -> tuple[float, float]:
     """Limits of the first and the second overshoot of a 10/10 zigzag [deg].
 
-    Parameters
-    ----------
-    L : float
-        Ship length [m].
-    speed : float
-        Test speed [m/s].
+    L [m]; speed [m/s].
 
     Examples
     --------
@@ -281,17 +271,7 @@ def turning_conditions(
 def verdict_of(
     metric: Metric, criterion: Criterion, track: Track, conditions: tuple[str, ...]
 ) -> Verdict:
-    """A criterion applied to a simulated manoeuvre.
-
-    Parameters
-    ----------
-    metric, criterion : Metric, Criterion
-        What is asked of what.
-    track : Track
-        The manoeuvre.
-    conditions : tuple of str
-        As in `Verdict`.
-    """
+    """A criterion applied to a simulated manoeuvre."""
     return judge(
         metric,
         criterion,
@@ -342,15 +322,7 @@ def _sailed(track: Track) -> str:
 def track_conditions(
     track: Track, conditions: Iterable[Condition] | None = None
 ) -> tuple[str, ...]:
-    """Conditions of the standard that a simulated manoeuvre does not meet, or does not show.
-
-    Parameters
-    ----------
-    track : Track
-        The manoeuvre.
-    conditions : iterable of Condition, optional
-        Of the ship that sailed; without them what a track knows: its length and its approach.
-    """
+    """Conditions of the standard that a simulated manoeuvre does not meet, or does not show."""
     if conditions is None:
         conditions = (length_condition(track.L), approach_condition(track.speed, None))
     found = [item.words for item in conditions if item.words and not item.met]

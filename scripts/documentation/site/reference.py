@@ -10,9 +10,10 @@ from itertools import groupby
 import typer
 
 import pmmkit
-from pmmkit.bibliography import Known, Reference, bibliography
 from pmmkit.cli.app import application
-from pmmkit.vocabulary import vocabulary
+from pmmkit.conventions import bibliography
+from pmmkit.conventions.sources import Known, Reference
+from pmmkit.presentation.vocabulary import vocabulary
 from scripts.documentation.fences import table
 from scripts.documentation.rooms import layers, words
 from scripts.documentation.site.sections import toctree
@@ -146,7 +147,7 @@ def words_page() -> str:
         "# Words of laboratories",
         "Headers and names of files are told in these languages too (German, Japanese, Chinese, "
         "Korean, French, Spanish, Portuguese), with or without accents, and `pmmkit inspect` shows "
-        "what was told by what. They stand in `pmmkit/vocabulary.toml`.",
+        "what was told by what. They stand in `pmmkit/presentation/vocabulary.toml`.",
     ]
     for subject, named in vocabulary().items():
         rows = [(f"`{name}`", ", ".join(listed)) for name, listed in named.items()]

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from pmmkit import Limits
-from pmmkit.campaigns.settings import Settings
-from pmmkit.test_planning.options import Option, timed
+from pmmkit.campaigns import Settings
+from pmmkit.diagnosis import Option
+from pmmkit.diagnosis.planning.options import timed
 
 from .sizes import FIGURES, MIDDLE_SPEED, SHIP
 

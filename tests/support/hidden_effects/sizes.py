@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.ship import Ship, Water
+from pmmkit.conventions import Ship, Water
 
 FIGURES: Final[dict[str, Any]] = tomllib.loads(
     (Path(__file__).parent / "sizes.toml").read_text(encoding="utf-8")

@@ -11,8 +11,7 @@ import numpy as np
 import xarray as xr
 
 from pmmkit import Campaign, Run
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.uncertainty import TypeB
+from pmmkit.campaigns import Settings, TypeB
 
 from . import beyond, catalogue, outside, sources
 from .gauges import GAUGE_EFFECTS, inertia, read

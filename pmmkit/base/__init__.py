@@ -1,0 +1,61 @@
+"""Errors, registries, executors and progress: what every room stands on."""
+
+from typing import TYPE_CHECKING
+
+from pmmkit.base.door import lazy
+
+if TYPE_CHECKING:
+    from pmmkit.base.errors import (
+        CampaignError,
+        ContradictionError,
+        DataError,
+        ExtrapolationError,
+        FileExists,
+        MissingPartError,
+        ModelError,
+        NotUsableError,
+        PmmkitError,
+        Problem,
+        Remedy,
+        SimulationError,
+        TableError,
+        UnknownNameError,
+        Way,
+        setting,
+    )
+    from pmmkit.base.executors.board import each
+    from pmmkit.base.executors.places import ONE_THREAD, Workers, crew_of, opened
+    from pmmkit.base.progress import Progress, shown
+    from pmmkit.base.registry import offered
+    from pmmkit.base.version import __version__
+
+__all__ = [
+    "ONE_THREAD",
+    "CampaignError",
+    "ContradictionError",
+    "DataError",
+    "ExtrapolationError",
+    "FileExists",
+    "MissingPartError",
+    "ModelError",
+    "NotUsableError",
+    "PmmkitError",
+    "Problem",
+    "Progress",
+    "Remedy",
+    "SimulationError",
+    "TableError",
+    "UnknownNameError",
+    "Way",
+    "Workers",
+    "__version__",
+    "crew_of",
+    "each",
+    "lazy",
+    "offered",
+    "opened",
+    "setting",
+    "shown",
+]
+
+lazy(__name__)

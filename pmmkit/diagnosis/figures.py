@@ -1,0 +1,95 @@
+"""Diagnosis: evidence of every effect, and what the runs could show."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from pmmkit.plotting import INK, LIMIT, ORDERED, REFERENCE, canvas, legend_below, styled
+from pmmkit.plotting import hatch as hatch_style
+from pmmkit.presentation import figure_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MOST: Final = 14
+"""Effects in the figure of evidence."""
+_CERTAIN: Final = math.log(1000.0)
+_KINDS: Final = {
+    False: ("ship and water", ORDERED[0], hatch_style(0)),
+    True: ("measurement", ORDERED[2], hatch_style(1)),
+}
+
+
+def evidence(
+    sets: Sequence[tuple[str, ...]],
+    log_evidence: Sequence[float],
+    *,
+    named: Sequence[bool],
+    faults: Sequence[bool],
+) -> Figure:
+    """ln evidence of the best effects and sets of them, those that are named marked."""
+    shown = sorted(range(len(sets)), key=lambda i: -log_evidence[i])[:_MOST]
+    lines = np.array([max(len(sets[i]), 1.6) for i in shown])
+    places = np.cumsum(lines) - lines / 2
+    with styled():
+        figure = canvas(1.0 + 0.19 * float(lines.sum()))
+        axis = figure.subplots()
+        for place, i in zip(places, shown, strict=True):
+            label, colour, hatch = _KINDS[faults[i]]
+            look: dict[str, Any] = {
+                "color": colour,
+                "hatch": hatch,
+                "edgecolor": "white",
+                "lw": 0.0,
+            }
+            axis.barh(place, log_evidence[i], height=1.0, alpha=1.0 if named[i] else 0.35, **look)
+            axis.barh(place, 0.0, label=label, **look)
+        axis.axvline(0.0, color=INK, lw=0.8)
+        axis.axvline(_CERTAIN, color=LIMIT, lw=1.0, ls="--", label="1000 to 1")
+        axis.set_yticks(places, [_words(sets[i]) for i in shown], linespacing=1.0)
+        axis.set_ylim(float(lines.sum()), 0.0)
+        axis.set_xscale("symlog", linthresh=10.0)
+        axis.xaxis.set_major_formatter("{x:g}")
+        axis.grid(visible=False, axis="y")
+        axis.set_xlabel("ln evidence against no effect [-]   (full colour: named)")
+        legend_below(figure, [axis])
+    return figure
+
+
+def coverage(names: Sequence[str], hides: Sequence[float], shown: Sequence[bool]) -> Figure:
+    """Share of its usual size that each effect could have and hide from these runs."""
+    order = sorted(range(len(names)), key=lambda i: hides[i])
+    with styled():
+        figure = canvas(1.0 + 0.22 * len(order))
+        axis = figure.subplots()
+        for place, i in enumerate(order):
+            colour = ORDERED[1] if shown[i] else REFERENCE
+            axis.barh(
+                place,
+                min(hides[i], _LARGEST),
+                height=0.62,
+                color=colour,
+                label="these runs can show it" if shown[i] else "they cannot",
+            )
+            if hides[i] > _LARGEST:
+                axis.plot(_LARGEST, place, ls="", marker=">", ms=4, color=INK)
+        axis.axvline(1.0, color=INK, lw=0.8)
+        axis.set_yticks(range(len(order)), [_words((names[i],)) for i in order])
+        axis.set_ylim(len(order) - 0.4, -0.6)
+        axis.set_xscale("log")
+        axis.xaxis.set_major_formatter("{x:g}")
+        axis.grid(visible=False, axis="y")
+        axis.set_xlabel("size that could hide, over the usual size [-]; an arrow: larger still")
+        legend_below(figure, [axis])
+    return figure
+
+
+_LARGEST: Final = 30.0
+
+
+def _words(names: tuple[str, ...]) -> str:
+    return ",\n".join(figure_text(name).replace("_", " ") for name in names)

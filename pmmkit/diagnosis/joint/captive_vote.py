@@ -1,0 +1,327 @@
+"""Captive tests as one voice among several campaigns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, Protocol
+
+import numpy as np
+
+from pmmkit.base import ModelError, TableError
+from pmmkit.campaigns import Campaign
+from pmmkit.diagnosis.captive.adequacy import blocks_of
+from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
+from pmmkit.diagnosis.captive.evidence import Sets, sets_of
+from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
+from pmmkit.diagnosis.captive.least_squares import labels
+from pmmkit.diagnosis.captive.refit import in_convention, refitted
+from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
+from pmmkit.diagnosis.captive.verdict import Given, answer, taken_as_given
+from pmmkit.diagnosis.evidence import PRICE, RankedSet
+from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.joint.belongs import LaboratoryValues
+from pmmkit.effects import Effect, is_fault
+from pmmkit.models import DerivativeTable, Model
+from pmmkit.numerics import Array
+
+# What one campaign says of sets of effects, its own faults taken out.
+
+
+Names = tuple[str, ...]
+Kind = Literal["captive", "free-running"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ballot:
+    """What a campaign says of a set of effects.
+
+    `log_evidence`: ln of how much more probable the campaign is with the set and the faults
+    that it then has than with its own faults alone. The set pays no price here, each fault
+    does. `faults`: the faults beside the set. `linear`: whether it is by a linear problem
+    alone, where the equations themselves might be asked.
+    """
+
+    log_evidence: float
+    faults: Names = ()
+    linear: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sized:
+    """An effect as a campaign measures it: what of, usual sizes, values with their covariance."""
+
+    coefficients: Names
+    typical: tuple[float, ...]
+    measured: LaboratoryValues
+
+
+class Vote(Protocol):
+    """A campaign that has been diagnosed, and can be asked for more sets of effects."""
+
+    @property
+    def name(self) -> str:
+        """Of the campaign."""
+
+    @property
+    def kind(self) -> Kind:
+        """How the ship was tested."""
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """Of the campaign alone."""
+
+    @property
+    def asked(self) -> frozenset[str]:
+        """Effects of the ship that this campaign was asked for."""
+
+    @property
+    def kept(self) -> frozenset[Names]:
+        """Sets that its own diagnosis fitted, and that predict what is left out better."""
+
+    def promised(self, names: Names) -> Ballot:
+        """A set, as far as is known without another fit."""
+
+    def weighed(self, names: Names) -> Ballot | None:
+        """A set after its own fit; None if that fit leads nowhere."""
+
+    def sizes(self, names: Names, faults: Names) -> Mapping[str, Sized]:
+        """The effects of a set, fitted together."""
+
+    def model_with(self, names: Names, faults: Names) -> Model | None:
+        """The model with a set, all fitted to this campaign; None without a complete model."""
+
+
+def of_ship(names: Iterable[str]) -> Names:
+    """Effects of the ship, for which campaigns vote together; in one order."""
+    return tuple(sorted(name for name in names if not is_fault(name)))
+
+
+def asked_in(entries: Sequence[RankedSet]) -> frozenset[str]:
+    """Effects of the ship that stand in sets."""
+    return frozenset(name for item in entries for name in of_ship(item.names))
+
+
+def fault_sets(entries: Sequence[RankedSet], most: int) -> list[Names]:
+    """The best sets of faults alone that are worth their price."""
+    found = [item for item in entries if not of_ship(item.names) and item.log_evidence > 0.0]
+    return [item.names for item in sorted(found, key=lambda item: -item.log_evidence)[:most]]
+
+
+def faults_beside(entries: Sequence[RankedSet], names: Names) -> Names:
+    """The faults of the best set that has just these effects of the ship; none if there is none."""
+    same = [item for item in entries if set(of_ship(item.names)) == set(names)]
+    if not same:
+        return ()
+    best = max(same, key=lambda item: item.log_evidence)
+    return tuple(name for name in best.names if is_fault(name))
+
+
+FAULTS: Final = 3
+"""Sets of faults that may stand beside an effect, or instead of it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Beside:
+    """Effects as captive tests measure them together, and how the base moves with them.
+
+    `values, covariance (k,)`: fitted, with what was known before. `before (k,)`: standard
+    deviations before the tests. `base`: derivatives of the base. `along (b, k)`: change of each
+    for a coefficient of 1, in the convention of the model.
+    """
+
+    labels: tuple[tuple[str, str], ...]
+    values: Array
+    covariance: Array
+    before: Array
+    base: Names
+    along: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CaptiveVote:
+    """Captive tests that have been diagnosed.
+
+    `model`: whose derivatives are the base. `diagnosis`: of these tests alone. `system`: runs,
+    base and candidates. `known`: the system beside the effects that the model has. `sets`: its
+    sets of effects. `faults`: none, and the best sets of faults. `own`: effects of the user.
+    """
+
+    name: str
+    campaign: Campaign
+    model: Model
+    diagnosis: Diagnosis
+    system: System
+    known: Given
+    sets: Sets
+    faults: list[Names]
+    own: tuple[Effect, ...] = ()
+
+    @property
+    def kind(self) -> Kind:
+        """How the ship was tested."""
+        return "captive"
+
+    @property
+    def asked(self) -> frozenset[str]:
+        """Effects of the ship that these tests were asked for."""
+        return asked_in(self.diagnosis.entries)
+
+    @property
+    def kept(self) -> frozenset[Names]:
+        """None: all sets are one linear problem."""
+        return frozenset()
+
+    def promised(self, names: Names) -> Ballot:
+        """A set of effects: all sets are one linear problem."""
+        mine = tuple(name for name in names if name in self.sets.by_name)
+        if not mine:
+            return Ballot(log_evidence=0.0)
+        paid = PRICE * len(mine)
+        alone = max(self._evidence(faults) for faults in self.faults)
+        value, faults = max(
+            (self._evidence((*mine, *beside)), beside) for beside in self._beside(mine)
+        )
+        return Ballot(log_evidence=value + paid - alone, faults=faults)
+
+    def weighed(self, names: Names) -> Ballot:
+        """The same."""
+        return self.promised(names)
+
+    def sizes(self, names: Names, faults: Names) -> Mapping[str, Sized]:
+        """The effects of a set, fitted together with the base."""
+        blocks, fit = self._fitted(names, faults)
+        found = {}
+        for block in blocks:
+            c = block.candidate
+            if c.name not in names or c.each_run:
+                continue
+            at = [fit.names.index(label) for label in labels(c)]
+            if not np.all(np.isfinite(fit.values[at])):
+                continue
+            found[c.name] = Sized(
+                coefficients=c.coefficients,
+                typical=c.typical,
+                measured=LaboratoryValues(
+                    laboratory=self.name,
+                    values=fit.values[at],
+                    covariance=fit.covariance[np.ix_(at, at)],
+                ),
+            )
+        return found
+
+    def beside(self, names: Names, faults: Names) -> Beside:
+        """The effects of a set, and how the base moves with them.
+
+        Where a regression is given an effect, its other values move by what they share: given the
+        coefficients, the base is what it is without them, and ``C_be C_ee⁻¹`` times these more.
+        """
+        blocks, fit = self._fitted(names, faults)
+        told: dict[str, tuple[tuple[str, str], float]] = {}
+        for block in blocks:
+            c = block.candidate
+            if c.name in names and not c.each_run:
+                every = zip(c.coefficients, labels(c), c.typical, strict=True)
+                told |= {x: ((c.name, own), WIDER * abs(size)) for own, x, size in every}
+        known = np.isfinite(fit.values)
+        at = [i for i, x in enumerate(fit.names) if x in told and known[i]]
+        base = [i for i, x in enumerate(fit.names) if x in self._derivatives and known[i]]
+        covariance = fit.covariance[np.ix_(at, at)]
+        cross: Array = fit.covariance[np.ix_(at, base)]
+        along = np.linalg.solve(covariance, cross).astype(float) if at else None
+        names_of, moved = self._converted(fit, base, along)
+        return Beside(
+            labels=tuple(told[fit.names[i]][0] for i in at),
+            values=fit.values[at],
+            covariance=covariance,
+            before=np.array([told[fit.names[i]][1] for i in at]),
+            base=names_of,
+            along=moved,
+        )
+
+    @property
+    def _derivatives(self) -> frozenset[str]:
+        return frozenset(name for own in self.system.base.names.values() for name in own)
+
+    def _converted(
+        self, fit: JointFit, base: Sequence[int], along: Array | None
+    ) -> tuple[Names, Array]:
+        """Derivatives by the convention of the model, and changes (k, b) of the base in it."""
+
+        def told(values: Array) -> DerivativeTable:
+            own = JointFit(
+                names=tuple(fit.names[i] for i in base),
+                values=values,
+                covariance=fit.covariance[np.ix_(base, base)],
+            )
+            return in_convention(own, self.system.base, self.campaign, self.model.convention)
+
+        first = told(fit.values[base])
+        changes = [] if along is None else [told(fit.values[base] + row) for row in along]
+        found = np.array([item.value[0] - first.value[0] for item in changes])
+        return tuple(first.names), found.reshape(len(changes), len(first.names)).T
+
+    def model_with(self, names: Names, faults: Names) -> Model | None:
+        """The model with a set, all fitted together; None if these tests excite too little."""
+        blocks, fit = self._fitted(names, faults)
+        try:
+            base = self.system.base
+            return refitted(self.model, fit, blocks, base, self.campaign, self.own).model
+        except (TableError, ModelError):
+            return None
+
+    def _beside(self, names: Names) -> list[Names]:
+        """Sets of faults that may stand beside effects: the best alone, and the best with them."""
+        found = faults_beside(self.diagnosis.entries, names)
+        return [*self.faults, *([found] if found not in self.faults else [])]
+
+    def _evidence(self, names: Names) -> float:
+        return self.sets.entry(names).log_evidence if names else 0.0
+
+    def _fitted(self, names: Names, faults: Names) -> tuple[tuple[CandidateColumns, ...], JointFit]:
+        mine = [name for name in (*names, *faults) if name in self.sets.by_name]
+        blocks = blocks_of(self.known.system, self.sets.entry(mine)) if mine else []
+        together = refined(self.system, [*self.known.blocks, *blocks])
+        return together, joint_fit(self.system, together, floor=self.system.floor)
+
+
+def captive_vote(
+    name: str,
+    model: Model,
+    campaign: Campaign,
+    *,
+    floor: float | None = None,
+    noise: float | None = None,
+    seed: int = 0,
+) -> CaptiveVote:
+    """Diagnose captive tests and keep what more sets need."""
+    base = derivatives_of(model)
+    system = captive_system(campaign, base.structure, floor=floor, noise=noise)
+    given = system.taking_part(base.effects)
+    return vote_of_tests(name, model, campaign, system.whole(given), given, seed=seed)
+
+
+def vote_of_tests(
+    name: str,
+    model: Model,
+    campaign: Campaign,
+    system: System,
+    given: Sequence[str] = (),
+    *,
+    own: Sequence[Effect] = (),
+    seed: int = 0,
+) -> CaptiveVote:
+    """Diagnose a system of captive tests and keep what more sets need."""
+    diagnosis = answer(system, tuple(given), floor=system.floor, seed=seed)
+    known = taken_as_given(system, given)
+    return CaptiveVote(
+        name=name,
+        campaign=campaign,
+        model=model,
+        diagnosis=diagnosis,
+        system=system,
+        known=known,
+        sets=sets_of(known.system),
+        faults=[(), *fault_sets(diagnosis.entries, FAULTS)],
+        own=tuple(own),
+    )

@@ -1,0 +1,336 @@
+"""Several campaigns of one ship, captive and free running, asked the same question at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from types import MappingProxyType
+from typing import Any, Final
+
+from pmmkit.base import DataError
+from pmmkit.campaigns import Campaign, by_title
+from pmmkit.conventions import parse_derivative
+from pmmkit.diagnosis.captive.adequacy import LEAST
+from pmmkit.diagnosis.captive.system import System
+from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
+from pmmkit.diagnosis.evidence import PRICE
+from pmmkit.diagnosis.findings import Verdict
+from pmmkit.diagnosis.joint.another import others
+from pmmkit.diagnosis.joint.belongings import belongings
+from pmmkit.diagnosis.joint.captive_vote import (
+    Ballot,
+    CaptiveVote,
+    Names,
+    Vote,
+    captive_vote,
+    of_ship,
+)
+from pmmkit.diagnosis.joint.records_vote import RecordsVote, records_vote
+from pmmkit.diagnosis.joint.result import Another, Belonging, JointEntry, Together
+from pmmkit.diagnosis.joint.weighing import weigh
+from pmmkit.identification import FreeRecord, chosen_records
+from pmmkit.models import Model, scaled
+
+# The base of each campaign of one ship: what captive tests know of it, at the length tested.
+
+
+SAME: Final = 1e-3
+"""Share by which two lengths of one ship may differ without carrying the model over."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Based:
+    """A model as the base of a campaign, with what is to be said of it.
+
+    `notes`: how it came to be.
+    """
+
+    model: Model
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FittedCampaign:
+    """Captive tests that the base is fitted to.
+
+    `model`: the model with its derivatives fitted to them; None if they excite too little.
+    """
+
+    name: str
+    system: System
+    model: Callable[[], Model | None]
+
+
+def known_from(model: Model, tests: Sequence[FittedCampaign]) -> Based:
+    """The model with what captive tests know of its base."""
+    if model.covariance is not None:
+        return Based(model=model, notes=("the base is known as the covariance of the model says",))
+    for item in tests:
+        if _is_bare(item.system) and (found := item.model()) is not None:
+            said = f"the base is known as {item.name} tells it: its derivatives are fitted"
+            return Based(model=found, notes=(said,))
+    said = (
+        "the base stays as the model has it: in the captive tests rudder or propeller took part, "
+        "or too little is excited; reduce them for a model with covariance"
+    )
+    return Based(model=model, notes=(said,) if tests else ())
+
+
+def carried(model: Model, name: str, campaign: Campaign) -> Based:
+    """The model at the length of the ship that was tested.
+
+    Parameters
+    ----------
+    model : Model
+        At its own length.
+    name : str
+        Of the campaign.
+    campaign : Campaign
+        Free-running records.
+    """
+    ship = campaign.ship
+    if abs(ship.L / model.ship.L - 1.0) < SAME:
+        return Based(model=model)
+    said = (
+        f"{name}: the model is carried from L = {model.ship.L:g} m to {ship.L:g} m by Froude's "
+        f"law, without correction of friction or wake; its propulsion point stays"
+    )
+    return Based(model=scaled(model, ship.L), notes=(said,))
+
+
+def _is_bare(system: System) -> bool:
+    """Whether tests show the forces of the hull alone."""
+    names = [name for own in system.base.names.values() for name in own]
+    return "XT" not in names and not any(parse_derivative(name).count("d") for name in names)
+
+
+CHOSEN: Final = ("runs", "test_runs", "channels", "shortest")
+"""Settings of `chosen_records`."""
+Tests = Campaign | Sequence[FreeRecord]
+
+
+def joint_diagnosis(
+    model: Model,
+    campaigns: Sequence[Campaign] | Mapping[str, Tests],
+    *,
+    captive: Mapping[str, Any] = MappingProxyType({}),
+    free: Mapping[str, Any] = MappingProxyType({}),
+    progress: Callable[[str], None] | None = None,
+) -> Together:
+    """Name what a model lacks that several campaigns of one ship show together.
+
+    Parameters
+    ----------
+    model : Model
+        Complete where there are free-running records. Its derivatives of hull and added mass are
+        the base of captive tests.
+    campaigns : sequence of Campaign, or mapping of str to Campaign or sequence of FreeRecord
+        Captive tests and free-running records, by name if a mapping. The model is carried to the
+        length of a free-running campaign's ship by Froude's law (`scaled`).
+    captive : mapping of str to object
+        ``floor``, ``noise`` and ``seed`` as for `diagnose_captive`.
+    free : mapping of str to object
+        ``candidates`` (effects), ``most``, ``floor``, ``spread``, ``window``, ``sensors``,
+        ``windage``, ``extrapolate`` and ``seed`` as for `diagnose_free`; ``runs``, ``channels`` and
+        ``shortest``, which records of campaigns take part, as for `chosen_records`.
+    progress : callable, optional
+        Is told what is being done.
+
+    Returns
+    -------
+    Together
+
+    Raises
+    ------
+    DataError
+        If there is no campaign, or one cannot be asked.
+
+    Notes
+    -----
+    Each campaign is diagnosed alone, with its own noise and its own faults. Then, for a set S of
+    effects of the ship, ln odds are ``Σ_i [ln p_i(S, F_i(S)) − ln p_i(F_i)] − |S| ln 80``, where
+    F_i are the faults that make campaign i most probable, without S or with it, each at its price;
+    an effect of the ship is paid for once (`PRICE`). A campaign that was not asked for an effect
+    does not vote on it.
+
+    Each campaign averages over coefficients of its own, by the prior of usual sizes: that S acts
+    is what they vote for, not that it has one size; whether it has is asked afterwards of each
+    effect (`log_shared`). The values of the base as captive tests know them are the prior for
+    the records: the covariance of the model, or where it has none and the tests are of the bare
+    hull, that of its derivatives fitted to these tests. Base and effects are taken as independent
+    there, so that what both kinds of tests know of the base in common is used once.
+
+    Sets are fitted to records through the equations before they count, beginning with the single
+    effects that promise most by linear problems: a set that makes records left out one after
+    another worse is refused. A set is named if its
+    odds are above e after the price and chance gives such evidence in less than 1 % of ships
+    without any effect: by Markov's inequality that is less than one over the odds.
+    """
+    tell = progress or (lambda _: None)
+    named = campaigns if isinstance(campaigns, Mapping) else by_title(campaigns)
+    if not named:
+        raise DataError("There is no campaign: give captive tests or free-running records.")
+    notes: list[str] = []
+    tests = {
+        name: x for name, x in named.items() if isinstance(x, Campaign) and x.kind != "free-running"
+    }
+    captives: list[CaptiveVote] = []
+    for name, tested in tests.items():
+        tell(f"{name}: captive tests")
+        captives.append(captive_vote(name, model, tested, **captive))
+    known = known_from(
+        model,
+        [
+            FittedCampaign(name=x.name, system=x.system, model=partial(x.model_with, (), ()))
+            for x in captives
+        ],
+    )
+    notes += known.notes
+    votes: list[Vote] = list(captives)
+    for name, item in named.items():
+        if name in tests:
+            continue
+        own = carried(known.model, name, item) if isinstance(item, Campaign) else known
+        notes += own.notes if own is not known else ()
+        said = partial(_tell, tell, name)
+        records, _ = records_among(item, own.model, free)
+        settings = {key: x for key, x in free.items() if key not in CHOSEN}
+        votes.append(records_vote(name, own.model, records, progress=said, **settings))
+    return answered(
+        sorted(votes, key=lambda x: list(named).index(x.name)), notes=notes, progress=tell
+    )
+
+
+def _tell(tell: Callable[[str], None], name: str, word: str) -> None:
+    tell(f"{name}: {word}")
+
+
+def records_among(
+    item: Tests, model: Model, chosen: Mapping[str, Any]
+) -> tuple[Sequence[FreeRecord], Sequence[FreeRecord]]:
+    """Records as they are given, or those of a campaign that are chosen, and those held out."""
+    if not isinstance(item, Campaign):
+        return item, ()
+    wanted = {name: chosen.get(name) for name in CHOSEN}
+    used, kept = chosen_records(item, model, rudder="auto", wind=True, **wanted)
+    return used.records, kept.records if kept else ()
+
+
+def answered(
+    votes: Sequence[Vote],
+    *,
+    given: Sequence[str] = (),
+    notes: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> Together:
+    """What campaigns that were diagnosed one by one say together."""
+    tell = progress or (lambda _: None)
+    said = list(notes)
+    every = sorted(set().union(*(item.asked for item in votes)))
+    weighed = weigh(votes, every, tell)
+    entries = weighed.entries
+    best = entries[0] if entries and not entries[0].linear else None
+    told = best is not None and best.log_evidence > max(LEAST, -math.log(CHANCE))
+    group = _group(entries) if told else ()
+    added: dict[str, float] = {}
+    belongs: tuple[Belonging, ...] = ()
+    made = None
+    if told and best is not None:
+        known = {item.names: item.log_evidence for item in entries}
+        for name in best.names:
+            rest = tuple(x for x in best.names if x != name)
+            added[name] = best.log_evidence - known.get(rest, 0.0)
+        belongs = belongings(votes, best)
+        made = _model(votes, best)
+    more: tuple[Another, ...] = ()
+    if not given:
+        tell("Another laboratory")
+        more = others(
+            votes,
+            best.names if told and best is not None else (),
+            best.ballots if told and best is not None else {},
+            belongs,
+        )
+        if not more and any(isinstance(item, RecordsVote) for item in votes):
+            said.append(
+                "there is no model of another laboratory: what the campaigns say together is "
+                "beyond what a value can be"
+            )
+    verdict: Verdict = "missing_effect" if told else _unnamed(votes)
+    return Together(
+        verdict=verdict,
+        group=group,
+        entries=entries,
+        diagnoses=MappingProxyType({item.name: item.diagnosis for item in votes}),
+        belongs=belongs,
+        added=MappingProxyType(added),
+        refused=weighed.refused,
+        flags=_flags(votes),
+        notes=(
+            *said,
+            f"each effect pays {PRICE:.2f} once: odds of 1 to 80 before any test",
+            *(
+                f"{vote.name}: own faults {' and '.join(faults)}"
+                for vote in votes
+                if best is not None and (faults := best.ballots.get(vote.name, _NONE).faults)
+            ),
+        ),
+        model=made,
+        others=more,
+        given=tuple(given),
+    )
+
+
+_NONE: Final = Ballot(log_evidence=0.0)
+
+
+def _unnamed(votes: Sequence[Vote]) -> Verdict:
+    """The verdict where nothing is named: what the campaigns alone say, their own faults apart."""
+    said = {item.diagnosis.verdict for item in votes if not _own_faults(item)}
+    if said & {"unexplained", "missing_effect"}:
+        return "unexplained"
+    return "suspected" if "suspected" in said else "noise"
+
+
+def _own_faults(vote: Vote) -> Names:
+    """Faults that a campaign alone names, where it names nothing else."""
+    found: Names = vote.diagnosis.best
+    return () if of_ship(found) else found
+
+
+def _flags(votes: Sequence[Vote]) -> tuple[str, ...]:
+    """Campaigns that hold more than is explained."""
+    found = []
+    for item in votes:
+        if item.diagnosis.verdict == "unexplained":
+            found.append(f"{item.name} alone holds something that nothing explains.")
+        elif faults := _own_faults(item):
+            found.append(f"{item.name} has {' and '.join(faults)} of its own.")
+        elif item.diagnosis.flags:
+            found.append(f"{item.name} alone: what it names is not the whole story.")
+    return tuple(found)
+
+
+def _group(entries: Sequence[JointEntry]) -> tuple[tuple[Names, float], ...]:
+    """Sets of no greater size within `RIVALS` of the best."""
+    best = entries[0]
+    return tuple(
+        (item.names, math.exp(item.log_evidence - best.log_evidence))
+        for item in entries
+        if not item.linear
+        and len(item.names) <= len(best.names)
+        and best.log_evidence - item.log_evidence < RIVALS
+    )
+
+
+def _model(votes: Sequence[Vote], best: JointEntry) -> Model | None:
+    """With the best set: fitted to the first records, else to the first captive tests."""
+    for kind in (RecordsVote, CaptiveVote):
+        for item in votes:
+            if isinstance(item, kind):
+                made = item.model_with(best.names, best.ballots.get(item.name, _NONE).faults)
+                if made is not None:
+                    return made
+    return None

@@ -1,0 +1,1 @@
+"""The loop: compare, diagnose, add, watch the error fall, undo, replay."""

@@ -1,0 +1,350 @@
+"""Captive tests as the evidence of a session."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Final, Protocol, TypeVar
+
+from pmmkit.base import DataError, ModelError, Workers
+from pmmkit.campaigns import Campaign
+from pmmkit.conventions import CHANNEL_UNITS, Structure
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
+from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
+from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
+from pmmkit.diagnosis.captive.refit import Refit, froude_numbers, places_of, refitted
+from pmmkit.diagnosis.captive.system import CandidateColumns, System
+from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
+from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.joint.result import Together
+from pmmkit.diagnosis.loop.fall import ALL, BASE, ErrorWords, Fall, FallRow
+from pmmkit.diagnosis.refit import FittedEffect, stepped
+from pmmkit.effects import Effect, catalogue
+from pmmkit.models import Model, Step
+from pmmkit.presentation import counted
+
+# What a session is about: tests and a base, and what is asked of them.
+
+
+Said_co = TypeVar("Said_co", bound=Diagnosis | Together, covariant=True)
+"""What a diagnosis is, of one campaign or of several."""
+
+
+class SessionEvidence(Protocol[Said_co]):
+    """Tests, a base, and all that may be missing of it.
+
+    What takes long is worked out once, when it is first needed.
+    """
+
+    @property
+    def title(self) -> str:
+        """Of the tests."""
+
+    @property
+    def base(self) -> str:
+        """The base in words."""
+
+    @property
+    def about(self) -> str:
+        """The tests in words."""
+
+    @property
+    def floor(self) -> float:
+        """What is too small to matter, over the rms force of a channel."""
+
+    @property
+    def begun(self) -> tuple[str, ...]:
+        """Effects that the base has from the beginning."""
+
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """Who takes part: ``physics`` or ``fault`` by name."""
+
+    @property
+    def own(self) -> tuple[Effect, ...]:
+        """Effects of the user."""
+
+    def named(self, effect: str, campaign: str) -> str:
+        """The campaign that a step is about: empty where it is about all there are."""
+
+    def diagnose(self, steps: Sequence[Step], seed: int) -> Said_co:
+        """What the base still lacks with some steps."""
+
+    def fall(self, steps: Sequence[Step]) -> Fall:
+        """Errors of what is left out, of the base and after each step."""
+
+    def held_out_errors(self, steps: Sequence[Step]) -> Mapping[str, Mapping[str, float]]:
+        """Errors of records that are held out, before and after; empty where there are none."""
+
+    def model(self, steps: Sequence[Step]) -> Model:
+        """Base and effects fitted together, with a step per effect."""
+
+    def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
+        """The ship that a set named by `diagnose` says, with its uncertainty and without steps."""
+
+
+def only_campaign(title: str, effect: str, campaign: str) -> str:
+    """`Evidence.named` where there is one campaign alone: nothing has to be said."""
+    if campaign not in ("", title):
+        raise DataError(f"{effect}: there is no campaign {campaign!r}, but {title!r}.")
+    return ""
+
+
+FORCE: Final = "force"
+"""All channels of captive tests together, each over its rms force."""
+TOLD: Final = ErrorWords(
+    of=FORCE,
+    judged=(FORCE,),
+    left_out="conditions",
+    total="{} of the rms force",
+    how="Each condition was left out of the fit in turn, with its repeats, and predicted from all "
+    "others: root mean square of the error in newtons and in per cent of the channel's rms force, "
+    "beside what noise alone gives.",
+)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CaptiveTests:
+    """Captive tests, a base, and what may be missing of it.
+
+    Parameters
+    ----------
+    source : Model, Structure, str or tuple of str
+        The base: a model, the name of a structure, or derivatives.
+    campaign : Campaign
+        Captive tests.
+    system : System
+        Runs, base and candidates.
+    floor : float
+        What is too small to matter, over the rms force of a channel.
+    begun : tuple of str
+        Effects that the base has from the beginning.
+    own : tuple of Effect
+        Effects of the user.
+    """
+
+    source: Model | str | tuple[str, ...] | Structure
+    campaign: Campaign
+    system: System
+    floor: float
+    begun: tuple[str, ...] = ()
+    own: tuple[Effect, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """Of the tests."""
+        return self.campaign.title
+
+    @property
+    def base(self) -> str:
+        """The base in words."""
+        if isinstance(self.source, tuple):
+            return counted(len(self.source), "derivative")
+        return str(getattr(self.source, "name", self.source))
+
+    @property
+    def about(self) -> str:
+        """The tests in words."""
+        return f"{counted(len(self.campaign), 'run')} of {self.campaign.title}"
+
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """Who takes part: ``physics`` or ``fault`` by name."""
+        return {block.candidate.name: block.candidate.kind for block in self.system.blocks}
+
+    @cached_property
+    def blocks(self) -> Callable[[tuple[str, ...]], tuple[CandidateColumns, ...]]:
+        """The effects of the base at the values of their nonlinear parameters, by their names."""
+        return cache(lambda given: refined(self.system, taken_as_given(self.system, given).blocks))
+
+    @cached_property
+    def _left_out(self) -> Callable[[Sequence[CandidateColumns]], HeldOut]:
+        """Errors of what is left out with some blocks, each set of them once."""
+        known: dict[tuple[tuple[str, float, int], ...], HeldOut] = {}
+
+        def found(blocks: Sequence[CandidateColumns]) -> HeldOut:
+            key = tuple((x.candidate.name, x.value, x.columns.start) for x in blocks)
+            if key not in known:
+                known[key] = held_out(self.system, blocks)
+            return known[key]
+
+        return found
+
+    def named(self, effect: str, campaign: str) -> str:
+        """Nothing: there is one campaign alone."""
+        return only_campaign(self.title, effect, campaign)
+
+    def diagnose(self, steps: Sequence[Step], seed: int) -> Diagnosis:
+        """What the base still lacks with some steps."""
+        own = self.standing(steps)
+        found = answer(own.system, own.begun, floor=own.floor, seed=seed)
+        return replace(found, given=self._names(steps))
+
+    def standing(self, steps: Sequence[Step]) -> CaptiveTests:
+        """The tests about the base with some steps, as the model stands that is written with them:
+        derivatives that a step brought are the base's own."""
+        return self._standing(tuple(step.effect for step in steps))
+
+    @cached_property
+    def _standing(self) -> Callable[[tuple[str, ...]], CaptiveTests]:
+        """The tests about a base with some effects, each set of them once."""
+
+        def made(names: tuple[str, ...]) -> CaptiveTests:
+            system, rest = standing(self.system, names, self.own)
+            begun = tuple(dict.fromkeys((*self.begun, *rest)))
+            return replace(self, system=system.whole(begun), begun=begun)
+
+        return cache(made)
+
+    def fall(self, steps: Sequence[Step]) -> Fall:
+        """Held-out errors of the base and after each step."""
+        blocks = self._with(steps)
+        first = len(self.begun)
+        names = (BASE, *(step.effect for step in steps))
+        found = [self._left_out(blocks[: first + number]) for number in range(len(names))]
+        rows = [
+            row
+            for name, before, after in zip(names, [None, *found], found, strict=False)
+            for row in _fall_rows(name, self.title, after, before)
+        ]
+        mine = tuple(replace(step, campaign="") for step in steps)
+        return Fall(added=mine, rows=tuple(rows), told={self.title: TOLD})
+
+    def held_out_errors(self, _steps: Sequence[Step]) -> dict[str, dict[str, float]]:
+        """None: conditions of captive tests are left out in turn instead."""
+        return {}
+
+    def model(self, steps: Sequence[Step]) -> Model:
+        """The model with base and effects fitted together, and with a step per effect.
+
+        Raises
+        ------
+        ModelError
+            If the base is a structure: it has no ship to sail with.
+        """
+        source, fit, found = self._sailing(self._names(steps))
+        made = found.model.with_(notes=tuple(dict.fromkeys((*found.model.notes, *found.notes))))
+        blocks = self._with(steps)
+        plain = Step(
+            action="fitted",
+            campaign=self.campaign.title or self.campaign.ship.name,
+            count=fit.std.size,
+            Fn=froude_numbers(self.campaign),
+            faults=tuple(x.candidate.name for x in blocks if x.candidate.kind == "fault"),
+        )
+        errors = [x / 100.0 for x in self.fall(steps).totals] if steps else []
+        taken = [self._found(block, fit, made) for block in blocks[len(self.begun) :]]
+        return stepped(source, made, plain, steps, taken, errors)
+
+    def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
+        """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
+
+        Raises
+        ------
+        ModelError
+            If the base is a structure: it has no ship to sail with.
+        """
+        return self._sailing((*self._names(steps), *names))[-1].model
+
+    def _sailing(self, effects: tuple[str, ...]) -> tuple[Model, JointFit, Refit]:
+        """The ship of the base, what is fitted together with some effects, and the ship of that."""
+        if not isinstance(self.source, Model):
+            raise ModelError(
+                f"The base {self.source!r} is a list of derivatives. Begin with a model: reduce "
+                f"the campaign first, then take its model.toml."
+            )
+        blocks = self.blocks(effects)
+        fit = joint_fit(self.system, blocks, floor=self.floor)
+        found = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
+        return self.source, fit, found
+
+    def _with(self, steps: Sequence[Step]) -> tuple[CandidateColumns, ...]:
+        return self.blocks(self._names(steps))
+
+    def _names(self, steps: Sequence[Step]) -> tuple[str, ...]:
+        return (*self.begun, *(step.effect for step in steps))
+
+    def _found(self, block: CandidateColumns, fit: JointFit, made: Model) -> FittedEffect:
+        """What the fit says of an effect, and where it stands in the ship of it."""
+        c = block.candidate
+        known = catalogue().get(c.name)
+        names = list(known.typical) if c.kind == "fault" and known else c.coefficients
+        return FittedEffect(
+            coefficients=dict(zip(names, coefficients_of(block, fit)[0], strict=True)),
+            places=places_of(block, made, self.own) if c.kind == "physics" else (),
+            parameter=c.parameter,
+            value=block.value if c.parameter else None,
+        )
+
+
+def captive_tests(
+    model: Model | str | Path | Sequence[str] | Structure,
+    campaign: Campaign,
+    *,
+    floor: float | None,
+    candidates: Sequence[Candidate] | None,
+    noise: float | None,
+    own: Sequence[Effect],
+    executor: Workers = None,
+) -> CaptiveTests:
+    """The evidence of captive tests; arguments as for `begin`."""
+    base = derivatives_of(model)
+    system = captive_system(
+        campaign,
+        base.structure,
+        floor=floor,
+        candidates=candidates,
+        noise=noise,
+        own=own,
+        executor=executor,
+    )
+    begun = system.taking_part(base.effects)
+    return CaptiveTests(
+        source=base.source,
+        campaign=campaign,
+        system=system.whole(begun),
+        floor=system.floor,
+        begun=begun,
+        own=tuple(own),
+    )
+
+
+def _fall_rows(
+    step: str, campaign: str, after: HeldOut, before: HeldOut | None
+) -> Iterator[FallRow]:
+    """Errors after a step: of all channels together and of each, of all kinds of test and of each.
+
+    The channels are judged together, on the scale of their forces; free-running records have no
+    such scale.
+    """
+    better = math.nan if before is None else after.better_than(before)
+    force = after.of_channel(kind="force")
+    for test in (None, *dict.fromkeys(after.tests)):
+        group, share = test or ALL, better if test is None else math.nan
+        yield FallRow(
+            step=step,
+            campaign=campaign,
+            group=group,
+            quantity=FORCE,
+            error=100.0 * after.share(test),
+            level=100.0 * after.share(test, kind="level"),
+            unit="%",
+            better=share,
+        )
+        levels = after.of_channel(test, kind="level")
+        for channel, error in after.of_channel(test).items():
+            yield FallRow(
+                step=step,
+                campaign=campaign,
+                group=group,
+                quantity=channel,
+                error=error,
+                level=levels[channel],
+                unit=CHANNEL_UNITS[channel],
+                force=force[channel],
+                better=share,
+            )

@@ -1,0 +1,285 @@
+"""Free-running records as the evidence of a session."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any, Final
+
+from pmmkit.base import DataError, ModelError
+from pmmkit.campaigns import Campaign
+from pmmkit.conventions import Structure
+from pmmkit.diagnosis.any_campaign import complete_model
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.findings import UNITS, Diagnosis
+from pmmkit.diagnosis.free_running.candidates import FreeCandidate, why_not_asked
+from pmmkit.diagnosis.free_running.contest import MOST, Contest
+from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer, contest_about
+from pmmkit.diagnosis.free_running.findings import held_out_errors, model_of, moved
+from pmmkit.diagnosis.free_running.fits import SetFit
+from pmmkit.diagnosis.free_running.hypotheses import Names
+from pmmkit.diagnosis.free_running.left_out import ERRORS, band, each, left_out_windows, predicted
+from pmmkit.diagnosis.free_running.noise_level import noise_level
+from pmmkit.diagnosis.free_running.question import records_of
+from pmmkit.diagnosis.free_running.refit import refitted
+from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
+from pmmkit.diagnosis.free_running.unknown import FLOOR
+from pmmkit.diagnosis.free_running.windows import WINDOW
+from pmmkit.diagnosis.loop.captive import only_campaign
+from pmmkit.diagnosis.loop.fall import ALL, BASE, ErrorWords, Fall, FallRow
+from pmmkit.diagnosis.record_figures import Sailed
+from pmmkit.effects import OUTSIDE, Effect
+from pmmkit.identification import FreeRecord, known_faults
+from pmmkit.models import Model, Step
+from pmmkit.presentation import counted
+
+DRAWN: Final = 3
+"""Records of which tracks are drawn."""
+BASE_FITTED: Final = "base fitted to the other records"
+WITH_EFFECTS: Final = "with the effects"
+TOLD: Final = ErrorWords(
+    of="heading",
+    judged=tuple(ERRORS),
+    left_out="records",
+    total="heading {}",
+    how="Each record was left out of the fit in turn and sailed by what all others say, over "
+    "windows with its measured rudder: root mean square error, the noise of the sensors taken off, "
+    "beside what a model would leave that lacks nothing.",
+)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FreeRecords:
+    """Free-running records, a model, and what may be missing of it.
+
+    Parameters
+    ----------
+    title : str
+        Of the tests.
+    system : FreeSystem
+        Records, model and candidates.
+    begun : tuple of str
+        Faults of the records that the model's steps tell of.
+    tolerance, held_out, held_out_window, most
+        As for `diagnose_free`.
+    own : tuple of Effect
+        Effects of the user.
+    """
+
+    title: str
+    system: FreeSystem
+    begun: tuple[str, ...] = ()
+    tolerance: tuple[float, float] = TOLERANCE
+    held_out: tuple[FreeRecord, ...] = ()
+    held_out_window: float | None = None
+    most: int = MOST
+    own: tuple[Effect, ...] = ()
+
+    @property
+    def base(self) -> str:
+        """The base in words."""
+        return self.system.model.name
+
+    @property
+    def about(self) -> str:
+        """The tests in words."""
+        records = counted(len(self.system.records), "record")
+        return f"{records} of {self.title}" if self.title else records
+
+    @property
+    def floor(self) -> float:
+        """What is too small to matter, over the rms force of a channel."""
+        return self.system.floor
+
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """Who takes part: ``physics`` or ``fault`` by name."""
+        return {item.name: item.kind for item in self.system.every}
+
+    def why_not_asked(self, effect: Effect) -> str:
+        """Why an effect takes no part, in words; empty where it does."""
+        return why_not_asked(effect, self.system.model, self.system.records)
+
+    def named(self, effect: str, campaign: str) -> str:
+        """Nothing: there is one campaign alone."""
+        return only_campaign(self.title, effect, campaign)
+
+    def diagnose(self, steps: Sequence[Step], seed: int) -> Diagnosis:
+        """What the base still lacks with some steps."""
+        given = self.sets(steps)[-1]
+        return answer(
+            self.system,
+            given,
+            tolerance=self.tolerance,
+            held_out=self.held_out,
+            held_out_window=self.held_out_window,
+            most=self.most,
+            seed=seed,
+            contest=self.contest(given),
+        )
+
+    @cached_property
+    def contest(self) -> Callable[[Names], Contest]:
+        """Sets of effects against a base that has some already, each base once."""
+        return cache(lambda given: contest_about(self.system, given, most=self.most))
+
+    def sets(self, steps: Sequence[Step]) -> tuple[tuple[str, ...], ...]:
+        """The effects of the base, and after each step."""
+        names = (*self.begun, *(step.effect for step in steps))
+        first = len(self.begun)
+        return tuple(names[: first + number] for number in range(len(steps) + 1))
+
+    def fall(self, steps: Sequence[Step]) -> Fall:
+        """Errors of records left out one after another, of the base and after each step.
+
+        The level of each is that of the last step: before it, what is missing stands among the
+        unknown forces.
+        """
+        names, sets = (BASE, *(step.effect for step in steps)), self.sets(steps)
+        levels = noise_level(self.system.fit(sets[-1]))
+        rows = [
+            FallRow(
+                step=step,
+                campaign=self.title,
+                group=ALL,
+                quantity=quantity,
+                error=error,
+                level=levels.get(quantity, math.nan),
+                unit=UNITS[quantity],
+            )
+            for step, names in zip(names, sets, strict=True)
+            for quantity, error in self.system.errors(names, sets[-1]).items()
+        ]
+        mine = tuple(replace(step, campaign="") for step in steps)
+        return Fall(added=mine, rows=tuple(rows), told={self.title: TOLD})
+
+    def held_out_errors(self, steps: Sequence[Step]) -> dict[str, dict[str, float]]:
+        """Errors of records that are held out: model as given, base refitted, with the effects."""
+        if not self.held_out:
+            return {}
+        system = self.system
+        before, after = (system.fit(names) for names in (self.sets(steps)[0], self.sets(steps)[-1]))
+        made, better = (
+            model_of(system.model, system.every, fit, system.speed) for fit in (before, after)
+        )
+        return held_out_errors(
+            system.model,
+            made,
+            better if steps else None,
+            self.held_out,
+            window=self.held_out_window or system.window or WINDOW * made.ship.L / system.speed,
+            corrections={name: x for name, x in moved(after).items() if name in OUTSIDE},
+            sensors=system.sensors,
+            extrapolate=system.extrapolate,
+        )
+
+    def sailed(self, steps: Sequence[Step], most: int = DRAWN) -> list[Sailed]:
+        """The records that the base misses most, each left out, measured and sailed.
+
+        Parameters
+        ----------
+        steps : sequence of Step
+            What is added.
+        most : int
+            Records at most.
+        """
+        sets = self.sets(steps)
+        fits = {BASE_FITTED: self.system.fit(sets[0])}
+        if steps:
+            fits[WITH_EFFECTS] = self.system.fit(sets[-1])
+        missed = [
+            item["heading"] for item in predicted(fits[BASE_FITTED], each(self.system.records))
+        ]
+        worst = sorted(range(len(missed)), key=lambda j: -missed[j])[:most]
+        return [_sailed(fits, j) for j in sorted(worst)]
+
+    def model(self, steps: Sequence[Step]) -> Model:
+        """The model with base and effects fitted together, and with a step per effect."""
+        return refitted(self.system, self.begun, steps)
+
+    def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
+        """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
+
+        Raises
+        ------
+        ModelError
+            If the diagnosis did not name it.
+        """
+        given = self.sets(steps)[-1]
+        settled = self.contest(given).settled
+        fit = next((item.fit for item in settled if item.names == tuple(names)), None)
+        if fit is None:
+            raise ModelError(f"{' + '.join(names)} was not named.")
+        system, model = self.system, self.system.model
+        for item in system.every:
+            if item.name in given:
+                model = item.added_to(model)
+        return model_of(model, system.every, fit, system.speed)
+
+
+def _sailed(fits: Mapping[str, SetFit], record: int) -> Sailed:
+    """A record left out, as fits to the others sail it."""
+    found = {name: left_out_windows(fit, record) for name, fit in fits.items()}
+    stretch = next(iter(found.values()))[0]
+    return Sailed(
+        name=stretch.record.name,
+        t=stretch.record.t,
+        begins=stretch.begins[:-1],
+        measured=stretch.record.measured,
+        simulated={
+            name: dict(zip(stretch.channels, shown.T, strict=True))
+            for name, (_, shown) in found.items()
+        },
+        std={
+            name: dict(zip(stretch.channels, band(fit, record).T, strict=True))
+            for name, fit in fits.items()
+        },
+    )
+
+
+def free_running(
+    model: Model | str | Path | Sequence[str] | Structure,
+    records: Campaign | Sequence[FreeRecord],
+    *,
+    floor: float | None,
+    candidates: Sequence[Candidate | FreeCandidate | Effect | str] | None,
+    own: Sequence[Effect],
+    tolerance: tuple[float, float] = TOLERANCE,
+    held_out: Sequence[FreeRecord] = (),
+    held_out_window: float | None = None,
+    most: int = MOST,
+    **settings: Any,
+) -> FreeRecords:
+    """The evidence of free-running records; arguments as for `diagnose_free`."""
+    complete = complete_model(model)
+    asked: list[FreeCandidate | Effect | str] | None = None if candidates is None else []
+    for item in candidates or ():
+        if isinstance(item, Candidate):
+            raise DataError(f"{item.name} is a candidate of captive tests: these records run free.")
+        if asked is not None:
+            asked.append(item)
+    given = records_of(records, complete)
+    faults = known_faults(complete, given)
+    system = free_system(
+        complete,
+        given,
+        floor=FLOOR if floor is None else floor,
+        candidates=asked,
+        own=own,
+        also=faults,
+        **settings,
+    )
+    there = {item.name for item in system.every}
+    return FreeRecords(
+        title=records.title if isinstance(records, Campaign) else "",
+        system=system,
+        begun=tuple(name for name in faults if name in there),
+        tolerance=tolerance,
+        held_out=tuple(held_out),
+        held_out_window=held_out_window,
+        most=most,
+        own=tuple(own),
+    )

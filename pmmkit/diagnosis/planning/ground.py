@@ -1,0 +1,232 @@
+"""What a plan stands on: runs made and possible runs, seen with one base and one noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from pmmkit.base import DataError
+from pmmkit.campaigns import Campaign
+from pmmkit.conventions import Structure, structure_of
+from pmmkit.diagnosis.captive.base import CaptiveBase
+from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
+from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
+from pmmkit.diagnosis.captive.grid import best_blocks
+from pmmkit.diagnosis.captive.refit import eligible
+from pmmkit.diagnosis.captive.system import System, channels_of
+from pmmkit.diagnosis.planning.information import (
+    RunInformation,
+    WhitenedRows,
+    drawn_once,
+    known,
+    rows_of,
+)
+from pmmkit.diagnosis.planning.options import Limits, Option, limits_of, options_of
+from pmmkit.diagnosis.planning.planned import (
+    NoiseOf,
+    base_of,
+    measured_noise,
+    planned_views,
+    stated_noise,
+    with_names,
+)
+from pmmkit.inference import RunEffects
+from pmmkit.models import Model
+from pmmkit.reduction import FLOOR, View, columns_of
+
+Asked = Model | str | Path | Sequence[str] | Structure
+CHANNELS: Final = ("X", "Y", "N")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ground:
+    """Runs made and runs that could be made.
+
+    `rows`: of all of them. `made`: ids of the runs that are made. `options`: runs that could be
+    made, by their id among the rows. `candidates`: effects and faults by name. `given`: effects
+    that the base has beside its derivatives. `system`: of the runs that are made, as a
+    diagnosis asks it.
+    """
+
+    rows: WhitenedRows
+    made: tuple[str, ...]
+    options: Mapping[str, Option]
+    candidates: Mapping[str, Candidate]
+    given: tuple[str, ...] = ()
+    system: System | None = None
+
+    def is_new_speed(self, speed: float) -> bool:
+        """Whether no run is made at a speed, beside others that are made."""
+        made = self.system.views if self.system is not None else ()
+        return bool(made) and all(abs(view.speed - speed) > 1e-3 * speed for view in made)
+
+    def known(self) -> RunInformation:
+        """What the runs made tell."""
+        return known(self.rows, self.made)
+
+    def check(self, effects: Sequence[str]) -> None:
+        """Raise an UnknownNameError if effects do not take part."""
+        for name in effects:
+            if name not in self.candidates:
+                raise no_such_effect(name, sorted(self.candidates))
+
+
+def ground_of(
+    model: Asked,
+    campaign: Campaign | None = None,
+    *,
+    limits: Limits | None = None,
+    options: Sequence[Option] | None = None,
+    floor: float = FLOOR,
+    noise: float | None = None,
+    record_noise: float = 0.015,
+    candidates: Sequence[Candidate] | None = None,
+    given: Sequence[str] = (),
+) -> Ground:
+    """Measured and possible runs on one footing."""
+    base = derivatives_of(model)
+    if campaign is not None and campaign.runs:
+        return _with_tests(
+            structure_of(base.structure),
+            campaign,
+            limits or limits_of(campaign),
+            options,
+            floor=floor,
+            candidates=candidates,
+            begun=base.effects,
+            given=given,
+            noise=noise,
+        )
+    if limits is None and options:
+        limits = Limits(speeds=tuple(sorted({option.settings.speed for option in options})))
+    if limits is None:
+        raise DataError("Before any test a plan needs limits: the speeds at least.")
+    if not isinstance(base.source, Model):
+        raise DataError(
+            "Before any test a plan needs the size of the forces: give a model with values, such "
+            "as estimated_model makes from particulars, in place of a structure."
+        )
+    loaded = base.source
+    if campaign is not None:
+        loaded = loaded.with_(ship=campaign.ship, water=campaign.water)
+    have = tuple(dict.fromkeys((*base.effects, *given)))
+    return _before_tests(
+        loaded, limits, options, floor=floor, noise=record_noise, candidates=candidates, given=have
+    )
+
+
+def _with_tests(
+    structure: Structure,
+    campaign: Campaign,
+    limits: Limits,
+    options: Sequence[Option] | None,
+    *,
+    floor: float,
+    candidates: Sequence[Candidate] | None,
+    begun: Sequence[str],
+    given: Sequence[str],
+    noise: float | None,
+) -> Ground:
+    asked = captive_system(campaign, structure, floor=floor, candidates=candidates, noise=noise)
+    system, rest = standing(asked, given)
+    have = system.taking_part(tuple(dict.fromkeys((*begun, *rest))))
+    views = system.views
+    offered = _offered(options, limits, system.base)
+    speeds = [*(view.speed for view in views), *limits.speeds]
+    every = _candidates_of(system.base, speeds, candidates)
+    channels = tuple(c.name for c in system.channels)
+    base = _ruddered(system.base, structure, offered, channels)
+    planned = _views(offered, base, measured_noise(views), campaign.motion_reference_x)
+    rows = rows_of(
+        [*views, *planned],
+        base,
+        every,
+        floor=floor,
+        scatter=system.scatter,
+        scale={c.name: c.scale for c in system.channels},
+    )
+    values = {name: [b.value for b in best_blocks(system, name, 2)] for name in have}
+    made = tuple(dict.fromkeys(view.run.id for view in views))
+    every = tuple(item for item in every if item.name not in given)
+    return _ground(rows.condition_on(values), made, offered, every, have, system)
+
+
+def _before_tests(
+    model: Model,
+    limits: Limits,
+    options: Sequence[Option] | None,
+    *,
+    floor: float,
+    noise: float,
+    candidates: Sequence[Candidate] | None,
+    given: tuple[str, ...],
+) -> Ground:
+    base = base_of(model, limits.speeds)
+    offered = _offered(options, limits, base)
+    structure = structure_of([name for own in base.names.values() for name in own])
+    base = _ruddered(base, structure, offered, CHANNELS)
+    rough = _views(offered, base, stated_noise(dict.fromkeys(CHANNELS, 1.0)), 0.0)
+    scale = {c.name: c.scale for c in channels_of(rough, base)}
+    size = {name: x * base.reference**2 for name, x in scale.items()}
+    planned = _views(offered, base, stated_noise(size, noise), 0.0)
+    every = _candidates_of(base, limits.speeds, candidates)
+    usual = RunEffects.usual(size).mode
+    rows = rows_of(planned, base, every, floor=floor, scatter=usual, scale=scale)
+    grids = {c.name: c.grid for c in every}
+    values = {name: grids[name][len(grids[name]) // 2 :][:1] for name in given if name in grids}
+    return _ground(rows.condition_on(values), (), offered, every, given, None)
+
+
+def _ground(
+    rows: WhitenedRows,
+    made: tuple[str, ...],
+    offered: Sequence[Option],
+    every: Sequence[Candidate],
+    given: tuple[str, ...],
+    system: System | None,
+) -> Ground:
+    return Ground(
+        rows=rows,
+        made=made,
+        given=given,
+        system=system,
+        options=MappingProxyType({option.run().id: option for option in offered}),
+        candidates=MappingProxyType({c.name: c for c in every if c.name not in given}),
+    )
+
+
+def _offered(
+    options: Sequence[Option] | None, limits: Limits, base: CaptiveBase
+) -> tuple[Option, ...]:
+    found = options_of(limits, base.ship, base.water) if options is None else tuple(options)
+    if not found:
+        raise DataError("No run is possible within these limits.")
+    return tuple({option.id: option for option in found}.values())
+
+
+def _ruddered(
+    base: CaptiveBase, structure: Structure, offered: Sequence[Option], channels: Sequence[str]
+) -> CaptiveBase:
+    """The base with what rudder and heel runs would add to it."""
+    runs = [option.run() for option in offered]
+    return with_names(base, columns_of(structure, runs, channels).required)
+
+
+def _views(
+    offered: Sequence[Option], base: CaptiveBase, noise: NoiseOf, motion_x: float
+) -> list[View]:
+    return [
+        view for option in offered for view in planned_views(option, base, noise, motion_x=motion_x)
+    ]
+
+
+def _candidates_of(
+    base: CaptiveBase, speeds: Sequence[float], candidates: Sequence[Candidate] | None
+) -> tuple[Candidate, ...]:
+    if candidates is not None:
+        return tuple(candidates)
+    every = eligible(base, sorted({round(speed, 6) for speed in speeds}))
+    return tuple(drawn_once(item) for item in every)

@@ -1,0 +1,195 @@
+"""What stands behind a URL: whether it is there, how large it is, and in which state."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from pmmkit.base import DataError, Problem
+from pmmkit.files.remote.urls import (
+    PACKAGES,
+    WEB,
+    checked,
+    host_of,
+    scheme_of,
+    shown_name,
+    shown_url,
+)
+
+CONNECT: Final = 10.0
+"""Seconds in which a web server has to answer."""
+SILENCE: Final = 60.0
+"""Seconds that a web server may send nothing."""
+_STATES: Final = (
+    "ETag",
+    "etag",
+    "Content-MD5",
+    "content_md5",
+    "md5Hash",
+    "Digest",
+    "generation",
+    "Last-Modified",
+    "LastModified",
+    "last_modified",
+    "mtime",
+    "updated",
+    "created",
+)
+"""Under which names stores say in which state an object is."""
+_ABSENT: Final = (404, 410)
+_FORBIDDEN: Final = (401, 403)
+_ANSWERS: Final = ("status", "status_code", "code")
+"""Where aiohttp, adlfs and gcsfs keep the answer of a server."""
+_NO_KEYS: Final = ("NoCredentialsError", "ClientAuthenticationError", "DefaultCredentialsError")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Origin:
+    """An object in the state in which it was first seen.
+
+    Parameters
+    ----------
+    url : str
+        Where it is.
+    state : str
+        Tag, checksum or time of change by which its store tells one state from another.
+    size : int or None
+        Bytes, where the store says it.
+    stated : bool
+        Whether the store tells states apart; else `state` stands for this one look.
+    """
+
+    url: str
+    state: str = field(repr=False)
+    size: int | None = field(default=None, repr=False)
+    stated: bool = field(default=True, repr=False)
+
+    @property
+    def name(self) -> str:
+        """Name of its copy."""
+        return shown_name(self.url)
+
+    @property
+    def shown(self) -> str:
+        """As messages and results name it."""
+        return shown_url(self.url)
+
+
+def look(url: str) -> Origin | None:
+    """What stands behind a URL now; None if nothing does.
+
+    Parameters
+    ----------
+    url : str
+        Anything that looks like one.
+
+    Raises
+    ------
+    DataError
+        If it is not read, needs a package, is forbidden, or cannot be reached.
+    """
+    system = system_of(checked(url))
+    try:
+        system.invalidate_cache()
+        found = system.info(url)
+    except Exception as error:  # stores raise whatever their libraries raise
+        if is_absent(error):
+            return None
+        raise told(url, error) from error
+    if found.get("type") == "directory":
+        return None
+    said = {name: str(found[name]) for name in _STATES if found.get(name)}
+    size = found.get("size")
+    state = repr((size, said)) if said else uuid.uuid4().hex
+    return Origin(url=url, state=state, size=size, stated=bool(said))
+
+
+def system_of(url: str) -> Any:
+    """fsspec's view of the store behind a URL."""
+    scheme = scheme_of(url)
+    options: Mapping[str, Any] = {}
+    try:
+        import fsspec
+
+        if scheme in WEB:
+            from aiohttp import ClientTimeout
+
+            limits = ClientTimeout(total=None, sock_connect=CONNECT, sock_read=SILENCE)
+            options = {"client_kwargs": {"trust_env": True, "timeout": limits}}
+        return fsspec.filesystem(scheme, **options)
+    except ImportError as error:
+        more = "" if scheme in WEB else f" {PACKAGES[scheme]}"
+        raise DataError(
+            Problem(
+                message=f"reading {scheme}:// needs packages that are not installed ({error}).",
+                file=shown_url(url),
+                remedy=f"pip install 'pmmkit[remote]'{more}, on all machines that read.",
+            )
+        ) from error
+    except Exception as error:  # stores look for keys when they are made
+        raise told(url, error) from error
+
+
+def is_absent(error: BaseException) -> bool:
+    """Whether an error says that there is no such object, and not that it cannot be reached."""
+    chain = list(_causes(error))
+    states = [state for item in chain if (state := _state_of(item)) is not None]
+    if states:
+        return states[-1] in _ABSENT
+    return isinstance(chain[-1], (FileNotFoundError, IsADirectoryError))
+
+
+def told(url: str, error: BaseException) -> DataError:
+    """What is wrong with a store, and what can be done."""
+    chain = list(_causes(error))
+    scheme, host = scheme_of(url), host_of(shown_url(url))
+    if any(
+        _state_of(item) in _FORBIDDEN
+        or isinstance(item, PermissionError)
+        or type(item).__name__ in _NO_KEYS
+        for item in chain
+    ):
+        keys = (
+            "the file .netrc of your home folder"
+            if scheme in WEB
+            else f"the environment or files where {PACKAGES[scheme]} looks for them, on all "
+            "machines that read"
+        )
+        return DataError(
+            Problem(
+                message=f"{host} gives no permission.",
+                file=shown_url(url),
+                remedy=f"See whether the name is right; keys are taken from {keys}.",
+            )
+        )
+    last = str(chain[-1]).split("?")[0].strip() or type(chain[-1]).__name__
+    return DataError(
+        Problem(
+            message=f"{host} cannot be reached or broke off ({last}).",
+            file=shown_url(url),
+            remedy="Try again: what was read is kept.",
+        )
+    )
+
+
+def _causes(error: BaseException) -> Iterator[BaseException]:
+    """An error and what it was raised from, that last."""
+    known: BaseException | None = error
+    for _ in range(10):
+        if known is None:
+            return
+        yield known
+        known = known.__cause__
+
+
+def _state_of(error: BaseException) -> int | None:
+    """What a server answered, as the packages of the stores keep it."""
+    for name in _ANSWERS:
+        if isinstance(state := getattr(error, name, None), int):
+            return state
+    answer = getattr(error, "response", None)
+    about = answer.get("ResponseMetadata") if isinstance(answer, Mapping) else None
+    state = about.get("HTTPStatusCode") if isinstance(about, Mapping) else None
+    return state if isinstance(state, int) else None

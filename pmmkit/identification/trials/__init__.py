@@ -1,0 +1,1 @@
+"""Sea trials: measures of turning circles, zigzags and stops from positions and heading."""

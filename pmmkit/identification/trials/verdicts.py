@@ -1,0 +1,82 @@
+"""Criteria of IMO MSC.137(76) beside the measures of a trial."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+from pmmkit.campaigns import STOPPING, TURNING, kind_of
+from pmmkit.conventions import Criterion, criteria
+from pmmkit.simulation import (
+    LARGE,
+    FullAstern,
+    Verdict,
+    judge,
+    manoeuvre_words,
+    side_of,
+    turning_conditions,
+)
+
+
+def verdicts_of(
+    test: str,
+    metrics: Mapping[str, float],
+    std: Mapping[str, float],
+    *,
+    L: float,
+    speed: float,
+    rudder_deg: float,
+    switch_deg: float = math.nan,
+    conditions: tuple[str, ...] = (),
+    full_astern: FullAstern | None = None,
+) -> tuple[Verdict, ...]:
+    """Every criterion that a run of that kind is judged by.
+
+    L, speed [m].
+
+    Examples
+    --------
+    >>> found = verdicts_of("stopping", {"track_reach_L": 14.2}, {"track_reach_L": 0.1}, L=170.0,
+    ...                     speed=7.25, rudder_deg=0.0)
+    >>> [(item.criterion, item.limit, item.passed, round(item.probability, 6)) for item in found]
+    [('track_reach', 15.0, True, 1.0)]
+    """
+    size = abs(rudder_deg)
+    asked = [pair for pair in criteria() if _applies(pair[1], test, size, switch_deg)]
+    own_first = sorted(asked, key=lambda pair: pair[1].manoeuvre != test)
+    kind = kind_of(test)
+    if kind is TURNING:
+        conditions = turning_conditions(rudder_deg, conditions, ".1f")
+    elif kind is STOPPING:
+        conditions += (LARGE,)
+    laid = rudder_deg if kind.turns_rudder else 0.0
+    switch = float(round(switch_deg)) if kind.switches else None
+    words = manoeuvre_words(test, float(round(laid)), switch)
+    found = [
+        judge(
+            metric,
+            criterion,
+            metrics,
+            std=std,
+            L=L,
+            speed=speed,
+            scale=f"as measured, L = {L:.4g} m",
+            manoeuvre=words,
+            conditions=conditions,
+            side=side_of(laid),
+        )
+        for metric, criterion in own_first
+    ]
+    return tuple(replace(verdict, full_astern=full_astern) for verdict in found)
+
+
+def _applies(criterion: Criterion, test: str, rudder: float, switch: float) -> bool:
+    """Whether a run is the test of a criterion: the manoeuvre, and its angles within reach."""
+    if test not in (criterion.manoeuvre, *criterion.shown_by):
+        return False
+    if not kind_of(test).switches:
+        return True
+    settings = criterion.settings
+    heading = settings.get("switch_deg", settings.get("heading_deg", math.nan))
+    return abs(rudder - settings["rudder_deg"]) < 1.0 and abs(switch - heading) < 0.5

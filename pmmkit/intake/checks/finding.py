@@ -1,0 +1,255 @@
+"""What a check says, and the list that keeps the checks together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+from pmmkit.base import ContradictionError, Problem
+from pmmkit.numerics import Array
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns import Campaign, Correction
+    from pmmkit.intake.checks.summary import Summary
+
+Severity = Literal["error", "warning", "info"]
+SEVERITIES: Final[tuple[Severity, ...]] = ("error", "warning", "info")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckFinding:
+    """One thing that a check has to say.
+
+    Parameters
+    ----------
+    check : str
+        Name of the check, as in `CHECKS`.
+    severity : {"error", "warning", "info"}
+        ``error``: the data contradict themselves or the campaign file, nothing may be fitted.
+        ``warning``: suspicious. ``info``: worth knowing.
+    message : str
+        A sentence with its numbers and what they should be.
+    runs : tuple of str
+        The runs it speaks of.
+    remedy : str
+        What the user can do.
+    numbers : mapping of str to float
+        The numbers by name, for programs.
+    channels : tuple of str
+        The channels that are at fault, where it is they.
+    by_run : mapping of str to mapping
+        Numbers of each run, in the order in which they are shown.
+    cause : str
+        What is thought to be wrong: the name of the fault in the catalogue, or what a slip is
+        called; empty where the check names none.
+    """
+
+    check: str
+    severity: Severity
+    message: str
+    runs: tuple[str, ...] = ()
+    remedy: str = ""
+    numbers: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    channels: tuple[str, ...] = ()
+    cause: str = ""
+    by_run: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
+
+    def __str__(self) -> str:
+        where = f" ({name_runs(self.runs)})" if self.runs else ""
+        return f"{self.severity}: {self.check}{where}: {self.message}".rstrip()
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "check": self.check,
+            "severity": self.severity,
+            "message": self.message,
+            "runs": list(self.runs),
+            "remedy": self.remedy,
+            "numbers": dict(self.numbers),
+            "channels": list(self.channels),
+            "cause": self.cause,
+            **(
+                {"by_run": {name: dict(x) for name, x in self.by_run.items()}}
+                if self.by_run
+                else {}
+            ),
+        }
+
+
+@dataclass(frozen=True)
+class Check:
+    """A check: its name, what it looks for in one line, and the function that looks.
+
+    `name, description`: name, and what it looks for. `examine`: takes the campaign and the
+    summaries of its runs, gives findings. `by_particulars`: it judges by the ship's length,
+    volume or mass, and says nothing where these are wrong.
+    """
+
+    name: str
+    description: str
+    examine: Callable[[Campaign, Sequence[Summary]], Iterable[CheckFinding]]
+    by_particulars: bool = False
+
+
+def refuse(findings: Iterable[CheckFinding]) -> None:
+    """Raise one error that lists all findings of severity ``error``; do nothing without any.
+
+    Parameters
+    ----------
+    findings : iterable of CheckFinding
+        As `examine` gives them.
+
+    Raises
+    ------
+    ContradictionError
+        With every error at once. Warnings do not raise.
+
+    Examples
+    --------
+    >>> refuse([CheckFinding(check="copies", severity="warning", message="one comes twice")])
+    >>> try:
+    ...     refuse([CheckFinding(check="units", severity="error", message="Y is 9.8 times too big",
+    ...                          runs=("SD_1",), remedy="State the unit kgf.")])
+    ... except ContradictionError as error:
+    ...     print(error)
+    The data contradict themselves or the campaign file: run SD_1: [units] Y is 9.8 times too big
+    State the unit kgf.
+    """
+    problems = [
+        Problem(
+            message=f"[{finding.check}] {finding.message}",
+            run=name_runs(finding.runs) if finding.runs else None,
+            remedy=finding.remedy or None,
+        )
+        for finding in findings
+        if finding.severity == "error"
+    ]
+    if problems:
+        raise ContradictionError(
+            problems, title="The data contradict themselves or the campaign file"
+        )
+
+
+def loudest_first(findings: Iterable[CheckFinding]) -> tuple[CheckFinding, ...]:
+    """Errors first, then warnings, then what is worth knowing.
+
+    Parameters
+    ----------
+    findings : iterable of CheckFinding
+        In any order; those of one severity keep it.
+
+    Examples
+    --------
+    >>> quiet = CheckFinding(check="sides", severity="info", message="a little")
+    >>> loud = CheckFinding(check="units", severity="error", message="wrong")
+    >>> [item.severity for item in loudest_first([quiet, loud])]
+    ['error', 'info']
+    """
+    return tuple(sorted(findings, key=lambda item: SEVERITIES.index(item.severity)))
+
+
+def accepted(campaign: Campaign, finding: CheckFinding) -> CheckFinding:
+    """The finding, or a remark with the reason where the campaign file accepts it.
+
+    A correction with ``action = "accept"`` takes it for the runs that it names: all runs of the
+    finding must be named. What speaks of no run is accepted for ``runs = ["*"]``.
+    """
+    if finding.severity == "info":
+        return finding
+    reasons: dict[str, None] = {}
+    taken = [
+        (run.id, [item for item in run.corrections if _accepts(item, finding)])
+        for run in campaign.runs
+        if run.id in finding.runs or not finding.runs
+    ]
+    if not taken or not all(items for _, items in taken):
+        return finding
+    for _, items in taken:
+        reasons |= {item.reason: None for item in items}
+    return replace(
+        finding,
+        severity="info",
+        message=f"{finding.message} Accepted by the campaign file: {'; '.join(reasons)}",
+        remedy="",
+    )
+
+
+def _accepts(item: Correction, finding: CheckFinding) -> bool:
+    named = item.action == "accept" and item.values.get("check") == finding.check
+    return named and (bool(finding.runs) or "*" in item.runs)
+
+
+def name_runs(ids: Sequence[str], most: int = 4) -> str:
+    """Ids in a short list.
+
+    Examples
+    --------
+    >>> name_runs(["a", "b", "c", "d", "e", "f"])
+    'a, b, c, … f (6 runs)'
+    """
+    if len(ids) <= most:
+        return ", ".join(ids)
+    return f"{', '.join(ids[: most - 1])}, … {ids[-1]} ({len(ids)} runs)"
+
+
+def figure(value: float, digits: int = 3) -> str:
+    """A number in a sentence: three significant digits, no needless exponent.
+
+    Examples
+    --------
+    >>> figure(5342.7), figure(-0.00123456), figure(0.0323)
+    ('5340', '-0.00123', '0.0323')
+    """
+    if not math.isfinite(value) or value == 0:
+        return f"{value:g}"
+    power = math.floor(math.log10(abs(value)))
+    if power < -4 or power > 6:
+        return f"{value:.{digits - 1}e}"
+    return f"{round(value, digits - 1 - power):.{max(0, digits - 1 - power)}f}"
+
+
+def share_of(x: Array, y: Array) -> tuple[float, float]:
+    """Slope of y on x through the origin, and its standard error from the scatter.
+
+    The error of a single pair is nan.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> share_of(np.array([1., 2., 3.]), np.array([2., 4., 6.]))
+    (2.0, 0.0)
+    """
+    power = float(x @ x)
+    if power == 0:
+        return math.nan, math.nan
+    slope = float(x @ y) / power
+    if len(x) < 2:
+        return slope, math.nan
+    rest = y - slope * x
+    return slope, math.sqrt(float(rest @ rest) / (len(x) - 1) / power)
+
+
+def straight_line(x: Array, y: Array) -> tuple[float, float, float]:
+    """Slope, intercept and standard error of the slope of a straight line.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> slope, intercept, error = straight_line(np.array([0., 1., 2.]), np.array([1., 3., 5.]))
+    >>> round(slope, 9), round(intercept, 9), round(error, 9)
+    (2.0, 1.0, 0.0)
+    """
+    centred = x - x.mean()
+    power = float(centred @ centred)
+    if power == 0:
+        return math.nan, float(y.mean()), math.nan
+    slope = float(centred @ y) / power
+    intercept = float(y.mean()) - slope * float(x.mean())
+    rest = y - slope * x - intercept
+    free = len(x) - 2
+    error = math.sqrt(float(rest @ rest) / free / power) if free > 0 else math.nan
+    return slope, intercept, error

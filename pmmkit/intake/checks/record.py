@@ -1,0 +1,286 @@
+"""Records that were cut off at a limit, and cycles and runs that differ from their sisters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.intake.checks.expected import prime_unit
+from pmmkit.intake.checks.finding import Check, CheckFinding, figure
+from pmmkit.numerics import Array
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns import Campaign
+    from pmmkit.intake.checks.summary import Summary
+
+Cycles = NDArray[np.complex128]
+
+FLAT_SAMPLES: Final = 5
+FLAT_SHARE: Final = 0.01
+FLAT_DENSITY: Final = 6.0
+CYCLE_SHARE: Final = 0.03
+CYCLE_SIGMAS: Final = 6.5
+FEW: Final = 2.5
+SISTER_SIGMAS: Final = 5.0
+SISTER_SHARE: Final = 0.5
+
+
+def flat_facts(values: Array) -> Mapping[str, float]:
+    """How much of a channel lies flat at its extreme value.
+
+    Examples
+    --------
+    >>> wave = 10 * np.sin(np.linspace(0, 20, 2001))
+    >>> flat_facts(wave)["share"], round(flat_facts(np.clip(wave, -8, 8))["share"], 2)
+    (0.0, 0.4)
+    """
+    finite = values[np.isfinite(values)]
+    found = {"share": 0.0, "level": 0.0, "stretches": 0.0}
+    if len(finite) < 10 * FLAT_SAMPLES or finite.max() == finite.min():
+        return found
+    share, stretches, level = 0.0, 0, 0.0
+    for extreme in (finite.max(), finite.min()):
+        at = finite == extreme
+        count = np.count_nonzero(at)
+        rest = finite[~at]
+        next_level = rest.max() if extreme == finite.max() else rest.min()
+        if count < FLAT_DENSITY * np.count_nonzero(rest == next_level):
+            continue
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], at.astype(np.int8), [0]))))
+        lengths = edges[1::2] - edges[::2]
+        long = lengths >= FLAT_SAMPLES
+        if long.any():
+            share += float(lengths[long].sum()) / len(finite)
+            stretches += int(long.sum())
+            level = float(extreme)
+    return {"share": share, "level": level, "stretches": float(stretches)}
+
+
+def examine_saturation(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """Forces that stand still at their extreme: a gauge or an amplifier at its end."""
+    for item in summaries:
+        for channel in ("X", "Y", "N", "K"):
+            share = item.facts.get(f"{channel}_flat_share", 0.0)
+            stretches = item.facts.get(f"{channel}_flat_stretches", 0.0)
+            if share < FLAT_SHARE or stretches < 2:
+                continue
+            level = item.facts[f"{channel}_flat_level"]
+            yield CheckFinding(
+                check="saturation",
+                severity="error" if share > 2 * FLAT_SHARE else "warning",
+                message=f"{channel} stands flat at its extreme value {figure(level, 4)} in "
+                f"{stretches:.0f} stretches, {100 * share:.1f} % of the samples "
+                f"(none would be expected): it was cut off there.",
+                runs=(item.run.id,),
+                remedy='Leave the run out (action = "exclude"), or the cycles concerned '
+                '(action = "trim"); set the range of the gauge wider.',
+                numbers={"share": share, "level": level, "stretches": stretches},
+                channels=(channel,),
+            )
+
+
+@dataclass(frozen=True)
+class _Odd:
+    """A run of which one cycle, or the trend over the cycles, is beyond the noise."""
+
+    item: Summary
+    away: float
+    amplitude: float
+    limit: float
+    cycle: int
+    total: int
+    trend: bool
+
+
+def examine_cycles(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """First harmonics that change from cycle to cycle beyond their noise, or that drift.
+
+    The first cycle is left out: it holds the start. A cycle is conspicuous when its first harmonic
+    lies more than 3 % of the amplitude and more than 6.5 times the noise of one cycle from the
+    median cycle; a straight line through the cycles when it changes by as much. The noise is the
+    usual scatter over the cycles of all runs at that speed; with fewer than four runs it is 2.5
+    times the scatter of the cycles but the worst, as few cycles tell it badly.
+    """
+    for channel in ("X", "Y", "N", "K"):
+        items = [item for item in summaries if len(_kept(item, channel)) >= 3]
+        speeds = np.array([item.run.settings.speed for item in items])
+        scatters = np.array([_scatter(_kept(item, channel)) for item in items])
+        odd = []
+        for item, speed in zip(items, speeds, strict=True):
+            series = scatters[np.abs(speeds / speed - 1) < 0.02]
+            found = _odd_cycle(item, channel, _noise(item, series, channel))
+            odd += [found] if found is not None else []
+        if not odd:
+            continue
+        worst = max(odd, key=lambda found: found.away / found.limit)
+        what = (
+            f"changes steadily by {figure(worst.away)} over the cycles of {worst.item.run.id}, "
+            f"a trend"
+            if worst.trend
+            else f"differs between cycles: cycle {worst.cycle} of {worst.total} in "
+            f"{worst.item.run.id} lies {figure(worst.away)} from the median cycle"
+        )
+        yield CheckFinding(
+            check="cycles",
+            severity="warning",
+            message=f"The first harmonic of {channel} {what}, "
+            f"{100 * worst.away / worst.amplitude:.0f} % of its {figure(worst.amplitude)}, where "
+            f"at most {figure(worst.limit)} is noise"
+            + (f"; so in {len(odd)} of {len(items)} runs." if len(odd) > 1 else "."),
+            runs=tuple(found.item.run.id for found in odd),
+            remedy="Look at the record; take cycles that agree (cycles = …), or trim it.",
+            numbers={
+                "deviation": worst.away,
+                "amplitude": worst.amplitude,
+                "limit": worst.limit,
+                "cycle": float(worst.cycle),
+            },
+        )
+
+
+def _kept(item: Summary, channel: str) -> Cycles:
+    """First harmonics of the cycles as complex numbers, without the cycle of the start."""
+    cycles = item.cycles.get(channel)
+    if cycles is None:
+        return np.zeros(0, complex)
+    kept = cycles[1:] if len(cycles) > 3 else cycles
+    return kept[:, 1] + 1j * kept[:, 2]
+
+
+def _scatter(first: Cycles) -> float:
+    """Standard deviation of each of the two parts over the cycles."""
+    away = first - first.mean()
+    return math.sqrt(float(np.sum(np.abs(away) ** 2)) / 2 / (len(first) - 1))
+
+
+def _noise(item: Summary, series: NDArray[np.float64], channel: str) -> float:
+    """Noise of one cycle, from the scatter over the cycles of all runs at that speed."""
+    own = item.cycle_noise.get(channel, 0.0)
+    if len(series) >= 4:
+        return max(own, float(np.median(series)))
+    first = _kept(item, channel)
+    worst = int(np.argmax(np.abs(first - _middle(first))))
+    line = _line(first)[1] if len(first) > 3 else math.inf
+    return max(own, FEW * min(_scatter(np.delete(first, worst)), line))
+
+
+def _middle(first: Cycles) -> complex:
+    return complex(np.median(first.real), np.median(first.imag))
+
+
+def _line(first: Cycles) -> tuple[float, float]:
+    """Change from the first to the last cycle on a straight line, and what scatters about it."""
+    number = np.arange(len(first)) - (len(first) - 1) / 2
+    slope = np.sum(number * first) / np.sum(number**2)
+    rest = first - first.mean() - slope * number
+    free = 2 * max(len(first) - 2, 1)
+    return float(abs(slope)) * (len(first) - 1), math.sqrt(float(np.sum(np.abs(rest) ** 2)) / free)
+
+
+def _odd_cycle(item: Summary, channel: str, noise: float) -> _Odd | None:
+    first = _kept(item, channel)
+    middle = _middle(first)
+    amplitude = max(abs(middle), item.level(channel))
+    limit = max(CYCLE_SHARE * amplitude, CYCLE_SIGMAS * noise)
+    total = len(item.cycles[channel])
+    away = np.abs(first - middle)
+    worst = int(np.argmax(away))
+    change, rest = _line(first)
+    if len(first) > 3 and change > limit and change > CYCLE_SIGMAS * rest:
+        return _Odd(item, change, amplitude, limit, total, total, True)
+    if away[worst] > limit:
+        cycle = total - len(first) + worst + 1
+        return _Odd(item, float(away[worst]), amplitude, limit, cycle, total, False)
+    return None
+
+
+_SISTERS: Final = (
+    ("v", "Y", "s", "vdot"),
+    ("v", "Y", "c", "v"),
+    ("v", "N", "c", "v"),
+    ("r", "Y", "s", "rdot"),
+    ("r", "Y", "c", "r"),
+    ("r", "N", "s", "rdot"),
+    ("r", "N", "c", "r"),
+)
+
+
+def examine_sisters(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """Oscillating runs whose force over motion differs from that of all other runs of the series.
+
+    For each run the ratio that the others agree on (their median) predicts its first harmonic;
+    conspicuous is a run that misses by half of the prediction and by 5 times the typical miss.
+    """
+    for pure, channel, phase, motion in _SISTERS:
+        groups: dict[float, list[Summary]] = {}
+        for item in summaries:
+            if item.run.kind_of_test.pure == pure and abs(item.run.settings.drift) < math.radians(
+                0.2
+            ):
+                groups.setdefault(round(item.run.settings.speed, 2), []).append(item)
+        for group in groups.values():
+            if len(group) >= 4:
+                yield from _odd_one(campaign, group, channel, phase, motion)
+
+
+def _odd_one(
+    campaign: Campaign, group: Sequence[Summary], channel: str, phase: str, motion: str
+) -> Iterator[CheckFinding]:
+    speed = group[0].run.settings.speed
+    unit = prime_unit(campaign, channel, speed) / prime_unit(campaign, motion, speed)
+    take = np.array([[_part(item, motion, phase), _part(item, channel, phase)] for item in group])
+    moved, force = take[:, 0], take[:, 1]
+    if not np.all(np.isfinite(take)) or np.any(moved == 0):
+        return
+    ratio = force / moved
+    for place, item in enumerate(group):
+        others = np.arange(len(group)) != place
+        usual = float(np.median(ratio[others]))
+        misses = np.abs(force[others] - usual * moved[others])
+        typical = max(float(np.median(misses)), item.harmonic_noise.get(channel, 0.0))
+        miss = abs(force[place] - usual * moved[place])
+        if miss > SISTER_SIGMAS * typical and miss > SISTER_SHARE * abs(usual * moved[place]):
+            low, high = float(ratio[others].min() / unit), float(ratio[others].max() / unit)
+            part = "displacement" if phase == "s" else "velocity"
+            yield CheckFinding(
+                check="sister runs",
+                severity="warning",
+                message=f"{channel} in phase with the {part} over {_dotted(motion)} is "
+                f"{figure(float(ratio[place] / unit))} in the prime system; the other "
+                f"{len(group) - 1} runs of the series lie between {figure(low)} and "
+                f"{figure(high)}.",
+                runs=(item.run.id,),
+                remedy="Compare the derivatives with and without this run; exclude it if its "
+                "record is at fault.",
+                numbers={
+                    "ratio": float(ratio[place] / unit),
+                    "median": usual / unit,
+                    "low": low,
+                    "high": high,
+                    "miss": float(miss),
+                    "typical": typical,
+                },
+            )
+
+
+def _part(item: Summary, name: str, phase: str) -> float:
+    return item.s(name, 1) if phase == "s" else item.c(name, 1)
+
+
+def _dotted(motion: str) -> str:
+    return {"vdot": "v̇", "rdot": "ṙ"}.get(motion, motion)
+
+
+SATURATION = (
+    Check("saturation", "forces that stand flat at their extreme value", examine_saturation),
+)
+CHECKS = (
+    *SATURATION,
+    Check("cycles", "first harmonics that change from cycle to cycle", examine_cycles),
+    Check("sister runs", "runs out of line with the series they belong to", examine_sisters),
+)

@@ -1,0 +1,576 @@
+"""From what lies in a folder to the runs and tables of a campaign, for a person to check."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path, PurePosixPath
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.base import CampaignError, DataError, Problem
+from pmmkit.campaigns import (
+    HARMONIC_RUDDER,
+    RESISTANCE,
+    RUDDER,
+    STATIC_DRIFT,
+    Campaign,
+    kind_of,
+    kind_with,
+    open_campaign,
+    setting_key,
+)
+from pmmkit.conventions import CHANNEL_UNITS, Ship, channel_of, factor_to, unit_factor, unit_in_name
+from pmmkit.intake.drafts.choosing import ColumnChoice, with_choices
+from pmmkit.intake.drafts.conventions import Proposal
+from pmmkit.intake.drafts.drift import drift_column, with_drift
+from pmmkit.intake.drafts.matrix import MatrixDraft, matrix_of
+from pmmkit.intake.drafts.motion import Moved, motion_facts, sharper
+from pmmkit.intake.drafts.names import facts_of
+from pmmkit.intake.drafts.particulars import Found, particulars_of
+from pmmkit.intake.drafts.settle import RunKey, settled
+from pmmkit.intake.drafts.sheets import (
+    HEADED,
+    as_measured,
+    left_lines,
+    only_sheet,
+    shared_names,
+    skipped,
+    strangers,
+    template_of,
+    where_of,
+)
+from pmmkit.intake.file import LARGE
+from pmmkit.intake.folder import FileGroup, Look, look
+from pmmkit.intake.seen import ColumnLook, FileLook
+from pmmkit.intake.values import values_of
+from pmmkit.numerics import Array
+from pmmkit.readers import reader_of
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunDraft:
+    """One entry of ``[[runs]]`` or ``[[tables]]``.
+
+    `id, file`: name of the run; its file relative to the campaign file. `look`: how the file is
+    read. `test`: kind of test, None where nobody knows. `problems`: what is wrong with its
+    file. `motion`: where the motion of the hull lies beside its forces. `sheet`: sheet of the
+    workbook that holds the run, where it has several. `computation`: what lies beside it, or
+    the format says, of what ``[cfd]`` asks. `listed`: whether a matrix says what it was set to.
+    `notes`: what of the motion that it was told to make was not followed. `where`: which rows
+    of a table are meant, by their columns. `skip`: rows of a table that are not. `samples`:
+    whether rows of one id are samples: ``cycle``. `template`: id of the rows of a table, with
+    columns in braces; empty where it is to be found. `columns`: columns that are others than
+    those of all tables.
+    """
+
+    id: str
+    file: str
+    look: FileLook
+    test: str | None
+    settings: tuple[RunKey, ...]
+    problems: tuple[str, ...] = ()
+    motion: str | None = None
+    sheet: str | int | None = None
+    computation: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    listed: bool = False
+    notes: tuple[str, ...] = ()
+    where: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    skip: tuple[int, ...] = ()
+    samples: str | None = None
+    template: str = ""
+    columns: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Draft:
+    """What a campaign file is written from.
+
+    Parameters
+    ----------
+    title : str
+        Of the campaign.
+    kind : {"captive", "free-running"}
+        Of the campaign.
+    ship_name : str or None
+        Ship of the library.
+    runs, tables : tuple of RunDraft
+        Histories; tables whose rows are runs.
+    matrices : tuple of MatrixDraft
+        Tables that list runs: one for the files, one for each workbook with a sheet per run.
+    particulars : mapping of str to (float, str)
+        Of the model, as a list beside the tests has them, and where.
+    proposal : Proposal or None
+        Axes and signs by the physics of all runs; None where they were not asked.
+    saved : tuple of (str, Campaign)
+        Saved campaigns by their files.
+    unused : tuple of str
+        Files with numbers that are none of these, and why.
+    look : Look
+        What was seen.
+    """
+
+    title: str
+    kind: str
+    ship_name: str | None
+    runs: tuple[RunDraft, ...]
+    tables: tuple[RunDraft, ...]
+    saved: tuple[tuple[str, Campaign], ...]
+    unused: tuple[str, ...]
+    look: Look
+    matrices: tuple[MatrixDraft, ...] = ()
+    particulars: Found = field(default_factory=lambda: MappingProxyType({}))
+    proposal: Proposal | None = None
+
+
+_BODY_MOTION: Final = "postProcessing/sixDoFRigidBodyState"
+_NOT_RUNS: Final = {
+    "open water": "propeller coefficients; see open_water in [propeller]",
+    "unknown": "no column of time, nor of forces and settings",
+}
+
+
+def draft_of(
+    folder: Path,
+    target: Path,
+    *,
+    ship: str | None = None,
+    choices: Sequence[ColumnChoice] = (),
+    sheet: str | None = None,
+) -> Draft:
+    """What a campaign file for the files of a folder can say.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the files lie, or a single file.
+    target : Path
+        The campaign file that is to be written.
+    ship : str, optional
+        A ship of the library.
+    choices : sequence of ColumnChoice
+        What a person chose of the columns.
+    sheet : str, optional
+        The only sheet of workbooks that is meant.
+
+    Raises
+    ------
+    CampaignError
+        If there are no measurements.
+    UnknownNameError
+        If the library has no such ship.
+    """
+    known = _library_ship(ship)
+    if not folder.exists():
+        raise CampaignError(
+            Problem(
+                message="there is no such folder.",
+                file=str(folder),
+                remedy="Name the folder in which the files of the tests lie.",
+            )
+        )
+    found = look(folder) if sheet is None else only_sheet(look(folder), sheet)
+    seen = with_drift(with_choices(found, choices))
+    place = folder if folder.is_dir() else folder.parent
+    base = _relative(place, target)
+    saved = [
+        (base + item.file, open_campaign(place / item.file))
+        for item in seen.campaigns
+        if not item.file.endswith(".toml") and not item.problem
+    ]
+    length = known.L if known else None
+    histories = [group for group in seen.groups if group.first.kind == "history"]
+    runs = [run for group in histories for run in _runs(group, base, length)]
+    listed = [
+        item for group in seen.groups if group.first.kind == "table" for item in _read_all(group)
+    ]
+    named = shared_names(listed)
+    tables = [entry for item in listed for entry in _tables(item, base, length, named=named)]
+    if not (runs or tables or saved):
+        raise CampaignError(
+            Problem(
+                message="no file here has samples in time or rows of forces that are recognised.",
+                file=str(folder),
+                remedy=f"See what they hold: pmmkit inspect {folder}",
+            )
+        )
+    matrices = _matrices(seen, base, runs)
+    for matrix in matrices:
+        runs = [_as_listed(run, matrix) for run in runs]
+    listing = [(matrix.look.path, matrix.look.options) for matrix in matrices]
+    kind = _kind(runs, tables, saved[0][1].kind if saved else None)
+    apart = [
+        run.test is not None and kind_of(run.test).free_running != (kind == "free-running")
+        for run in runs
+    ]
+    kept = [run for run, other in zip(runs, apart, strict=True) if not other]
+    unused = [
+        f"{run.file}: a {run.test} test does not belong to a {kind} campaign"
+        for run, other in zip(runs, apart, strict=True)
+        if other
+    ]
+    unused += [
+        f"{base}{item.shown}: {_NOT_RUNS[group.first.kind]}"
+        for group in seen.groups
+        if group.first.kind in _NOT_RUNS
+        for item in group.files
+        if (item.path, item.options) not in listing
+    ]
+    sheets = [str(item.options.sheet) for item in listed if item.options.sheet is not None]
+    unused += [line for item in listed for line in (*left_lines(item), *strangers(item, sheets))]
+    taken = [run.id for _, campaign in saved for run in campaign]
+    particulars, depths = ({}, {}) if ship else particulars_of(_beside(seen, listed), sheets)
+    return Draft(
+        title=folder.resolve().stem if folder.is_file() else folder.resolve().name,
+        kind=kind,
+        ship_name=ship,
+        runs=_named_apart(_steady_runs(kept), taken),
+        tables=_named_apart([_over_its_bottom(entry, depths) for entry in tables]),
+        saved=tuple(saved),
+        unused=tuple(unused),
+        look=seen,
+        matrices=matrices,
+        particulars=particulars,
+    )
+
+
+def _over_its_bottom(entry: RunDraft, depths: Mapping[str, tuple[float, str]]) -> RunDraft:
+    """A table with the depth of its sheet, where sheets differ."""
+    if (known := depths.get(str(entry.sheet))) is None:
+        return entry
+    depth = RunKey(key="depth", value=known[0], reason=known[1])
+    return replace(entry, settings=(*entry.settings, depth))
+
+
+def _beside(seen: Look, tables: Sequence[FileLook]) -> list[FileLook]:
+    """Sheets of the workbooks of some tables that hold no runs."""
+    books = {item.path for item in tables}
+    looks = [item for group in seen.groups for item in group.files]
+    return [item for item in looks if item.path in books and item.kind == "unknown"]
+
+
+def _matrices(seen: Look, base: str, runs: Sequence[RunDraft]) -> tuple[MatrixDraft, ...]:
+    """The tables that list the runs of the layout that most of them have, one for each workbook."""
+    counted = Counter(id(run.look) for run in runs)
+    likes = [run for run in runs if id(run.look) == max(counted, key=lambda key: counted[key])]
+    looks = [
+        item for group in seen.groups if group.first.kind == "unknown" for item in _read_all(group)
+    ]
+    books = dict.fromkeys(run.file if run.sheet is not None else None for run in likes)
+    found = []
+    for book in books:
+        own = [run for run in likes if (run.file if run.sheet is not None else None) == book]
+        places = [run.file if book is None else str(run.sheet) for run in own if not run.problems]
+        beside = [item for item in looks if base + _file(item) == book]
+        matrix = matrix_of(beside, base, places, book) or matrix_of(looks, base, places, book)
+        found += [] if matrix is None else [matrix]
+    names = Counter(name for matrix in found for name in matrix.runs)
+    return tuple(
+        matrix
+        if matrix.run_sheet is None or all(names[name] == 1 for name in matrix.runs)
+        else replace(matrix, id=f"{PurePosixPath(_stem(matrix.run)).name}_{matrix.id}")
+        for matrix in found
+    )
+
+
+def _as_listed(run: RunDraft, matrix: MatrixDraft) -> RunDraft:
+    """A run with what a matrix says of it; only a speed that it does not say is still asked."""
+    place = run.file if matrix.run_sheet is None else str(run.sheet)
+    if place not in matrix.runs or (matrix.run_sheet is not None and run.file != matrix.run):
+        return run
+    left = () if "speed" in matrix.settings else ("speed",)
+    return replace(
+        run,
+        test=matrix.runs[place],
+        settings=tuple(item for item in run.settings if item.key in left),
+        listed=True,
+    )
+
+
+def _library_ship(name: str | None) -> Ship | None:
+    if name is None:
+        return None
+    from pmmkit.models import load_ship
+
+    return load_ship(name)
+
+
+def _relative(folder: Path, target: Path) -> str:
+    """What stands before the names of files, seen from the campaign file."""
+    try:
+        path = os.path.relpath(folder.resolve(), target.resolve().parent)
+    except ValueError:
+        path = str(folder.resolve())
+    plain = path.replace("\\", "/")
+    return "" if plain == "." else f"{plain}/"
+
+
+def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
+    """The histories of a group, each with what its name and its record say."""
+    wanted = {
+        _channel(column): column
+        for column in group.first.columns
+        if column.suggestion and column.suggestion.certainty != "perhaps"
+    }
+    clock = group.first.known["t"]
+    drift = drift_column(group.first)
+    drafts = []
+    for item in group.files:
+        named = facts_of(_name(item))
+        columns = {**wanted, "t": clock, **({} if drift is None else {"drift": drift})}
+        channels, problems = _channels(
+            replace(group.first, path=item.path, shown=item.shown, options=item.options), columns
+        )
+        time = channels.pop("t", np.zeros(0))
+        moved = motion_facts(time, channels, named.test) if len(time) else Moved()
+        told = _told(item, named.test)
+        moved = replace(
+            moved, test=moved.test or told.test, settings={**moved.settings, **told.settings}
+        )
+        test = named.test if named.test is not None else moved.test
+        test = sharper(test, moved)
+        motion = _motion_beside(item, base)
+        settings = settled(test, named, moved, length=length)
+        drafts.append(
+            RunDraft(
+                id=PurePosixPath(_name(item)).name,
+                file=base + _file(item),
+                sheet=item.options.sheet,
+                look=group.first,
+                test=test,
+                settings=tuple(x for x in settings if motion is None or "amplitude" not in x.key),
+                problems=problems,
+                motion=motion,
+                notes=reader_of(item.format).prescribed(item.request)[1],
+                computation=_computation(item, test),
+            )
+        )
+    return drafts
+
+
+def _told(item: FileLook, test: str | None) -> Moved:
+    """What the path says that the hull was told to follow, where one lies beside the file."""
+    path, _ = reader_of(item.format).prescribed(item.request)
+    if not path:
+        return Moved()
+    found = motion_facts(path["t"], {name: path[name] for name in ("y", "psi")}, test)
+    if _only_turns(path):
+        found = Moved(settings=found.settings)
+    along = np.polyfit(path["t"], path["x"], 1)[0]
+    settings = {key: (value, f"told to: {why}") for key, (value, why) in found.settings.items()}
+    if abs(along) > _AT_REST:
+        settings["speed"] = (float(f"{abs(along):.5g}"), "told to: velocity along x")
+    return Moved(test=found.test, settings=settings)
+
+
+def _only_turns(path: Mapping[str, Array]) -> bool:
+    """Whether a hull turns to and fro without going aside: no test that only yaws."""
+    return bool(np.ptp(path["psi"]) > 0 and np.ptp(path["y"]) == 0)
+
+
+_AT_REST: Final = 0.01
+"""Speed of a mesh below which it stays where it is, and the inflow has the speed [m/s]."""
+
+
+def _computation(item: FileLook, test: str | None) -> dict[str, Any]:
+    """What is known of the computation; of a hull that oscillates the mesh moves."""
+    reader = reader_of(item.format)
+    moves = test is not None and kind_of(test).captive and kind_of(test).oscillates
+    return {**(reader.of_moving_mesh if moves else {}), **reader.computation(item.request)}
+
+
+def _motion_beside(item: FileLook, base: str) -> str | None:
+    """The rigid body motion that a case of OpenFOAM recorded beside its forces."""
+    found = item.path / _BODY_MOTION
+    return f"{base}{item.shown}/{_BODY_MOTION}" if found.is_dir() else None
+
+
+def _channels(
+    item: FileLook, columns: dict[str, ColumnLook]
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """Channels in SI without the rows that are damaged, and what is wrong with the file."""
+    if item.path.is_file() and item.path.stat().st_size > LARGE:
+        return {}, ("too large to be read for a draft: its motion was not looked at",)
+    values = values_of(item, [column.position for column in columns.values()])
+    problems = tuple(str(problem) for problem in values.problems)
+    if any(column.position not in values.numbers for column in columns.values()):
+        return {}, problems
+    found = {
+        name: values.numbers[column.position] * _factor(column) for name, column in columns.items()
+    }
+    whole = np.all([np.isfinite(numbers) for numbers in found.values()], axis=0)
+    return {name: numbers[whole] for name, numbers in found.items()}, problems
+
+
+def _factor(column: ColumnLook) -> float:
+    """From the numbers of a column to SI; 1 where its unit is not known."""
+    item = column.suggestion
+    if item is None:
+        return 1.0
+    named = unit_in_name(item.name)
+    unit = item.unit or column.unit or (named[1] if named else None)
+    if unit is None:
+        return item.scale
+    try:
+        unit_factor(unit)
+        return (factor_to(unit, CHANNEL_UNITS.get(_channel(column), "rad")) or 1.0) * item.scale
+    except DataError:
+        return item.scale
+
+
+def _channel(column: ColumnLook) -> str:
+    return channel_of(column.suggestion.name) if column.suggestion else ""
+
+
+def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
+    """A table whose rows are runs; its columns give most settings."""
+    file, sheet = item.shown.partition(", sheet ")[::2]
+    named = facts_of("/".join(part for part in (_stem(file), sheet) if part))
+    known = set(item.known)
+    if "u" in known:
+        known |= {"speed"}
+    if "frequency_hz" in known:
+        known |= {"period"}
+    if known & {"v_amplitude", "vdot_amplitude"}:
+        known |= {"amplitude_m"}
+    if known & {"path_amplitude_m", "r_amplitude", "rdot_amplitude"}:
+        known |= {"yaw_amplitude_deg"}
+    test = named.test or _test_of_table(known)
+    settings = settled(test, named, Moved(), length=length)
+    return RunDraft(
+        id=f"{PurePosixPath(_stem(file)).name}{'_' + sheet if sheet else ''}",
+        file=base + file,
+        sheet=item.options.sheet,
+        look=item,
+        test=test,
+        settings=tuple(setting for setting in settings if setting.key not in known),
+        problems=tuple(str(problem) for problem in item.problems),
+    )
+
+
+def _tables(item: FileLook, base: str, length: float | None, *, named: bool) -> list[RunDraft]:
+    """The tables of a sheet, one a block of its runs; `named` where other sheets use its names."""
+    whole = _table(item, base, length)
+    blocks = item.blocks
+    if not blocks.mixed:
+        return [whole]
+    sheet = str(item.options.sheet) if named and item.options.sheet is not None else ""
+    found = []
+    for block in blocks.runs:
+        test = block.test or whole.test
+        cycle = block.what == "cycle"
+        held = [x for x in whole.settings if not cycle or x.key not in _IN_A_CYCLE]
+        swept = "the rudder swings slowly: its rows are not as independent as steady tests"
+        notes = [swept] if block.what == "sweep" else []
+        notes += [HEADED] if block.headed else []
+        found.append(
+            replace(
+                whole,
+                id=f"{whole.id}_{block.words[0] if block.words else block.what}_{test or ''}",
+                test=test,
+                settings=tuple(held),
+                where=where_of(block, blocks),
+                skip=skipped(block, blocks),
+                samples="cycle" if cycle else None,
+                template=template_of(block, blocks, sheet),
+                notes=tuple(notes),
+                columns=as_measured(item, block),
+            )
+        )
+    return found
+
+
+_IN_A_CYCLE: Final = ("speed", "period", "amplitude_m", "yaw_amplitude_deg")
+"""Settings that the motion within a cycle tells."""
+
+
+def _test_of_table(known: set[str]) -> str | None:
+    if setting_key(RUDDER.amplitude) in known:
+        return HARMONIC_RUDDER.name
+    held = [name for name in ("drift", "rudder") if setting_key(name) in known]
+    kind = kind_with(held=held) if len(held) == 2 or (held and "period" not in known) else None
+    return kind.name if kind else None
+
+
+def _read_all(group: FileGroup) -> list[FileLook]:
+    """Each file of a group of tables as it was looked at, its columns those of the first."""
+    first = group.first
+    return [first] + [
+        replace(
+            first,
+            path=item.path,
+            shown=item.shown,
+            options=item.options,
+            blocks=item.blocks,
+            problems=(),
+        )
+        for item in group.files[1:]
+    ]
+
+
+def _kind(runs: Sequence[RunDraft], tables: Sequence[RunDraft], saved: str | None) -> str:
+    """Free-running where most histories are of such tests."""
+    if saved is not None:
+        return saved
+    counted = Counter(
+        (run.test is not None and kind_of(run.test).free_running) or _is_track(run) for run in runs
+    )
+    return "free-running" if counted[True] > counted[False] + len(tables) else "captive"
+
+
+def _is_track(run: RunDraft) -> bool:
+    known = set(run.look.known)
+    return {"x", "y"} <= known and not {"X", "Y", "N"} & known
+
+
+def _steady_runs(runs: Sequence[RunDraft]) -> list[RunDraft]:
+    """A straight run without drift among runs of static drift is the one at zero."""
+    if not any(run.test == STATIC_DRIFT.name for run in runs):
+        return list(runs)
+    return [
+        replace(run, test=STATIC_DRIFT.name, settings=(*run.settings, _NO_DRIFT))
+        if run.test == RESISTANCE.name and not run.listed and facts_of(_stem(run.file)).test is None
+        else run
+        for run in runs
+    ]
+
+
+_NO_DRIFT: Final = RunKey(key="drift_deg", value=0.0, reason="no drift is recorded")
+
+
+def _named_apart(runs: Sequence[RunDraft], taken: Collection[str] = ()) -> tuple[RunDraft, ...]:
+    """Ids of their own: with the folders, where files of several folders have the same name."""
+    counted = Counter([run.id for run in runs] + list(taken))
+    apart = [replace(run, id=_with_folders(run)) if counted[run.id] > 1 else run for run in runs]
+    seen = Counter(taken)
+    out = []
+    for run in apart:
+        seen[run.id] += 1
+        out.append(run if seen[run.id] == 1 else replace(run, id=f"{run.id}_{seen[run.id]}"))
+    return tuple(out)
+
+
+def _file(item: FileLook) -> str:
+    """The file of a look, without the sheet."""
+    return item.shown.partition(", sheet ")[0]
+
+
+def _name(item: FileLook) -> str:
+    """What names a run: the file without suffix, and the sheet where there are several."""
+    sheet = item.options.sheet
+    return _stem(item.shown) if sheet is None else f"{_stem(item.shown)}/{sheet}"
+
+
+def _with_folders(run: RunDraft) -> str:
+    stem = _stem(run.file).replace("../", "").replace("/", "_")
+    return stem if run.sheet is None else f"{stem}_{run.sheet}"
+
+
+def _stem(shown: str) -> str:
+    """The name without suffix; what follows the point of a number is none."""
+    return re.sub(r"\.[A-Za-z]\w{0,5}$", "", shown.partition(", sheet ")[0])

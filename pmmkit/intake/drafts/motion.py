@@ -1,0 +1,405 @@
+"""What the recorded motion says of a test: kind, speed, drift angle, period, amplitudes."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from pmmkit.base import DataError
+from pmmkit.campaigns import (
+    HARMONIC_RUDDER,
+    PULL_OUT,
+    RUDDER,
+    TURNING,
+    YAW,
+    ZIGZAG,
+    TestKind,
+    held_too,
+    kind_of,
+    kind_with,
+    setting_key,
+)
+from pmmkit.numerics import Array, unwrapped
+from pmmkit.presentation import WIDE
+from pmmkit.signals import FEWEST, at_speed, design_matrix, estimate_frequency
+
+_SETTLING: Final = 0.15
+"""Part of a record at its beginning that is left out."""
+_COHERENT: Final = 0.5
+"""Share of a channel's variance that one frequency must explain for it to oscillate."""
+_SMALL: Final = {"v": 0.01, "r": 0.004, "psi": 0.004, "y": 0.005, "u": 0.01, "delta": 0.05}
+"""Amplitudes below which a motion is held to be none [m/s, rad/s, rad, m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Moved:
+    """What a record says.
+
+    `settings`: value and where it was seen, by key of the campaign file.
+    """
+
+    test: str | None = None
+    settings: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+
+
+def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> Moved:
+    """What the recorded motion of a captive or free-running test says.
+
+    t [s].
+
+    Examples
+    --------
+    >>> t = np.arange(0.0, 60.0, 0.1)
+    >>> v = 0.2 * 0.5 * np.cos(0.5 * t)
+    >>> found = motion_facts(t, {"u": np.full_like(t, 1.2), "v": v, "r": 0 * t}, None)
+    >>> found.test, {key: round(value, 3) for key, (value, _) in found.settings.items()}
+    ('pure_sway', {'period': 12.566, 'amplitude_m': 0.2, 'speed': 1.2})
+    """
+    if len(t) < 20 or not np.all(np.diff(t) > 0):
+        return Moved()
+    kind = None if test is None else kind_of(test)
+    if (kind is not None and kind.free_running) or (
+        kind is None
+        and {"x", "y", "psi"} <= set(channels)
+        and "delta" in channels
+        and "Y" not in channels
+    ):
+        return _free(t, channels, kind)
+    kept, why = _at_speed(t, channels)
+    time, seen = t[kept], {name: numbers[kept] for name, numbers in channels.items()}
+    swings = _oscillations(time, seen, ("v", "r", "psi", "y", "u"))
+    if not swings and (kind is None or kind.steady or kind is HARMONIC_RUDDER):
+        swings = _oscillations(time, seen, ("delta",))
+    found = _frequency(time, seen, swings, kind)
+    if found is None:
+        return _steady(seen, kind, why)
+    return _oscillating(time, seen, swings, found, kind)
+
+
+def sharper(test: str | None, moved: Moved) -> str | None:
+    """The kind of a test by its name, or by its record where that says more.
+
+    Yaw may show drift or rudder, and the rudder of a steady test may swing.
+    """
+    if test is None or moved.test is None:
+        return test
+    named, seen = kind_of(test), kind_of(moved.test)
+    more = (
+        named.steady
+        if seen is HARMONIC_RUDDER
+        else named.pure and seen.swings == named.swings and seen.held
+    )
+    return moved.test if more else test
+
+
+def _at_speed(t: Array, channels: Mapping[str, Array]) -> tuple[slice, str]:
+    """The samples at which the carriage is at its speed, and what was cut, in words."""
+    speed = next((channels[x] for x in ("U_carriage", "speed", "u") if x in channels), None)
+    if speed is not None and len(t) >= FEWEST:
+        travel = at_speed(t, speed)
+        if travel.reason:
+            span = f"{t[travel.start]:.0f} to {t[travel.stop - 1]:.0f} s"
+            return slice(travel.start, travel.stop), f", at speed from {span}"
+    return slice(int(np.searchsorted(t, t[0] + _SETTLING * (t[-1] - t[0]))), len(t)), ""
+
+
+def _oscillations(time: Array, seen: Mapping[str, Array], names: Sequence[str]) -> dict[str, float]:
+    """Channels among these that oscillate, with their rough frequency [rad/s]."""
+    found = {}
+    for name in names:
+        if name in seen and np.ptp(seen[name]) > 2 * _SMALL[name]:
+            rough = rough_frequency(time, seen[name])
+            if rough is not None:
+                found[name] = rough
+    return found
+
+
+def rough_frequency(time: Array, values: Array) -> float | None:
+    """Angular frequency of the highest peak of the spectrum [rad/s]."""
+    count = min(len(time), 4096)
+    grid = np.linspace(time[0], time[-1], count)
+    even = np.interp(grid, time, values)
+    trend = np.polynomial.Polynomial.fit(grid, even, 1)
+    even = even - trend(grid)
+    if not np.any(np.abs(even) > 1e-12 * max(1e-12, float(np.abs(values).max()))):
+        return None
+    size = 8 * count
+    power = np.abs(np.fft.rfft(even * np.hanning(count), size)) ** 2
+    peak = int(np.argmax(power[1:])) + 1
+    omega = 2 * math.pi * peak / (size * (grid[1] - grid[0]))
+    if (time[-1] - time[0]) * omega < 1.5 * 2 * math.pi:
+        return None
+    rows = design_matrix(omega * grid, 1)
+    fit, *_ = np.linalg.lstsq(rows, even, rcond=None)
+    left = float(np.sum((even - rows @ fit) ** 2))
+    return omega if left < (1 - _COHERENT) * float(np.sum(even**2)) else None
+
+
+def _frequency(
+    time: Array, seen: Mapping[str, Array], swings: Mapping[str, float], kind: TestKind | None
+) -> tuple[float, float] | None:
+    """Frequency of the motion, of the forces where no motion is recorded, and its std [rad/s]."""
+    if swings:
+        omega = next(
+            swings[name] for name in ("r", "v", "psi", "y", "u", "delta") if name in swings
+        )
+        rows = [seen[name] for name, rough in swings.items() if abs(rough / omega - 1) < 0.1]
+    elif kind is not None and kind.oscillates:
+        forces = ("X",) if kind.surges else ("Y", "N")
+        roughs = {
+            name: rough
+            for name in forces
+            if name in seen and (rough := rough_frequency(time, seen[name])) is not None
+        }
+        if not roughs:
+            return None
+        omega = min(roughs.values())
+        rows = [seen[name] for name, rough in roughs.items() if abs(rough / omega - 1) < 0.1]
+    else:
+        return None
+    try:
+        return estimate_frequency(time, np.stack(rows), omega)
+    except DataError:
+        return omega, math.inf
+
+
+def _oscillating(
+    time: Array,
+    seen: Mapping[str, Array],
+    swings: Mapping[str, float],
+    frequency: tuple[float, float],
+    kind: TestKind | None,
+) -> Moved:
+    omega, std = frequency
+    period = 2 * math.pi / omega
+    source = ", ".join(swings) or "forces"
+    if std > 1e-4 * omega:
+        source += f", ± {period * min(WIDE * std / omega, 0.1):.2g} s"
+    settings = {"period": (_rounded(period, 6 if swings else 4), f"recorded {source}")}
+    first = {name: _harmonic(time, seen[name], omega) for name in swings}
+    turning = any(name in first for name in ("r", "psi"))
+    swaying = "v" in first or ("y" in first and not turning)
+    if kind is None or not kind.oscillates:
+        moved = {name for name, seen in (("v", swaying), ("r", turning)) if seen} or {"v"}
+        kind = kind_with(swings={"u"} if set(swings) == {"u"} else moved)
+        kind = HARMONIC_RUDDER if "delta" in swings else kind
+    swung = kind.swings if kind else ()
+    for swing in swung if YAW in swung or not turning else (*swung, YAW):
+        for name in (swing.velocity, swing.displacement):
+            if name in first:
+                size = abs(first[name]) / (omega if name == swing.velocity else 1.0)
+                size = math.degrees(size) if swing in (YAW, RUDDER) else size
+                settings.setdefault(
+                    setting_key(swing.amplitude), (_rounded(size, 4), f"recorded {name}")
+                )
+                if swung == (swing,):
+                    _add_phase(settings, first[name], name)
+    if kind is HARMONIC_RUDDER:
+        settings |= _steady(seen, kind, "").settings
+        settings |= _middle_of_rudder(time, seen, period)
+    else:
+        settings |= _speed_and_drift(time, seen, first, omega, turning)
+        settings |= _held(seen)
+    if kind is not None and kind.pure:
+        for name in ("drift", "rudder"):
+            if abs(settings.get(setting_key(name), (0.0, ""))[0]) > 0.5:
+                kind = held_too(kind, name)
+    return Moved(test=kind.name if kind else None, settings=settings)
+
+
+def _add_phase(settings: dict[str, tuple[float, str]], first: complex, name: str) -> None:
+    """The phase of the displacement, of which u, v and r are the rate, where it is not zero."""
+    lead = 0.0 if name in ("y", "psi", "x", "delta") else 90.0
+    phase = (math.degrees(math.atan2(first.real, first.imag)) - lead + 180.0) % 360.0 - 180.0
+    if abs(phase) > 2.0:
+        settings.setdefault("phase_deg", (round(phase, 1), f"recorded {name}"))
+
+
+def _middle_of_rudder(
+    time: Array, seen: Mapping[str, Array], period: float
+) -> dict[str, tuple[float, str]]:
+    """The angle about which a recorded rudder swings, over whole cycles."""
+    if "delta" not in seen:
+        return {}
+    whole = time - time[0] < (time[-1] - time[0]) // period * period
+    return {"rudder_deg": (_tidy(math.degrees(seen["delta"][whole].mean()), 1), "mean of delta")}
+
+
+def _harmonic(time: Array, values: Array, omega: float) -> complex:
+    """First harmonic C + iS of C cos + S sin."""
+    fit, *_ = np.linalg.lstsq(design_matrix(omega * time, 3), values, rcond=None)
+    return complex(fit[1], fit[2])
+
+
+def _speed_and_drift(
+    time: Array,
+    seen: Mapping[str, Array],
+    first: Mapping[str, complex],
+    omega: float,
+    turning: bool,
+) -> dict[str, tuple[float, str]]:
+    """Carriage speed and mean drift angle of an oscillating test."""
+    if "u" not in seen:
+        return _carriage(seen)
+    v = seen.get("v", np.zeros_like(time))
+    psi = np.zeros_like(time)
+    if turning and "r" in first:
+        turned = first["r"] / omega
+        psi = turned.real * np.sin(omega * time) - turned.imag * np.cos(omega * time)
+    elif turning and "psi" in first:
+        swing = first["psi"]
+        psi = swing.real * np.cos(omega * time) + swing.imag * np.sin(omega * time)
+    along = np.hypot(seen["u"], v) * np.cos(psi) if turning else seen["u"]
+    found = {"speed": (_rounded(float(np.mean(along)), 4), "recorded u and v")}
+    if turning and "v" in seen:
+        beta = math.degrees(math.atan2(-float(np.mean(v)), float(np.mean(seen["u"]))))
+        found["drift_deg"] = (_tidy(beta), "recorded u and v")
+    return found
+
+
+def _steady(seen: Mapping[str, Array], kind: TestKind | None, when: str) -> Moved:
+    """Settings of a test without oscillation; `when` says what was cut from its record."""
+    settings = _carriage(seen) | _held(seen)
+    if "u" in seen and not {"v", "speed", "U_carriage"} & set(seen):
+        settings["speed"] = (_rounded(float(np.mean(seen["u"])), 4), f"recorded u{when}")
+    if {"u", "v"} <= set(seen):
+        u, v = float(np.mean(seen["u"])), float(np.mean(seen["v"]))
+        settings["speed"] = (_rounded(math.hypot(u, v), 4), f"recorded u and v{when}")
+        settings["drift_deg"] = (_tidy(math.degrees(math.atan2(-v, u))), "recorded u and v")
+    elif "psi" in seen and np.ptp(seen["psi"]) < 0.02:
+        heading = math.degrees(float(np.mean(seen["psi"])))
+        settings["drift_deg"] = (_tidy(heading), "recorded psi, the heading in the tank")
+    elif "drift" in seen and np.ptp(seen["drift"]) < 0.02:
+        angle = math.degrees(float(np.mean(seen["drift"])))
+        settings["drift_deg"] = (_tidy(angle), "column of the drift angle")
+    if "r" in seen:
+        r = float(np.mean(seen["r"]))
+        if abs(r) > 0.005 and float(np.std(seen["r"])) < 0.2 * abs(r):
+            settings["yaw_rate"] = (_rounded(r, 5), "recorded r")
+    kind = kind or _static_test(settings)
+    return Moved(test=kind.name if kind else None, settings=settings)
+
+
+def _static_test(settings: Mapping[str, tuple[float, str]]) -> TestKind | None:
+    """Kind of a steady test; None where the record does not say that it is one."""
+    if "yaw_rate" in settings:
+        return kind_with(turning=True)
+    held = [
+        name
+        for name in ("drift", "rudder", "heel")
+        if abs(settings.get(setting_key(name), (0.0, ""))[0]) > 0.3
+    ]
+    if len(held) > 1:
+        held = [name for name in held if name != "heel"]
+    return kind_with(held=held) if held or "drift_deg" in settings else None
+
+
+def _carriage(seen: Mapping[str, Array]) -> dict[str, tuple[float, str]]:
+    found = seen.get("U_carriage", seen.get("speed"))
+    if found is None:
+        return {}
+    return {"speed": (_rounded(float(np.median(found)), 4), "recorded speed")}
+
+
+def _held(seen: Mapping[str, Array]) -> dict[str, tuple[float, str]]:
+    """Rudder, heel and revolutions where they are held."""
+    found = {}
+    for name, key, factor in (
+        ("delta", "rudder_deg", 180 / math.pi),
+        ("phi", "heel_deg", 180 / math.pi),
+        ("n", "propeller_rps", 1.0),
+    ):
+        if name in seen and abs(float(np.mean(seen[name])) * factor) > 0.3:
+            value = float(np.mean(seen[name])) * factor
+            if float(np.std(seen[name])) * factor < 0.1 * abs(value):
+                found[key] = (_tidy(value), f"recorded {name}")
+    return found
+
+
+def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Moved:
+    """Settings of a free-running test, by its rudder, heading and track."""
+    settings: dict[str, tuple[float, str]] = {}
+    begun = 0
+    if "delta" in channels:
+        delta = channels["delta"]
+        held = _most_held(delta)
+        near = max(0.08 * held, math.radians(0.6))
+        on = np.where(np.abs(np.abs(delta) - held) < near, np.sign(delta), 0.0)
+        long = _stretches(on, t, least=0.01 * float(t[-1] - t[0]))
+        swaps = sum(one[0] != two[0] for one, two in itertools.pairwise(long))
+        if held > math.radians(0.7) and long:
+            kind = kind or (ZIGZAG if swaps >= 2 else TURNING if swaps == 0 else None)
+            side, begun, _ = max(long, key=_length) if kind is TURNING else long[0]
+            if kind in (ZIGZAG, TURNING, PULL_OUT):
+                settings["rudder_deg"] = (_tidy(side * math.degrees(held), 0), "recorded delta")
+            if kind is ZIGZAG and "psi" in channels:
+                settings |= _switch(unwrapped(channels["psi"]), long)
+    if "n" in channels:
+        settings |= _held({"n": channels["n"]})
+    found = settings | _approach(t, channels, begun)
+    return Moved(test=kind.name if kind else None, settings=found)
+
+
+def _most_held(delta: Array) -> float:
+    """The rudder angle, either side, at which the rudder stays longest [rad]."""
+    size = np.round(np.degrees(np.abs(delta)) * 2).astype(int)
+    counts = np.bincount(size[size >= 2], minlength=3)
+    near = np.abs(size - int(np.argmax(counts))) <= 1
+    return float(np.median(np.abs(delta[near]))) if near.any() else 0.0
+
+
+def _stretches(on: Array, t: Array, *, least: float) -> list[tuple[float, int, int]]:
+    """Stretches of at least so many seconds with the rudder held: side, first and last sample."""
+    edges = np.flatnonzero(np.diff(on)) + 1
+    starts, stops = np.concatenate([[0], edges]), np.concatenate([edges, [len(on)]]) - 1
+    return [
+        (float(on[start]), int(start), int(stop))
+        for start, stop in zip(starts, stops, strict=True)
+        if on[start] != 0 and t[stop] - t[start] >= least
+    ]
+
+
+def _length(stretch: tuple[float, int, int]) -> int:
+    return stretch[2] - stretch[1]
+
+
+def _switch(psi: Array, held: list[tuple[float, int, int]]) -> dict[str, tuple[float, str]]:
+    """Half the difference of the headings at which a zigzag leaves the rudder to either side."""
+    left = {
+        side: [psi[stop] for which, _, stop in held[:-1] if which == side] for side in (-1.0, 1.0)
+    }
+    if not (left[-1.0] and left[1.0]):
+        return {}
+    value = abs(math.degrees(float(np.median(left[1.0]) - np.median(left[-1.0])))) / 2
+    return {"switch_deg": (_tidy(value, 0), "recorded psi where the rudder leaves its angle")}
+
+
+def _approach(t: Array, channels: Mapping[str, Array], begun: int) -> dict[str, tuple[float, str]]:
+    """Speed in the seconds before the rudder, or over the whole record where there is no rudder."""
+    late = t[begun] if begun else t[-1]
+    first = (t <= late) & (t >= late - (5.0 if begun else np.inf))
+    if np.count_nonzero(first) < 3:
+        first = np.arange(len(t)) < 3
+    when = "before the rudder" if begun else "mean of the record"
+    if {"u", "v"} <= set(channels):
+        speed = float(np.mean(np.hypot(channels["u"][first], channels["v"][first])))
+        return {"speed": (_rounded(speed, 3), f"recorded u and v, {when}")}
+    if {"x", "y"} <= set(channels):
+        steps = [np.diff(channels[name][first]) for name in ("x", "y")]
+        speed = float(np.sum(np.hypot(*steps)) / np.ptp(t[first]))
+        return {"speed": (_rounded(speed, 3), f"recorded x and y, {when}")}
+    return {}
+
+
+def _rounded(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")
+
+
+def _tidy(value: float, decimals: int = 2) -> float:
+    """An angle to hundredths of a degree (or so), never minus zero."""
+    return round(value, decimals) + 0.0

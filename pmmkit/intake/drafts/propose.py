@@ -1,0 +1,216 @@
+"""Axes and signs for a draft: its runs are read, and what they say together is tried on them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+from pmmkit.campaigns import Campaign, kind_of
+from pmmkit.intake.checks.physics import AskedSign, along_tank, asked_signs, inertia_inside
+from pmmkit.intake.checks.summary import Summary
+from pmmkit.intake.drafts.conventions import Proposal, SourceConvention, ranked
+from pmmkit.intake.drafts.draft import Draft, RunDraft
+from pmmkit.intake.drafts.entries import guessed_source
+from pmmkit.intake.drafts.settle import RunKey
+from pmmkit.intake.drafts.trial import knows_speed, summaries_of, trial_campaign
+from pmmkit.intake.drafts.write import written
+from pmmkit.intake.guessing import Suggestion
+from pmmkit.intake.seen import FileLook
+from pmmkit.readers import reader_of
+
+_RECORDED: Final = {"drift": {"v", "psi"}, "sway": {"v", "y"}, "yaw": {"r", "psi"}}
+"""Channels by which a motion is known from the record."""
+_AXES_OF_FORCES: Final = ("forces_in", "moment_centre_moves")
+
+
+def proposed(draft: Draft, target: Path) -> Draft:
+    """The draft with axes and signs that agree with the physics of all of its runs.
+
+    Parameters
+    ----------
+    draft : Draft
+        From `draft_of`.
+    target : Path
+        Where its campaign file will lie.
+
+    Returns
+    -------
+    Draft
+        With a proposal where its runs are captive tests that can be read. What is proposed was
+        tried: with it no sign of these runs is against physics.
+    """
+    if draft.kind != "captive" or draft.saved:
+        return draft
+    plain = written(_seen_from_mesh(draft)).text
+    trial = trial_campaign(plain, target, guessed_source(draft.tables))
+    if trial is None:
+        return draft
+    summaries = summaries_of(trial)
+    recorded = _recorded(draft)
+    computed = any(reader_of(run.look.format).computed for run in draft.runs)
+    found = ranked(asked_signs(trial, summaries), recorded=recorded, computed=computed)
+    known = Proposal(recorded=recorded)
+    if computed:
+        why = "computed forces hold no inertia of a model"
+        known = replace(known, balance=False, why_balance=why)
+    if found.best is None:
+        sure = bool(found.remaining) and not found.remaining[0].changes and not found.contradicted
+        remaining = () if sure else found.remaining
+        return replace(
+            draft, proposal=replace(known, remaining=remaining, seen=_words(found.signs))
+        )
+    proposal = replace(known, convention=found.best, seen=_agreeing(found.signs))
+    if found.best.changes:
+        summaries = _summaries(_seen_from_mesh(_with(draft, proposal)), target)
+    timed = _timed(draft, plain) and not computed
+    tried = _with(draft, _further(proposal, trial, summaries, timed=timed))
+    if not (found.best.changes or computed):
+        return tried  # the runs were read as they stand in the draft
+    found_then = asked_signs(trial, _summaries(tried, target))
+    if against := [sign for sign in found_then if sign.verdict < 0]:
+        refused = replace(known, remaining=(found.best,), seen=_words(against))
+        return replace(draft, proposal=refused)
+    return tried
+
+
+def _summaries(draft: Draft, target: Path) -> tuple[Summary, ...]:
+    campaign = trial_campaign(written(draft).text, target, guessed_source(draft.tables))
+    return () if campaign is None else summaries_of(campaign)
+
+
+def _further(
+    proposal: Proposal, trial: Campaign, summaries: Sequence[Summary], *, timed: bool
+) -> Proposal:
+    """With what can be told once the signs are right; of the inertia where r u is known."""
+    inside = inertia_inside(summaries) if timed else None
+    if inside is not None:
+        why = f"Y/(r u) over Y/(sway acceleration) is {inside[1]:.2f}: "
+        why += "0.3 to 0.5 with the inertia"
+        proposal = replace(proposal, balance=inside[0], why_balance=why)
+    along = along_tank(trial, summaries)
+    if along is not None:
+        usual = "-1 along the tank" if along[0] else "-0.1 to -0.7 along the hull"
+        why = f"X grows with drift squared by {along[1]:+.2f} of Y's slope: about {usual}"
+        proposal = replace(proposal, along_tank=along[0], why_along=why)
+    return proposal
+
+
+def _timed(draft: Draft, text: str) -> bool:
+    """Whether r u is known: the speed is, or the yaw follows from paths in metres."""
+    yawing = [run for run in draft.runs if run.test is not None and kind_of(run.test).pure == "r"]
+    paths = all(any(x.key == "path_amplitude_m" for x in run.settings) for run in yawing)
+    return knows_speed(text) or (bool(yawing) and paths)
+
+
+def _recorded(draft: Draft) -> frozenset[str]:
+    """Motions that some run recorded, in its file or, of an oscillation, beside it."""
+    beside = {"sway", "yaw"} if any(run.motion is not None for run in draft.runs) else set()
+    return frozenset(beside) | {
+        motion
+        for motion, channels in _RECORDED.items()
+        if any(channels & set(run.look.known) for run in (*draft.runs, *draft.tables))
+    }
+
+
+def _seen_from_mesh(draft: Draft) -> Draft:
+    """The draft with forces as they stand in the files, turned by no heading."""
+    return replace(
+        draft,
+        runs=tuple(
+            replace(
+                run,
+                computation={
+                    key: value
+                    for key, value in run.computation.items()
+                    if key not in _AXES_OF_FORCES
+                },
+            )
+            for run in draft.runs
+        ),
+    )
+
+
+def _with(draft: Draft, proposal: Proposal) -> Draft:
+    """The draft with what is proposed in its runs and columns."""
+    convention = proposal.convention or SourceConvention()
+    looks: dict[int, FileLook] = {}
+
+    def turned(look: FileLook) -> FileLook:
+        return looks.setdefault(id(look), _turned(look, convention))
+
+    runs = [_begun(run, convention) for run in draft.runs]
+    if proposal.along_tank:
+        runs = [_along(run) for run in runs]
+    return replace(
+        draft,
+        runs=tuple(replace(run, look=turned(run.look)) for run in runs),
+        tables=tuple(replace(entry, look=turned(entry.look)) for entry in draft.tables),
+        proposal=proposal,
+    )
+
+
+def _turned(look: FileLook, convention: SourceConvention) -> FileLook:
+    """A layout whose columns of turned forces have a factor of -1."""
+    return replace(
+        look,
+        columns=tuple(
+            replace(column, suggestion=_opposite(column.suggestion))
+            if column.suggestion is not None and column.suggestion.name in convention.flips
+            else column
+            for column in look.columns
+        ),
+    )
+
+
+def _opposite(item: Suggestion) -> Suggestion:
+    return replace(
+        item, scale=-item.scale, reason=f"{item.reason}; these hulls are held back by it"
+    )
+
+
+def _begun(run: RunDraft, convention: SourceConvention) -> RunDraft:
+    """A run whose oscillation begins half a period later, where that is proposed."""
+    pure = "" if run.test is None else kind_of(run.test).leading
+    motion = {"v": "sway", "r": "yaw"}.get(getattr(pure, "velocity", ""), "")
+    if motion not in convention.flips or any(x.key == "phase_deg" for x in run.settings):
+        return run
+    later = RunKey(
+        key="phase_deg", value=math.degrees(math.pi), reason="forces answer the other way"
+    )
+    return replace(run, settings=(*run.settings, later))
+
+
+def _along(run: RunDraft) -> RunDraft:
+    """A computation of a constant drift angle whose forces stay along the tank."""
+    kind = None if run.test is None else kind_of(run.test)
+    steady = kind is not None and kind.captive and kind.steady
+    if not steady or not reader_of(run.look.format).computed:
+        return run
+    turned = {"forces_in": "earth", **reader_of(run.look.format).of_moving_mesh}
+    return replace(run, computation={**turned, **run.computation})
+
+
+_ANSWERS: Final = {
+    ("Y", "drift"): "Y rises with drift",
+    ("N", "drift"): "N rises with drift",
+    ("Y", "rudder"): "Y falls with the rudder",
+    ("N", "rudder"): "N rises with the rudder",
+    ("Y", "sway"): "sway is damped",
+    ("N", "sway"): "Nv < 0",
+    ("N", "yaw"): "yaw is damped",
+    ("X", "ahead"): "X holds back",
+}
+
+
+def _agreeing(signs: Sequence[AskedSign]) -> str:
+    """What the runs show with the proposal."""
+    said = dict.fromkeys(_ANSWERS[sign.channel, sign.motion] for sign in signs)
+    runs = {run for sign in signs for run in sign.runs}
+    return f"with what stands here {', '.join(said)} ({len(runs)} runs)"
+
+
+def _words(signs: Sequence[AskedSign]) -> str:
+    return "; ".join(str(sign) for sign in signs)

@@ -1,0 +1,250 @@
+"""What a campaign file still leaves to a person: its lines marked TODO, with what is guessed."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Final, Literal
+
+from pmmkit.intake.drafts.columns import aligned
+from pmmkit.presentation import toml_string
+
+MARK: Final = "TODO"
+"""Stands in the comment of a line that a person must fill in or confirm, who then takes it away."""
+FRESH_WATER: Final = 999.1
+"""Density at 15 °C [kg/m³]."""
+GYRADIUS: Final = 0.25
+"""Radius of gyration in yaw over L, as of most ships: 0.24 to 0.26."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question:
+    """A question, and what stands for the answer meanwhile.
+
+    Parameters
+    ----------
+    lines : tuple of int
+        Lines of the campaign file where it is answered, the first is 1.
+    key : str
+        Table and key, such as ``ship.L``.
+    text : str
+        What is asked.
+    kind : {"needed", "guessed", "estimated", "off"}
+        Nothing can be computed before it is answered; a guess is computed with; an estimate from
+        the particulars is, with its uncertainty; the line is off, and what it would say does not
+        hold.
+    guess : str
+        What is taken meanwhile, or would be a usual answer; empty where nothing is known.
+    why : str
+        Where the guess comes from.
+    """
+
+    lines: tuple[int, ...]
+    key: str
+    text: str
+    kind: Literal["needed", "guessed", "estimated", "off"]
+    guess: str = ""
+    why: str = ""
+
+    def __str__(self) -> str:
+        more = f" and {len(self.lines) - _SHOWN} more" if len(self.lines) > _SHOWN else ""
+        shown = ", ".join(map(str, self.lines[:_SHOWN]))
+        where = f"line{'s' if len(self.lines) > 1 else ''} {shown}{more}"
+        told = f" {_WORDS[self.kind]} {self.guess}: {self.why}." if self.guess else ""
+        return f"{where}, {self.key}: {self.text}.{told}"
+
+
+_SHOWN: Final = 3
+_WORDS: Final = {
+    "needed": "Perhaps",
+    "guessed": "Guessed",
+    "estimated": "Estimated",
+    "off": "Taken as",
+}
+_LINE: Final = re.compile(
+    r"^(?P<off># ?)?(?P<left>\[.*?\]|[\w\"' .()-]+ = .*?)\s*# (?P<note>.*?)"
+    rf"{MARK} ?(?P<text>.*)$"
+)
+_TABLE: Final = re.compile(r"^\[\[?(?P<name>[^\]]+)\]\]?")
+
+
+def questions_of(text: str) -> tuple[Question, ...]:
+    """The questions that a campaign file leaves, those of many runs as one.
+
+    Parameters
+    ----------
+    text : str
+        The campaign file.
+
+    Returns
+    -------
+    tuple of Question
+        Those that are needed first, then what is guessed, then lines that are off.
+
+    Examples
+    --------
+    >>> for found in questions_of('[water]\\n# rho = ...   # TODO density [kg/m³]\\n'):
+    ...     print(found)
+    line 2, water.rho: density [kg/m³]. Perhaps 999.1: fresh water of 15 °C.
+    """
+    asked: dict[_Asked, list[int]] = {}
+    table = ""
+    for number, line in enumerate(text.splitlines(), start=1):
+        head = _TABLE.match(line)
+        table = head["name"] if head is not None else table
+        found = _LINE.match(line)
+        if found is not None:
+            asked.setdefault(_Asked.of(found, table), []).append(number)
+    stated = _stated(text)
+    questions = [
+        item.question(tuple(lines), stated)
+        for item, lines in asked.items()
+        if not item.answered and not (item.key == "ship.name" and stated.get("ship"))
+    ]
+    return tuple(sorted(questions, key=lambda item: list(_WORDS).index(item.kind)))
+
+
+def with_answer(text: str, lines: Sequence[int], answer: str) -> str:
+    r"""A campaign file with what a person says in the place of a question; all else stays.
+
+    Examples
+    --------
+    >>> asked = '[water]  # fresh\n# rho = ...   # TODO density [kg/m³]'
+    >>> print(with_answer(asked, [2], "998.6"))
+    [water]  # fresh
+    rho = 998.6                      # density [kg/m³]
+    """
+    told = text.split("\n")
+    for number in lines:
+        found = _LINE.match(told[number - 1]) if 0 < number <= len(told) else None
+        if found is None or found["left"].startswith("["):
+            continue
+        key = found["left"].partition(" = ")[0].strip()
+        note = found["note"].strip("; ") or found["text"].partition("; fresh")[0].rstrip(".:, ")
+        short = note if len(note) < _LONGEST_NOTE else ""
+        told[number - 1] = aligned(f"{key} = {_value(answer)}", short.removesuffix(", or"))
+    return "\n".join(told)
+
+
+_NUMBER: Final = re.compile(r"[+-]?(\d{1,15}([.,]\d*)?|[.,]\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
+"""A number as people type it."""
+_LONGEST_NOTE: Final = 70
+"""Of what was asked, kept beside its answer."""
+
+
+def _value(answer: str) -> str:
+    """An answer as TOML: what is none is taken for a text."""
+    typed = answer.strip()
+    if _NUMBER.fullmatch(typed):
+        point = typed.replace(",", ".")
+        whole = point.lstrip("+-").isdigit()
+        return str(int(point)) if whole else repr(float(point))
+    try:
+        alone = "\n" not in typed and set(tomllib.loads(f"x = {typed}")) == {"x"}
+        return typed if alone else toml_string(typed)
+    except tomllib.TOMLDecodeError:
+        return toml_string(typed)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A marked line, apart from where it stands: that of many runs is one."""
+
+    key: str
+    value: str
+    on: bool
+    note: str
+    text: str
+
+    @classmethod
+    def of(cls, line: re.Match[str], table: str) -> _Asked:
+        key, _, value = line["left"].partition(" = ")
+        name = key.strip("[]") if key.startswith("[") else f"{table}.{key.strip()}"
+        text = line["text"].rstrip(".:, ").removesuffix(", or")
+        return cls(name, value.strip(), line["off"] is None, line["note"].strip("; "), text)
+
+    @property
+    def known(self) -> bool:
+        """Whether a value stands there."""
+        return bool(self.value) and "..." not in self.value
+
+    @property
+    def answered(self) -> bool:
+        """Whether a person wrote the value: a draft says why it has one, or has the usual one."""
+        table, _, key = self.key.rpartition(".")
+        return self.on and self.known and not self.note and self.value != _default(table, key)
+
+    def question(
+        self, lines: tuple[int, ...], stated: Mapping[str, Mapping[str, float]]
+    ) -> Question:
+        """What is asked at these lines, with the guess that what is stated allows."""
+        ask = partial(Question, lines=lines, key=self.key, text=self.text)
+        if self.known and self.on:
+            why = self.note or "nothing in the files says otherwise"
+            return ask(kind="guessed", guess=self.value, why=why)
+        table, _, key = self.key.rpartition(".")
+        if self.known or key in _MAY_LACK or any(part in _MAY_LACK for part in self.key.split(".")):
+            return ask(kind="off", guess=_default(table, key), why="the line is off")
+        guess, why = _estimate(self.key, stated)
+        follows = bool(guess) and key in _EITHER
+        return ask(kind="off" if follows else "needed", guess=guess, why=why)
+
+
+_MAY_LACK: Final = ("axes", "cfd", "name", "GM", "Ix")
+"""Tables and keys whose lines may be off though no value stands in them."""
+
+
+_EITHER: Final = ("mass", "volume")
+"""Of these one is enough."""
+
+
+_WITHOUT_AXES: Final = {("campaign", "drift_positive"): "starboard-bow"}
+"""What holds where a key is not stated and no axis is turned."""
+
+
+def _default(table: str, key: str) -> str:
+    """What holds where a key is not stated; empty where nothing does."""
+    from pmmkit.campaigns import TABLES
+
+    if (table, key) in _WITHOUT_AXES:
+        return toml_string(_WITHOUT_AXES[table, key])
+    model = TABLES.get(table)
+    field = None if model is None else model.model_fields.get(key)
+    value = None if field is None else field.default
+    if value in (None, "", []):
+        return ""
+    return toml_string(value) if isinstance(value, str) else str(value)
+
+
+def _stated(text: str) -> Mapping[str, Mapping[str, float]]:
+    """The numbers that stand in ship and water."""
+    try:
+        raw = tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        return {}
+    return {
+        name: {key: float(value) for key, value in table.items() if type(value) in (int, float)}
+        for name, table in raw.items()
+        if name in ("ship", "water") and isinstance(table, dict)
+    }
+
+
+def _estimate(name: str, stated: Mapping[str, Mapping[str, float]]) -> tuple[str, str]:
+    """A number for a particular that nobody stated, and where it comes from."""
+    ship, water = stated.get("ship", {}), stated.get("water", {})
+    rho = water.get("rho", FRESH_WATER)
+    length, volume = ship.get("L"), ship.get("volume")
+    mass = ship.get("mass", rho * volume if volume else None)
+    if name == "water.rho":
+        return f"{FRESH_WATER:g}", "fresh water of 15 °C"
+    if name == "ship.mass" and volume is not None:
+        return f"{rho * volume:.4g}", "density times volume"
+    if name == "ship.volume" and mass is not None and rho > 0:
+        return f"{mass / rho:.4g}", "mass over density"
+    if name == "ship.Izz" and mass is not None and length is not None:
+        about = mass * (ship.get("xG", 0.0) ** 2 + (GYRADIUS * length) ** 2)
+        return f"{about:.4g}", f"radius of gyration {GYRADIUS:g} L, as of most ships"
+    return "", ""

@@ -1,0 +1,279 @@
+"""A draft as the text of a campaign file, and what a person must still say."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Final
+
+from pmmkit.campaigns import Campaign
+from pmmkit.intake.drafts.columns import Todo, aligned, column_lines, commented, source_lines, toml
+from pmmkit.intake.drafts.computed import Computed, axes_lines, cfd_lines, computed_in
+from pmmkit.intake.drafts.conventions import Proposal
+from pmmkit.intake.drafts.draft import Draft
+from pmmkit.intake.drafts.entries import (
+    default_lines,
+    entry_lines,
+    in_common,
+    matrix_lines,
+    saved_run_lines,
+)
+from pmmkit.intake.drafts.sheets import scatter_lines
+from pmmkit.intake.seen import FileLook
+from pmmkit.presentation import toml_comment
+from pmmkit.readers import SavedCampaign, reader_of
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignText:
+    """The text of a campaign file.
+
+    `todo`: what a person must fill in or check. `complete`: runs and tables without anything
+    open.
+    """
+
+    text: str
+    todo: tuple[str, ...]
+    complete: int
+
+
+def written(draft: Draft) -> CampaignText:
+    """The campaign file of a draft.
+
+    Parameters
+    ----------
+    draft : Draft
+        From `draft_of`.
+    """
+    base = None if draft.saved else _largest(draft)
+    computed = Computed()
+    apart = len({entry.sheet for entry in draft.runs if entry.look is base}) > 1
+    todo = Todo()
+    lines = [
+        "# A draft made from the files that lie here. Check every line; TODO marks what the files",
+        "# do not say. Comments say where a value comes from.",
+        "",
+        *_campaign(draft, todo),
+        "",
+        *_ship(draft, todo),
+    ]
+    if any(reader_of(entry.look.format).computed for entry in draft.runs):
+        computed = computed_in(draft.runs)
+        lines += axes_lines(draft.proposal, todo, computed=True)
+        lines += ["", *cfd_lines(draft.runs, computed, draft.proposal, todo)]
+    else:
+        lines += axes_lines(draft.proposal, todo, computed=False)
+    if base is not None:
+        several = apart or not draft.runs
+        shared = replace(base.options, sheet=None, last_row=None) if several else base.options
+        lines += ["", "[source]", *source_lines(base, shared)]
+        lines += ["", "[columns]                        # our name = theirs"]
+        lines += column_lines(base, draft.kind, todo, table=not draft.runs)
+    elif draft.saved:
+        lines += ["", "[source]", f"format = {toml(SavedCampaign.name)}"]
+    for file, campaign in draft.saved:
+        for run in campaign:
+            lines += ["", *saved_run_lines(file, run)]
+    common = in_common(draft.runs, draft.tables)
+    lines += default_lines(common, computed, todo)
+    for matrix in draft.matrices:
+        lines += ["", *matrix_lines(matrix, todo)]
+    for entry in common.runs:
+        if entry.listed:
+            continue
+        lines += [
+            "",
+            *entry_lines(entry, "runs", base, draft.kind, todo, apart=apart, computed=computed),
+        ]
+    for entry in common.tables:
+        lines += ["", *entry_lines(entry, "tables", base, draft.kind, todo)]
+    sheets = {entry.look.shown: entry.look for entry in draft.tables}
+    lines += ["", *scatter_lines(list(sheets.values()))]
+    if len({entry.sheet for entry in draft.tables if entry.look.blocks.mixed}) > 1:
+        told = all(any(x.key == "depth" for x in entry.settings) for entry in draft.tables)
+        todo.add(_DEPTHS if told or "depth" in draft.particulars else _SHEETS)
+    lines += [*_unused(draft), "", "[end]"]
+    entries = (
+        sum(len(campaign) for _, campaign in draft.saved) + len(draft.runs) + len(draft.tables)
+    )
+    return CampaignText(
+        text="\n".join(lines) + "\n", todo=tuple(todo.all()), complete=entries - len(todo.open_runs)
+    )
+
+
+_SHEETS: Final = (
+    "The runs stand on several sheets. If the water was not as deep for all of them, state depth = "
+    "... [m] of each table."
+)
+_DEPTHS: Final = "[[tables]] depth: taken by sheet from a list beside the tests. Is it so?"
+
+
+def _campaign(draft: Draft, todo: Todo) -> list[str]:
+    lines = ["[campaign]", f"title = {toml(draft.title)}", f"kind = {toml(draft.kind)}"]
+    lines.append("closed = true                    # the last line is [end]: a cut is noticed")
+    if draft.saved:
+        return [*lines, *_as_saved(draft.saved[0][1], todo)]
+    if draft.kind == "free-running":
+        todo.add("[campaign] rudder_positive, and [axes] if x, y or z point the other way.")
+        return [*lines, _TURNS]
+    todo.add("[campaign] moment_reference_x: to which point do the moments refer?")
+    return [
+        *lines,
+        _forces(draft.proposal, todo),
+        *_signs(draft.proposal, todo),
+        "# moment_reference_x = 0.0       # TODO point to which moments refer, forward of midship",
+        '# free = ["heave", "pitch"]      # TODO what the mount leaves free',
+    ]
+
+
+_TURNS: Final = 'rudder_positive = "starboard"    # TODO "port" if + rudder turns her to port'
+
+
+def _forces(proposal: Proposal | None, todo: Todo) -> str:
+    if proposal is not None and proposal.balance is not None:
+        forces = "balance" if proposal.balance else "hydrodynamic"
+        if proposal.balance:
+            todo.add('Proposed from the physics of all runs: forces = "balance". Is it so?')
+        return aligned(f'forces = "{forces}"', proposal.why_balance)
+    todo.add(
+        "[campaign] forces: is the inertia of the model removed from the forces of oscillating "
+        "tests?"
+    )
+    return 'forces = "hydrodynamic"          # TODO "balance" if the model\'s inertia is in them'
+
+
+def _signs(proposal: Proposal | None, todo: Todo) -> list[str]:
+    """How drift and rudder are counted: as physics says, else asked."""
+    found = None if proposal is None else proposal.convention
+    if proposal is None or found is None:
+        todo.add(
+            "[campaign] signs: which way drift and rudder are positive ([axes] if x, y or z point "
+            "the other way)."
+        )
+        asked = '# TODO "port-bow" if they count drift the other way'
+        return [f'drift_positive = "starboard-bow" {asked}', _TURNS]
+    bow = "port-bow" if "drift" in found.flips else "starboard-bow"
+    drift = f'drift_positive = "{bow}"'
+    if "drift" in proposal.recorded and "drift" not in found.flips:
+        drift = aligned(f"# {drift}", "drift was recorded: it goes with [axes]")
+    rudder = 'rudder_positive = "port"' if "rudder" in found.flips else _TURNS
+    if found.changes:
+        todo.add(f"Proposed from the physics of all runs: {found}. Is it so?")
+    return [
+        *commented(f"Axes and signs by the physics of all runs: {proposal.seen}."),
+        "# All sideways forces and motions turned at once would give the same but for Y0 and N0.",
+        drift,
+        rudder,
+    ]
+
+
+def _as_saved(saved: Campaign, todo: Todo) -> list[str]:
+    """What a saved campaign says of all of its runs."""
+    todo.add(
+        "[uncertainty], [propeller], [rudder], [cfd] of the saved campaign are not repeated. Open "
+        "the saved file itself if nothing is to be changed."
+    )
+    keys = ("moment_reference_x", "moment_reference_z", "motion_reference_x")
+    stated = [f"{key} = {toml(getattr(saved, key))}" for key in keys if getattr(saved, key)]
+    free = [f"free = {toml(saved.free)}"] if saved.free else []
+    return [f"forces = {toml(saved.forces)}", *stated, *free]
+
+
+def _ship(draft: Draft, todo: Todo) -> list[str]:
+    if draft.saved and draft.ship_name is None:
+        return _particulars(draft.saved[0][1])
+    if draft.ship_name is not None:
+        todo.add(
+            f"[ship] the library holds {draft.ship_name!r} at one scale: give the particulars of "
+            "your model in full if it is another."
+        )
+        lines = [
+            "[ship]",
+            f"name = {toml(draft.ship_name)}  # of the library, at the scale it has there; or in "
+            "full: L, B, d, mass, volume, Izz",
+        ]
+    elif draft.particulars:
+        return _listed(draft, todo)
+    else:
+        todo.add(
+            "[ship] the particulars L, B, d, mass or volume, Izz, or the name of a library ship."
+        )
+        lines = [
+            "[ship]",
+            '# name = "..."                   # TODO a ship of the library (pmmkit ships), or:',
+            "# L = ...                        # TODO length between perpendiculars [m]",
+            "# B = ...                        # TODO breadth [m]",
+            "# d = ...                        # TODO draught [m]",
+            "# volume = ...                   # TODO displaced volume [m³]",
+            "# mass = ...                     # TODO mass as tested [kg]",
+            "# Izz = ...                      # TODO yaw inertia about midship [kg m²]",
+            "# xG = 0.0                       # TODO centre of gravity forward of midship [m]; if "
+            "absent 0 ± 0.04 L where a balance weighs the model",
+            *(_ROLL if any("K" in entry.look.known for entry in draft.runs) else ()),
+        ]
+    todo.add("[water] rho: the density of the water [kg/m³].")
+    return [*lines, "", "[water]", _RHO]
+
+
+def _listed(draft: Draft, todo: Todo) -> list[str]:
+    """Ship and water as a list beside the tests has them."""
+    found = draft.particulars
+    todo.add("[ship] taken from a list beside the tests: is it the model as it was tested?")
+    lines = ["[ship]"]
+    for key in _OF_SHIP:
+        if key in found:
+            lines.append(aligned(f"{key} = {toml(found[key][0])}", found[key][1]))
+        elif key not in ("mass", "xG"):
+            lines.append(f"# {key} = ...   # TODO")
+            todo.add(f"[ship] {key}: it is not in the list.")
+    todo.add("[water] rho: the density of the water [kg/m³].")
+    lines += ["", "[water]", _RHO]
+    if "depth" in found:
+        return [*lines, aligned(f"depth = {toml(found['depth'][0])}", found["depth"][1])]
+    return lines
+
+
+_OF_SHIP: Final = ("L", "B", "d", "volume", "Izz", "xG")
+_RHO: Final = "# rho = ...                      # TODO density [kg/m³]; fresh water of 15 °C: 999.1"
+_ROLL: Final = (
+    "# zG = 0.0                       # TODO centre of gravity below the origin [m]",
+    "# GM = ...                       # TODO metacentric height [m], for a model that rolls",
+    "# Ix = ...                       # TODO inertia of roll [kg m²], for a model that rolls",
+)
+"""What roll asks of a ship, where K was measured."""
+
+
+def _particulars(saved: Campaign) -> list[str]:
+    """Ship and water of a saved campaign."""
+    ship, water = asdict(saved.ship), asdict(saved.water)
+    ours = {_SHIP_KEYS.get(key, key): value for key, value in ship.items() if value is not None}
+    lines = ["[ship]                           # as in the saved campaign"]
+    lines += [f"{key} = {toml(value)}" for key, value in ours.items()]
+    lines += ["", "[water]"]
+    return lines + [f"{key} = {toml(value)}" for key, value in water.items() if value is not None]
+
+
+_SHIP_KEYS: Final = {"Ixx": "Ix", "block_stated": "CB"}
+"""Keys of ``[ship]`` that differ from the fields of a Ship."""
+
+
+def _largest(draft: Draft) -> FileLook | None:
+    """The layout that most histories share; it stands in ``[source]`` and ``[columns]``."""
+    counted: dict[int, int] = {}
+    looks: dict[int, FileLook] = {}
+    for entry in draft.runs:
+        looks[id(entry.look)] = entry.look
+        counted[id(entry.look)] = counted.get(id(entry.look), 0) + 1
+    mixed = [entry.look for entry in draft.tables if entry.look.blocks.mixed]
+    if not draft.runs and mixed and len(mixed) == len(draft.tables):
+        alike = all(look.columns == mixed[0].columns for look in mixed)
+        # not itself: each table says its own sheet
+        return replace(mixed[0]) if alike else None
+    return looks[max(counted, key=lambda key: counted[key])] if counted else None
+
+
+def _unused(draft: Draft) -> list[str]:
+    lines = [f"# {toml_comment(text)}" for text in draft.unused]
+    listing = {matrix.look.shown for matrix in draft.matrices}
+    problems = [problem for problem in draft.look.problems if problem.file not in listing]
+    lines += [f"# {toml_comment(str(problem))}" for problem in problems]
+    return ["", "# Files that are not used:", *lines] if lines else []

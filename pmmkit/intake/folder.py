@@ -1,0 +1,330 @@
+"""What lies there: a file or a folder looked at before anything is known of it."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from pmmkit.base import CampaignError, DataError, Problem
+from pmmkit.campaigns import FILE_NAME, PACKED, is_packed_campaign, open_campaign
+from pmmkit.files import as_url, shown_url
+from pmmkit.intake.file import look_at, with_numbers
+from pmmkit.intake.seen import FileLook
+from pmmkit.readers import reader_of, readers, recognise
+
+MOST_FILES: Final = 2000
+"""Files of a folder that are looked at; of more it is only said how many there are."""
+MOST_COUNTED: Final = 20_000
+"""Further files that are counted."""
+_RESULTS: Final = ("derivatives.csv", "comparison.json", "diagnosis.json", "metrics.json")
+"""Files by which a folder with results of pmmkit is known; it is passed over."""
+_DEEPEST: Final = 8
+_PASSED: Final = frozenset(
+    {
+        ".toml",
+        ".py",
+        ".m",
+        ".md",
+        ".ipynb",
+        ".html",
+        ".png",
+        ".jpg",
+        ".jpeg",
+        ".gif",
+        ".svg",
+        ".pdf",
+        ".doc",
+        ".docx",
+        ".ppt",
+        ".pptx",
+        ".mp4",
+        ".avi",
+        ".mov",
+        ".zip",
+        ".7z",
+        ".gz",
+    }
+)
+"""Suffixes of files that are not measurements and are not opened."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignLook:
+    """A campaign that is there.
+
+    Parameters
+    ----------
+    file : str
+        Campaign file or saved campaign.
+    title, kind, ship : str
+        As stated there.
+    runs, excluded : int
+        How many.
+    tests : mapping of str to int
+        Runs of each kind.
+    speeds : tuple of float
+        Nominal speeds [m/s].
+    problem : str
+        Why it cannot be opened; empty if it can.
+    """
+
+    file: str
+    title: str = ""
+    kind: str = ""
+    ship: str = ""
+    runs: int = 0
+    excluded: int = 0
+    tests: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
+    speeds: tuple[float, ...] = ()
+    problem: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileGroup:
+    """Files of the same format with the same headers.
+
+    Parameters
+    ----------
+    files : tuple of FileLook
+        The first one with its numbers, the others by their beginnings.
+    """
+
+    files: tuple[FileLook, ...]
+
+    @property
+    def first(self) -> FileLook:
+        """The file that was read."""
+        return self.files[0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """What lies at a path.
+
+    Parameters
+    ----------
+    path : Path
+        File or folder.
+    groups : tuple of FileGroup
+        Files with data; for a file a group for each of its sheets.
+    campaigns : tuple of CampaignLook
+        Campaign file in the folder, saved campaigns.
+    others : mapping of str to int
+        How many files without data there are, by suffix.
+    problems : tuple of Problem
+        Files that cannot be read or understood.
+    passed_over : int
+        Files that were not looked at because there are too many.
+    """
+
+    path: Path
+    groups: tuple[FileGroup, ...] = ()
+    campaigns: tuple[CampaignLook, ...] = ()
+    others: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
+    problems: tuple[Problem, ...] = ()
+    passed_over: int = 0
+
+
+def look(path: str | Path) -> Look:
+    """Look at a file or a folder of which nothing is known; nothing is changed.
+
+    Parameters
+    ----------
+    path : path
+        A file of measurements, a campaign (folder, campaign file or saved), or a folder.
+
+    Returns
+    -------
+    Look
+        Of text files above 64 MB only beginning, middle and end are read; of a folder's files all
+        beginnings and the first file of each group.
+
+    Raises
+    ------
+    CampaignError
+        If there is nothing, if the layout of a single file is not known (with its first lines), or
+        if a folder holds no measurements.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> file = Path(tempfile.mkdtemp()) / "run.csv"
+    >>> _ = file.write_text("Time;Fx [kN]\\n0,0;1,5\\n0,1;1,6\\n0,2;1,4\\n")
+    >>> (group,) = look(file).groups
+    >>> [column.suggestion.name for column in group.first.columns]
+    ['t', 'X']
+    """
+    place = Path(path).expanduser()
+    url = as_url(path)
+    if url is not None:
+        raise CampaignError(
+            Problem(
+                message="files behind a URL are not looked through.",
+                file=shown_url(url),
+                remedy="Copy them to a folder; of a campaign the command pmmkit check tells what "
+                "is wrong with it.",
+            )
+        )
+    if not place.exists():
+        raise CampaignError(Problem(message="there is no such file or folder.", file=str(place)))
+    if place.is_dir() and not _is_one_run(place):
+        return _look_folder(place)
+    if not (place.is_file() or place.is_dir()):
+        raise CampaignError(Problem(message="this is neither file nor folder.", file=str(place)))
+    if place.suffix == ".toml" or (place.suffix.lower() == PACKED and is_packed_campaign(place)):
+        return Look(path=place, campaigns=(_campaign(place, place.name),))
+    looks = look_at(place, place.name, numbers=False)
+    if looks[0].is_campaign:
+        return Look(path=place, campaigns=(_campaign(place, place.name),))
+    found, problems = _grouped([item for item in looks if item.columns])
+    problems = [*(fault for item in looks for fault in item.problems), *problems]
+    if not found:
+        raise CampaignError(problems)
+    return Look(path=place, groups=found, problems=tuple(problems))
+
+
+def _look_folder(folder: Path) -> Look:
+    files, passed_over = _files(folder)
+    campaigns = [_campaign(folder, FILE_NAME)] if (folder / FILE_NAME).is_file() else []
+    others: Counter[str] = Counter()
+    problems: list[Problem] = []
+    looks: list[FileLook] = []
+    for path in files:
+        shown = path.relative_to(folder).as_posix()
+        if not _is_text(shown):
+            problems.append(_ODD_NAME)
+            continue
+        if path.suffix.lower() in _PASSED and not path.is_dir():
+            others[path.suffix.lower()] += 1
+            continue
+        for item in look_at(path, shown, numbers=False):
+            if item.is_campaign:
+                campaigns.append(_campaign(path, shown))
+            elif item.columns:
+                looks.append(item)
+            elif item.format or not item.size or _refused(item):
+                problems += item.problems
+            else:
+                others[path.suffix.lower()] += 1
+    if not (looks or campaigns):
+        raise _nothing(folder, others, problems)
+    groups, damaged = _grouped(looks)
+    problems += damaged
+    return Look(
+        path=folder,
+        groups=groups,
+        campaigns=tuple(campaigns),
+        others=MappingProxyType(dict(others)),
+        problems=tuple(problems),
+        passed_over=passed_over,
+    )
+
+
+def _is_text(name: str) -> bool:
+    """Whether a name can be written as UTF-8."""
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+_ODD_NAME: Final = Problem(
+    message="the name of a file is not Unicode text: it was passed over.", remedy="Rename it."
+)
+
+
+def _refused(item: FileLook) -> bool:
+    return any("cannot be read" in problem.message for problem in item.problems)
+
+
+def _grouped(looks: Sequence[FileLook]) -> tuple[tuple[FileGroup, ...], list[Problem]]:
+    """Files and sheets of the same layout and headers, the first of each with its numbers."""
+    groups: dict[object, list[FileLook]] = {}
+    for item in looks:
+        groups.setdefault(_key(item), []).append(item)
+    found = [
+        FileGroup(files=(with_numbers(members[0]), *members[1:])) for members in groups.values()
+    ]
+    return tuple(found), [problem for group in found for problem in group.first.problems]
+
+
+def _key(item: FileLook) -> tuple[object, ...]:
+    return item.format, item.titles, replace(item.options, sheet=None, last_row=None)
+
+
+def _files(folder: Path) -> tuple[list[Path], int]:
+    """Files below a folder, folders of a format among them, in order; and how many more."""
+    found: list[Path] = []
+    more = 0
+    for path in _walk(folder, 0):
+        if len(found) < MOST_FILES:
+            found.append(path)
+        elif more < MOST_COUNTED:
+            more += 1
+        else:
+            break
+    return found, more
+
+
+def _walk(folder: Path, depth: int) -> Iterator[Path]:
+    """Regular files and folders of a format; links to folders are not followed."""
+    try:
+        entries = sorted(os.scandir(folder), key=lambda entry: (entry.is_dir(), entry.name))
+    except OSError:
+        return
+    for entry in entries:
+        if entry.name.startswith((".", "~$")):
+            continue
+        path = Path(entry.path)
+        if entry.is_file():
+            yield path
+        elif not entry.is_dir(follow_symlinks=False) or any(
+            (path / name).is_file() for name in _RESULTS
+        ):
+            continue
+        elif _is_one_run(path):
+            yield path
+        elif depth < _DEEPEST:
+            yield from _walk(path, depth + 1)
+
+
+def _is_one_run(folder: Path) -> bool:
+    """Whether a folder is one measurement: of a format of folders, its files parts of one run."""
+    name = recognise(folder)
+    return name is not None and reader_of(name).is_one_run(folder)
+
+
+def _campaign(path: Path, shown: str) -> CampaignLook:
+    try:
+        opened = open_campaign(path)
+    except DataError as error:
+        return CampaignLook(file=shown, problem=str(error))
+    return CampaignLook(
+        file=shown,
+        title=opened.title,
+        kind=opened.kind,
+        ship=opened.ship.name,
+        runs=len(opened),
+        excluded=len(opened.excluded),
+        tests=MappingProxyType(dict(Counter(run.test for run in opened))),
+        speeds=tuple(sorted({run.settings.speed for run in opened})),
+    )
+
+
+def _nothing(folder: Path, others: Mapping[str, int], problems: list[Problem]) -> CampaignError:
+    there = ", ".join(f"{count} {suffix or 'without suffix'}" for suffix, count in others.items())
+    said = f"There are {sum(others.values())} other files: {there}." if others else "It is empty."
+    if problems and not others:
+        said = "Its files cannot be read."
+    main = Problem(
+        message=f"there are no measurements in this folder. {said}",
+        file=str(folder),
+        remedy=f"Expected: files of the formats {', '.join(readers())}.",
+    )
+    return CampaignError([main, *problems])

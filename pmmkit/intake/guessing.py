@@ -1,0 +1,443 @@
+"""What a column of a foreign file probably is, by its name, its unit and its numbers.
+
+A suggestion is for a person to confirm: nothing is read by it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from pmmkit.base import DataError
+from pmmkit.conventions import (
+    CHANNEL_UNITS,
+    DEGREE_CHANNELS,
+    SETTING_UNITS,
+    channel_of,
+    harmonic_part,
+    names_taken_unasked,
+    split_unit,
+    unit_factor,
+    unit_of,
+)
+from pmmkit.numerics import Array
+from pmmkit.presentation import meanings, same
+
+Certainty = Literal["surely", "probably", "perhaps"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Suggestion:
+    """What a column probably is.
+
+    `name`: our name of it: a channel, and in a table a setting or a part of a harmonic.
+    `certainty`: by its exact name; by a usual name; by its unit or its numbers. `unit`: unit
+    that must be stated because the header does not say it and the numbers do. `scale`: factor
+    that must be stated, -1 for a drag.
+    """
+
+    name: str
+    certainty: Certainty
+    reason: str
+    unit: str | None = None
+    scale: float = 1.0
+
+
+def suggest(
+    headers: Sequence[str],
+    units: Sequence[str | None],
+    values: Mapping[int, Array],
+    *,
+    table: bool = False,
+    usual: Mapping[str, str] | None = None,
+) -> tuple[Suggestion | None, ...]:
+    """What each column probably is; no name is given to two columns.
+
+    Examples
+    --------
+    >>> found = suggest(["Time", "Fx", "Drift"], ["s", "kN", "deg"], {})
+    >>> [(item.name, item.certainty) if item else None for item in found]
+    [('t', 'probably'), ('X', 'probably'), None]
+    """
+    places = {header: name for name, header in (usual or {}).items()}
+    found = [
+        _by_name(header, unit, table=table, usual=places)
+        for header, unit in zip(headers, units, strict=True)
+    ]
+    if table:
+        found = _with_components(found, headers, units)
+    known = {item.name for item in found if item}
+    for position, (header, unit) in enumerate(zip(headers, units, strict=True)):
+        numbers = values.get(position)
+        if found[position] is None and not table:
+            found[position] = _by_unit(header, unit, known)
+        if found[position] is None and not table and "t" not in known and numbers is not None:
+            found[position] = _by_shape(header, unit, numbers, position)
+        item = found[position]
+        if item is not None:
+            known.add(item.name)
+            if numbers is not None and unit is None and item.unit is None:
+                found[position] = _with_unit(item, numbers)
+    return _each_once(found, table=table)
+
+
+def rates_of(time: Array, values: Mapping[int, Array]) -> dict[int, tuple[int, float]]:
+    """Columns that are the rate of change of another one.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 60.0, 601)
+    >>> rates_of(t, {1: np.sin(t), 2: 2.0 * np.cos(t), 3: np.cos(t)})
+    {3: (1, 0.999)}
+    """
+    count = len(time)
+    stretch = max(2, count // 300)
+    edges = np.arange(0, count, stretch)
+    if len(edges) < 20 or not values:
+        return {}
+    places = list(values)
+    table = np.stack([values[place] for place in places])
+    span = np.diff(time[edges])
+    if not (np.all(np.isfinite(table)) and np.all(span > 0)):
+        return {}
+    summed = np.cumsum((table[:, 1:] + table[:, :-1]) / 2 * np.diff(time), axis=1)
+    summed = np.concatenate([np.zeros((len(places), 1)), summed], axis=1)
+    means, slopes = np.diff(summed[:, edges]) / span, np.diff(table[:, edges]) / span
+    powers = np.sum(slopes**2, axis=1)
+    found = {}
+    for row, place in enumerate(places):
+        if np.ptp(means[row]) < 1e-3 * np.abs(means[row]).max(initial=1e-30):
+            continue
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factors = slopes @ means[row] / powers
+            left = np.sum((means[row] - factors[:, None] * slopes) ** 2, axis=1)
+        near = np.isclose(factors[:, None], [1.0, 57.29578, 1 / 57.29578], rtol=0.03).any(axis=1)
+        share = np.where(near, left / np.sum(means[row] ** 2), np.inf)
+        share[row] = np.inf
+        best = int(np.argmin(share))
+        if share[best] < 0.01:
+            found[place] = (places[best], float(f"{factors[best]:.3g}"))
+    return found
+
+
+def wrong_unit(header: str, unit: str | None, *, table: bool = False) -> str:
+    """What is said of a column whose name is usual and whose unit measures something else.
+
+    Examples
+    --------
+    >>> wrong_unit("roll", "Nm")
+    "'roll' is a usual name of phi, which is not measured in Nm: a wrong unit, or something else"
+    >>> wrong_unit("Fx", "N"), wrong_unit("gauge 7", "mV")
+    ('', '')
+    """
+    if not unit or _by_name(header, unit, table=table, usual={}) is not None:
+        return ""
+    item = _by_name(header, None, table=table, usual={})
+    if item is None or item.certainty == "perhaps":
+        return ""
+    return (
+        f"{header!r} is a usual name of {item.name}, which is not measured in {unit}: a wrong "
+        "unit, or something else"
+    )
+
+
+_RANK: Final = {"surely": 0, "probably": 1, "perhaps": 2}
+
+
+def _each_once(found: Sequence[Suggestion | None], *, table: bool) -> tuple[Suggestion | None, ...]:
+    """The best claim on each name; the first of several that are as good."""
+    best: dict[str, int] = {}
+    for position, item in enumerate(found):
+        if item is None:
+            continue
+        # what a table says was set stands beside what was measured
+        name = item.name if table and item.name in SETTING_UNITS else channel_of(item.name)
+        holder = found[best[name]] if name in best else None
+        if holder is None or _RANK[item.certainty] < _RANK[holder.certainty]:
+            best[name] = position
+    kept = set(best.values())
+    return tuple(item if position in kept else None for position, item in enumerate(found))
+
+
+def _with_components(
+    found: Sequence[Suggestion | None], headers: Sequence[str], units: Sequence[str | None]
+) -> list[Suggestion | None]:
+    """In a table u and v in m/s are the motion of the hull, and tell its speed."""
+    own = {
+        header.strip(): place
+        for place, (header, unit) in enumerate(zip(headers, units, strict=True))
+        if header.strip() in ("u", "v") and unit is not None and _dimension(unit) == "m/s"
+    }
+    if len(own) < 2:
+        return list(found)
+    kept = [None if item and item.name in ("speed", "v_amplitude") else item for item in found]
+    for name, place in own.items():
+        kept[place] = Suggestion(name=name, certainty="surely", reason="its exact name")
+    return kept
+
+
+def _by_name(
+    header: str, unit: str | None, *, table: bool, usual: Mapping[str, str]
+) -> Suggestion | None:
+    plain = header.strip()
+    if not plain:
+        return None
+    if plain in usual and _fits(usual[plain], unit, table=table):
+        return Suggestion(name=usual[plain], certainty="surely", reason="its name in this format")
+    rate = _RATE.fullmatch(plain)
+    if rate is not None and unit and _fits(f"{rate[1]}dot", unit, table=False):
+        why = f"{plain!r} in {unit}"
+        return Suggestion(name=f"{rate[1]}dot", certainty="probably", reason=why)
+    exact = re.sub(r"'(?=$|_)", "", plain)
+    if _known(exact, table=table) and _fits(exact, unit, table=table):
+        return Suggestion(name=exact, certainty="surely", reason="its exact name")
+    part = _HARMONIC.fullmatch(plain) if table else None
+    if part is not None:
+        channel = _RUDDER_FORCES.get(part["channel"].upper(), part["channel"])
+        name = f"{channel}_{part['part']}{part['order'] or ('' if part['mean'] else '1')}"
+        if harmonic_part(name):
+            return Suggestion(name=name, certainty="probably", reason=f"{plain!r} by its form")
+    words = re.findall(r"[^\W_]+", re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", " ", plain))
+    own = _SUFFIX_UNITS.get(words[-1]) if unit is None and len(words) > 1 else None
+    folded = " ".join(words[:-1] if own else words).lower()
+    unit = unit or own
+    for name, pattern in (*(_TABLE_NAMES if table else ()), *_NAMES):
+        found = pattern.fullmatch(folded) or pattern.search(folded)
+        if not found or not _fits(name, unit, table=table):
+            continue
+        whole = found[0] == folded
+        if len(found[0]) == 1 and not whole:
+            continue
+        drag = found[0] == "drag"
+        return Suggestion(
+            name=name,
+            certainty="probably" if (whole or unit is not None) and not drag else "perhaps",
+            reason=f"{plain!r} is a usual name of it" + (", positive aft" if drag else ""),
+            unit=own,
+            scale=-1.0 if drag else 1.0,
+        )
+    return _in_other_words(plain, unit, table=table)
+
+
+def _in_other_words(header: str, unit: str | None, *, table: bool) -> Suggestion | None:
+    """By a word of another language; surer where it is all of the header."""
+    found = [*meanings("setting", header)] if table else []
+    for channel, word in meanings("channel", header):
+        held = _SETTINGS_OF.get(channel) if table else None
+        found.append((held or channel, word))
+    for name, word in found:
+        told = unit is not None or name != "yaw_rate"
+        if _known(name, table=table) and _fits(name, unit, table=table) and told:
+            return Suggestion(
+                name=name,
+                certainty="probably" if same(word, header) else "perhaps",
+                reason=f"{word!r} is a word for it",
+            )
+    return None
+
+
+def _known(name: str, *, table: bool) -> bool:
+    """Whether it is a name of ours that a file of that kind is read by without being mapped."""
+    allowed = names_taken_unasked(table=table)
+    if allowed is None:
+        return name in CHANNEL_UNITS or name in DEGREE_CHANNELS
+    return name in allowed or harmonic_part(name) is not None
+
+
+def _by_unit(header: str, unit: str | None, known: set[str]) -> Suggestion | None:
+    """By the unit, and a letter of the name that says which axis."""
+    dimension = _dimension(unit)
+    axis = re.search(r"(?:^|[^a-zA-Z])[fFmM]?([xyzXYZ])(?:$|[^a-zA-Z])", header)
+    if axis is None or dimension not in ("N", "N m"):
+        return None
+    named = {("N", "x"): "X", ("N", "y"): "Y", ("N m", "z"): "N", ("N m", "x"): "K"}
+    name = named.get((dimension, axis[1].lower()))
+    if name is None or name in known:
+        return None
+    return Suggestion(
+        name=name, certainty="perhaps", reason=f"a unit of {dimension}, and {axis[1]} in the name"
+    )
+
+
+def _by_shape(header: str, unit: str | None, numbers: Array, position: int) -> Suggestion | None:
+    if len(numbers) < 20 or _dimension(unit) not in (None, "s") or len(header) > 24:
+        return None
+    steps = np.diff(numbers)
+    middle = float(np.median(steps))
+    if not (np.all(np.isfinite(numbers)) and middle > 0 and np.all(steps > 0)):
+        return None
+    even = float(np.max(np.abs(steps - middle))) < 0.02 * middle
+    if not even and unit is None:
+        return None
+    first = position == 0 and even and not header
+    return Suggestion(
+        name="t",
+        certainty="probably" if first else "perhaps",
+        reason=f"increases steadily, by {middle:.6g} a row",
+        unit="s" if unit is None else None,
+    )
+
+
+def _with_unit(item: Suggestion, numbers: Array) -> Suggestion:
+    """The unit that only the numbers tell."""
+    finite = numbers[np.isfinite(numbers)]
+    size = float(np.max(np.abs(finite), initial=0.0))
+    unit, limit = _TELLING.get(item.name, (None, 0.0))
+    if unit is None or size <= limit:
+        return item
+    why = f"{item.reason}; {unit}, since numbers reach {size:.3g}"
+    return Suggestion(
+        name=item.name, certainty=item.certainty, reason=why, unit=unit, scale=item.scale
+    )
+
+
+_TELLING: Final[dict[str, tuple[str, float]]] = {
+    "psi": ("deg", 45.0),
+    "phi": ("deg", 1.6),
+    "delta": ("deg", 1.6),
+    "trim": ("deg", 1.6),
+    "wind_direction": ("deg", 6.4),
+    "n": ("rpm", 60.0),
+    "r": ("deg/s", 2.0),
+}
+"""Unit other than SI, and the number beyond which SI cannot be."""
+
+
+def _dimension(unit: str | None) -> str | None:
+    if unit is None:
+        return None
+    try:
+        return unit_factor(unit)[0]
+    except DataError:
+        return unit
+
+
+def _fits(name: str, unit: str | None, *, table: bool) -> bool:
+    """Whether the stated unit measures what the name does."""
+    own = unit_of(name, table=table)
+    if unit is None or own is None:
+        return own is not None
+    have, want = _dimension(unit), _dimension(own)
+    return have == want or (have == "" and table) or (name == "n" and have == "rad/s")
+
+
+def bare_header(header: str, unit: str | None = None) -> tuple[str, str | None]:
+    """Name and unit of a header, the unit from a line of units where it has none itself."""
+    name, own = split_unit(header)
+    return (name, own) if own is not None else (header.strip(), unit or None)
+
+
+_SUFFIX_UNITS: Final = {
+    "rpm": "rpm",
+    "rps": "rps",
+    "deg": "deg",
+    "rad": "rad",
+    "kN": "kN",
+    "N": "N",
+    "Nm": "N m",
+    "mm": "mm",
+    "m": "m",
+    "mps": "m/s",
+    "s": "s",
+    "sec": "s",
+}
+"""Last words of a header that are taken for its unit."""
+
+
+def _pattern(words: str) -> re.Pattern[str]:
+    return re.compile(rf"\b(?:{words})\b")
+
+
+_NAMES: Final = tuple(
+    (name, _pattern(words))
+    for name, words in {
+        "FX_rudder": "f ?x ?rudder|rudder (?:normal )?f ?x|r ?fx",
+        "FY_rudder": "f ?y ?rudder|rudder f ?y|r ?fy",
+        "wind_speed": "wind (?:velo|velocity|speed) relative(?: mid)?|relative wind speed|aws",
+        "wind_direction": "wind (?:dir|direction|angle) relative(?: mid)?|awa",
+        "udot": "u ?dot|du ?dt|surge acc(?:eleration)?",
+        "vdot": "v ?dot|dv ?dt|sway acc(?:eleration)?",
+        "rdot": "r ?dot|dr ?dt|yaw acc(?:eleration)?",
+        "xdot": "x ?dot|dx0? ?dt|x velocity",
+        "ydot": "y ?dot|dy0? ?dt|y velocity",
+        "u": "u(?: velo(?:city)?)?|surge (?:velo(?:city)?|speed)",
+        "v": "vm?(?: velo(?:city)?)?|sway (?:velo(?:city)?|speed)",
+        "r": "r(?: angvelo| angular velocity)?|yaw ?rate|yaw (?:velo(?:city)?|speed)|"
+        "rot|rate of turn|omega ?z",
+        "p": "roll ?rate|roll (?:velo(?:city)?|speed)|omega ?x",
+        "X": "f ?x|force ?x|x ?force|surge force|longitudinal force|total x|drag|x",
+        "Y": "f ?y|force ?y|y ?force|sway force|side force|lateral force|total y|y",
+        "N": "m ?z|moment ?z|z ?moment|yaw ?moment|yawing moment|n moment|n",
+        "K": "m ?x|moment ?x|x ?moment|roll ?moment|heeling moment|k moment|k",
+        "psi": "psi(?: hat)?|ψ|heading(?: angle)?|hdg|yaw(?: angle)?|course angle",
+        "phi": "phi|φ|roll(?: angle)?|heel(?: angle)?",
+        "delta": "delta(?: rudder)?|δ|rudder(?: angle)?|rud|helm|ruder(?:winkel)?",
+        "n": "n|rps|rpm|revs?|revolutions|n prop(?:eller)?|prop(?:eller)? (?:rev(?:olution)?s?|rps|"
+        "rpm|n)|shaft speed",
+        "T": "thrust|prop(?:eller)? thrust",
+        "Q": "torque|prop(?:eller)? torque",
+        "sinkage": "sinkage|heave|squat",
+        "trim": "trim(?: angle)?|pitch(?: angle)?",
+        "lat": "lat(?:itude)?",
+        "lon": "lon(?:g|gitude)?",
+        "sog": "sog|speed over ground",
+        "cog": "cog|course over ground",
+        "x": "x|x ?0|x ?pos(?:ition)?(?: mid)?|pos(?:ition)? ?x|north(?:ing)?",
+        "y": "y|sway(?: displacement| position)?|"
+        "y ?0|y ?pos(?:ition)?(?: mid)?|pos(?:ition)? ?y|east(?:ing)?",
+        "U_carriage": "(?:towing )?carriage (?:speed|velo(?:city)?)|towing speed|[uv] ?carriage|"
+        "u ?c",
+        "y_forward": "y ?(?:forward|fwd|fore)|(?:forward|fore) (?:strut|post|ram)(?: y)?",
+        "y_aft": "y ?aft|aft (?:strut|post|ram)(?: y)?",
+        "speed": "speed|model speed",
+        "t": "t|time(?: s)?|physical time(?: physical time)?|zeit|temps|tiempo|tijd|时间|時間",
+    }.items()
+)
+
+_SEEN: Final = "measured|actual|mean"
+_TABLE_NAMES: Final = tuple(
+    (name, _pattern(words))
+    for name, words in {
+        "n": f"prop(?:eller)? (?:{_SEEN})",
+        "delta": f"rudder (?:{_SEEN})",
+        "FX_rudder": "r ?x|rudder x",
+        "FY_rudder": "r ?y|rudder y",
+        "Q": "prop(?:eller)? q",
+        "drift_deg": "beta|β|drift(?: angle)?",
+        "rudder_deg": "delta|δ|rudder(?: angle)?",
+        "heel_deg": "phi|φ|heel(?: angle)?",
+        "propeller_rps": "rps|rpm|n|prop(?:eller)? (?:rps|rev(?:olution)?s?|given|ordered|nominal)",
+        "frequency_hz": "freq|frequency|f",
+        "period": "period",
+        "yaw_amplitude_deg": "(?:yaw|heading|psi)(?: angle)? ampl?(?:itude)?|psi ?[a0]|ψ ?[a0]",
+        "rudder_amplitude_deg": "(?:rudder|delta|δ)(?: angle)? ampl?(?:itude)?",
+        "amplitude_m": "(?:sway |motion |y )?ampl?(?:itude)?|y ?[a0]",
+        "vdot_amplitude": "vdot|v dot",
+        "rdot_amplitude": "rdot|r dot",
+        "v_amplitude": "v",
+        "r_amplitude": "r",
+        "speed": "speed(?: m s)?|v|u|(?:towing )?carriage speed|towing speed|v ?carriage|u ?c",
+        "T": "t ?x|thrust",
+        "X": "resistance(?: n)?",
+    }.items()
+)
+
+_SETTINGS_OF: Final = {
+    "U_carriage": "speed",
+    "delta": "rudder_deg",
+    "phi": "heel_deg",
+    "n": "propeller_rps",
+    "r": "yaw_rate",
+}
+"""What a table whose rows are runs holds of a channel."""
+
+_HARMONIC: Final = re.compile(
+    r"(?P<channel>[XYNKTQ]|R[XYxy])_?(?P<part>(?P<mean>mean|std)|sin|cos|in|out)_?(?P<order>[1-9]?)'?"
+)
+_RATE: Final = re.compile(r"([uvrp])'")
+"""A rate of change, if its unit is that of one; else a number without dimension."""
+_RUDDER_FORCES: Final = {"RX": "FX_rudder", "RY": "FY_rudder"}

@@ -1,0 +1,304 @@
+"""What the numbers of a model stand on: how it was made, what is estimated, where it was tested."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.conventions import parse_derivative
+from pmmkit.effects import HULL, Effect, Role, catalogue
+from pmmkit.models.model import FN_TOLERANCE, Model, Part
+from pmmkit.presentation import listed
+
+# What the parts of a model do for the ship, as their effects declare it.
+
+
+SAILING: Final[tuple[Role, ...]] = ("propulsion", "steering")
+"""What a ship needs beside its hull."""
+
+
+def parts_of(model: Model, role: Role) -> tuple[str, ...]:
+    """The parts of a model that have a role.
+
+    Examples
+    --------
+    >>> from pmmkit.models.store import load_model
+    >>> parts_of(load_model("kvlcc2"), "propulsion")
+    ('propeller',)
+    """
+    return tuple(name for name, part in model.parts.items() if role in part.known.roles)
+
+
+def lacking(model: Model) -> tuple[Role, ...]:
+    """What a model has no part for and needs besides the hull, to be sailed.
+
+    A model in the loss of speed Δu holds the propeller's share in its hull.
+
+    Examples
+    --------
+    >>> from pmmkit.models.store import load_model
+    >>> ship = load_model("kvlcc2")
+    >>> hull = {"hull_polynomial": ship.parts["hull_polynomial"]}
+    >>> lacking(ship), lacking(ship.with_(parts=hull))
+    ((), ('propulsion', 'steering'))
+    """
+    held = {"propulsion"} if model.convention.surge == "delta-u" else set()
+    return tuple(role for role in SAILING if role not in held and not parts_of(model, role))
+
+
+def in_role(role: Role) -> tuple[str, ...]:
+    """All effects of the catalogue that have a role."""
+    return tuple(effect.name for effect in catalogue().values() if role in effect.roles)
+
+
+def serves(effect: Effect, role: Role) -> bool:
+    """Whether an effect has a role, and is no share of the hull beside it."""
+    return role in effect.roles and not _holds_the_hull(effect.outputs)
+
+
+def drives(effect: Effect) -> bool:
+    """Whether an effect is a propeller or another drive, and no share of the hull beside it."""
+    return serves(effect, SAILING[0])
+
+
+def steers(effect: Effect) -> bool:
+    """Whether an effect is a rudder or another gear that steers, and nothing of the hull."""
+    return serves(effect, SAILING[1])
+
+
+def _holds_the_hull(outputs: Iterable[str]) -> bool:
+    return any(output.endswith("dot") for output in outputs)
+
+
+EMPIRICAL: Final = "empirical"
+"""How the source of an estimate begins."""
+ASSUMED: Final = "assumed"
+"""How the source of a usual value begins that stands for what nobody states."""
+FASTEST: Final = 0.29
+"""Largest Froude number of the ships that the standard errors of the estimates come from: KVLCC2,
+KCS and S175."""
+GUESSED: Final = (
+    "All derivatives of the hull's side force and moment are estimates from particulars: a first "
+    "look, not a verdict."
+)
+UNCOUPLED: Final = (
+    "The hull has no term of sway and yaw together in side force and moment: nobody asked for one, "
+    "which is not zero. How she turns is a first look, not a verdict."
+)
+"""Of S175 the tactical diameter is 3.49 L with a `cubic` hull of her tests, 4.36 L with hers."""
+COUPLED: Final = (
+    "The terms of sway and yaw together in side force and moment are estimates from particulars: "
+    "how she turns is a first look, not a verdict."
+)
+"""Of a little hull the tactical diameter is 3.2 L without them and 5.2 L with estimates."""
+REVERSED: Final = (
+    "Nobody states what the engine does in a stop: it is assumed, and so are the stop's figures. "
+    "`pmmkit uncertainty --manoeuvre stopping` gives their range."
+)
+TOO_FAST: Final = (
+    "At Fn {:.2f} nothing says how good they are: they were held against ships at Fn {:g} at most."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standing:
+    """What the numbers of a model stand on at the speed of an approach.
+
+    Parameters
+    ----------
+    forced : str
+        Why the model is not usable; empty where it is.
+    hull : bool
+        Whether all derivatives of the hull's side force and moment are estimates.
+    uncoupled : bool
+        Whether nothing of the hull's side force and moment goes with sway and yaw together.
+    coupled : bool
+        Whether what goes with both is estimated, of a hull of which other terms are not.
+    estimated : tuple of str
+        Among propulsion and steering, what goes by values that nobody measured.
+    reversed : bool
+        Whether it is assumed what the engine does in a stop.
+    Fn : float
+        Of the approach.
+    tested : tuple of float
+        Least and greatest Froude number of the derivatives; empty where they are one set for all.
+    """
+
+    forced: str = ""
+    hull: bool = False
+    uncoupled: bool = False
+    coupled: bool = False
+    estimated: tuple[str, ...] = ()
+    reversed: bool = False
+    Fn: float = 0.0
+    tested: tuple[float, ...] = ()
+
+    @property
+    def outside(self) -> float:
+        """By how much the approach is beyond what was tested, over the end that it is beyond:
+        positive above, negative below, zero inside.
+
+        Examples
+        --------
+        >>> round(Standing(Fn=0.36, tested=(0.15, 0.3)).outside, 3)
+        0.2
+        >>> Standing(Fn=0.29, tested=(0.15, 0.3)).outside
+        0.0
+        """
+        if not self.tested:
+            return 0.0
+        for end, beyond in ((self.tested[0], min), (self.tested[-1], max)):
+            share = self.Fn / end - 1.0
+            if beyond(share, 0.0) and abs(share) > FN_TOLERANCE:
+                return share
+        return 0.0
+
+    @property
+    def unsettled(self) -> tuple[str, ...]:
+        """Why no criterion is met or failed by such numbers, a sentence each."""
+        return tuple(
+            text
+            for text in (
+                self.forced,
+                GUESSED if self.hull else "",
+                UNCOUPLED if self.uncoupled else "",
+                COUPLED if self.coupled else "",
+                self._parts,
+                self._range,
+            )
+            if text
+        )
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What a reader must know beside that, a sentence each."""
+        fast = TOO_FAST.format(self.Fn, FASTEST) if self.hull and self.Fn > FASTEST else ""
+        stop = REVERSED if self.reversed else ""
+        return tuple(text for text in (stop, fast) if text)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What a reader of a number must know, a sentence each."""
+        return (*self.unsettled, *self.remarks)
+
+    @property
+    def _parts(self) -> str:
+        """That what drives and steers her is an estimate."""
+        if not self.estimated:
+            return ""
+        one = len(self.estimated) == 1
+        who = listed(self.estimated)
+        return (
+            f"{who[0].upper()}{who[1:]} {'is an estimate' if one else 'are estimates'} from "
+            "particulars: how she turns and stops is a first look, not a verdict."
+        )
+
+    @property
+    def _range(self) -> str:
+        """That the approach is outside of what was tested."""
+        if not self.outside:
+            return ""
+        where = "above" if self.outside > 0.0 else "below"
+        span = " to ".join(f"{Fn:.3f}" for Fn in dict.fromkeys((self.tested[0], self.tested[-1])))
+        return (
+            f"The approach at Fn {self.Fn:.3f} is {100 * abs(self.outside):.0f} % {where} what was "
+            f"tested (Fn {span}): an extrapolation, not a verdict."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "usable": not self.forced,
+            "hull_estimated": self.hull,
+            "uncoupled": self.uncoupled,
+            "couplings_estimated": self.coupled,
+            "estimated": list(self.estimated),
+            "engine_assumed": self.reversed,
+            "Fn": self.Fn,
+            "tested": [self.tested[0], self.tested[-1]] if self.tested else None,
+            "outside": self.outside,
+            "sentences": list(self.sentences),
+        }
+
+
+def standing(model: Model, speed: float) -> Standing:
+    """What the numbers of a model stand on.
+
+    Parameters
+    ----------
+    model : Model
+        Whose steps say whether it was made by force, and whose sources which values are estimates.
+    speed : float
+        Of the approach [m/s].
+
+    Examples
+    --------
+    >>> from pmmkit.models.estimates import estimated_model
+    >>> from pmmkit.models.store import load_model
+    >>> ship = load_model("kcs").ship
+    >>> made = estimated_model(ship, speed=12.35, propeller_diameter=7.9, rudder_area=45.3)
+    >>> standing(load_model("kcs"), 12.35).sentences
+    ()
+    >>> standing(made, 12.35).hull, standing(made, 12.35).estimated
+    (True, ('propulsion', 'steering'))
+    """
+    hull = model.parts.get(HULL)
+    across = [] if hull is None else [hull.source_of(x) for x in hull.values if x[0] in "YN"]
+    both = [] if hull is None else [hull.source_of(x) for x in hull.values if _together(x)]
+    guessed = _empirical(across)
+    return Standing(
+        forced=model.not_usable,
+        hull=guessed,
+        coupled=not guessed and _empirical(both),
+        uncoupled=bool(across) and not any_across(model, lambda v, r: v and r),
+        estimated=tuple(
+            role
+            for role in SAILING
+            if any(_guessed(x) for x in model.parts.values() if serves(x.known, role))
+        ),
+        reversed=any(
+            "n" in part.known.states and part.source.startswith(ASSUMED)
+            for part in model.parts.values()
+        ),
+        Fn=model.ship.froude(speed, model.water.g),
+        tested=tuple(model.Fn),
+    )
+
+
+def _empirical(sources: Sequence[str]) -> bool:
+    """Whether there are sources, and all are of estimates."""
+    return bool(sources) and all(source.startswith(EMPIRICAL) for source in sources)
+
+
+def _together(name: str) -> bool:
+    """Whether a term of side force or moment goes with sway and yaw."""
+    term = parse_derivative(name)
+    return name[0] in "YN" and bool(term.count("v") and term.count("r"))
+
+
+def any_across(model: Model, which: Callable[[int, int], object]) -> bool:
+    """Whether the hull's side force and moment have such a term, by powers of v and r, that is not
+    zero; other parts that hold some of them have any."""
+    others = any(
+        name != HULL and "Y" in part.known.outputs and not (part.known.roles or part.known.needs)
+        for name, part in model.parts.items()
+    )
+    hull = model.parts.get(HULL)
+    there = {} if hull is None else hull.values
+    terms = [parse_derivative(name) for name, value in there.items() if np.any(value)]
+    return others or any(
+        which(x.count("v"), x.count("r")) for x in terms if x.channel in ("Y", "N")
+    )
+
+
+def estimates_in(part: Part) -> list[str]:
+    """Names of the values of a part that are estimates from particulars."""
+    return [name for name in part.values if part.source_of(name).startswith(EMPIRICAL)]
+
+
+def _guessed(part: Part) -> bool:
+    """Whether an estimate of a part is of those by which ships differ."""
+    return any(name in part.std for name in estimates_in(part))

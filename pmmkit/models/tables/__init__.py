@@ -1,0 +1,1 @@
+"""Derivative tables: what a reduction gives and a model takes."""

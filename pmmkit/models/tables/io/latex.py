@@ -1,0 +1,44 @@
+"""Derivative tables for LaTeX (booktabs)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pmmkit.conventions import CHANNELS, latex_symbol
+from pmmkit.files import write_text
+from pmmkit.models.tables.table import DerivativeTable
+from pmmkit.presentation import Style, with_uncertainty
+
+
+def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
+    """The table as LaTeX text for the package booktabs: a column per Froude number, rows grouped
+    by channel. An empty cell is a value that the runs do not determine.
+    """
+    beta, double = table.convention.sway == "beta", table.convention.system == "bis"
+    std = table.std
+    heads = [""] if table.pooled else [f"$Fn = {speed:.3f}$" for speed in table.Fn]
+    lines = [
+        rf"\begin{{tabular}}{{l{'r' * len(heads)}}}",
+        r"\toprule",
+        " & ".join(["", *heads] if any(heads) else ["", "all speeds"]) + r" \\",
+    ]
+    for channel in CHANNELS:
+        columns = [place for place, name in enumerate(table.names) if name[0] == channel]
+        if columns:
+            lines.append(r"\midrule")
+        for column in columns:
+            cells = [
+                with_uncertainty(value, spread, style).replace("±", r"\pm")
+                for value, spread in zip(table.value[:, column], std[:, column], strict=True)
+            ]
+            name = latex_symbol(table.names[column], beta=beta, double=double)
+            lines.append(
+                " & ".join([f"${name}$", *(f"${cell}$" if cell else "--" for cell in cells)])
+                + r" \\"
+            )
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
+
+
+def write_latex(table: DerivativeTable, path: str | Path, *, style: Style = "parentheses") -> None:
+    """Write a table as LaTeX text."""
+    write_text(path, to_latex(table, style=style))

@@ -1,0 +1,433 @@
+"""Runs as the diagnosis looks at them: harmonics of forces, and how to project a history."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from pmmkit.base import DataError, Workers, each, opened
+from pmmkit.campaigns import (
+    Campaign,
+    Rig,
+    Run,
+    one_depth,
+    places_in_day,
+    repeats,
+    rig_of,
+    travel_of,
+)
+from pmmkit.conventions import CHANNELS
+from pmmkit.effects import State
+from pmmkit.numerics import Array
+from pmmkit.reduction.observations.prepare import PreparedRun, prepare
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Noise = Literal["record", "repeats", "stated", "numerical", "unknown"]
+"""Where the noise of a channel is known from."""
+RECORD: Final[Mapping[str, Noise]] = MappingProxyType({})
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class View:
+    """One piece of a run: a steady mean, the cycles that count, or an early cycle.
+
+    Parameters
+    ----------
+    run : Run
+        The run it comes from.
+    early : bool
+        Whether this is the earliest cycle that is used of an oscillating run.
+    projection : array (m, n)
+        From n samples to the mean (m = 1) or the harmonics C0, C1, S1 …
+    motion : State
+        Motion of midship at the samples.
+    t : array (n,)
+        Time since the record began [s].
+    force : mapping of channel to array (m,)
+        Force of the water at midship [N, N m].
+    covariance : mapping of channel to array (m, m)
+        Of its noise.
+    heading : array (n,)
+        Heading of the model in the tank [rad].
+    labels : tuple of str (m,)
+        C0, C1, S1 …
+    noise : mapping of channel to str
+        Where a covariance comes from that is not that of a record: the repeats of the campaign,
+        what it states, the numerical uncertainty; ``unknown`` where it is zero for want of
+        anything better.
+    every : array (k, n), optional
+        The projection onto all harmonics, where a table lacks some of them.
+    kept : array of bool (k,), optional
+        Which of them it has.
+    expected : mapping of channel to array (k,)
+        All harmonics of the forces that a fitted base predicts; empty before the fit.
+    day : float
+        Where the run stands between the first (0) and the last (1) of its campaign.
+    """
+
+    run: Run
+    early: bool
+    projection: Array
+    motion: State
+    t: Array
+    force: Mapping[str, Array]
+    covariance: Mapping[str, Array]
+    heading: Array
+    labels: tuple[str, ...] = ()
+    noise: Mapping[str, Noise] = field(default_factory=lambda: RECORD)
+    every: Array | None = None
+    kept: NDArray[np.bool_] | None = None
+    expected: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+    day: float = 0.0
+
+    def known(self, channel: str) -> bool:
+        """Whether anything is known of the noise of a channel."""
+        return self.noise.get(channel, "record") != "unknown"
+
+    @property
+    def speed(self) -> float:
+        """Carriage speed [m/s]."""
+        return self.run.settings.speed
+
+    @cached_property
+    def omega(self) -> float:
+        """Angular frequency of the oscillation [rad/s]; 0 for a static run."""
+        return (self.run.settings.omega or 0.0) if self.run.dynamic else 0.0
+
+    @property
+    def instants(self) -> Array:
+        """Time of the samples [s]; one cycle where a table stands for a record."""
+        if not self.omega or np.ptp(self.t) > 0.0:
+            return self.t
+        step = 2 * math.pi / self.omega / len(self.t)
+        return step * np.arange(len(self.t), dtype=np.float64)
+
+    @property
+    def rows(self) -> int:
+        """Number of harmonics."""
+        return len(self.projection)
+
+    def project(self, history: Array) -> Array:
+        """Mean or harmonics of a history (n,) or (n, q)."""
+        found: Array = self.projection @ history
+        return found
+
+    def harmonics(self, history: Array) -> Array:
+        """C0, C1, S1 … of a history, those too that the forces lack."""
+        found: Array = (self.projection if self.every is None else self.every) @ history
+        return found
+
+    @cached_property
+    def basis(self) -> Array:
+        """From all harmonics to the samples, (n, k): what `harmonics` undoes."""
+        return np.asarray(
+            np.linalg.pinv(self.projection if self.every is None else self.every), float
+        )
+
+    def pick(self, harmonics: Array) -> Array:
+        """Of all harmonics those that the forces have."""
+        return harmonics if self.kept is None else harmonics[self.kept]
+
+    @property
+    def has_mean(self) -> bool:
+        """Whether the first row is a mean."""
+        return self.kept is None or bool(self.kept[0])
+
+
+def views_of(
+    campaign: Campaign,
+    *,
+    unknown_noise: bool = False,
+    pieces: bool = True,
+    executor: Workers = None,
+) -> tuple[View, ...]:
+    """All runs of a captive campaign, oscillating ones in two pieces.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Captive tests.
+    unknown_noise : bool
+        Keep the forces of tables, which state no noise. Their covariance is that of repeats in the
+        campaign, else of the gauges as stated, else the numerical uncertainty; else it is zero, and
+        `View.known` says so. Harmonics that a table lacks are left out.
+    pieces : bool
+        Whether long records are cut in two; False takes each as the reduction does.
+    executor : int, str or concurrent.futures.Executor, optional
+        Who reads the runs, as for `reduce_campaign`; by default this process alone.
+
+    Returns
+    -------
+    tuple of View
+        The first cycle is left out; of four cycles or more the second is a piece of its own: it
+        shows what dies away. Noise is pooled over runs of one speed and kind, channel by channel.
+
+    Raises
+    ------
+    DataError
+        If the campaign is not captive.
+    CampaignError
+        If its runs were made at several depths of the water.
+    """
+    if campaign.kind != "captive":
+        raise DataError("Forces are diagnosed in captive tests; this campaign is free-running.")
+    campaign = one_depth(campaign)
+    lean = campaign.with_(runs=(), excluded=())
+    work = partial(_views, campaign=lean, rig=rig_of(lean), keep=unknown_noise, pieces=pieces)
+    names = [f"run {run.id}" for run in campaign.runs]
+    with opened(executor) as ready, threadpool_limits(1):
+        own = dict(each(work, campaign.runs, ready, names=names))
+    found = [
+        replace(view, day=day)
+        for place, day in enumerate(places_in_day(campaign.runs))
+        for view in own[place]
+    ]
+    pooled = _pooled(found)
+    return tuple(_with_noise(pooled, campaign) if unknown_noise else pooled)
+
+
+def _views(run: Run, campaign: Campaign, rig: Rig, keep: bool, pieces: bool) -> list[View]:
+    """The views of a run, without its samples."""
+    if pieces:
+        found = _pieces(run, campaign, rig, keep)
+    else:
+        found = [_view(prepare(run, campaign), rig, keep)]
+    return [replace(view, run=run.with_(settings=view.run.settings)) for view in found]
+
+
+def _pieces(run: Run, campaign: Campaign, rig: Rig, keep: bool) -> list[View]:
+    """The run as a reduction takes it; a long record in two pieces, its second cycle and the rest.
+
+    A window that the campaign file states is one piece.
+
+    Cycles count from where the carriage is at its speed.
+
+    Noise is that of all cycles but the first together; that of a piece goes with the inverse of
+    its cycles.
+    """
+    stated = any(item.action == "window" for item in run.corrections)
+    if run.kind != "history" or not run.dynamic or stated:
+        return [_view(prepare(run, campaign), rig, keep)]
+    data = _at_speed(run)
+    run = run.with_(loader=lambda: data)
+    times = np.asarray(data["t"].values, float)
+    omega = run.settings.omega or 1.0
+    covered = (times[-1] - times[0]) * omega / (2 * math.pi)
+    for count in (int(covered + 0.5), int(covered + 0.5) - 1):
+        if count < 4:
+            return [_view(prepare(run, campaign), rig, keep)]
+        try:
+            return _cycles(run, campaign, rig, keep, count)
+        except DataError:
+            continue
+    return [_view(prepare(run, campaign), rig, keep)]
+
+
+def _at_speed(run: Run) -> xr.Dataset:
+    """The data of a history without a ramp and a stop of the carriage."""
+    data = run.data
+    names = [name for name in CHANNELS if name in data]
+    if not names:
+        return data
+    record = np.stack([np.asarray(data[name].values, float) for name in names])
+    travel = travel_of(run, data, np.asarray(data["t"].values, float), record, names)
+    return data.isel(t=slice(travel.start, travel.stop)) if travel.reason else data
+
+
+def _cycles(run: Run, campaign: Campaign, rig: Rig, keep: bool, count: int) -> list[View]:
+    whole = _view(prepare(run, campaign, cycles=(2, count)), rig, keep)
+    found = []
+    for first, last, early in ((2, 2, True), (3, count, False)):
+        cut = prepare(whole.run, campaign, cycles=(first, last), noise=False)
+        piece = _view(cut, rig, True)
+        wider = (count - 1.0) / (last - first + 1.0)
+        noise = {name: wider * x for name, x in whole.covariance.items()}
+        force = {name: x for name, x in piece.force.items() if name in whole.force}
+        found.append(replace(piece, force=force, covariance=noise, early=early))
+    return found
+
+
+def _view(prepared: PreparedRun, rig: Rig, keep: bool) -> View:
+    result = prepared.result
+    motion = prepared.motion_at_midship(rig)
+    measured = prepared.water_force(rig)
+    # A record that was smoothed has no noise of its own; the scatter between runs has it.
+    smoothed = result.smoothed is not None
+    rows = _there(measured) if keep or smoothed else np.full(len(result.labels), True)
+    force = {name: x[rows] for name, x in measured.items() if np.isfinite(x[rows]).all()}
+    nothing = np.zeros((len(rows), len(rows)))
+    covariance = {
+        name: item[np.ix_(rows, rows)]
+        for name in force
+        if (item := nothing if smoothed else result.covariance.get(name)) is not None
+    }
+    return View(
+        run=result.run,
+        early=False,
+        projection=prepared.projection[rows],
+        motion=motion,
+        t=prepared.t - prepared.begin,
+        covariance=covariance,
+        force=force if keep else {name: force[name] for name in covariance},
+        heading=_heading(result.run, motion),
+        every=None if rows.all() else prepared.projection,
+        kept=None if rows.all() else rows,
+        labels=tuple(label for label, there in zip(result.labels, rows, strict=True) if there),
+    )
+
+
+def _there(measured: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Harmonics that every channel has which has any."""
+    finite = np.array([np.isfinite(values) for values in measured.values()])
+    return np.asarray(finite[finite.any(axis=1)].all(axis=0), bool)
+
+
+def _heading(run: Run, motion: State) -> Array:
+    """Heading in the tank: drift, and the integral of a harmonic yaw rate."""
+    omega = run.settings.omega if run.dynamic else None
+    turned = -motion.rdot / omega**2 if omega else np.zeros_like(motion.u)
+    return run.settings.drift + turned
+
+
+def _pooled(views: Sequence[View]) -> list[View]:
+    """Covariances averaged over pieces of one speed, frequency and kind."""
+    kin: dict[tuple[object, ...], list[int]] = {}
+    for place, view in enumerate(views):
+        key = (
+            round(math.log(view.speed), 2),
+            round(view.omega / view.speed, 1),
+            view.rows,
+            view.early,
+        )
+        kin.setdefault(key, []).append(place)
+    made = list(views)
+    for members in kin.values():
+        channels = {name for place in members for name in views[place].covariance}
+        mean = {
+            name: np.mean(
+                [views[p].covariance[name] for p in members if name in views[p].covariance], axis=0
+            )
+            for name in channels
+        }
+        for place in members:
+            own = views[place]
+            made[place] = replace(own, covariance={name: mean[name] for name in own.covariance})
+    return made
+
+
+def _with_noise(views: Sequence[View], campaign: Campaign) -> list[View]:
+    """Covariances from elsewhere for the forces that have none."""
+    scatter = repeat_scatter(views)
+    made = []
+    for view in views:
+        lacking = [name for name in view.force if name not in view.covariance]
+        given = {name: _elsewhere(view, name, scatter, campaign) for name in lacking}
+        made.append(
+            replace(
+                view,
+                covariance={**view.covariance, **{name: V for name, (V, _) in given.items()}},
+                noise=MappingProxyType({name: origin for name, (_, origin) in given.items()}),
+            )
+        )
+    return made
+
+
+def _elsewhere(
+    view: View, channel: str, scatter: Repeatability, campaign: Campaign
+) -> tuple[Array, Noise]:
+    one = np.eye(view.rows)
+    repeated = repeatability_of(scatter, channel, dynamic=view.run.dynamic)
+    if repeated is not None:
+        return repeated**2 * one, "repeats"
+    stated = [item for item in campaign.uncertainty if item.kind.channel == channel]
+    if stated:
+        variance = sum(
+            (item.std * view.force[channel]) ** 2
+            if item.relative
+            else np.full(view.rows, item.std**2)
+            for item in stated
+        )
+        return np.diag(variance), "stated"
+    if channel in campaign.numerical:
+        return campaign.numerical[channel] ** 2 * one, "numerical"
+    return 0.0 * one, "unknown"
+
+
+def scale_of(channel: str, views: Sequence[View]) -> float:
+    """Root mean square of a force over U², of the views that have it [N/(m/s)²].
+
+    Parameters
+    ----------
+    channel : str
+        X, Y, N or K.
+    views : sequence of View
+        Runs; all harmonics of one count together.
+    """
+    sizes = [
+        float(np.linalg.norm(view.force[channel])) / view.speed**2
+        for view in views
+        if channel in view.force
+    ]
+    return float(np.sqrt(np.mean(np.square(sizes))))
+
+
+Repeatability = Mapping[tuple[str, bool], float]
+"""Standard deviation of a mean of steady runs (False), and of each harmonic of oscillating ones
+(True), by channel [N, N m]."""
+
+
+def repeat_scatter(views: Sequence[View]) -> Repeatability:
+    """How far runs that repeat each other scatter: a force, which does not shrink with the speed.
+
+    Parameters
+    ----------
+    views : sequence of View
+        Runs; which of them repeat each other says `campaigns.repeats`.
+
+    Returns
+    -------
+    Repeatability
+        Of the kinds of runs of which any was repeated.
+    """
+    first = {view.run.id: view for view in views if not view.early}
+    squares: dict[tuple[str, bool], list[tuple[float, int]]] = {}
+    for group in repeats([view.run for view in first.values()]):
+        alike: dict[tuple[str, tuple[str, ...]], list[Array]] = {}
+        for view in (first[run.id] for run in group):
+            for channel, force in view.force.items():
+                alike.setdefault((channel, view.labels), []).append(force)
+        for (channel, _), forces in alike.items():
+            if len(forces) > 1:
+                rows = np.stack(forces)
+                square = float(np.mean(np.sum((rows - rows.mean(axis=0)) ** 2, axis=0)))
+                key = (channel, group[0].dynamic)
+                squares.setdefault(key, []).append((square, len(rows) - 1))
+    return {
+        key: math.sqrt(sum(x for x, _ in own) / sum(n for _, n in own))
+        for key, own in squares.items()
+    }
+
+
+def repeatability_of(scatter: Repeatability, channel: str, *, dynamic: bool) -> float | None:
+    """Of a kind of runs, else of the other kind of the same gauge; None where nothing was repeated.
+
+    Parameters
+    ----------
+    scatter : Repeatability
+        Of a campaign.
+    channel : str
+        X, Y, N or K.
+    dynamic : bool
+        Whether of oscillating runs.
+    """
+    return scatter.get((channel, dynamic), scatter.get((channel, not dynamic)))

@@ -1,0 +1,262 @@
+"""Whitening run by run, by the noise of the records and what each run draws for itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.inference import of_others, per_column
+from pmmkit.numerics import Array
+
+# Rows of a channel, and what differs from run to run.
+
+
+Places = NDArray[np.intp]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Channel:
+    """Rows of one channel: the means and harmonics of all views that have it.
+
+    Parameters
+    ----------
+    name : str
+        X, Y, N or K.
+    views : tuple of int
+        Views that have it.
+    rows : tuple of slice
+        Their rows.
+    runs : tuple of array
+        Rows of each run.
+    y : array (n,)
+        Forces.
+    design : array (n, p)
+        Base.
+    noise : tuple of array (m, m)
+        Covariance of the noise of each run's rows.
+    scale : float
+        Root mean square over the views of the force over U² [N/(m/s)²].
+    """
+
+    name: str
+    views: tuple[int, ...]
+    rows: tuple[slice, ...]
+    runs: tuple[Places, ...]
+    y: Array
+    design: Array
+    noise: tuple[Array, ...]
+    scale: float
+
+
+FLOOR: Final = 0.005
+"""What is too small to matter in measured forces, over the rms force of a channel."""
+RIDGE: Final = 1e-12
+"""Least variance of a row, over the mean of all."""
+HELD: Final = 2**17
+"""Numbers that are whitened at once: a megabyte stays in the processor's cache."""
+
+
+def whitened(channel: Channel, columns: Array, own: Array, scatter: Array) -> Array:
+    """Columns multiplied by the inverse root of the covariance of noise and run scatter.
+
+    Parameters
+    ----------
+    channel : Channel
+        Rows and the noise of each run.
+    columns : array (n, q)
+        What is whitened.
+    own : array (n, 3 + k)
+        What each run draws for itself, at size one: `KINDS`, k harmonics.
+    scatter : array (4,)
+        Its sizes; runs are independent of each other.
+
+    Returns
+    -------
+    array (n, q)
+    """
+    return _applied(_inverse_roots(channel, sized(own, scatter)), columns)
+
+
+def sized(own: Array, scatter: Array) -> Array:
+    """What each run draws (n, 3 + k), per standard deviation."""
+    return own * per_column(scatter, own.shape[1] - len(scatter) + 1)
+
+
+def noise_whitened(channel: Channel, columns: Array) -> Array:
+    """Columns (n, q) multiplied by the inverse root of the covariance of the noise alone."""
+    return _applied(_inverse_roots(channel, None), columns)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Projection:
+    """Whitening of one channel, and what base and floor explain of it.
+
+    Parameters
+    ----------
+    channel : Channel
+        Rows.
+    own : array (n, 3 + k)
+        What each run draws for itself, at size one.
+    scatter : array (4,)
+        Its sizes.
+    floor : array (n, D)
+        Features of the smooth floor at its size, whitened.
+    span : array (n + D, k)
+        Orthonormal basis of base and floor, the rows of the floor's prior below.
+    freedom : int
+        Rows less base coefficients.
+    """
+
+    channel: Channel
+    own: Array
+    scatter: Array
+    floor: Array
+    span: Array
+    freedom: int
+
+    @cached_property
+    def alone(self) -> tuple[Array, ...]:
+        """What a fit without a run makes of its rows (`of_others`), run by run."""
+        found: list[Array] = [np.zeros((0, 0))] * len(self.channel.runs)
+        for own in _alike(self.channel):
+            inverse, _ = of_others(self.span[_rows(self.channel, own)])
+            for number, one in zip(own, inverse, strict=True):
+                found[number] = one
+        return tuple(found)
+
+    def without(self, numbers: Sequence[int]) -> Array:
+        """As `alone`, of some runs together."""
+        if len(numbers) == 1:
+            return self.alone[numbers[0]]
+        rows = np.concatenate([self.channel.runs[number] for number in numbers])
+        return of_others(self.span[rows])[0]
+
+    @cached_property
+    def _run_of_row(self) -> Places:
+        found = np.zeros(len(self.channel.y), np.intp)
+        for number, rows in enumerate(self.channel.runs):
+            found[rows] = number
+        return found
+
+    def runs_of(self, rows: Places) -> tuple[int, ...]:
+        """Numbers of the runs that some rows belong to; rows of other channels are left out."""
+        inside = rows[(rows >= 0) & (rows < len(self.channel.y))]
+        return tuple(dict.fromkeys(self._run_of_row[inside].tolist()))
+
+    @cached_property
+    def roots(self) -> tuple[Array, ...]:
+        """Lower roots of the covariance of each run's rows: what whitening takes off."""
+        found: list[Array] = [np.zeros((0, 0))] * len(self.channel.runs)
+        for own, root in _roots(self.channel, sized(self.own, self.scatter)):
+            for number, one in zip(own, root, strict=True):
+                found[number] = one
+        return tuple(found)
+
+    @cached_property
+    def _inverse_roots(self) -> list[tuple[Places, Array]]:
+        return _inverse_roots(self.channel, sized(self.own, self.scatter))
+
+    def whitened(self, columns: Array) -> Array:
+        """Columns (n, q) over the root of the covariance (`whitened`)."""
+        return _applied(self._inverse_roots, columns)
+
+    def whitened_runs(self, numbers: Sequence[int], columns: Array) -> Array:
+        """Columns (m, q) in the rows of some runs, one after another, whitened."""
+        found, begin = np.empty_like(columns), 0
+        for number in numbers:
+            end = begin + len(self.roots[number])
+            found[begin:end] = np.linalg.inv(self.roots[number]) @ columns[begin:end]
+            begin = end
+        return found
+
+    def left(self, columns: Array) -> Array:
+        """Columns (n, q) whitened, with what base and floor explain taken off (n + D, q)."""
+        return self.outside(self.whitened(columns))
+
+    def outside(self, white: Array) -> Array:
+        """Of whitened columns (n, q) what base and floor do not explain (n + D, q)."""
+        n = len(white)
+        found = self.span @ -(self.span[:n].T @ white)
+        found[:n] += white
+        return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WhitenedChannel:
+    """One channel of a system: whitened, with what base and floor explain taken off.
+
+    Parameters
+    ----------
+    projection : Projection
+        How that is done to any column.
+    columns : array (n + D, q)
+        Those of the system that act in this channel.
+    places : array (q,)
+        Their places in the system.
+    data : array (n + D,)
+        Forces.
+    """
+
+    projection: Projection
+    columns: Array
+    places: Places
+    data: Array
+
+
+def _inverse_roots(channel: Channel, own: Array | None) -> list[tuple[Places, Array]]:
+    """Rows of runs of equal numbers of rows (k, m), and what whitens them (k, m, m).
+
+    A product with the inverse of these few rows takes a third of a solution for each run.
+    """
+    return [
+        (_rows(channel, numbers), np.asarray(np.linalg.inv(root), float))
+        for numbers, root in _roots(channel, own)
+    ]
+
+
+def _applied(inverse_roots: Sequence[tuple[Places, Array]], columns: Array) -> Array:
+    """Columns (n, q) whitened, a few runs at a time."""
+    found = np.empty_like(columns)
+    for rows, inverse in inverse_roots:
+        few = max(1, HELD // (rows.shape[1] * max(1, columns.shape[1])))
+        for begin in range(0, len(rows), few):
+            at = rows[begin : begin + few]
+            found[at] = inverse[begin : begin + few] @ columns[at]
+    return found
+
+
+def _roots(channel: Channel, own: Array | None) -> list[tuple[list[int], Array]]:
+    """Runs of equal numbers of rows with the lower roots of their covariance (k, m, m)."""
+    least = RIDGE * float(np.mean(np.concatenate([np.diagonal(x) for x in channel.noise])))
+    found = []
+    for numbers in _alike(channel):
+        V = np.stack([channel.noise[i] for i in numbers])
+        covariance = V + least * np.eye(V.shape[1])
+        if own is not None:
+            drawn = own[_rows(channel, numbers)]
+            covariance = covariance + drawn @ np.swapaxes(drawn, 1, 2)
+        found.append((numbers, np.asarray(np.linalg.cholesky(covariance), float)))
+    return found
+
+
+def _alike(channel: Channel) -> list[list[int]]:
+    """Runs of equal numbers of rows together."""
+    sizes: dict[int, list[int]] = {}
+    for number, rows in enumerate(channel.runs):
+        sizes.setdefault(len(rows), []).append(number)
+    return list(sizes.values())
+
+
+def _rows(channel: Channel, numbers: Sequence[int]) -> Places:
+    """Rows of runs of equal numbers of rows (k, m)."""
+    return np.stack([channel.runs[i] for i in numbers])
+
+
+def alike(channel: Channel) -> list[Places]:
+    """Rows of runs of equal numbers of rows together, arrays (k, m)."""
+    return [_rows(channel, numbers) for numbers in _alike(channel)]

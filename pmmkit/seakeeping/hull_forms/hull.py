@@ -1,0 +1,210 @@
+"""The hull in sections, and its hydrostatics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from pmmkit.base import DataError, Problem
+from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section
+from pmmkit.seakeeping.lengthwise import Complex
+
+FEWEST: Final = 11
+"""Stations that a hull needs."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Station:
+    """One section of a hull that is the same on both sides.
+
+    `x`: forward of midship [m]. `y, z`: half breadths and heights above the base line [m], from
+    the keel upward.
+    """
+
+    x: float
+    y: Array
+    z: Array
+
+    def contour(self, draught: float) -> Complex:
+        """w = (depth) + i (half breadth) [m] from the middle of the keel to the water."""
+        under = int(np.searchsorted(np.maximum.accumulate(self.z), draught))
+        y, z = self.y[:under], self.z[:under]
+        if under < self.z.size:
+            share = (draught - z[-1]) / (self.z[under] - z[-1])
+            y = np.r_[y, y[-1] + share * (self.y[under] - y[-1])]
+            z = np.r_[z, draught]
+        if y[0] > 0.0:
+            y, z = np.r_[0.0, y], np.r_[z[0], z]
+        return np.asarray(draught - z + 1j * y)
+
+    def problems(self, draught: float) -> list[str]:
+        """What is wrong with the offsets, in sentences."""
+        where = f"Station x = {self.x:g} m"
+        if self.y.shape != self.z.shape or self.y.ndim != 1 or self.y.size < 2:
+            return [f"{where} needs as many half breadths as heights, two or more."]
+        if not (np.isfinite(self.y).all() and np.isfinite(self.z).all() and math.isfinite(self.x)):
+            return [f"{where} has numbers that are not finite."]
+        found = []
+        if (self.y < 0.0).any():
+            found.append(f"{where} has half breadths below zero.")
+        if (np.diff(self.z) < 0.0).any():
+            found.append(
+                f"{where} goes down again: give heights from the keel upward (a tunnel or a "
+                "section of two parts is beyond this description)."
+            )
+        if self.z[-1] < draught - 1e-9:
+            found.append(f"{where} ends {draught - self.z[-1]:.3g} m below the water.")
+        elif self.z[0] >= draught:
+            found.append(f"{where} lies above the water: leave it out.")
+        elif not found and self.contour(draught)[-1].imag <= 0.0:
+            found.append(f"{where} is closed below the water: only sections that reach it count.")
+        return found
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class Hull(Described):
+    """A hull in sections, on even keel.
+
+    Parameters
+    ----------
+    name : str
+        For reports.
+    L : float
+        Length between perpendiculars [m].
+    draught : float
+        Of the base line [m].
+    stations : tuple of Station
+        From aft to forward, 11 or more; below the water they are the hull.
+    notes : tuple of str
+        Warnings: what the sections cost that are not the ship's own.
+
+    Raises
+    ------
+    DataError
+        With everything that is wrong.
+    """
+
+    name: str
+    L: float
+    draught: float
+    stations: tuple[Station, ...]
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        found = [text for station in self.stations for text in station.problems(self.draught)]
+        if len(self.stations) < FEWEST:
+            found.append(f"{len(self.stations)} stations are given; {FEWEST} or more are needed.")
+        if (np.diff(self.x) <= 0.0).any():
+            found.append("Stations must stand from aft to forward, each at a place of its own.")
+        if not (self.L > 0.0 and self.draught > 0.0):
+            found.append(f"L = {self.L:g} m and draught = {self.draught:g} m must be positive.")
+        if found:
+            raise DataError([Problem(message=text) for text in found], title=f"Hull {self.name}")
+
+    @cached_property
+    def x(self) -> Array:
+        """Places of the stations forward of midship [m]."""
+        return np.array([station.x for station in self.stations])
+
+    @cached_property
+    def contours(self) -> tuple[Complex, ...]:
+        """Half sections below the water, w = (depth) + i (half breadth) [m]."""
+        return tuple(station.contour(self.draught) for station in self.stations)
+
+    @cached_property
+    def breadths(self) -> Array:
+        """Breadths at the water [m]."""
+        return np.array([2 * contour[-1].imag for contour in self.contours])
+
+    @cached_property
+    def draughts(self) -> Array:
+        """Depths of the sections below the water [m]."""
+        return np.array([contour.real.max() for contour in self.contours])
+
+    @cached_property
+    def areas(self) -> Array:
+        """Areas of the sections below the water [m²]."""
+        return np.array([-2 * np.trapezoid(w.imag, w.real) for w in self.contours])
+
+    @cached_property
+    def hydrostatics(self) -> Hydrostatics:
+        """Volume, centres and second moments."""
+        return _hydrostatics(self)
+
+    def _headline(self) -> str:
+        return (
+            f"{self.name}: L {self.L:.4g} m, draught {self.draught:.4g} m, "
+            f"{len(self.stations)} stations, volume {self.hydrostatics.volume:.5g} m³"
+        )
+
+    def _sections(self) -> Sequence[Section]:
+        found = self.hydrostatics
+        breadth = float(self.breadths.max())
+        rows = [
+            ("breadth [m]", f"{breadth:.2f}"),
+            ("volume [m³]", f"{found.volume:.0f}"),
+            ("block coefficient", f"{found.volume / (self.L * breadth * self.draught):.3f}"),
+            ("centre of buoyancy forward of midship [m]", f"{found.xB:.2f}"),
+            ("centre of buoyancy above the base line [m]", f"{found.KB:.2f}"),
+            ("area of the waterplane [m²]", f"{found.waterplane:.0f}"),
+            ("its coefficient", f"{found.waterplane / (self.L * breadth):.3f}"),
+            ("its centre forward of midship [m]", f"{found.xF:.2f}"),
+            ("metacentre above the base line [m]", f"{found.KM:.2f}"),
+        ]
+        return [
+            Section(tables=[Grid(head=["", "value"], groups=[Group(rows=rows)])]),
+            *([Section(title="Notes", points=self.notes)] if self.notes else []),
+        ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hydrostatics:
+    """What the sections displace.
+
+    `xB, KB`: centre of buoyancy forward of midship and above the base line [m]. `waterplane,
+    xF`: area of the waterplane [m²], its centre forward of midship [m]. `across, along`: second
+    moments of the waterplane [m⁴] about the middle line, and about midship. `KM`: transverse
+    metacentre above the base line [m].
+    """
+
+    volume: float
+    xB: float
+    KB: float
+    waterplane: float
+    xF: float
+    across: float
+    along: float
+    KM: float
+
+
+def _hydrostatics(hull: Hull) -> Hydrostatics:
+    x, areas, breadths = hull.x, hull.areas, hull.breadths
+    depth = np.array([_depth_moment(contour) for contour in hull.contours])
+    volume = float(np.trapezoid(areas, x))
+    waterplane = float(np.trapezoid(breadths, x))
+    across = float(np.trapezoid(breadths**3, x)) / 12
+    KB = hull.draught - float(np.trapezoid(depth, x)) / volume
+    return Hydrostatics(
+        volume=volume,
+        xB=float(np.trapezoid(areas * x, x)) / volume,
+        KB=KB,
+        waterplane=waterplane,
+        xF=float(np.trapezoid(breadths * x, x)) / waterplane,
+        across=across,
+        along=float(np.trapezoid(breadths * x**2, x)),
+        KM=KB + across / volume,
+    )
+
+
+def _depth_moment(contour: Complex) -> float:
+    """∫ (depth) dA of a whole section of straight pieces [m³]."""
+    y, depth = contour.imag, contour.real
+    steps = -np.diff(depth)
+    mean = (y[:-1] * (2 * depth[:-1] + depth[1:]) + y[1:] * (2 * depth[1:] + depth[:-1])) / 6
+    return float(2 * np.sum(mean * steps))

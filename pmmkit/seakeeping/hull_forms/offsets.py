@@ -1,0 +1,139 @@
+"""Hulls from files: offsets or curves of sections as CSV, and the layout of ShipX and VERES."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable
+from itertools import groupby
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from pmmkit.base import DataError, Problem
+from pmmkit.seakeeping.hull_forms.hull import Hull, Station
+from pmmkit.seakeeping.hull_forms.particulars import lewis_station
+
+_POINTS: Final = ("x", "y", "z")
+_CURVES: Final = ("x", "breadth", "draught", "area")
+_SAID: Final = (
+    "the first line must name x,y,z (forward of midship, half breadth, height above the base line) "
+    "or x,breadth,draught,area, all in metres"
+)
+
+
+def read_hull(path: str | Path, *, draught: float, L: float | None = None) -> Hull:
+    """A hull from a file.
+
+    Parameters
+    ----------
+    path : path
+        ``.csv`` with columns x, y, z (x forward of midship, half breadth, height above the base
+        line, from the keel upward) or x, breadth, draught, area (then Lewis forms); ``.mgf`` as
+        ShipX and VERES write it (x aft of midship, from the deck downward).
+    draught : float
+        [m].
+    L : float, optional
+        Length between perpendiculars [m]; needed for CSV.
+
+    Returns
+    -------
+    Hull
+
+    Raises
+    ------
+    DataError
+        With the place of everything that is wrong.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(Problem(message=f"cannot be read: {error}", file=str(path))) from error
+    if path.suffix.lower() == ".mgf":
+        return _from_mgf(text, path, draught)
+    if L is None:
+        raise DataError(
+            Problem(
+                message="holds no length between perpendiculars",
+                file=str(path),
+                remedy="Give L [m].",
+            )
+        )
+    return _from_csv(text, path, draught, L)
+
+
+def _from_csv(text: str, path: Path, draught: float, L: float) -> Hull:
+    rows = [row for row in csv.reader(text.splitlines()) if row and not row[0].startswith("#")]
+    head = tuple(cell.strip().lower() for cell in rows[0]) if rows else ()
+    if head not in (_POINTS, _CURVES):
+        raise DataError(Problem(message=_SAID, file=str(path), row=1))
+    problems: list[Problem] = []
+    numbers = [
+        _numbers(row, len(head), path, line, problems) for line, row in enumerate(rows[1:], start=2)
+    ]
+    if problems:
+        raise DataError(problems, title="Not read")
+    if head == _CURVES:
+        stations = [lewis_station(x, b, T, area, draught) for x, b, T, area in sorted(numbers)]
+    else:
+        stations = [
+            Station(x=x, y=np.array([r[1] for r in part]), z=np.array([r[2] for r in part]))
+            for x, part in ((x, list(rows)) for x, rows in groupby(numbers, key=lambda r: r[0]))
+        ]
+    return Hull(name=path.stem, L=L, draught=draught, stations=_from_aft(stations))
+
+
+def _numbers(
+    row: list[str], count: int, path: Path, line: int, problems: list[Problem]
+) -> list[float]:
+    try:
+        found = [float(cell) for cell in row]
+    except ValueError:
+        found = []
+    if len(found) != count or not all(map(math.isfinite, found)):
+        problems.append(
+            Problem(message=f"needs {count} finite numbers: {row!r:.60}", file=str(path), row=line)
+        )
+    return found
+
+
+def _from_aft(stations: Iterable[Station]) -> tuple[Station, ...]:
+    return tuple(sorted(stations, key=lambda station: station.x))
+
+
+def _from_mgf(text: str, path: Path, draught: float) -> Hull:
+    """Four lines of words, the length, then each section: number, place, count, points."""
+    lines = text.splitlines()
+    place = 4
+
+    def take(count: int) -> list[float]:
+        nonlocal place
+        while place < len(lines) and not lines[place].strip():
+            place += 1
+        cells = lines[place].split() if place < len(lines) else []
+        try:
+            found = [float(cell) for cell in cells]
+        except ValueError:
+            found = []
+        if len(found) != count or not all(map(math.isfinite, found)):
+            raise DataError(
+                Problem(
+                    message=f"needs {count} finite numbers here: {' '.join(cells)!r:.60}",
+                    file=str(path),
+                    row=place + 1,
+                )
+            )
+        place += 1
+        return found
+
+    (L,) = take(1)
+    stations = []
+    while any(line.strip() for line in lines[place:]):
+        take(1)
+        (aft,), (count,) = take(1), take(1)
+        points = np.array([take(2) for _ in range(int(count))]).reshape(-1, 2)[::-1]
+        stations.append(Station(x=-aft, y=points[:, 0], z=points[:, 1]))
+    name = lines[0].strip() or path.stem
+    return Hull(name=name, L=L, draught=draught, stations=_from_aft(stations))

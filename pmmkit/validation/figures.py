@@ -1,0 +1,181 @@
+"""A model beside tests: the map of misfit, and a record with its simulation."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final, Protocol
+
+import numpy as np
+
+from pmmkit.numerics import Array
+from pmmkit.plotting import INK, ORDERED, canvas, styled
+from pmmkit.presentation import figure_text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MEASURED, SIMULATED = ORDERED[0], ORDERED[2]
+LEVELS: Final = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 1e9)
+"""Steps of the colours, in units of the expanded uncertainty."""
+SHADES: Final = ("#f4f4f4", "#e2e6ea", "#fbe3bd", "#f5b971", "#e3871c", "#c0501f", "#8f1f1f")
+ENDINGS: Final = {1: "st", 2: "nd", 3: "rd"}
+
+
+class MapCell(Protocol):
+    """What is drawn of a cell of the map."""
+
+    @property
+    def channel(self) -> str:
+        """Force or moment."""
+
+    @property
+    def test(self) -> str:
+        """Kind of test."""
+
+    @property
+    def harmonic(self) -> int:
+        """Order; 0 is the mean."""
+
+    @property
+    def speed(self) -> float:
+        """Of the runs [m/s]."""
+
+    @property
+    def ratio(self) -> float:
+        """Error over its uncertainty."""
+
+
+def misfit_map(
+    cells: Sequence[MapCell], titles: Mapping[str, str], words: Callable[[int], str]
+) -> Figure:
+    """The map of misfit: a panel a channel, test types down, harmonics and speeds across."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    channels = list(dict.fromkeys(cell.channel for cell in cells))
+    rows = {
+        channel: list(dict.fromkeys(cell.test for cell in cells if cell.channel == channel))
+        for channel in channels
+    }
+    columns = sorted({_column(cell) for cell in cells})
+    heights = [len(tests) for tests in rows.values()]
+    with styled():
+        figure = canvas(1.3 + 0.3 * len(channels) + 0.27 * sum(heights))
+        axes = figure.subplots(len(channels), 1, squeeze=False, sharex=True, height_ratios=heights)[
+            :, 0
+        ]
+        norm, shades = BoundaryNorm(LEVELS, len(SHADES)), ListedColormap(SHADES)
+        image: Any = None
+        for axis, (channel, tests) in zip(axes, rows.items(), strict=True):
+            values = np.full((len(tests), len(columns)), np.nan)
+            for cell in cells:
+                if cell.channel == channel:
+                    place = tests.index(cell.test), columns.index(_column(cell))
+                    values[place] = np.fmax(values[place], cell.ratio)
+            image = axis.pcolormesh(
+                np.ma.masked_invalid(values),
+                cmap=shades,
+                norm=norm,
+                edgecolors="white",
+                linewidth=1.2,
+            )
+            _write_numbers(axis, values)
+            axis.grid(False)
+            axis.invert_yaxis()
+            axis.set_yticks(np.arange(len(tests)) + 0.5, [titles[test] for test in tests])
+            axis.tick_params(length=0)
+            axis.spines[:].set_visible(False)
+            axis.set_ylabel(channel, rotation=0, fontsize=13, fontweight="bold", labelpad=12)
+        _name_harmonics(axes[0], [harmonic for harmonic, _ in columns], words)
+        for axis in axes:
+            _part_harmonics(axis, [harmonic for harmonic, _ in columns])
+        axes[-1].set_xticks(
+            np.arange(len(columns)) + 0.5,
+            [f"{speed:.3g}" for _, speed in columns],
+            rotation=90 if len(columns) > 18 else 0,
+        )
+        axes[-1].set_xlabel("speed [m/s]")
+        bar = figure.colorbar(
+            image, ax=list(axes), shrink=0.7, pad=0.01, spacing="uniform", ticks=LEVELS[:-1]
+        )
+        bar.set_label("error over expanded uncertainty [-]")
+        bar.outline.set_visible(False)
+        bar.ax.set_yticklabels([f"{level:g}" for level in LEVELS[:-1]])
+    return figure
+
+
+def _column(cell: MapCell) -> tuple[int, float]:
+    """Harmonic and speed to three digits."""
+    return cell.harmonic, float(f"{cell.speed:.3g}")
+
+
+def _write_numbers(axis: Axes, values: Array) -> None:
+    size = 7.5 if values.shape[1] <= 20 else 6.0
+    for row, column in np.argwhere(np.isfinite(values)).tolist():
+        value = float(values[row, column])
+        axis.text(
+            column + 0.5,
+            row + 0.5,
+            f"{value:.0f}" if value >= 9.95 else f"{value:.1f}",
+            ha="center",
+            va="center",
+            fontsize=size,
+            color="white" if value >= 8.0 else INK if value >= 1.0 else "#8a8a8a",
+        )
+
+
+def _name_harmonics(axis: Axes, harmonics: Sequence[int], words: Callable[[int], str]) -> None:
+    for harmonic in dict.fromkeys(harmonics):
+        at = [place for place, other in enumerate(harmonics) if other == harmonic]
+        told = words(harmonic) if len(at) > 4 else words(harmonic).split()[0]
+        if len(at) < 2 < len(harmonics):
+            told = f"{harmonic}{ENDINGS.get(harmonic, 'th')}" if harmonic else told
+        axis.text(float(np.mean(at)) + 0.5, -0.25, told, ha="center", va="bottom", fontsize=9)
+    axis.text(-0.2, -0.25, "harmonic", ha="right", va="bottom", fontsize=9)
+
+
+def _part_harmonics(axis: Axes, harmonics: Sequence[int]) -> None:
+    for place, (one, other) in enumerate(itertools.pairwise(harmonics), start=1):
+        if one != other:
+            axis.axvline(place, color="white", lw=4.0)
+
+
+def sailed(
+    title: str,
+    t: Array,
+    measured: Mapping[str, Array],
+    predicted: Mapping[str, Array],
+    delta: Array,
+) -> Figure:
+    """Track, heading, speed and yaw rate, measured and with the measured rudder simulated.
+
+    t [s].
+    """
+    m, p, t = measured, predicted, t - t[0]
+    histories = (
+        ("heading ψ [deg]", np.degrees(m["psi"]), np.degrees(p["psi"])),
+        ("speed [m/s]", np.hypot(m["u"], m["v"]), np.hypot(p["u"], p["v"])),
+        ("yaw rate r [deg/s]", np.degrees(m["r"]), np.degrees(p["r"])),
+    )
+    with styled():
+        figure = canvas(6.2)
+        left, right = np.asarray(figure.subfigures(1, 2)).tolist()
+        track = left.subplots()
+        track.plot(m["y"], m["x"], color=MEASURED, label="measured")
+        track.plot(p["y"], p["x"], color=SIMULATED, ls="--", label="simulated, measured rudder")
+        track.plot(m["y"][:1], m["x"][:1], ls="", marker="o", color=INK, label="start")
+        track.set_aspect("equal", adjustable="datalim")
+        track.set_xlabel("y, east [m]")
+        track.set_ylabel("x, north [m]")
+        track.set_title(figure_text(title))
+        axes = right.subplots(4, 1, sharex=True)
+        for axis, (what, own, simulated) in zip(axes[:3], histories, strict=True):
+            axis.plot(t, own, color=MEASURED)
+            axis.plot(t, simulated, color=SIMULATED, ls="--")
+            axis.set_ylabel(what)
+        axes[3].plot(t, np.degrees(delta), color=INK, lw=1.0)
+        axes[3].set_ylabel("rudder δ [deg]")
+        axes[3].set_xlabel("time [s]")
+        left.legend(*track.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure

@@ -1,0 +1,190 @@
+"""Measured forces with what was fitted to them: over the drift angle, and over a cycle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.conventions import force_unit
+from pmmkit.effects import State, regressors
+from pmmkit.inference import std_along
+from pmmkit.models import DerivativeTable
+from pmmkit.numerics import Array
+from pmmkit.plotting import ORDERED, canvas, in_powers, legend_below, marker, styled
+from pmmkit.plotting import colour as colour_style
+from pmmkit.presentation import WIDE
+from pmmkit.signals import design_matrix
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_ROOMY: Final = 40
+"""Points of one Froude number from which on their marks shrink."""
+_POINTS: Final = 1500
+"""Samples shown of one record; more would only make the file large."""
+_WHAT: Final = {
+    "X": ("surge force", "N"),
+    "Y": ("sway force", "N"),
+    "N": ("yaw moment", "N m"),
+    "K": ("roll moment", "N m"),
+}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DriftPoints:
+    """Means of the static drift runs of one Froude number.
+
+    `force`: forces of the water on the hull at midship [N, N m]. `std`: their standard
+    uncertainties; NaN where not known. `thrust`: thrust of the propeller in these runs [N];
+    none where absent.
+    """
+
+    froude: float
+    drift: Array
+    force: Mapping[str, Array]
+    std: Mapping[str, Array]
+    thrust: Array | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cycle:
+    """An oscillating run over the phase of its motion.
+
+    `title`: what the run is. `theta`: phase of the samples, displacement ∝ sin θ [rad].
+    `samples`: forces as recorded [N, N m]. `coefficients (m,)`: harmonics C0, C1, S1, C2, S2 ….
+    """
+
+    title: str
+    theta: Array
+    samples: Mapping[str, Array]
+    coefficients: Mapping[str, Array]
+
+
+def forces_over_drift(
+    points: Sequence[DriftPoints],
+    table: DerivativeTable | None = None,
+    *,
+    channels: Sequence[str] = ("X", "Y", "N"),
+) -> Figure:
+    """Non-dimensional forces over the drift angle, with the table's curves and intervals."""
+    with styled():
+        figure = canvas(3.5)
+        axes = figure.subplots(1, len(channels), squeeze=False)[0]
+        in_powers(axes)
+        for axis, channel in zip(axes, channels, strict=True):
+            what, unit = _WHAT[channel]
+            factor = 1e3 if table else 1.0
+            for number, group in enumerate(points):
+                if channel not in group.force:
+                    continue
+                divide = unit_in(table, channel, group.froude) if table else 1.0
+                shrunk = min(1.0, math.sqrt(_ROOMY / len(group.drift)))
+                scale = factor / divide
+                if table:
+                    _curve(axis, table, channel, group, scale, colour_style(number))
+                known = np.isfinite(group.std[channel]).any()
+                axis.errorbar(
+                    np.degrees(group.drift),
+                    scale * group.force[channel],
+                    np.nan_to_num(WIDE * scale * group.std[channel]) if known else None,
+                    ls="",
+                    marker=marker(number),
+                    color=colour_style(number),
+                    capsize=2 * shrunk,
+                    ms=4.5 * shrunk,
+                    label=f"Fn {group.froude:.3f}",
+                )
+            stroke = "''" if table and table.convention.system == "bis" else "'"
+            axis.set_title(
+                f"{what} $10^3\\,{channel}{stroke}$ [-]" if table else f"{what} [{unit}]"
+            )
+            axis.set_xlabel("drift angle β [deg]")
+        legend_below(figure, list(axes))
+    return figure
+
+
+def unit_in(table: DerivativeTable, channel: str, froude: float) -> float:
+    """What a force [N, N m] is divided by in the convention of a table, at a Froude number."""
+    ship, water = table.ship, table.water
+    return force_unit(
+        channel, table.convention.system, ship=ship, water=water, U=ship.speed(froude, water.g)
+    )
+
+
+def _curve(
+    axis: Axes, table: DerivativeTable, channel: str, points: DriftPoints, scale: float, colour: str
+) -> None:
+    """The table's force over the drift angle with its 95 % band."""
+    near = np.flatnonzero(np.isclose(table.Fn, points.froude, rtol=0.01))
+    row = 0 if table.pooled else int(near[0]) if len(near) else None
+    if row is None:
+        return
+    room = 0.03 * np.ptp(points.drift)
+    drift = np.linspace(points.drift.min() - room, points.drift.max() + room, 81)
+    speed = table.ship.speed(points.froude, table.water.g)
+    thrust = 0.0 if points.thrust is None else np.interp(drift, points.drift, points.thrust)
+    state = State.of(u=speed * np.cos(drift), v=-speed * np.sin(drift), thrust=thrust)
+    names = [name for name in table.names if name[0] == channel]
+    design = regressors(
+        names,
+        state,
+        ship=table.ship,
+        water=table.water,
+        convention=table.convention,
+        approach_speed=speed,
+    )
+    acting = np.any(design != 0, axis=0)
+    columns = [table.index(name) for name, acts in zip(names, acting, strict=True) if acts]
+    design = scale * design[:, acting]
+    value = design @ table.value[row, columns]
+    covariance = table.covariance[row, columns][:, row, columns]
+    half = WIDE * std_along(design, covariance)
+    axis.plot(np.degrees(drift), value, color=colour, lw=1.3)
+    axis.fill_between(np.degrees(drift), value - half, value + half, color=colour, alpha=0.18, lw=0)
+
+
+def over_a_cycle(cycles: Sequence[Cycle], *, channels: Sequence[str] = ("X", "Y", "N")) -> Figure:
+    """Recorded forces of oscillating runs over the phase, with their harmonics.
+
+    All cycles that were used lie on top of each other.
+    """
+    fine = np.linspace(0, 2 * np.pi, 241)
+    with styled():
+        figure = canvas(1.9 * len(channels) + 0.8)
+        axes = figure.subplots(len(channels), len(cycles), squeeze=False, sharex=True)
+        in_powers(axes.flat)
+        for column, cycle in enumerate(cycles):
+            thin = slice(None, None, max(1, len(cycle.theta) // _POINTS))
+            phase = np.degrees(np.mod(cycle.theta[thin], 2 * np.pi))
+            for axis, channel in zip(axes[:, column], channels, strict=True):
+                what, unit = _WHAT[channel]
+                if column == 0:
+                    axis.set_ylabel(f"{what} {channel} [{unit}]")
+                if channel not in cycle.samples:
+                    continue
+                axis.plot(
+                    phase,
+                    cycle.samples[channel][thin],
+                    ls="",
+                    marker=".",
+                    ms=2.5,
+                    color="#b9c4cf",
+                    rasterized=True,
+                    label="recorded",
+                )
+                order = (len(cycle.coefficients[channel]) - 1) // 2
+                fit = design_matrix(fine, order) @ np.nan_to_num(cycle.coefficients[channel])
+                axis.plot(np.degrees(fine), fit, color=ORDERED[0], label=f"harmonics 0 to {order}")
+            axes[0, column].set_title(cycle.title)
+            axes[-1, column].set_xlabel("phase θ [deg]")
+            axes[-1, column].set_xlim(0, 360)
+            axes[-1, column].set_xticks([0, 90, 180, 270, 360])
+        told = "θ = 0 where the displacement passes zero upwards"
+        figure.suptitle(told, x=0.01, ha="left", fontsize=9)
+        legend_below(figure, list(axes.ravel()))
+    return figure

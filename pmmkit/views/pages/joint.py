@@ -1,0 +1,201 @@
+"""What is missing, as several campaigns say together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any, Final
+
+from pmmkit.diagnosis import (
+    AS_LIKELY,
+    VERDICTS,
+    JointEntry,
+    Session,
+    SeveralCampaigns,
+    Together,
+    Visible,
+    of_ship,
+)
+from pmmkit.effects import Effect, catalogue
+from pmmkit.models import odds
+from pmmkit.views.pages.drawn import drawn_over
+from pmmkit.views.pages.missing import candidate_page, coefficients_page
+from pmmkit.views.pages.numbers import short
+from pmmkit.views.pages.record_overlays import NUMBERS
+
+SHOWN: Final = 10
+"""Effects beside those that are named."""
+
+
+def joint_page(
+    session: Session[Together],
+    found: Together,
+    heard: Callable[[float, str], None] = lambda _done, _: None,
+) -> dict[str, Any]:
+    """A diagnosis of several campaigns, with what each candidate would do to each of them.
+
+    Parameters
+    ----------
+    session : Session
+        The campaigns and what was added.
+    found : Together
+        Of this session.
+    heard : callable
+        Is told the share that is done, and of which candidate.
+
+    Returns
+    -------
+    dict
+        As `missing_page` gives it; candidates have what each campaign says in ``votes``, and a
+        fault the ``campaign`` that has it. What stands there in ``share``, ``overlays`` and
+        ``base`` is ``drawn`` here, a table for each campaign.
+    """
+    own = {item.name: item for item in session.evidence.own}
+    entries = {**catalogue(), **own}
+    named = [item for item in found.singles if item.names[0] in found.best]
+    others = [item for item in found.singles if item.names[0] not in found.best][:SHOWN]
+    sentences = {item.effect: item.sentence for item in found.belongs}
+    ship = [
+        _candidate(item.names[0], entries, found, _votes(item), sentences)
+        for item in (*named, *others)
+    ]
+    faults = [
+        _fault(name, fault, entries, found)
+        for name in found.names
+        for fault in _faults_of(found, name)
+    ]
+    candidates = [item for item in (*ship, *faults) if item["named"]]
+    candidates += [item for item in ship if not item["named"]]
+    hidden = _hidden_from_all(found)
+    return {
+        "verdict": found.verdict,
+        "sentence": VERDICTS[found.verdict],
+        "answer": found.answer,
+        "remarks": [*found.flags, *sentences.values(), *found.notes],
+        "floor": session.evidence.floor,
+        "candidates": candidates,
+        "sets": [{"effects": list(names), "odds": short(x)} for names, x in found.group],
+        "suspected": [],
+        "hidden": [
+            {"effect": x.name, "why": x.why, "size": short(x.hides)} for x in hidden.values()
+        ],
+        "covered": [],
+        "overlays": {},
+        "base": {},
+        "drawn": _drawn(session, found, candidates, heard),
+        "unasked": [
+            {"effect": name, "why": ""} for name in own if name not in session.evidence.kinds
+        ],
+    }
+
+
+def _drawn(
+    session: Session[Together],
+    found: Together,
+    candidates: Sequence[Mapping[str, Any]],
+    heard: Callable[[float, str], None],
+) -> list[dict[str, Any]]:
+    """What candidates would do to each campaign; nothing of those that it is not asked for."""
+    evidence = session.evidence
+    assert isinstance(evidence, SeveralCampaigns)
+    tables = []
+    for number, (name, (item, asked)) in enumerate(evidence.each(session.steps).items()):
+        singles = {x.names: x for x in found.diagnoses[name].entries}
+        names = [x["effect"] for x in candidates if x["campaign"] in ("", name)]
+        chosen = [singles[own,] for own in names if (own,) in singles]
+        drawn = drawn_over(
+            item,
+            asked,
+            [x for x in chosen if math.isfinite(x.log_evidence)],
+            partial(_told, heard, number, len(found.names)),
+            numbers=NUMBERS // len(found.names),
+        )
+        tables.append({"shares": drawn.shares, "overlays": drawn.overlays, "base": drawn.base})
+    return tables
+
+
+def _told(
+    heard: Callable[[float, str], None], number: int, count: int, done: float, effect: str
+) -> None:
+    heard((number + done) / count, effect)
+
+
+def _candidate(
+    name: str,
+    entries: Mapping[str, Effect],
+    found: Together,
+    votes: list[dict[str, Any]],
+    sentences: Mapping[str, str],
+) -> dict[str, Any]:
+    """An effect of the ship, beside the others of the best set if it is one of them."""
+    single = next(item for item in found.singles if item.names == (name,))
+    measured = next((item for item in found.belongs if item.effect == name), None)
+    third = measured.thirds[0] if measured and measured.thirds else None
+    return candidate_page(
+        name,
+        entries.get(name),
+        log_odds=found.added.get(name, single.log_evidence),
+        named=name in found.best,
+        kind="physics",
+        votes=votes,
+        rivals=[
+            " + ".join(names)
+            for names, odd in found.group[1:]
+            if name not in names and odd > 1.0 - AS_LIKELY
+        ],
+        coefficients=coefficients_page(
+            measured.coefficients, third.values.tolist(), third.std.tolist(), measured.usual
+        )
+        if measured and third
+        else [],
+        said=sentences.get(name, ""),
+    )
+
+
+def _fault(
+    campaign: str, name: str, entries: Mapping[str, Effect], found: Together
+) -> dict[str, Any]:
+    """A fault of one campaign, as it alone says it."""
+    own = next((x for x in found.diagnoses[campaign].findings if x.effect == name), None)
+    size = own.log_odds if own else 0.0
+    return candidate_page(
+        name,
+        entries.get(name),
+        log_odds=size,
+        named=True,
+        kind="fault",
+        campaign=campaign,
+        votes=[_vote(campaign, size)],
+    )
+
+
+def _votes(entry: JointEntry) -> list[dict[str, Any]]:
+    """What each campaign says of an effect; nothing of one that cannot be asked for it."""
+    return [_vote(name, item.log_evidence) for name, item in entry.ballots.items()]
+
+
+def _vote(campaign: str, log_odds: float) -> dict[str, Any]:
+    return {"campaign": campaign, "log_odds": short(log_odds), "evidence": odds(log_odds)}
+
+
+def _faults_of(found: Together, campaign: str) -> tuple[str, ...]:
+    """Faults that a campaign has beside the best set, or that it alone names."""
+    best = found.entries[0] if found.entries and found.group else None
+    if best is not None and campaign in best.ballots:
+        return best.ballots[campaign].faults
+    alone = found.diagnoses[campaign].best
+    return () if of_ship(alone) else alone
+
+
+def _hidden_from_all(found: Together) -> dict[str, Visible]:
+    """Effects that no campaign could show, by the one that comes nearest to it."""
+    shown: set[str] = set()
+    hidden: dict[str, Visible] = {}
+    for item in found.diagnoses.values():
+        for own in item.covered:
+            if own.shown:
+                shown.add(own.name)
+            elif own.name not in hidden or own.hides < hidden[own.name].hides:
+                hidden[own.name] = own
+    return {name: own for name, own in hidden.items() if name not in shown}

@@ -1,0 +1,83 @@
+"""Where a model fails: the runs as a map, and the sentences above it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from pmmkit.campaigns import Run, kind_of
+from pmmkit.validation import MOST, STATISTICS, Comparison
+from pmmkit.views.pages.numbers import short
+
+
+def misfit_page(comparison: Comparison) -> dict[str, Any]:
+    """The map of runs, grouped by kind of test, and what stands out.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        A model beside tests, captive or free-running.
+
+    Returns
+    -------
+    dict
+        ``kind``, ``statistics`` (name and title), ``columns`` (name and unit), ``groups`` (test,
+        title, rows), ``sentences`` (text, channel, runs), ``within``, ``cells``, ``notes``. A row
+        has the run's name, its settings in words and by column what `Comparison.rows` says of it.
+    """
+    runs = {item.view.run.id: item.view.run for item in comparison.captive}
+    runs |= {item.name: item.run for item in comparison.free}
+    rows = comparison.rows()
+    columns: dict[str, str] = {}
+    groups: dict[str, dict[str, dict[str, Any]]] = {}
+    for row in rows:
+        columns[row["channel"]] = row["unit"]
+        group = groups.setdefault(row["test"], {})
+        own = group.setdefault(row["run"], _row(row["run"], runs[row["run"]]))
+        own["cells"][row["channel"]] = {
+            name: short(row[name]) for name in (*(item.name for item in STATISTICS), "ratio")
+        } | {"within": row["within"]}
+    statements = comparison.statements()
+    every = [
+        cell for own in groups.values() for row in own.values() for cell in row["cells"].values()
+    ]
+    return {
+        "kind": comparison.kind,
+        "model": comparison.model,
+        "statistics": [{"name": item.name, "title": item.title} for item in STATISTICS],
+        "columns": [{"name": name, "unit": unit} for name, unit in columns.items()],
+        "groups": [
+            {"test": test, "title": kind_of(test).title, "rows": _sorted(list(own.values()))}
+            for test, own in groups.items()
+        ],
+        "sentences": [asdict(item) for item in statements[:MOST]],
+        "more": max(len(statements) - MOST, 0),
+        "within": sum(cell["within"] for cell in every),
+        "cells": len(every),
+        "notes": list(comparison.notes),
+    }
+
+
+def _row(name: str, run: Run) -> dict[str, Any]:
+    return {
+        "run": name,
+        "words": run.setting,
+        "speed": short(run.settings.speed),
+        "order": _order(run),
+        "cells": {},
+    }
+
+
+def _order(run: Run) -> list[float]:
+    """By speed, then by what the run was set to."""
+    s = run.settings
+    swings = (s.yaw_amplitude or 0.0, s.amplitude or 0.0, s.rudder_amplitude or 0.0)
+    return [s.speed, s.drift, s.heel, s.rudder, *swings, s.period or 0.0]
+
+
+def _sorted(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    ordered = sorted(rows, key=lambda row: (np.round(row["order"], 6).tolist(), row["run"]))
+    return [{name: x for name, x in row.items() if name != "order"} for row in ordered]

@@ -1,0 +1,204 @@
+"""What is missing: candidates with their evidence, what each takes away, and what hides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.diagnosis import (
+    CaptiveTests,
+    Diagnosis,
+    Finding,
+    FreeRecords,
+    RankedSet,
+    Session,
+    Visible,
+)
+from pmmkit.effects import Effect, catalogue, is_fault
+from pmmkit.models import odds
+from pmmkit.presentation import WIDE
+from pmmkit.views.pages.drawn import drawn_over
+from pmmkit.views.pages.numbers import short
+
+# One candidate of what may be missing, as the page reads it.
+
+
+def candidate_page(
+    name: str, effect: Effect | None, *, log_odds: float, named: bool, kind: str, **more: Any
+) -> dict[str, Any]:
+    """A candidate."""
+    told: dict[str, Any] = {
+        "family": effect.family if effect else "",
+        "campaign": "",
+        "votes": [],
+        "said": "",
+        "share": None,
+        "lost": False,
+        "rivals": [],
+        "test": effect.check if effect else "",
+        "coefficients": [],
+        "shown": True,
+        "why": "",
+    }
+    return {
+        "effect": name,
+        "kind": kind,
+        "summary": (effect.summary or effect.text) if effect else "",
+        "log_odds": short(log_odds),
+        "evidence": odds(log_odds),
+        "named": named,
+        **told,
+        **more,
+    }
+
+
+def coefficients_page(
+    names: Sequence[str], values: Sequence[float], stds: Sequence[float], typical: Sequence[float]
+) -> list[dict[str, Any]]:
+    """Coefficients with half of their 95 % intervals and usual sizes."""
+    rows = zip(names, values, stds, typical, strict=True)
+    return [
+        {"name": name, "value": short(value), "half": short(WIDE * std), "typical": short(usual)}
+        for name, value, std, usual in rows
+    ]
+
+
+SHOWN: Final = 10
+"""Candidates beside those that are named."""
+
+
+def missing_page(
+    session: Session[Diagnosis],
+    found: Diagnosis,
+    heard: Callable[[float, str], None] = lambda _done, _: None,
+    *,
+    overlays: bool = True,
+) -> dict[str, Any]:
+    """A diagnosis with what each candidate would do, before anything is added.
+
+    Parameters
+    ----------
+    session : Session[Diagnosis]
+        The tests and what was added.
+    found : Diagnosis
+        Of this session.
+    heard : callable
+        Is told the share that is done, and of which candidate.
+    overlays : bool
+        Whether a page follows that draws candidates over runs; without, candidates of records have
+        no share either, which is told by their paths.
+
+    Returns
+    -------
+    dict
+        ``verdict``, ``sentence``, ``remarks``, ``candidates`` (the best first), ``sets`` (the named
+        set and its rivals), ``hidden``, ``covered`` (size that could hide of each, the smallest
+        first), ``overlays`` by effect, of records also ``base``: their paths without any;
+        ``unasked``: effects of one's own that take no part, and why.
+    """
+    own = {item.name: item for item in session.evidence.own}
+    named = {name for names, _ in found.group for name in names}
+    findings = {item.effect: item for item in found.findings}
+    visible = {item.name: item for item in found.covered}
+    fitted = _fitted(session)
+    singles = [item for item in found.entries if len(item.names) == 1 and _known(item)]
+    chosen = [
+        entry
+        for number, entry in enumerate(singles)
+        if number < SHOWN or entry.names[0] in {*named, *findings, *own, *fitted}
+    ]
+    evidence = session.evidence
+    assert isinstance(evidence, CaptiveTests | FreeRecords)
+    drawn = drawn_over(evidence, session.steps, chosen, heard, overlays=overlays)
+    entries = {**catalogue(), **own}
+    candidates = []
+    for entry in chosen:
+        name = entry.names[0]
+        finding, seen = findings.get(name), visible.get(name)
+        effect = entries.get(name)
+        candidates.append(
+            candidate_page(
+                name,
+                effect,
+                log_odds=finding.log_odds if finding else entry.log_evidence,
+                named=finding is not None,
+                kind="fault" if is_fault(name) else "physics",
+                family=seen.family if seen else "",
+                share=drawn.shares.get(name),
+                lost=name not in drawn.shares,
+                rivals=list(finding.rivals) if finding else _mimics(seen),
+                test=finding.separating_test if finding else (effect.check if effect else ""),
+                coefficients=_coefficients(finding),
+                shown=seen.shown if seen else True,
+                why=seen.why if seen else "",
+            )
+        )
+    candidates.sort(key=lambda x: (not x["named"], x["effect"] not in fitted, -x["log_odds"]))
+    return {
+        "verdict": found.verdict,
+        "sentence": found.sentence,
+        "answer": found.answer,
+        "remarks": found.remarks(),
+        "floor": found.floor,
+        "candidates": candidates,
+        "sets": [
+            {"effects": list(names), "odds": short(against)} for names, against in found.group
+        ],
+        "suspected": [{"effect": x.effect, "run": x.run} for x in found.suspected],
+        "hidden": [
+            {"effect": item.name, "why": item.why, "size": short(item.hides)}
+            for item in found.not_testable
+        ],
+        "covered": [
+            {"effect": item.name, "size": short(item.hides), "shown": item.shown}
+            for item in sorted(found.covered, key=_hidden)
+        ],
+        "overlays": drawn.overlays,
+        "base": drawn.base,
+        "unasked": _unasked(session, visible),
+    }
+
+
+def _hidden(seen: Visible) -> float:
+    return seen.hides if np.isfinite(seen.hides) else np.inf
+
+
+def _unasked(session: Session[Diagnosis], visible: Mapping[str, Visible]) -> list[dict[str, str]]:
+    """Effects of one's own that take no part, and why."""
+    evidence = session.evidence
+    absent = [item for item in evidence.own if item.name not in evidence.kinds]
+    if isinstance(evidence, FreeRecords):
+        return [{"effect": x.name, "why": evidence.why_not_asked(x)} for x in absent]
+    return [{"effect": x.name, "why": visible[x.name].why} for x in absent]
+
+
+def _fitted(session: Session[Diagnosis]) -> set[str]:
+    """Effects that a contest of records has fitted through the equations: they stand before those
+    of which the linear problem promises more, which the equations may not keep."""
+    evidence = session.evidence
+    if not isinstance(evidence, FreeRecords):
+        return set()
+    return {name for item in evidence.contest(session.given).settled for name in item.names}
+
+
+def _known(entry: RankedSet) -> bool:
+    return bool(np.isfinite(entry.log_evidence))
+
+
+def _mimics(seen: Any) -> list[str]:
+    return [] if seen is None else list(seen.mimics)
+
+
+def _coefficients(finding: Finding | None) -> list[dict[str, Any]]:
+    if finding is None:
+        return []
+    names = list(finding.coefficients)
+    return coefficients_page(
+        names,
+        *(
+            [told[name] for name in names]
+            for told in (finding.coefficients, finding.std, finding.typical)
+        ),
+    )

@@ -1,0 +1,253 @@
+"""The tests as they were read: each channel with its picture and what counts of it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.base import DataError, PmmkitError
+from pmmkit.campaigns import Campaign, Correction, HistoryLoader, Run, kind_of, usable
+from pmmkit.conventions import CHANNEL_UNITS
+from pmmkit.intake import LARGE
+from pmmkit.numerics import Array
+from pmmkit.reduction import prepare
+from pmmkit.views.pages.marks import marks_of
+from pmmkit.views.pages.numbers import BUCKETS, short, thinned
+
+AT_ONCE: Final = 60
+"""Runs that are shown together."""
+PIECES: Final = 60
+"""Pieces of a picture of a channel: it is as wide as a thumb."""
+CHANNELS: Final = ("X", "Y", "N", "K", "u", "v", "r", "psi", "x", "y", "delta", "U_carriage")
+"""Channels of which there is a picture, in their order."""
+MOST: Final = 6
+"""Pictures of a run."""
+MEMORY: Final = 4.0
+"""Memory that a text file takes when it is read, over its size; 3.7 was seen."""
+CUTS: Final = {"captive": "window", "free-running": "trim"}
+"""Correction by which the campaign file states what counts of a record."""
+
+
+def runs_page(campaign: Campaign, first: int, findings: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Some of the runs of a campaign.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The tests.
+    first : int
+        Place of the first run.
+    findings : sequence of dict
+        What the checks said.
+
+    Returns
+    -------
+    dict
+        ``total``, ``first``, ``excluded`` (run and reason), and ``runs``: title, settings, source,
+        what the checks say of it, ``channels`` with unit and picture, ``window`` of the record
+        that counts, or the ``error`` for which it cannot be read; of a large file its ``large``
+        size [bytes] alone.
+    """
+    return {
+        "total": len(campaign.runs),
+        "first": first,
+        "excluded": [{"run": run.id, "reason": reason} for run, reason in campaign.excluded],
+        "runs": [
+            _shown(run, campaign, findings, PIECES, MOST)
+            for run in campaign.runs[first : first + AT_ONCE]
+        ],
+    }
+
+
+def record_page_of(
+    campaign: Campaign, run_id: str, findings: Sequence[dict[str, Any]]
+) -> dict[str, Any]:
+    """One run in full, to look at and to draw its window.
+
+    Parameters
+    ----------
+    campaign, findings
+        As for `runs_page`.
+    run_id : str
+        Its id.
+
+    Returns
+    -------
+    dict
+        As a run of `runs_page` has it, with all channels more finely and ``edges`` of cycles.
+
+    Raises
+    ------
+    DataError
+        If there is no such run.
+    """
+    run = next((x for x in campaign.runs if x.id == run_id), None)
+    if run is None:
+        raise DataError(f"There is no run {run_id!r}.")
+    return _shown(run, campaign, findings, BUCKETS, len(CHANNELS), large=True)
+
+
+def _shown(
+    run: Run,
+    campaign: Campaign,
+    findings: Sequence[dict[str, Any]],
+    pieces: int,
+    most: int,
+    *,
+    large: bool = False,
+) -> dict[str, Any]:
+    own = [item for item in findings if run.id in item.get("runs", ())]
+    page: dict[str, Any] = {
+        "run": run.id,
+        "title": kind_of(run.test).title,
+        "words": run.setting,
+        "source": run.source,
+        "kind": run.kind,
+        "oscillates": run.dynamic,
+        "corrections": [f"{item.action}: {item.reason}" for item in run.corrections],
+        "channels": [],
+        "window": None,
+        "edges": [],
+        "reason": "",
+        "stated": None,
+        "error": "",
+        "large": 0,
+        "findings": [
+            {"severity": x["severity"], "message": x["message"], "channels": x.get("channels", [])}
+            for x in own
+        ],
+        "marks": [],
+    }
+    if run.kind != "history":
+        return page
+    size = _size(run)
+    if size >= LARGE and not large:
+        return page | {"large": size}
+    if large and (short_of := _lacking(size)):
+        return page | {"error": short_of}
+    try:
+        data = whole(run, campaign.kind).data
+    except PmmkitError as error:
+        return page | {"error": str(error)}
+    except MemoryError:
+        return page | {"error": f"{run.source} does not fit into the memory of this machine."}
+    t = np.asarray(data["t"].values, float)
+    if not len(t):
+        return page | {"error": f"{run.source} has no samples."}
+    named = [name for name in CHANNELS if name in data and data[name].dims == ("t",)][:most]
+    columns = {name: np.asarray(data[name].values, float) for name in named}
+    page["channels"] = [_channel(name, t, values, pieces) for name, values in columns.items()]
+    page |= {"begin": short(t[0]), "seconds": short(t[-1] - t[0]), "samples": len(t)}
+    page["marks"] = marks_of(t, columns, own, steady=not run.dynamic)
+    stated = _stated(run, CUTS[campaign.kind])
+    page["stated"] = (
+        None
+        if stated is None
+        else {
+            "reason": stated.reason,
+            "alone": stated.runs == (literal(run.id),),
+            "window": _ends(stated, t),
+        }
+    )
+    try:
+        counted = _counted(run.with_(loader=lambda: data), campaign, t, stated)
+    except PmmkitError as error:
+        return page | {"reason": str(error)}
+    return page | counted | {"marks": [*page["marks"], *counted.get("marks", ())]}
+
+
+def literal(run_id: str) -> str:
+    """A run's id as the campaign file names that run alone."""
+    return "".join(f"[{char}]" if char in "*?[" else char for char in run_id)
+
+
+def whole(run: Run, kind: str) -> Run:
+    """A run with all of its record, that too which a correction cuts off."""
+    loader = run.loader
+    if kind == "captive" or not isinstance(loader, HistoryLoader):
+        return run
+    left = tuple(item for item in loader.context.corrections if item.action != "trim")
+    return run.with_(loader=replace(loader, context=replace(loader.context, corrections=left)))
+
+
+def _size(run: Run) -> int:
+    """Of the file that is read for this run alone [bytes]."""
+    if not isinstance(run.loader, HistoryLoader) or not run.loader.path.is_file():
+        return 0
+    return run.loader.path.stat().st_size
+
+
+def _lacking(size: int) -> str:
+    """Why a file cannot be read whole; empty where it can, or nobody knows."""
+    try:
+        told = Path("/proc/meminfo").read_text("ascii")
+    except OSError:
+        return ""
+    found = re.search(r"^MemAvailable:\s+(\d+) kB", told, re.MULTILINE)
+    if size < LARGE or found is None or MEMORY * size < 1000 * int(found[1]):
+        return ""
+    return (
+        f"This record takes about {MEMORY * size / 1e9:.0f} GB of memory to be read whole, and "
+        f"{int(found[1]) / 1e6:.0f} GB are free. Keep fewer of its samples, or cut it in parts."
+    )
+
+
+def _stated(run: Run, action: str) -> Correction | None:
+    return next((item for item in reversed(run.corrections) if item.action == action), None)
+
+
+def _ends(stated: Correction, t: Array) -> list[float]:
+    low, high = stated.values.get("t_start", t[0]), stated.values.get("t_end", t[-1])
+    return [float(low), float(high)]
+
+
+def _channel(name: str, t: Array, values: Array, pieces: int) -> dict[str, Any]:
+    known = np.isfinite(values)
+    if not known.any():
+        return {"name": name, "unit": CHANNEL_UNITS.get(name, ""), "t": [], "values": []}
+    drawn = values if known.all() else np.where(known, values, np.nanmean(values))
+    kept = thinned({name: drawn}, pieces)
+    return {
+        "name": name,
+        "unit": CHANNEL_UNITS.get(name, ""),
+        "t": short(t[kept] - t[0]),
+        "values": short(values[kept]),
+        "low": short(np.nanmin(values)),
+        "high": short(np.nanmax(values)),
+    }
+
+
+def _counted(run: Run, campaign: Campaign, t: Array, stated: Correction | None) -> dict[str, Any]:
+    """What counts of a record [s from its first sample], cycle by cycle, and why."""
+    if campaign.kind != "captive":
+        cuts = usable(run).cuts
+        low, high = (float(t[0]), float(t[-1])) if stated is None else _ends(stated, t)
+        return {
+            "window": short(np.clip([low, high], t[0], t[-1]) - t[0]),
+            "reason": "",
+            "marks": [
+                {
+                    "from": short(cut.t_start - t[0]),
+                    "to": short(cut.t_stop - t[0]),
+                    "channel": "",
+                    "text": str(cut),
+                    "severity": "info",
+                }
+                for cut in cuts
+            ],
+        }
+    found = prepare(run, campaign, noise=False)
+    begin, end = found.t[0] - t[0], found.t[-1] - t[0]
+    period = found.result.run.settings.period if found.result.cycles else None
+    edges = [] if period is None else begin + period * np.arange((found.result.cycles or 0) + 1)
+    return {
+        "window": short([begin, end]),
+        "edges": short(edges),
+        "period": short(period) if period else None,
+        "reason": found.result.window,
+    }

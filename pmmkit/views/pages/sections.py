@@ -1,0 +1,103 @@
+"""What is told in sentences, tables and figures, as the page reads it, beside what it draws."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from pmmkit.presentation import Cell, Grid, Picture, Section
+
+
+class Symbol(str):
+    """A derivative as it is typeset: a letter, and what stands below it.
+
+    `letter, below`: its parts; as plain text they stand side by side.
+
+    Examples
+    --------
+    >>> print(Symbol("N′", "vvr"))
+    N′vvr
+    """
+
+    __slots__ = ("below", "letter")
+    letter: str
+    below: str
+
+    def __new__(cls, letter: str, below: str) -> Symbol:
+        """The plain text with its parts."""
+        made = super().__new__(cls, f"{letter}{below}")
+        made.letter, made.below = letter, below
+        return made
+
+
+@dataclass(frozen=True, kw_only=True)
+class PageSection:
+    """What a place of the page tells beside what it draws.
+
+    `facts`: the largest numbers, by what they are. `before, after`: above and below what is
+    drawn. `folded`: below that, as the command line tells it.
+    """
+
+    facts: Mapping[str, str] = field(default_factory=dict)
+    before: Sequence[Section] = ()
+    after: Sequence[Section] = ()
+    folded: Sequence[Section] = ()
+
+    @property
+    def pictures(self) -> list[Picture]:
+        """All figures."""
+        return [
+            picture
+            for section in (*self.before, *self.after, *self.folded)
+            for picture in section.figures
+        ]
+
+
+def told_page(place: PageSection) -> dict[str, Any]:
+    """What a place tells, as the page reads it."""
+    return {
+        "facts": [{"name": name, "value": value} for name, value in place.facts.items()],
+        "before": [_section(item) for item in place.before],
+        "after": [_section(item) for item in place.after],
+        "folded": [_section(item) for item in place.folded],
+    }
+
+
+def _section(section: Section) -> dict[str, Any]:
+    return {
+        "title": section.title,
+        "paragraphs": list(section.paragraphs),
+        "points": list(section.points),
+        "findings": [dict(item) for item in section.findings],
+        "tables": [_table(item) for item in section.tables],
+        "figures": [_figure(item) for item in section.figures],
+    }
+
+
+def _table(table: Grid) -> dict[str, Any]:
+    return {
+        "head": [_cell(name) for name in table.head],
+        "groups": [
+            {"title": group.title, "rows": [[_cell(cell) for cell in row] for row in group.rows]}
+            for group in table.groups
+        ],
+        "caption": table.caption,
+        "texts": list(table.texts),
+    }
+
+
+def _cell(cell: Cell) -> Any:
+    if isinstance(cell, Symbol):
+        return {"letter": cell.letter, "below": cell.below}
+    return None if cell is None else str(cell)
+
+
+def _figure(figure: Picture) -> dict[str, Any]:
+    return {
+        "svg": figure.svg,
+        "caption": figure.caption,
+        "narrow": figure.narrow,
+        "alt": figure.alt or figure.caption,
+        "file": f"{figure.file}.svg" if figure.file else "",
+    }

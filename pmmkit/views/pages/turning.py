@@ -1,0 +1,204 @@
+"""How a ship sails with a model: a manoeuvre, its numbers with bands, and the IMO's verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.base import PmmkitError
+from pmmkit.conventions import in_lengths, metric_of, metric_unit, told
+from pmmkit.models import Model
+from pmmkit.simulation import Bands, Track, bands_of, imo_turning, simulate, spiral_curve
+from pmmkit.validation import ManoeuvreComparison
+from pmmkit.views.pages.numbers import short
+
+SHIPS: Final = 40
+"""Ships behind a band: the central 95 % of forty is told to about a tenth of its width."""
+POINTS: Final = 300
+"""Samples of a track that are drawn."""
+LENGTHS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
+"""Measures of a turn that stand beside its path."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rival:
+    """A ship that the tests accept.
+
+    Parameters
+    ----------
+    effects : tuple of str
+        What the base lacks if this is the ship.
+    odds : float
+        Against the most probable one.
+    model : Model
+        With what is unknown of it.
+    """
+
+    effects: tuple[str, ...]
+    odds: float
+    model: Model
+
+
+def sailed_page(
+    model: Model,
+    manoeuvre: str,
+    *,
+    speed: float,
+    band: bool = False,
+    rivals: Sequence[Rival] = (),
+    **settings: Any,
+) -> dict[str, Any]:
+    """A manoeuvre as the page draws it.
+
+    Parameters
+    ----------
+    model : Model
+        Complete.
+    manoeuvre : str
+        ``turning``, ``zigzag`` and so on.
+    speed : float
+        Of the approach [m/s].
+    band : bool
+        Whether the central 95 % of ships drawn from the model's covariance is asked for.
+    rivals : sequence of Rival
+        Ships of which the band is drawn instead, each with its covariance.
+    **settings
+        As for `simulate`.
+
+    Returns
+    -------
+    dict
+        ``x``, ``y`` [ship lengths], ``t`` [s], ``psi``, ``delta`` [deg], ``speed`` [m/s], ``r``
+        [deg/s], ``metrics``, ``verdicts``, ``notes``, ``unsettled`` (why nothing is met or failed)
+        and, where it was asked for and can be told, ``band``.
+    """
+    track = simulate(model, manoeuvre, speed=speed, compiled=False, **settings)
+    page = track_page(track)
+    if band and (rivals or model.covariance is not None):
+        among = [(item.model, item.odds) for item in rivals]
+        how = {"speed": speed, "n": SHIPS, **settings}
+        try:
+            found = bands_of(model, manoeuvre, among=among, **how)
+            page["band"] = {**_band(found), "rivals": [list(item.effects) for item in rivals]}
+        except PmmkitError as error:
+            page["notes"] = [*page["notes"], str(error)]
+    return page
+
+
+def trials_page(
+    manoeuvres: Sequence[ManoeuvreComparison], length: float
+) -> dict[str, list[dict[str, Any]]]:
+    """Measured turns and zigzags, to be drawn beside simulated ones.
+
+    Parameters
+    ----------
+    manoeuvres : sequence of ManoeuvreComparison
+        From a comparison with free-running records.
+    length : float
+        Of the ship that is sailed [m]: times are brought to it by Froude's law.
+
+    Returns
+    -------
+    dict
+        By manoeuvre its runs: ``run``, ``Fn``, ``rudder`` [deg]; from the order on ``t`` [s], ``x``
+        and ``y`` [ship lengths], ``psi``, ``delta`` [deg]; ``metrics`` by name, those in metres
+        left out.
+    """
+    found: dict[str, list[dict[str, Any]]] = {}
+    for item in manoeuvres:
+        trial = item.trial
+        after = np.flatnonzero(trial.t >= 0.0)
+        kept = after[_evenly(len(after))]
+        found.setdefault(trial.manoeuvre, []).append(
+            {
+                "run": trial.run,
+                "Fn": short(item.track.Fn),
+                "rudder": short(trial.rudder_deg),
+                "t": short(trial.t[kept] * math.sqrt(length / trial.L)),
+                "x": short(trial.x[kept] / trial.L),
+                "y": short(trial.y[kept] / trial.L),
+                "psi": short(np.degrees(trial.psi[kept])),
+                "delta": short(np.degrees(trial.delta[kept])),
+                "metrics": {
+                    name: short(value)
+                    for name, value in trial.metrics.items()
+                    if metric_unit(name) in ("L", "deg", "-") and math.isfinite(value)
+                },
+            }
+        )
+    return found
+
+
+def _evenly(count: int) -> NDArray[np.intp]:
+    """Places of the samples that are drawn. A path is smooth: evenly spaced samples draw it, where
+    extremes alone would cut its corners."""
+    return np.unique(np.linspace(0, max(count - 1, 0), POINTS).round().astype(int))
+
+
+def track_page(track: Track) -> dict[str, Any]:
+    """A track as the page draws it; arguments and keys as for `sailed_page`."""
+    kept = _evenly(len(track.t))
+    judged = imo_turning(track) if track.manoeuvre == "turning" else []
+    names = told("turn", in_lengths(track.metrics)) if judged else list(track.metrics)
+    return {
+        "manoeuvre": track.manoeuvre,
+        "Fn": short(track.Fn),
+        "L": short(track.L),
+        "approach": short(track.speed),
+        "t": short(track.t[kept]),
+        "x": short(track.x[kept] / track.L),
+        "y": short(track.y[kept] / track.L),
+        "psi": short(np.degrees(track.psi[kept])),
+        "delta": short(np.degrees(track.delta[kept])),
+        "r": short(np.degrees(track.r[kept])),
+        "speed": short(np.hypot(track.u, track.v * np.cos(track.phi))[kept]),
+        "metrics": [
+            {
+                "name": name,
+                "title": metric_of(name).title,
+                "unit": metric_unit(name),
+                "value": short(track.metrics[name]),
+            }
+            for name in names
+            if math.isfinite(track.metrics[name])
+        ],
+        "verdicts": [
+            {
+                "criterion": item.criterion,
+                "limit": item.limit,
+                "value": short(item.value),
+                "unit": item.unit,
+                "passed": item.passed,
+            }
+            for item in judged
+        ],
+        "notes": [*track.notes, *track.standing.remarks],
+        "unsettled": list(track.standing.unsettled),
+    }
+
+
+def _band(found: Bands) -> dict[str, Any]:
+    L = found.track.L
+    return {
+        "ships": found.ships,
+        "inner": short(found.inner / L),
+        "outer": short(found.outer / L),
+        "measures": {name: short(np.array(ends)) for name, ends in found.measures.items()},
+    }
+
+
+def spiral_page(model: Model, *, speed: float) -> dict[str, Any]:
+    """The steady yaw rate over the rudder angle: ``rudder`` [deg], ``rate`` [deg/s], ``stable``."""
+    curve = spiral_curve(model, speed=speed)
+    return {
+        "rudder": short(curve.rudder_deg),
+        "rate": short(curve.yaw_rate_deg_s),
+        "stable": [bool(x) for x in curve.stable],
+        "width": short(curve.loop_width_deg),
+        "height": short(curve.loop_height_deg_s),
+    }

@@ -1,0 +1,119 @@
+"""A diagnosis of free-running records as a page: verdict, errors, records before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from pmmkit.base import DataError
+from pmmkit.diagnosis import UNITS, Diagnosis, FreeRecords, Session, before_and_after
+from pmmkit.files import write_text
+from pmmkit.intake import CheckFinding
+from pmmkit.presentation import Grid, Group, Section, counted
+from pmmkit.views.pages.page_file import page_file, state_of
+from pmmkit.views.pages.sections import PageSection, told_page
+from pmmkit.views.report.checked import checked_section
+from pmmkit.views.report.drawn import drawn
+from pmmkit.views.report.loop import Loop, loop_answers
+
+
+def write_free_diagnosis(
+    found: Diagnosis,
+    session: Session[Diagnosis],
+    path: str | Path,
+    *,
+    title: str = "",
+    findings: Sequence[CheckFinding] = (),
+) -> Path:
+    """Write a diagnosis of free-running records as one HTML file, all or nothing.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        What the session said.
+    session : Session[Diagnosis]
+        That was asked; what it worked out is used again.
+    path : path
+        File to write.
+    title : str
+        Of the tests; that of the campaign by default.
+    findings : sequence of CheckFinding
+        What the checks say of them.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    DataError
+        If the session is one of captive tests.
+    """
+    evidence = session.evidence
+    if not isinstance(evidence, FreeRecords):
+        raise DataError("This session is one of captive tests: write_diagnosis writes its page.")
+    after = session
+    for item in found.findings:
+        after = after.add(item)
+    loop = Loop(base=evidence.base, session=session, diagnosis=found, fall=after.fall())
+    shown = sum(item.shown for item in found.covered)
+    headings = loop.fall.errors("heading")
+    ends = dict.fromkeys(f"{x:.2g}" for x in (headings[0], headings[-1]))
+    facts = {
+        "effects these records can show": f"{shown} of {len(found.covered)}",
+        "heading of records left out, rms error": f"{' → '.join(ends)}°",
+    }
+    answers = {
+        "state": state_of(
+            title=title or evidence.title or "Free-running records",
+            kind="free-running",
+            runs=len(evidence.system.records),
+            model=loop.base,
+        ),
+        "told data": told_page(PageSection(after=[checked_section(findings)])),
+        **loop_answers(loop, facts=facts, sections=[_sailed(evidence, after), _errors(found)]),
+    }
+    target = Path(path)
+    write_text(target, page_file(answers))
+    return target
+
+
+def _sailed(evidence: FreeRecords, session: Session[Diagnosis]) -> Section:
+    """Records left out, measured and sailed before and after."""
+    records = evidence.sailed(session.steps)
+    return Section(
+        title="Records before and after",
+        paragraphs=[
+            f"{counted(len(records), 'record').capitalize()} that the base misses most, each left "
+            "out of the fit. The model sails with the measured inputs through windows, from a "
+            "start that the sensors tell for each window; lines break where a window begins. "
+            "Bands are 95 % intervals: of the values by the other records, of the forces that "
+            "nothing explains, and of the start."
+        ],
+        figures=[
+            drawn(
+                before_and_after(records),
+                "Track, heading, how far the heading is off, and yaw rate of records left out.",
+            )
+        ],
+    )
+
+
+def _errors(found: Diagnosis) -> Section:
+    """All errors over windows, and how they came about."""
+    names = list(
+        dict.fromkeys(name for row in found.errors.values() for name in row if name in UNITS)
+    )
+    rows = [
+        [what, *(f"{row[name]:.3g}" if name in row else "-" for name in names)]
+        for what, row in found.errors.items()
+    ]
+    head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in names]
+    return Section(
+        title="Errors over windows with the measured rudder",
+        paragraphs=[
+            "Root mean square; the noise of the sensors is taken off where records are left out."
+        ],
+        tables=[Grid(head=["", *head], groups=[Group(rows=rows)])],
+        points=list(found.notes),
+    )

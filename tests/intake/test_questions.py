@@ -1,0 +1,72 @@
+"""What a campaign file still leaves to a person, line by line."""
+
+from __future__ import annotations
+
+import pytest
+from small_campaign import write_campaign
+
+from pmmkit.intake import draft_of, questions_of, written
+
+SHIP = """[ship]
+L = 4.0
+xG = 0.1
+# mass = ...     # TODO mass as tested [kg]
+volume = 0.45
+# Izz = ...      # TODO yaw inertia about midship [kg m²]
+[water]
+rho = 1000.0
+"""
+
+
+def test_every_question_names_the_line_where_it_is_answered(tmp_path):
+    write_campaign(tmp_path)
+    (tmp_path / "campaign.toml").unlink()
+    text = written(draft_of(tmp_path, tmp_path / "campaign.toml")).text
+    lines, found = text.splitlines(), questions_of(text)
+    asked = {item.key for item in found if item.kind == "needed"}
+    assert {"ship.L", "ship.B", "ship.d", "ship.Izz", "water.rho"} <= asked
+    for item in found:
+        for line in item.lines:
+            assert "TODO" in lines[line - 1]
+            assert item.key.rpartition(".")[2] in lines[line - 1]
+    assert sum(len(item.lines) for item in found) == sum("TODO " in line for line in lines[3:])
+
+
+def test_a_guess_is_told_by_what_it_comes_from():
+    """Mass by density and volume, the inertia of a quarter of the length about midship."""
+    inertia, mass = questions_of(SHIP)
+    assert (mass.guess, mass.why) == ("450", "density times volume")
+    assert float(inertia.guess) == pytest.approx(450 * (1.0 + 0.1**2), rel=1e-3)
+    assert (inertia.kind, mass.kind) == ("needed", "off")
+
+
+def test_an_answer_is_no_guess_though_the_mark_was_left():
+    assert not questions_of('[campaign]\nforces = "balance"   # TODO "balance" if so\n')
+    (usual,) = questions_of('[campaign]\nforces = "hydrodynamic"   # TODO "balance" if so\n')
+    assert (usual.kind, usual.guess) == ("guessed", '"hydrodynamic"')
+    assert not questions_of('[campaign]\nforces = "hydrodynamic"\n')
+    assert not questions_of("[ship]\nL = 4.0     # TODO length [m]\n")
+
+
+def test_the_same_question_about_many_runs_is_one():
+    runs = '[[runs]]\nid = "{0}"\n# test = ...   # TODO one of these\n'
+    (found,) = questions_of("".join(runs.format(k) for k in range(9)))
+    assert found.lines == tuple(range(3, 28, 3))
+    assert str(found).startswith("lines 3, 6, 9 and 6 more, runs.test: one of these")
+
+
+@pytest.mark.parametrize(
+    "ship", ['ship = "x"', "[ship]\nvolume = 'much'", "[ship]\nvolume = [1]", "[ship"]
+)
+def test_a_file_that_says_nonsense_is_asked_all_the_same(ship):
+    text = f"{ship}\n[water]\n# rho = ...  # TODO density\n"
+    assert [item.key for item in questions_of(text)] == ["water.rho"]
+
+
+def test_a_line_that_is_off_says_what_holds_instead():
+    (found,) = questions_of("[water]\n# g = 9.81   # TODO gravity [m/s2]\n")
+    assert (found.kind, found.guess) == ("off", "9.81")
+    (centre,) = questions_of("[ship]\n# xG = 0.0   # TODO centre of gravity [m]\n")
+    assert (centre.kind, centre.guess) == ("off", "")
+    (absent,) = questions_of("[cfd]\n# ramp_s = ...   # TODO start-up\n")
+    assert (absent.kind, absent.guess) == ("off", "")
