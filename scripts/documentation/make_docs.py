@@ -33,8 +33,8 @@ EFFECTS_HEAD = """\
 The catalogue in `pmmkit/effects/`: parts that a model can have, effects that a diagnosis looks for,
 and faults of a measurement that it weighs against them. A model file names a part as
 `[effects.NAME]` and gives its values and options; `pk.with_effect` puts in what a diagnosis names.
-[own_effects.md](own_effects.md) tells how to add your own. `scripts/documentation/make_docs.py`
-makes this page.
+[own_effects.md](own_effects.md) tells how to add your own. This page is generated from the
+catalogue by `scripts/documentation/make_docs.py`.
 
 "Seen in" is generated from the definition: an effect of usual size in standard tests of the S175 at
 Fn 0.145, 0.217 and 0.29, in percent of the rms force of the channel. C0 is the mean, C1, C2 … are
@@ -58,6 +58,8 @@ KINDS = {
 CHECKS_HEAD = """\
 # Checks
 
+This page is generated from the checks and their texts by `scripts/documentation/make_docs.py`.
+
 Data that contradict themselves, or the campaign file, are refused before anything is fitted; every
 contradiction is listed at once, with its numbers and what would mend it. What is only suspicious
 is a warning and stands in the report.
@@ -78,7 +80,7 @@ for finding in pk.examine(pk.open_campaign("datasets/s175")):
 CHECKS_TAIL = """
 A contradiction that you can explain goes into the campaign file as a `[[corrections]]` with its
 reason, or as the right statement (`forces = "balance"`, `rudder_positive = "port"`,
-`moment_reference_x = …`). [kvlcc2.md](kvlcc2.md) tells how that looks for a laboratory's data.
+`moment_reference_x = …`). [cases.md](cases.md) tells how that looks for a laboratory's data.
 
 ## Overruling a check
 

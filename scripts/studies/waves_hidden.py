@@ -1,4 +1,4 @@
-"""Waves hidden among wind and current in free-running records, as docs/seakeeping.md quotes it.
+"""Waves hidden among wind and current in free-running records, as docs/evidence.md quotes it.
 
     python -m scripts.studies.waves_hidden
 

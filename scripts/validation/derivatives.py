@@ -135,7 +135,7 @@ FIGURES: tuple[Published, ...] = (
         why="Two laboratories, models and propellers, and more than the statistics of the tests "
         "explain (Nr by 15 of its standard deviations). Drift goes to 30° in HMRI's, on which "
         "cubic and quartic terms hang; and the files contradict themselves in inertia and in the "
-        "point of moments ([kvlcc2.md](kvlcc2.md)). Whether the added masses of the first were "
+        "point of moments ([cases.md](cases.md)). Whether the added masses of the first were "
         "measured is not known here.",
         **TANKS,
     ),
@@ -146,7 +146,7 @@ FIGURES: tuple[Published, ...] = (
         how="HMRI's tests, `pmmkit.reduction.parts.parts_of`; made with the measurements",
         within=1.0,
         why="Two models, propellers and rudders. HMRI's xH lies behind the ship, a contradiction "
-        "of the rudder tests that is left as it is ([kvlcc2_zigzags.md](kvlcc2_zigzags.md)).",
+        "of the rudder tests that is left as it is ([cases.md](cases.md)).",
         **TANKS,
     ),
 )  # fmt: skip

@@ -156,11 +156,11 @@ FIGURES: tuple[Published, ...] = (
         measurements.kept("hsva"),
         unit="°",
         how="the model that HMRI's captive tests give, carried to HSVA's scale, propeller and "
-        "rudder ([kvlcc2_zigzags.md](kvlcc2_zigzags.md)); made with the measurements",
+        "rudder ([cases.md](cases.md)); made with the measurements",
         within=0.65,
         why="A model of one laboratory sails the tests of another, and nothing is tuned. The "
         "captive tests lack the asymmetry of the rudder and its force at large angles "
-        "([case_hsva.md](case_hsva.md) finds them).",
+        "([cases.md](cases.md) finds them).",
         **HSVA,
     ),
 )  # fmt: skip

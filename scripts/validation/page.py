@@ -55,16 +55,18 @@ Two pages stand behind this one, and are not counted here:
 - [Two other parties beside one another](validation_literature.md): {others} figures, none of them
   a prediction of ours.
 
-`python -m scripts.validation` makes the pages, and the tests hold each figure to the share that the
-list in `scripts/validation/` states. Ours that are "made with the measurements" take files of
-laboratories, which are no part of the repository; `--data FOLDER` makes them anew where they are.
+This page and the two others are generated from the list in `scripts/validation/` by
+`python -m scripts.validation`, and the tests hold each figure to the share that it states. Ours
+that are "made with the measurements" take files of laboratories, which are no part of the
+repository; `--data FOLDER` makes them anew where they are.
 """
 PROGRAMS: Final = """\
 # Our program beside other programs
 
 Figures that other programs, formulas, rules and tables give, with their source, ours beside them
 and the difference. They say whether the program does what it is meant to. Only
-[measurements](validation.md) say how good a prediction is.
+[measurements](validation.md) say how good a prediction is. This page is generated from the list in
+`scripts/validation/` by `python -m scripts.validation`.
 
 {all}
 
@@ -88,7 +90,8 @@ LITERATURE: Final = """\
 Neither number of a row is a prediction of ours, so none is counted: two laboratories, each with its
 own model. pmmkit reduced the forces of the other; what its reduction is worth stands on
 [the page of programs](validation_programs.md). A difference is the other party's less the first's,
-over the size of that; what is more than 5 % off is in bold.
+over the size of that; what is more than 5 % off is in bold. This page is generated from the list in
+`scripts/validation/` by `python -m scripts.validation`.
 """
 
 

@@ -54,7 +54,7 @@ def test_one_laboratorys_tests_against_anothers_zigzags_by_five_commands(
     hmri, shared_data, datasets, tmp_path, capsys, monkeypatch, undrawn
 ):
     """HMRI's captive tests, HSVA's thirteen zigzags; nothing is tuned to them. A script with the
-    published rudder differs by 1.8°, 3.4°, 3.2° rms in the overshoots (docs/kvlcc2_zigzags.md)."""
+    published rudder differs by 1.8°, 3.4°, 3.2° rms in the overshoots (docs/cases.md)."""
     monkeypatch.chdir(tmp_path)
     shutil.copytree(hmri[0], "kvlcc2_hmri-reduced")
     for words in (

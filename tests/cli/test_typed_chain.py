@@ -192,7 +192,7 @@ def test_forces_of_heel_lead_a_model_without_roll_to_the_command_that_gives_it(t
 def test_the_chain_of_the_documentation_on_real_measurements(
     hmri, shared_data, datasets, tmp_path, capsys, monkeypatch, undrawn
 ):
-    """HMRI's captive tests and HSVA's zigzags (docs/kvlcc2_zigzags.md): every second zigzag is
+    """HMRI's captive tests and HSVA's zigzags (docs/cases.md): every second zigzag is
     fitted, the others are predicted over 80 s. A script said 26.1° for the captive model."""
     monkeypatch.chdir(tmp_path)
     shutil.copytree(hmri[0], "kvlcc2_hmri-reduced")

@@ -80,7 +80,7 @@ class Conditions:
         return wind_over_current(self.wind_speed, direction, *self.current)
 
 
-CALM: Final = Conditions()
+CALM: Final[Conditions] = Conditions()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

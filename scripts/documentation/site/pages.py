@@ -47,14 +47,15 @@ def pages(notebooks: Sequence[str], cards: str) -> dict[str, str]:
     """All pages by path; the worked examples by name alone, and their cards."""
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     written = repository_pages()
+    listing = written["docs/index.md"]
     added = MADE | {"real-data": data_lines(written)}
     found = {
-        name: section.with_pages(added.get(name, ())) for name, section in sections(readme).items()
+        name: section.with_pages(added.get(name, ())) for name, section in sections(listing).items()
     }
     first, *rest = (f"{name}.md" for name in found)
     examples = toctree(f"docs/notebooks/{name}.ipynb" for name in notebooks)
     return {
-        "index.md": index(readme, [first, "gallery.md", *rest], cards),
+        "index.md": index(readme, ["docs/index.md", first, "gallery.md", *rest], cards),
         "gallery.md": f"# Gallery\n\n{cards}\n\n{examples}",
         **{f"{name}.md": section.page for name, section in found.items()},
         **written,

@@ -1,4 +1,4 @@
-"""The sections of the site: the list of pages in the README, and what the program adds to it."""
+"""The sections of the site: the list of pages in docs/index.md, and what the program adds to it."""
 
 from __future__ import annotations
 
@@ -48,16 +48,17 @@ class Section:
         return f"# {self.title}\n\n{self.text}\n\n{toctree(self.pages)}"
 
 
-def sections(readme: str) -> dict[str, Section]:
-    """The sections of the site by name, as the README lists their pages.
+def sections(listing: str) -> dict[str, Section]:
+    """The sections of the site by name, as docs/index.md lists their pages, from its own folder.
 
     Examples
     --------
-    >>> readme = "# Us\\n\\n## Where to read on\\n\\n### How to\\n\\n- [Turn](docs/turn.md).\\n"
-    >>> sections(readme)["how-to"].pages
-    ('docs/turn.md',)
+    >>> listing = "\\n## Where to read on\\n\\n### How to\\n\\n- [Turn](turn.md), [us](../us.md)\\n"
+    >>> sections(listing)["how-to"].pages
+    ('docs/turn.md', 'us.md')
     """
-    _, _, listed = readme.partition(HEADING)
+    _, _, listed = listing.partition(HEADING)
+    listed = LINK.sub(r"[\1](docs/\2)", listed).replace("(docs/../", "(")
     _, *parts = re.split(r"^### ", listed, flags=re.M)
     found = []
     for part in parts:
@@ -75,7 +76,6 @@ def toctree(pages: Iterable[str], titles: Mapping[str, str] | None = None) -> st
 
 
 def index(readme: str, names: Sequence[str], cards: str) -> str:
-    """The first page: the README, with sections and pictures in place of its list of pages."""
-    before, _, after = readme.partition(HEADING)
-    licence = after[after.rindex("\n\nLicence") :].strip()
-    return f"{before}\n## Gallery\n\n{cards}\n\n{licence}\n\n{toctree(names)}"
+    """The first page: the README, with pictures above its licence."""
+    before, mark, licence = readme.rpartition("\n\nLicence")
+    return f"{before}\n\n## Gallery\n\n{cards}{mark}{licence.rstrip()}\n\n{toctree(names)}"
