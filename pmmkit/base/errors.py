@@ -78,7 +78,7 @@ class Remedy:
         return self.said("python")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Problem:
     """One thing that is wrong, with its place and its remedy.
 
@@ -158,6 +158,8 @@ class DataError(PmmkitError, ValueError):
         All problems found.
     title : str, optional
         One line that stands above the list.
+    file, run, column, row, entry, remedy
+        As of a `Problem`, of those that are given as texts.
 
     Examples
     --------
@@ -166,14 +168,26 @@ class DataError(PmmkitError, ValueError):
     Not read (2 problems):
       1. a.csv: no samples
       2. b is missing
+    >>> print(DataError("no samples.", file="a.csv", remedy="Copy it again."))
+    a.csv: no samples. Copy it again.
     """
 
     def __init__(
-        self, problems: Problem | str | Iterable[Problem | str], *, title: str | None = None
+        self,
+        problems: Problem | str | Iterable[Problem | str],
+        *,
+        title: str | None = None,
+        file: str | None = None,
+        run: str | None = None,
+        column: str | None = None,
+        row: int | str | None = None,
+        remedy: str | Remedy | None = None,
+        entry: str | None = None,
     ) -> None:
         listed = [problems] if isinstance(problems, (str, Problem)) else list(problems)
         self.problems: tuple[Problem, ...] = tuple(
-            Problem(message=item) if isinstance(item, str) else item for item in listed
+            Problem(item, file, run, column, row, remedy, entry) if isinstance(item, str) else item
+            for item in listed
         )
         self.title = title
         super().__init__(self.said("python"))

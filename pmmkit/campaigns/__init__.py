@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from pmmkit.campaigns.file.packed import is_packed_campaign
     from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
     from pmmkit.campaigns.file.rewriting import with_columns, with_correction, without_correction
-    from pmmkit.campaigns.file.schema import TABLES, read_entry
+    from pmmkit.campaigns.file.schema import TABLES, Faults, read_entry
     from pmmkit.campaigns.file.single_tables import ImoEntry
     from pmmkit.campaigns.motion.counted import (
         FITTED,
@@ -146,6 +146,7 @@ __all__ = [
     "Correction",
     "Counted",
     "Cut",
+    "Faults",
     "Frame",
     "GaugeEntry",
     "HistoryLoader",

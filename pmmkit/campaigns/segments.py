@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.base import CampaignError, Problem
+from pmmkit.base import CampaignError
 from pmmkit.campaigns.run import Run
 from pmmkit.numerics import Array, unwrapped
 
@@ -302,11 +302,9 @@ def _columns(run: Run, data: xr.Dataset) -> tuple[Array, ...]:
     if captive or run.kind != "history" or missing:
         why = "it is captive" if captive else f"it has no {', '.join(missing) or 'history'}"
         raise CampaignError(
-            Problem(
-                message=f"a {run.test} test has no segments: {why}.",
-                run=run.id,
-                remedy="Segments are those of free-running histories with t, x, y and psi.",
-            )
+            f"a {run.test} test has no segments: {why}.",
+            run=run.id,
+            remedy="Segments are those of free-running histories with t, x, y and psi.",
         )
     return tuple(np.asarray(data[name].values, float) for name in ("t", "x", "y", "psi"))
 

@@ -86,9 +86,7 @@ def save_campaign(campaign: Campaign, path: str | Path) -> None:
         with atomic_path(path) as part, h5netcdf.File(str(part), "w", libver=_LIBVER) as file:
             _write(file, with_open_water(campaign))
     except OSError as error:
-        raise CampaignError(
-            Problem(message=f"cannot be written: {error}.", file=str(path))
-        ) from error
+        raise CampaignError(f"cannot be written: {error}.", file=str(path)) from error
 
 
 def load_campaign(path: str | Path) -> Campaign:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from pmmkit.base import CampaignError, Problem
+from pmmkit.base import CampaignError
 from pmmkit.campaigns.repeated_runs import LENGTH
 from pmmkit.campaigns.run import Campaign, Run
 
@@ -76,13 +76,11 @@ def one_depth(campaign: Campaign) -> Campaign:
     found = by_depth(campaign)
     if len(found) > 1:
         raise CampaignError(
-            Problem(
-                message=f"The runs of {campaign.title or campaign.ship.name!r} were made in water "
-                f"of {in_words(depths(campaign))}; derivatives and forces hold at one depth.",
-                remedy="`pmmkit reduce` reduces each depth by itself, in Python reduce_depths(). "
-                "Elsewhere take the runs of one depth: a campaign file for each, or "
-                "pmmkit.campaigns.water_depth.by_depth(campaign).",
-            )
+            f"The runs of {campaign.title or campaign.ship.name!r} were made in water "
+            f"of {in_words(depths(campaign))}; derivatives and forces hold at one depth.",
+            remedy="`pmmkit reduce` reduces each depth by itself, in Python reduce_depths(). "
+            "Elsewhere take the runs of one depth: a campaign file for each, or "
+            "pmmkit.campaigns.water_depth.by_depth(campaign).",
         )
     return found[0]
 

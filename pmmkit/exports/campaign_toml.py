@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import Any, Final
 
-from pmmkit.base import CampaignError, Problem
+from pmmkit.base import CampaignError
 from pmmkit.campaigns import OF_SAMPLES, Campaign, Run, Struts, TypeB
 from pmmkit.exports.text import written_by
 from pmmkit.files import toml_text
@@ -118,7 +118,7 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
         text = toml_text({key: _listed(value) for key, value in data.items()})
     except TypeError as error:
         raise CampaignError(
-            Problem(message=f"{error}.", remedy="Export the campaign as netcdf, which keeps it.")
+            f"{error}.", remedy="Export the campaign as netcdf, which keeps it."
         ) from error
     return "\n".join(lines) + "\n\n" + text
 

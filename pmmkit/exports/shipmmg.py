@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from pmmkit.base import ModelError, Problem, TableError
+from pmmkit.base import ModelError, TableError
 from pmmkit.effects import HULL, INERTIA, effect_of
 from pmmkit.exports.text import WHICH_SPEED, written_by
 from pmmkit.models import Model, converted, from_values
@@ -55,10 +55,8 @@ def model_to_shipmmg(model: Model, *, speed: float | None = None) -> str:
     """
     if model.Fn and speed is None:
         raise ModelError(
-            Problem(
-                message=f"Model {model.name!r} has values at {len(model.Fn)} Froude numbers.",
-                remedy=WHICH_SPEED,
-            )
+            f"Model {model.name!r} has values at {len(model.Fn)} Froude numbers.",
+            remedy=WHICH_SPEED,
         )
     _check_parts(model)
     at = model.ship.speed(0.2, model.water.g) if speed is None else speed

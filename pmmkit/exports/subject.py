@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from pmmkit.base import DataError, Problem
+from pmmkit.base import DataError
 from pmmkit.campaigns import FILE_NAME, PACKED, Campaign, open_campaign
 from pmmkit.exports.track import read_track
 from pmmkit.files import as_url
@@ -61,11 +61,7 @@ def read_subject(what: str | Path, *, data: str | Path | None = None) -> Subject
             return load_model(str(what))
         if path.parts[:1] != ("datasets",):
             raise DataError(
-                Problem(
-                    message="there is no such file, folder or library ship.",
-                    file=str(what),
-                    remedy=_REMEDY,
-                )
+                "there is no such file, folder or library ship.", file=str(what), remedy=_REMEDY
             )
     suffix = path.suffix.lower()
     if path.is_file() and suffix == ".csv":
@@ -77,9 +73,7 @@ def read_subject(what: str | Path, *, data: str | Path | None = None) -> Subject
     if path.is_file() and suffix == ".toml" and _is_model(path):
         return load_model(path)
     if path.is_file() and suffix not in (".toml", PACKED, *_HDF5):
-        raise DataError(
-            Problem(message="is nothing that can be exported.", file=str(what), remedy=_REMEDY)
-        )
+        raise DataError("is nothing that can be exported.", file=str(what), remedy=_REMEDY)
     return open_campaign(path, data=data)
 
 

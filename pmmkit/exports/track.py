@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pmmkit.base import CampaignError, Problem
+from pmmkit.base import CampaignError
 from pmmkit.campaigns import pick, required_channels
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.files import atomic_path
@@ -90,11 +90,9 @@ def _metrics(path: Path) -> dict[str, Any]:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
         raise CampaignError(
-            Problem(
-                message=f"cannot be read as JSON: {error}.",
-                file=path.name,
-                remedy="Simulate again, or take it away to export the track without metrics.",
-            )
+            f"cannot be read as JSON: {error}.",
+            file=path.name,
+            remedy="Simulate again, or take it away to export the track without metrics.",
         ) from error
     if not isinstance(content, dict):
         return {}

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.base import DataError, FileExists, Problem, Remedy, UnknownNameError, Way, setting
+from pmmkit.base import DataError, FileExists, Remedy, UnknownNameError, Way, setting
 from pmmkit.campaigns import Campaign, save_campaign
 from pmmkit.exports.campaign_csv import write_campaign_csv
 from pmmkit.exports.fmu.unit import VERSIONS, Version, model_to_fmu
@@ -115,34 +114,17 @@ def export(
     chosen = _format(kind, target, to)
     if chosen != "fmu" and (fmi is not None or compile):
         raise DataError(
-            Problem(
-                message=f"{chosen} has no version of FMI and is not compiled.",
-                remedy=Remedy("Say {}, or leave that out.", (setting("to", "fmu"),)),
-            )
+            f"{chosen} has no version of FMI and is not compiled.",
+            remedy=Remedy("Say {}, or leave that out.", (setting("to", "fmu"),)),
         )
-    writers = _writers(speed, fmi or VERSIONS[0], compile=compile)
     try:
-        return _written(subject, kind, chosen, target, writers)
+        return _written(
+            subject, kind, chosen, target, speed=speed, fmi=fmi or VERSIONS[0], compile=compile
+        )
     except OSError as error:
         if isinstance(error, FileExists):
             raise
         raise FileExists(f"{path} cannot be written: {error.strerror or error}.") from error
-
-
-def _writers(
-    speed: float | None, fmi: Version, *, compile: bool
-) -> Mapping[tuple[str, str], Callable[..., object]]:
-    """Who writes what in which format, but for tables and folders."""
-    return {
-        ("model", "mss"): partial(_model_as_mss, speed=speed),
-        ("model", "shipmmg"): partial(_model_as_shipmmg, speed=speed),
-        ("model", "fmu"): partial(_model_as_fmu, speed=speed, fmi=fmi, compile=compile),
-        ("table", "mss"): _table_as_mss,
-        ("campaign", "netcdf"): save_campaign,
-        ("campaign", "simman"): write_simman,
-        ("track", "csv"): write_track_csv,
-        ("track", "netcdf"): write_track_netcdf,
-    }
 
 
 def _written(
@@ -150,14 +132,41 @@ def _written(
     kind: str,
     to: str,
     target: Path,
-    writers: Mapping[tuple[str, str], Callable[..., object]],
+    *,
+    speed: float | None,
+    fmi: Version,
+    compile: bool,
 ) -> list[Path]:
     """Write by whom the kind and the format name."""
-    if kind == "campaign" and to == "csv":
-        return [target / name for name in write_campaign_csv(subject, target)]
     if isinstance(subject, Track):
         subject = subject.to_xarray()
-    writers.get((kind, to), partial(_table_as, to))(subject, target)
+    match kind, to:
+        case "model", "mss":
+            write_text(target, model_to_mss(subject, name=target.stem, speed=speed))
+        case "model", "shipmmg":
+            write_text(target, model_to_shipmmg(subject, speed=speed))
+        case "model", "fmu":
+            if target.suffix.lower() != ENDINGS["fmu"]:
+                raise DataError(f"{target}: programs know an FMU by its ending {ENDINGS['fmu']}.")
+            content = model_to_fmu(subject, speed=speed, fmi=fmi, compile=compile)
+            with atomic_path(target) as part:
+                part.write_bytes(content)
+        case "table", "mss":
+            write_text(target, table_to_mss(subject, name=target.stem))
+        case "campaign", "csv":
+            return [target / name for name in write_campaign_csv(subject, target)]
+        case "campaign", "netcdf":
+            save_campaign(subject, target)
+        case "campaign", "simman":
+            write_simman(subject, target)
+        case "track", "csv":
+            write_track_csv(subject, target)
+        case "track", "netcdf":
+            write_track_netcdf(subject, target)
+        case _:  # by the room of the tables, which goes by the ending
+            if target.suffix.lower() not in (ENDINGS[to], *((".h5",) if to == "netcdf" else ())):
+                raise DataError(f"{target}: a table as {to} needs the ending {ENDINGS[to]}.")
+            write_table(subject, target)
     return [target, sidecar_of(target)] if (kind, to) == ("table", "csv") else [target]
 
 
@@ -217,10 +226,8 @@ def _format(kind: str, target: Path, to: str | None) -> str:
         )
     if chosen not in FORMATS[kind]:
         raise DataError(
-            Problem(
-                message=f"A {kind} is not written as {chosen}: {', '.join(FORMATS[kind])}.",
-                remedy=AS_TABLE if kind == "model" else None,
-            )
+            f"A {kind} is not written as {chosen}: {', '.join(FORMATS[kind])}.",
+            remedy=AS_TABLE if kind == "model" else None,
         )
     return chosen
 
@@ -231,32 +238,3 @@ def _meets(source: Path, target: Path) -> bool:
         return False
     places = {source.resolve()} | ({source.resolve().parent} if source.suffix == ".toml" else set())
     return target.resolve() in places
-
-
-def _model_as_mss(model: Model, path: Path, *, speed: float | None) -> None:
-    write_text(path, model_to_mss(model, name=path.stem, speed=speed))
-
-
-def _model_as_shipmmg(model: Model, path: Path, *, speed: float | None) -> None:
-    write_text(path, model_to_shipmmg(model, speed=speed))
-
-
-def _model_as_fmu(
-    model: Model, path: Path, *, speed: float | None, fmi: Version, compile: bool
-) -> None:
-    if path.suffix.lower() != ENDINGS["fmu"]:
-        raise DataError(f"{path}: programs know an FMU by its ending {ENDINGS['fmu']}.")
-    content = model_to_fmu(model, speed=speed, fmi=fmi, compile=compile)
-    with atomic_path(path) as part:
-        part.write_bytes(content)
-
-
-def _table_as_mss(table: DerivativeTable, path: Path) -> None:
-    write_text(path, table_to_mss(table, name=path.stem))
-
-
-def _table_as(to: str, table: DerivativeTable, path: Path) -> None:
-    """By the room of the tables, which goes by the ending."""
-    if path.suffix.lower() not in (ENDINGS[to], *((".h5",) if to == "netcdf" else ())):
-        raise DataError(f"{path}: a table as {to} needs the ending {ENDINGS[to]}.")
-    write_table(table, path)

@@ -260,27 +260,21 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         content = tomllib.loads(text)
     except FileNotFoundError as error:
         raise ModelError(
-            Problem(message="The file does not exist.", file=str(path), remedy="Check the path.")
+            "The file does not exist.", file=str(path), remedy="Check the path."
         ) from error
     except OSError as error:
-        raise ModelError(
-            Problem(message=f"The file cannot be read: {error.strerror}.", file=str(path))
-        ) from error
+        raise ModelError(f"The file cannot be read: {error.strerror}.", file=str(path)) from error
     except UnicodeDecodeError as error:
         raise ModelError(
-            Problem(
-                message=f"The file is not UTF-8 text (byte {error.start}).",
-                file=str(path),
-                remedy="Save it as UTF-8.",
-            )
+            f"The file is not UTF-8 text (byte {error.start}).",
+            file=str(path),
+            remedy="Save it as UTF-8.",
         ) from error
     except (ValueError, RecursionError) as error:
         raise ModelError(
-            Problem(
-                message=f"The file is not valid TOML: {error}.",
-                file=str(path),
-                remedy="Correct that line, or take the file from its source again.",
-            )
+            f"The file is not valid TOML: {error}.",
+            file=str(path),
+            remedy="Correct that line, or take the file from its source again.",
         ) from error
     check_numbers(content, str(path), ModelError)
     return content

@@ -144,9 +144,22 @@ class Request:
             message=message, file=self.shown, run=self.run, row=row, column=column, remedy=remedy
         )
 
-    def error(self, *problems: Problem) -> CampaignError:
-        """The error that tells the problems of this file."""
-        listed = list(dict.fromkeys(problems))
+    def error(
+        self,
+        *problems: Problem | str,
+        row: int | str | None = None,
+        column: str | None = None,
+        remedy: str | Remedy | None = None,
+    ) -> CampaignError:
+        """The error that tells the problems of this file; a text is one, as of `problem`."""
+        listed = list(
+            dict.fromkeys(
+                self.problem(item, row=row, column=column, remedy=remedy)
+                if isinstance(item, str)
+                else item
+                for item in problems
+            )
+        )
         title = None if len(listed) == 1 else f"{self.shown} cannot be read"
         return CampaignError(listed, title=title)
 
@@ -154,6 +167,11 @@ class Request:
         """The error of a file that the system does not give."""
         shown = replace(self, withheld=False)
         return self.error(shown.problem(f"cannot be read: {error.strerror}."))
+
+
+def first_line(error: BaseException) -> str:
+    """The first line of what a library says of a fault, else the name of its kind."""
+    return (str(error).strip().splitlines() or [type(error).__name__])[0][:200]
 
 
 def head_of(path: Path) -> bytes:
@@ -290,7 +308,7 @@ def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Colu
     if found:
         raise request.error(*abridged(found, request))
     if not len(table):
-        raise request.error(request.problem("there are no rows of numbers."))
+        raise request.error("there are no rows of numbers.")
     return Columns(
         headers=cells.headers,
         positions=tuple(positions),
@@ -310,13 +328,12 @@ def numbers_of(
     dropped = 0
     for line, row in zip(cells.lines, cells.rows, strict=True):
         numbers = [to_number(row[place], cells.decimal) for place in positions]
-        faults = [
-            request.problem(why, row=line, column=_title(cells.headers, place))
+        found += [
+            request.problem(why, row=line, column=cells.headers[place] or str(place + 1))
             for place, number in zip(positions, numbers, strict=True)
             if (why := fault(number, row[place]))
             and not (drop and number is not None and math.isnan(number))
         ]
-        found += faults
         if any(number is None or math.isnan(number) for number in numbers):
             dropped += 1
         else:
@@ -350,7 +367,3 @@ def abridged(problems: Sequence[Problem], request: Request) -> list[Problem]:
 def _clip(cell: Cell) -> str:
     text = "" if cell is None else str(cell)
     return repr(text if len(text) <= 40 else text[:37] + "...")
-
-
-def _title(headers: Sequence[str], place: int) -> str:
-    return headers[place] if headers[place] else str(place + 1)

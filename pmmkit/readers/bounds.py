@@ -33,11 +33,9 @@ def limit_of(size: int) -> int:
 def too_large(request: Request, declared: int, size: int, what: str) -> CampaignError:
     """The error of a file that would expand too far."""
     return request.error(
-        request.problem(
-            f"{what} would take {declared:,} bytes, the file has {size:,}: damaged, or made to "
-            f"exhaust the memory. At most {limit_of(size):,} are read.",
-            remedy="If it is right, save it unpacked or as text.",
-        )
+        f"{what} would take {declared:,} bytes, the file has {size:,}: damaged, or made to "
+        f"exhaust the memory. At most {limit_of(size):,} are read.",
+        remedy="If it is right, save it unpacked or as text.",
     )
 
 

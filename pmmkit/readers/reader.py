@@ -91,9 +91,7 @@ class Reader(ABC):
 
     def cells(self, request: Request) -> Cells:
         """A small file whole, as text and numbers: tables whose rows are runs."""
-        raise request.error(
-            request.problem(f"a file of the format {self.name!r} is a history, not a table of rows")
-        )
+        raise request.error(f"a file of the format {self.name!r} is a history, not a table of rows")
 
     def recognises(self, path: Path, head: bytes) -> bool:  # noqa: ARG002
         """Whether a file is of the format, or a folder, whose `head` is empty.

@@ -8,8 +8,10 @@ be asked for; columns that are used together must be of equal length.
 from __future__ import annotations
 
 import functools
+from abc import abstractmethod
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Final
 
@@ -18,6 +20,7 @@ import numpy as np
 from pmmkit.base import CampaignError, Problem
 from pmmkit.numerics import ABSURD, Array
 from pmmkit.readers.base import LISTED, Cell, Cells, Choose, Columns, Request, fault
+from pmmkit.readers.reader import Reader
 
 WIDEST: Final = 200
 """Matrices with more columns than this are not columns of channels."""
@@ -140,11 +143,9 @@ def same_length(lengths: Mapping[str, int], request: Request) -> None:
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{title} has {length}" for title, length in lengths.items())
         raise request.error(
-            request.problem(
-                f"the columns that are used differ in their number of values: {listed}.",
-                remedy='Use columns of one length, or one group of them: group = "..." in '
-                "[source]; a column that is not wanted is left out by t = false under [columns].",
-            )
+            f"the columns that are used differ in their number of values: {listed}.",
+            remedy='Use columns of one length, or one group of them: group = "..." in '
+            "[source]; a column that is not wanted is left out by t = false under [columns].",
         )
 
 
@@ -178,7 +179,7 @@ def checked(
         raise request.error(*problems)
     dropped = int(np.count_nonzero(lacking))
     if dropped == len(lacking):
-        raise request.error(request.problem("there are no rows of numbers."))
+        raise request.error("there are no rows of numbers.")
     if not dropped:
         return tuple(np.ascontiguousarray(column) for column in values), 0
     return tuple(column[~lacking] for column in values), dropped
@@ -207,3 +208,26 @@ def left_out_problem(left_out: Sequence[str], request: Request) -> list[Problem]
         return []
     more = f" and {len(left_out) - _SHOWN} more" if len(left_out) > _SHOWN else ""
     return [request.problem(f"left out, not being columns: {', '.join(left_out[:_SHOWN])}{more}.")]
+
+
+class VectorReader(Reader):
+    """A format of containers, of which it tells the vectors."""
+
+    @abstractmethod
+    def contents(self, request: Request) -> AbstractContextManager[tuple[list[Vector], list[str]]]:
+        """What a file offers as columns, and what else it holds; open as long as it is used."""
+
+    def names(self, request: Request) -> tuple[str, ...]:
+        """Headers of the columns."""
+        with self.contents(request) as (vectors, left_out):
+            return headers_of(numbers_only(vectors, left_out, request))
+
+    def columns(self, request: Request, choose: Choose) -> Columns:
+        """Some vectors, or columns of matrices, as numbers."""
+        with self.contents(request) as (vectors, left_out):
+            return chosen_columns(vectors, left_out, request, choose)
+
+    def cells(self, request: Request) -> Cells:
+        """Vectors of the main length as a table, those of texts among them."""
+        with self.contents(request) as (vectors, left_out):
+            return small_table(vectors, left_out, request)

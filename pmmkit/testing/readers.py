@@ -81,7 +81,7 @@ class _Case:
                 headers[place] for place in self.places if place < min(count, len(headers))
             )
             if there != tuple(self.headers[place] for place in self.places):
-                raise request.error(request.problem("the columns are not those that were asked."))
+                raise request.error("the columns are not those that were asked.")
             return self.places
 
         return choose

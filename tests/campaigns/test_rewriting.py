@@ -53,6 +53,23 @@ def test_a_correction_comes_and_goes_without_a_trace(start, reason):
     assert all(line in left for line in FILE.splitlines() if line)
 
 
+@pytest.mark.parametrize(
+    "file",
+    [
+        FILE.replace("\n", "\r\n"),
+        FILE.replace("title =", "title = 'a\u2028b'\nby ="),
+        FILE.removesuffix("\n"),
+        FILE + "\n\n",
+    ],
+)
+def test_line_ends_stay_and_so_do_breaks_within_a_text(file):
+    changed = with_correction(with_columns(file, {"Y": "Fz # 2"}), WINDOW)
+    assert tomllib.loads(changed)["corrections"][1] == WINDOW
+    assert without_correction(with_columns(changed, {"Y": "Fy # 2 (N)"}), WINDOW) == file.replace(
+        "   # checked", " # checked"
+    )
+
+
 def test_the_same_runs_and_action_are_stated_once():
     first = with_correction(FILE, WINDOW).replace("t_end = 2.0", "t_end = 2.0  # by the film")
     again = with_correction(first, {**WINDOW, "t_end": 3.5})

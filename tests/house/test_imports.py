@@ -27,6 +27,7 @@ HEAVY = (
     "sklearn",
     "openpyxl",
     "numba",
+    "jinja2",
 )
 
 

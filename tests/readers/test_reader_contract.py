@@ -232,7 +232,7 @@ class Short(Log):
     def cells(self, request):
         lines = request.path.read_bytes().decode("ascii", "replace").split("\n")
         if lines[0] != "LOG" or len(lines) < 5:
-            raise request.error(request.problem("it is no log."))
+            raise request.error("it is no log.")
         rows = [tuple(line.split("|")) for line in lines[1:-1] if line != "END"]
         return Cells(headers=rows[0], rows=tuple(rows[1:]), lines=tuple(range(3, len(rows) + 2)))
 
@@ -245,7 +245,7 @@ class Torn(Short):
     def cells(self, request):
         lines = request.path.read_bytes().decode("ascii", "replace").split("\n")
         if lines[0] != "LOG" or len(lines) < 5:
-            raise request.error(request.problem("it is no log."))
+            raise request.error("it is no log.")
         rows = [tuple(line.split("|")) for line in lines[1:] if line not in ("END", "", "E", "EN")]
         whole = [row for row in rows if len(row) == len(rows[0]) and row[-1] not in ("", "-")]
         return Cells(headers=whole[0], rows=tuple(whole[1:]), lines=tuple(range(3, len(whole) + 2)))

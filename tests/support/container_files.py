@@ -29,7 +29,7 @@ def read(path: Path, *wanted: str, **options: Any) -> Columns:
 
     def choose(headers: tuple[str, ...], count: int) -> list[int]:
         if set(wanted) - set(headers):
-            raise request.error(request.problem(f"not all of {wanted} are among {headers}"))
+            raise request.error(f"not all of {wanted} are among {headers}")
         return [headers.index(name) for name in wanted or headers]
 
     return reader_for(request).columns(request, choose)

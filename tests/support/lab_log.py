@@ -22,9 +22,9 @@ class Log(Reader):
         try:
             lines = request.path.read_text(encoding="ascii").splitlines()
         except (OSError, UnicodeDecodeError) as error:
-            raise request.error(request.problem(f"cannot be read: {error}.")) from error
+            raise request.error(f"cannot be read: {error}.") from error
         if len(lines) < 4 or lines[0] != "LOG" or lines[-1] != "END":
-            raise request.error(request.problem("it does not go from LOG to END."))
+            raise request.error("it does not go from LOG to END.")
         headers, *rows = (tuple(line.split("|")) for line in lines[1:-1])
         odd = [place for place, row in enumerate(rows, 3) if len(row) != len(headers)]
         if odd:

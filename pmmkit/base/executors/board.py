@@ -20,7 +20,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from typing import Any, Final, TypeVar
 
-from pmmkit.base.errors import DataError, Problem, Remedy, Way
+from pmmkit.base.errors import DataError, Remedy, Way
 from pmmkit.base.executors import worker
 from pmmkit.base.executors.places import processes
 from pmmkit.base.executors.worker import packed
@@ -143,15 +143,13 @@ class Board:
         self.strikes += strike
         if self.strikes >= STRIKES and not self.done:
             raise DataError(
-                Problem(
-                    message=f"No worker could do what this process can: {self.trouble}",
-                    remedy=Remedy(
-                        "Each worker needs this version of pmmkit and has to see the files under "
-                        "the same path: a folder that all machines share, given as an absolute "
-                        "path. Without {} this machine does it alone.",
-                        (Way("executor=", "--scheduler"),),
-                    ),
-                )
+                f"No worker could do what this process can: {self.trouble}",
+                remedy=Remedy(
+                    "Each worker needs this version of pmmkit and has to see the files under "
+                    "the same path: a folder that all machines share, given as an absolute "
+                    "path. Without {} this machine does it alone.",
+                    (Way("executor=", "--scheduler"),),
+                ),
             )
 
     def _lose(self, chosen: Sequence[int], times: int = 1) -> None:
@@ -161,14 +159,12 @@ class Board:
         dead = [self.names[place] for place in chosen if self.losses[place] >= MOST]
         if dead:
             raise DataError(
-                Problem(
-                    message=f"The process that did {', '.join(dead)} ended {MOST} times over it.",
-                    remedy=Remedy(
-                        "It may want more memory than there is, or its file breaks a library. {} "
-                        "does it in this process, where the fault shows.",
-                        (Way("executor=1", "--workers 1"),),
-                    ),
-                )
+                f"The process that did {', '.join(dead)} ended {MOST} times over it.",
+                remedy=Remedy(
+                    "It may want more memory than there is, or its file breaks a library. {} "
+                    "does it in this process, where the fault shows.",
+                    (Way("executor=1", "--workers 1"),),
+                ),
             )
 
     def ground(self) -> None:

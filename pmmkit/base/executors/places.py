@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from types import MappingProxyType
 from typing import Final
 
-from pmmkit.base.errors import DataError, Problem
+from pmmkit.base.errors import DataError
 
 # How many threads the linear algebra below takes.
 
@@ -104,10 +104,8 @@ def _cluster(address: str) -> Iterator[Executor]:
         client = Client(address, timeout=ANSWERS, set_as_default=False)
     except (OSError, ValueError) as error:
         raise DataError(
-            Problem(
-                message=f"No dask scheduler answers at {address} within {ANSWERS:g} s.",
-                remedy=f"{begin} Or leave it out: this machine does it alone.",
-            )
+            f"No dask scheduler answers at {address} within {ANSWERS:g} s.",
+            remedy=f"{begin} Or leave it out: this machine does it alone.",
         ) from error
     with client:
         try:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from pmmkit.base import DataError, Problem
+from pmmkit.base import DataError
+from pmmkit.campaigns.file.schema import Faults
+from pmmkit.campaigns.file.search import Search
 from pmmkit.campaigns.file.settings import missing_settings, settings_of
 from pmmkit.campaigns.file.struts import on_struts
 from pmmkit.campaigns.motion.solver_axes import Solver
@@ -32,9 +34,8 @@ Found = tuple[Cells, tuple[Picked, ...]] | None
 class Setup:
     """What all runs of a campaign file share.
 
-    `frame`: axes and signs of the source. `corrections`: all corrections of the file. `find`:
-    what is read for a file that the campaign names, or None. `missing_file`: the problem of a
-    file that is not there. `toml`: name of the campaign file.
+    `frame`: axes and signs of the source. `corrections`: all corrections of the file. `search`:
+    where the files are that the campaign names.
     """
 
     ship: Ship
@@ -45,35 +46,29 @@ class Setup:
     options: Options
     columns: Mapping[str, ColumnSpec]
     corrections: tuple[Correction, ...]
-    find: Callable[[str], Request | None]
-    missing_file: Callable[[str, str], Problem]
-    toml: str
+    search: Search
     trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     solver: Solver = field(default_factory=Solver)
     struts: Struts | None = None
 
 
 @dataclass
-class Assembled:
+class Assembled(Faults):
     """Runs as they are put together, and everything that is wrong with them."""
 
-    problems: list[Problem] = field(default_factory=list)
     runs: list[Run] = field(default_factory=list)
     ids: dict[str, str] = field(default_factory=dict)
     left_out: dict[str, str] = field(default_factory=dict)
     tables: dict[Any, Found] = field(default_factory=dict)
     incomplete: bool = False
 
-    def claim(self, run_id: str, entry: str, file: str) -> None:
+    def claim(self, run_id: str, entry: str) -> None:
         """Note an id; an id that is there already is a problem."""
         if run_id in self.ids:
-            self.problems.append(
-                Problem(
-                    message=f"id {run_id!r} is used twice; the other is {self.ids[run_id]}.",
-                    file=file,
-                    entry=entry,
-                    remedy="Every run needs an id of its own.",
-                )
+            self.report(
+                f"id {run_id!r} is used twice; the other is {self.ids[run_id]}.",
+                entry,
+                remedy="Every run needs an id of its own.",
             )
         self.ids.setdefault(run_id, entry)
 
@@ -117,33 +112,27 @@ def request_of(entry: FileEntry, label: str, setup: Setup, out: Assembled) -> Re
     """What is read for an entry; None with a problem where its file is not there."""
     free = kind_of(entry.test).free_running
     if free != (setup.kind == "free-running"):
-        out.problems.append(
-            Problem(
-                message=f"test {entry.test!r} is a {'free-running' if free else 'captive'} test, "
-                f"the campaign is {setup.kind}.",
-                file=setup.toml,
-                entry=label,
-            )
+        out.report(
+            f"test {entry.test!r} is a {'free-running' if free else 'captive'} test, "
+            f"the campaign is {setup.kind}.",
+            label,
         )
-    found = setup.find(entry.file)
+    found = setup.search.find(entry.file)
     excluded = any(
         item.action == "exclude" and item.applies_to(entry.id) for item in setup.corrections
     )
     if found is None:
         if not excluded:
-            out.problems.append(setup.missing_file(entry.file, label))
+            out.problems.append(setup.search.missing(entry.file, label, out.file))
             return None
         found = Request(path=Path(entry.file), shown=entry.file)
     return replace(found, run=entry.id, options=merged(setup.options, entry))
 
 
-def windows_fit(
-    corrections: Sequence[Correction], why: str, label: str, setup: Setup, out: Assembled
-) -> None:
+def windows_fit(corrections: Sequence[Correction], why: str, label: str, out: Assembled) -> None:
     """Windows are of captive histories; what else they are said of is told why not."""
     if why and any(item.action == "window" for item in corrections):
-        message = f"a correction states a window for it, and {why}."
-        out.problems.append(Problem(message=message, file=setup.toml, entry=label))
+        out.report(f"a correction states a window for it, and {why}.", label)
 
 
 def add_history(
@@ -159,14 +148,14 @@ def add_history(
     given = {**entry.settings(), **set_by(corrections)}
     motion = _motion(entry, label, request, setup, out)
     missing = missing_settings(entry.test, given)
-    if missing and setup.find(entry.file) is not None:
+    if missing and setup.search.find(entry.file) is not None:
         try:
             measured = _measured(request, specs) | (_measured(motion, {}) if motion else set())
         except DataError as error:
             out.problems += error.problems
             return
         missing = missing_settings(entry.test, given, measured)
-    if needs(missing, entry.test, label, setup, out):
+    if needs(missing, entry.test, label, out):
         return
     frame = replace(setup.frame, nondimensional=request.options.nondimensional)
     found = settings_in(entry.test, given, frame, label, setup, out)
@@ -176,17 +165,9 @@ def add_history(
     loader = HistoryLoader(
         request=request,
         columns=MappingProxyType(dict(specs)),
-        context=Context(
-            ship=setup.ship,
-            water=setup.water,
-            speed=settings.speed,
-            frame=frame,
-            corrections=corrections,
-            notes=notes,
+        context=replace(
+            context_of(entry.test, settings, frame, corrections, notes, setup),
             antenna=(setup.trial.get("antenna_x", 0.0), setup.trial.get("antenna_y", 0.0)),
-            solver=setup.solver,
-            test=entry.test,
-            settings=settings,
             struts=setup.struts,
         ),
         kind=setup.kind,
@@ -204,8 +185,30 @@ def add_history(
         started="" if entry.started is None else entry.started.isoformat(),
     )
     why = "a free-running record is cut with trim" if setup.kind == "free-running" else ""
-    windows_fit(corrections, why, label, setup, out)
+    windows_fit(corrections, why, label, out)
     out.runs.append(said(run, corrections, setup))
+
+
+def context_of(
+    test: str,
+    settings: Settings,
+    frame: Frame,
+    corrections: tuple[Correction, ...],
+    notes: tuple[str, ...],
+    setup: Setup,
+) -> Context:
+    """What the numbers of a run must be seen with."""
+    return Context(
+        ship=setup.ship,
+        water=setup.water,
+        speed=settings.speed,
+        frame=frame,
+        corrections=corrections,
+        notes=notes,
+        solver=setup.solver,
+        test=test,
+        settings=settings,
+    )
 
 
 def settings_in(
@@ -223,7 +226,7 @@ def settings_in(
     try:
         settings, more = on_struts(test, given, settings, setup.struts, frame)
     except ValueError as error:
-        out.problems.append(Problem(message=f"{error}.", file=setup.toml, entry=label))
+        out.report(f"{error}.", label)
         return None
     return settings, (*notes, *more)
 
@@ -244,33 +247,27 @@ def _motion(
     """The file of the hull's motion beside the one of its forces."""
     if entry.motion is None:
         return None
-    found = setup.find(entry.motion)
+    found = setup.search.find(entry.motion)
     if found is None:
         if not any(item.action == "exclude" for item in corrections_of(entry.id, setup)):
-            out.problems.append(setup.missing_file(entry.motion, label))
+            out.problems.append(setup.search.missing(entry.motion, label, out.file))
         return None
     return replace(found, run=request.run)
 
 
-def out_of_range(given: Mapping[str, Any], label: str, setup: Setup, out: Assembled) -> bool:
+def out_of_range(given: Mapping[str, Any], label: str, out: Assembled) -> bool:
     """Whether settings out of cells are none that a campaign file may state; with problems."""
     from pmmkit.campaigns.file.schema import SettingsEntry, read_entry
 
     before = len(out.problems)
-    read_entry(SettingsEntry, dict(given), file=setup.toml, entry=label, problems=out.problems)
+    read_entry(SettingsEntry, dict(given), label, out)
     return len(out.problems) > before
 
 
-def needs(missing: Sequence[str], test: str, label: str, setup: Setup, out: Assembled) -> bool:
+def needs(missing: Sequence[str], test: str, label: str, out: Assembled) -> bool:
     """Whether a test lacks settings; with the problem."""
     if missing:
-        out.problems.append(
-            Problem(
-                message=f"a {test} test needs {', and '.join(missing)}.",
-                file=setup.toml,
-                entry=label,
-            )
-        )
+        out.report(f"a {test} test needs {', and '.join(missing)}.", label)
     return bool(missing)
 
 

@@ -10,16 +10,8 @@ from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.base import CampaignError, Problem
-from pmmkit.campaigns.file.remote_files import names_in
-from pmmkit.campaigns.file.search import (
-    InArchive,
-    Search,
-    folder_name,
-    folder_of,
-    origin_of,
-    with_curve,
-)
+from pmmkit.base import CampaignError
+from pmmkit.campaigns.file.search import InArchive, Search, folder_name, folder_of, origin_of
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import did_you_mean
 from pmmkit.files import CAMPAIGN, Origin, check_numbers, datasets_folder, local_copy, refuse_other
@@ -169,20 +161,14 @@ def _place(path: Path) -> Path:
         if (path / FILE_NAME).is_file():
             return path / FILE_NAME
         raise CampaignError(
-            Problem(
-                message=f"there is no {FILE_NAME} in this folder.",
-                file=str(path),
-                remedy=_remedy_in(path),
-            )
+            f"there is no {FILE_NAME} in this folder.", file=str(path), remedy=_remedy_in(path)
         )
     if not path.is_file():
         raise CampaignError(
-            Problem(
-                message="there is no such file or folder.",
-                file=str(path),
-                remedy=f"Name a folder with {FILE_NAME}, a .toml file, a saved campaign (.h5) or a "
-                f"zip archive with a {FILE_NAME}.",
-            )
+            "there is no such file or folder.",
+            file=str(path),
+            remedy=f"Name a folder with {FILE_NAME}, a .toml file, a saved campaign (.h5) or a "
+            f"zip archive with a {FILE_NAME}.",
         )
     return path
 
@@ -207,9 +193,7 @@ def _bytes(place: Path) -> bytes:
     try:
         return place.read_bytes()
     except OSError as error:
-        raise CampaignError(
-            Problem(message=f"cannot be read: {error.strerror}.", file=place.name)
-        ) from error
+        raise CampaignError(f"cannot be read: {error.strerror}.", file=place.name) from error
 
 
 def _text(data: bytes, place: Path) -> str:
@@ -218,19 +202,15 @@ def _text(data: bytes, place: Path) -> str:
     except UnicodeDecodeError as error:
         if data.startswith(SIGNATURE):
             raise CampaignError(
-                Problem(
-                    message="this is an HDF5 file and no campaign file.",
-                    file=place.name,
-                    remedy=f"If it is a saved campaign, call it {place.stem}.h5.",
-                )
+                "this is an HDF5 file and no campaign file.",
+                file=place.name,
+                remedy=f"If it is a saved campaign, call it {place.stem}.h5.",
             ) from error
         raise CampaignError(
-            Problem(
-                message=f"byte {data[error.start]:#04x} is not UTF-8 text.",
-                file=place.name,
-                row=data.count(b"\n", 0, error.start) + 1,
-                remedy="Save the campaign file as UTF-8.",
-            )
+            f"byte {data[error.start]:#04x} is not UTF-8 text.",
+            file=place.name,
+            row=data.count(b"\n", 0, error.start) + 1,
+            remedy="Save the campaign file as UTF-8.",
         ) from error
 
 
@@ -244,12 +224,10 @@ def _toml(text: str, place: Path) -> dict[str, Any]:
         row = int(line[1]) if line else None
         written = text.splitlines()[row - 1] if row and row <= len(text.splitlines()) else ""
         raise CampaignError(
-            Problem(
-                message=f"this is not valid TOML: {message}.",
-                file=place.name,
-                row=row,
-                remedy=_toml_remedy(written, message),
-            )
+            f"this is not valid TOML: {message}.",
+            file=place.name,
+            row=row,
+            remedy=_toml_remedy(written, message),
         ) from error
 
 
@@ -259,11 +237,9 @@ def _refuse_measurements(place: Path, error: Exception) -> None:
 
     if place.suffix.lower() != ".toml" and recognise(place) is not None:
         raise CampaignError(
-            Problem(
-                message="this is a file of measurements; the campaign file says what it holds.",
-                file=place.name,
-                remedy=_draft(place.parent),
-            )
+            "this is a file of measurements; the campaign file says what it holds.",
+            file=place.name,
+            remedy=_draft(place.parent),
         ) from error
 
 
@@ -272,13 +248,11 @@ def _check_end(raw: Mapping[str, Any], place: Path) -> None:
     head = raw.get("campaign")
     if isinstance(head, Mapping) and head.get("closed") is True and "end" not in raw:
         raise CampaignError(
-            Problem(
-                message=f"the file is cut off: it says closed = true, and its last line [end] is "
-                f"missing ({len(raw.get('runs', []))} runs are left).",
-                file=place.name,
-                remedy="Take it from its source again; if nothing is missing, write [end] as its "
-                "last line.",
-            )
+            f"the file is cut off: it says closed = true, and its last line [end] is "
+            f"missing ({len(raw.get('runs', []))} runs are left).",
+            file=place.name,
+            remedy="Take it from its source again; if nothing is missing, write [end] as its "
+            "last line.",
         )
 
 
@@ -309,41 +283,20 @@ def _assemble(
     from pmmkit.campaigns.file import particulars, schema
     from pmmkit.campaigns.file.assembly import Assembled
 
-    toml = place.name
-    out = Assembled()
-    problems = out.problems
+    out = Assembled(place.name)
     for name in raw:
         if name not in schema.TABLES:
-            problems.append(
-                Problem(
-                    message=f"not known{did_you_mean(name, schema.TABLES) or '.'}",
-                    file=toml,
-                    entry=f"[{name}]",
-                )
-            )
+            out.report(f"not known{did_you_mean(name, schema.TABLES) or '.'}", f"[{name}]")
     for name in ("campaign", "ship"):
         if name not in raw:
-            problems.append(Problem(message="this table is missing.", file=toml, entry=f"[{name}]"))
+            out.report("this table is missing.", f"[{name}]")
     if runs and not any(raw.get(name) for name in ("runs", "matrix", "tables")):
-        problems.append(
-            Problem(
-                message="there are no runs: neither [[runs]], [[matrix]] nor [[tables]].", file=toml
-            )
-        )
-    top = particulars.read_top(raw, toml, problems)
-    search = search.within(top.campaign.data_folder)
-    search.remote.find_all(names_in(raw))
-    propeller = with_curve(top.propeller, search, toml, problems)
-    setup = particulars.setup_of(
-        top,
-        find=search.find,
-        missing_file=lambda file, entry: search.missing(file, entry, toml),
-        toml=toml,
-    )
+        out.report("there are no runs: neither [[runs]], [[matrix]] nor [[tables]].")
+    campaign, setup, labels = particulars.read_tables(raw, search, out)
     _add_all(raw, setup, out)
-    _check_references(setup, out, top.correction_labels)
-    if problems:
-        raise CampaignError(problems, title=f"{place} cannot be used")
+    _check_references(setup, out, labels)
+    if out.problems:
+        raise CampaignError(out.problems, title=f"{place} cannot be used")
     reasons = {
         run.id: next(item.reason for item in run.corrections if item.action == "exclude")
         for run in out.runs
@@ -357,26 +310,10 @@ def _assemble(
     }
     if out.left_out:
         provenance["left_out"] = dict(out.left_out)
-    return Campaign(
-        title=top.campaign.title or folder_name(place, origin),
-        ship=setup.ship,
-        water=setup.water,
+    return campaign.with_(
+        title=campaign.title or folder_name(place, origin),
         runs=tuple(run for run in out.runs if run.id not in reasons),
-        kind=top.campaign.kind,
         excluded=tuple((run, reasons[run.id]) for run in out.runs if run.id in reasons),
-        forces=top.campaign.forces,
-        moment_reference_x=top.moment_reference_x,
-        moment_reference_z=top.campaign.moment_reference_z,
-        motion_reference_x=top.campaign.motion_reference_x,
-        free=tuple(top.campaign.free),
-        uncertainty=top.uncertainty,
-        cfd=MappingProxyType(top.cfd),
-        propeller=MappingProxyType(propeller),
-        rudder=MappingProxyType(top.rudder),
-        numerical=MappingProxyType(top.numerical),
-        trial=MappingProxyType(top.trial),
-        imo=MappingProxyType(top.imo),
-        report=MappingProxyType(top.report),
         folder=place.parent,
         provenance=MappingProxyType(provenance),
     )
@@ -389,41 +326,32 @@ def _add_all(raw: Mapping[str, Any], setup: Setup, out: Assembled) -> None:
     from pmmkit.campaigns.file.entries import add_run, add_table
     from pmmkit.campaigns.file.matrix import entries_of
 
-    defaults = read_defaults(raw.get("defaults", {}), setup.toml, out.problems)
+    defaults = read_defaults(raw.get("defaults", {}), out)
     listed = [
         (_label("runs", index, item), item)
-        for index, item in enumerate(_list(raw, "runs", setup.toml, out), start=1)
+        for index, item in enumerate(_list(raw, "runs", out), start=1)
     ]
-    for index, item in enumerate(_list(raw, "matrix", setup.toml, out), start=1):
+    for index, item in enumerate(_list(raw, "matrix", out), start=1):
         label = _label("matrix", index, item)
-        matrix = schema.read_entry(
-            schema.MatrixEntry, item, file=setup.toml, entry=label, problems=out.problems
-        )
+        matrix = schema.read_entry(schema.MatrixEntry, item, label, out)
         if matrix is not None:
             listed += entries_of(matrix, label, setup, out)
         else:
             out.incomplete = True
     for label, item in listed:
-        entry = schema.read_entry(
-            schema.RunEntry,
-            with_defaults(item, defaults),
-            file=setup.toml,
-            entry=label,
-            problems=out.problems,
-        )
+        entry = schema.read_entry(schema.RunEntry, with_defaults(item, defaults), label, out)
         if entry is not None:
             add_run(entry, label, setup, out)
         elif isinstance(item, Mapping) and isinstance(item.get("id"), str):
-            out.claim(item["id"], label, setup.toml)
-    for index, item in enumerate(_list(raw, "tables", setup.toml, out), start=1):
+            out.claim(item["id"], label)
+    for index, item in enumerate(_list(raw, "tables", out), start=1):
         label = _label("tables", index, item)
         own = item.get("columns", {}) if isinstance(item, Mapping) else {}
         table = schema.read_entry(
             schema.TableEntry,
             with_defaults(item, defaults, mapped={*setup.columns, *own}, histories=False),
-            file=setup.toml,
-            entry=label,
-            problems=out.problems,
+            label,
+            out,
         )
         if table is not None:
             add_table(table, label, setup, out)
@@ -431,13 +359,11 @@ def _add_all(raw: Mapping[str, Any], setup: Setup, out: Assembled) -> None:
             out.incomplete = True
 
 
-def _list(raw: Mapping[str, Any], name: str, toml: str, out: Assembled) -> list[Any]:
+def _list(raw: Mapping[str, Any], name: str, out: Assembled) -> list[Any]:
     listed = raw.get(name, [])
     if isinstance(listed, list):
         return listed
-    out.problems.append(
-        Problem(message="must be written in double brackets.", file=toml, entry=f"[[{name}]]")
-    )
+    out.report("must be written in double brackets.", f"[[{name}]]")
     return []
 
 
@@ -456,30 +382,18 @@ def _check_references(setup: Setup, out: Assembled, labels: Mapping[int, str]) -
             one = type(item)(runs=(pattern,), action=item.action, reason=item.reason)
             if not any(one.applies_to(run_id) for run_id in out.ids):
                 guess = did_you_mean(pattern, out.ids) or "."
-                out.problems.append(
-                    Problem(
-                        message=f"no run has the id {pattern!r}{guess}",
-                        file=setup.toml,
-                        entry=labels.get(index),
-                    )
-                )
+                out.report(f"no run has the id {pattern!r}{guess}", labels.get(index))
     for name in setup.trial.get("order", {}):
         if name not in out.ids:
-            out.problems.append(
-                Problem(
-                    message=f"no run has the id {name!r}{did_you_mean(name, out.ids) or '.'}",
-                    file=setup.toml,
-                    entry="[trial], key 'order'",
-                )
+            out.report(
+                f"no run has the id {name!r}{did_you_mean(name, out.ids) or '.'}",
+                "[trial], key 'order'",
             )
     for run in out.runs:
         other = run.settings.repeat_of
         if other is not None and other not in out.ids:
-            out.problems.append(
-                Problem(
-                    message=f"repeat_of names {other!r}, which is not a run"
-                    f"{did_you_mean(other, out.ids) or '.'}",
-                    file=setup.toml,
-                    entry=out.ids[run.id],
-                )
+            out.report(
+                f"repeat_of names {other!r}, which is not a run"
+                f"{did_you_mean(other, out.ids) or '.'}",
+                out.ids[run.id],
             )

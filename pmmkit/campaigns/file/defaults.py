@@ -6,8 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from pmmkit.base import Problem
-from pmmkit.campaigns.file.schema import DefaultsEntry, read_entry
+from pmmkit.campaigns.file.schema import DefaultsEntry, Faults, read_entry
 from pmmkit.campaigns.test_kinds.kind import TestKind
 from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
 
@@ -41,43 +40,36 @@ class Defaults:
     of_kind: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
-def read_defaults(raw: Any, toml: str, problems: list[Problem]) -> Defaults:
-    """``[defaults]``, validated; keys that are wrong are left out and added to `problems`."""
+def read_defaults(raw: Any, out: Faults) -> Defaults:
+    """``[defaults]``, validated; keys that are wrong are left out and added to `out`."""
     if not isinstance(raw, Mapping):
-        problems.append(Problem(message="must be a table.", file=toml, entry="[defaults]"))
+        out.report("must be a table.", "[defaults]")
         return Defaults()
     tables = {
         name: item
         for name, item in raw.items()
         if isinstance(item, Mapping) and name not in _NO_KINDS
     }
-    problems += [
-        Problem(message=not_a_kind(name), file=toml, entry=f"[defaults.{name}]")
-        for name in tables
-        if name not in kinds()
-    ]
+    for name in tables:
+        if name not in kinds():
+            out.report(not_a_kind(name), f"[defaults.{name}]")
     return Defaults(
         every=_valid(
-            {name: item for name, item in raw.items() if name not in tables},
-            "[defaults]",
-            toml,
-            problems,
+            {name: item for name, item in raw.items() if name not in tables}, "[defaults]", out
         ),
         of_kind={
-            name: _valid(item, f"[defaults.{name}]", toml, problems)
+            name: _valid(item, f"[defaults.{name}]", out)
             for name, item in tables.items()
             if name in kinds()
         },
     )
 
 
-def _valid(
-    raw: Mapping[str, Any], entry: str, toml: str, problems: list[Problem]
-) -> dict[str, Any]:
+def _valid(raw: Mapping[str, Any], entry: str, out: Faults) -> dict[str, Any]:
     return {
         name: item
         for name, item in raw.items()
-        if read_entry(DefaultsEntry, {name: item}, file=toml, entry=entry, problems=problems)
+        if read_entry(DefaultsEntry, {name: item}, entry, out)
     }
 
 

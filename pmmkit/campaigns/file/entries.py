@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 def add_run(entry: RunEntry, label: str, setup: Setup, out: Assembled) -> None:
     """One entry of ``[[runs]]``: a history, or a row of a table."""
-    out.claim(entry.id, label, setup.toml)
+    out.claim(entry.id, label)
     setup = computed(setup, entry)
     request = request_of(entry, label, setup, out)
     if request is None:
@@ -80,7 +80,7 @@ def add_table(entry: TableEntry, label: str, setup: Setup, out: Assembled) -> No
         problems.append(
             Problem(
                 message=f"{len(chosen)} rows would all have the id {entry.id!r}.",
-                file=setup.toml,
+                file=out.file,
                 entry=label,
                 remedy='Put a column of theirs in it, e.g. id = "SD_{Run No.}".',
             )
@@ -93,7 +93,7 @@ def add_table(entry: TableEntry, label: str, setup: Setup, out: Assembled) -> No
         for index in kept:
             run_id = filled_in(entry.id, cells, index)[0]
             place = f"{label}, row {cells.lines[index]} of {entry.file}"
-            out.claim(run_id, place, setup.toml)
+            out.claim(run_id, place)
             add_row(entry, run_id, place, request, table, index, setup, out)
         return
     samples: dict[str, list[int]] = {}
@@ -101,5 +101,5 @@ def add_table(entry: TableEntry, label: str, setup: Setup, out: Assembled) -> No
         samples.setdefault(filled_in(entry.id, cells, index)[0], []).append(index)
     for run_id, rows in samples.items():
         place = f"{label}, rows {cells.lines[rows[0]]} to {cells.lines[rows[-1]]} of {entry.file}"
-        out.claim(run_id, place, setup.toml)
+        out.claim(run_id, place)
         add_samples(entry, run_id, place, request, table, rows, setup, out)

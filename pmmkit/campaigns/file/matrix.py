@@ -34,9 +34,9 @@ def entries_of(
     matrix: MatrixEntry, label: str, setup: Setup, out: Assembled
 ) -> Iterator[tuple[str, dict[str, Any]]]:
     """An entry of ``[[runs]]`` for every row that is not left out, with its place in words."""
-    found = setup.find(matrix.file)
+    found = setup.search.find(matrix.file)
     if found is None:
-        out.problems.append(setup.missing_file(matrix.file, label))
+        out.problems.append(setup.search.missing(matrix.file, label, out.file))
         out.incomplete = True
         return
     stated = {} if matrix.source is None else matrix.source.model_dump(exclude_unset=True)
@@ -52,7 +52,10 @@ def entries_of(
     picked, problems = pick(cells.headers, len(cells.headers), specs, request, table=True)
     chosen, unfit = matching_rows(cells, matrix.where, request)
     templates = " ".join((matrix.id, matrix.test, matrix.run, matrix.run_sheet or ""))
-    problems += [*unfit, *(no_column(cells, name, request) for name in _missing(templates, cells))]
+    problems += [
+        *unfit,
+        *(no_column(cells, name, request) for name in filled_in(templates, cells, 0)[1]),
+    ]
     out.problems += problems
     if problems:
         out.incomplete = True
@@ -63,10 +66,6 @@ def entries_of(
         if line not in matrix.skip:
             place = f"{label}, row {line} of {matrix.file}"
             yield place, _entry(matrix, cells, settings, index, request, out)
-
-
-def _missing(templates: str, cells: Cells) -> list[str]:
-    return filled_in(templates, cells, 0)[1]
 
 
 def _entry(

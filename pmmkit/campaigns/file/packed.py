@@ -113,16 +113,14 @@ def packed_campaign(archive: Path) -> Packed:
     if len(homes) != 1:
         listed = ", ".join(list(contents.files)[:8]) or "nothing"
         raise CampaignError(
-            Problem(
-                message=f"the archive holds {len(homes)} files {CAMPAIGN.file}, not one."
-                if homes
-                else f"the archive holds no {CAMPAIGN.file}; it has {listed}.",
-                file=archive.name,
-                remedy=_UNPACK
-                if homes
-                else f"Write a {CAMPAIGN.file} beside it whose runs have file = {archive.name!r} "
-                "and source = { group = … }, the name of the file inside.",
-            )
+            f"the archive holds {len(homes)} files {CAMPAIGN.file}, not one."
+            if homes
+            else f"the archive holds no {CAMPAIGN.file}; it has {listed}.",
+            file=archive.name,
+            remedy=_UNPACK
+            if homes
+            else f"Write a {CAMPAIGN.file} beside it whose runs have file = {archive.name!r} "
+            "and source = { group = … }, the name of the file inside.",
         )
     return Packed(archive=archive, contents=contents, name=homes[0])
 

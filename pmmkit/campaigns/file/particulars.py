@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
 
-from pmmkit.base import DataError, PmmkitError, Problem
+from pmmkit.base import DataError, PmmkitError
 from pmmkit.campaigns.file.assembly import Setup
+from pmmkit.campaigns.file.remote_files import names_in
 from pmmkit.campaigns.file.report_entry import ReportEntry
-from pmmkit.campaigns.file.schema import CorrectionEntry, known_columns, read_entry, read_named
+from pmmkit.campaigns.file.schema import (
+    CorrectionEntry,
+    Faults,
+    known_columns,
+    read_entry,
+    read_named,
+)
+from pmmkit.campaigns.file.search import Search, with_curve
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
     CampaignEntry,
@@ -27,14 +35,14 @@ from pmmkit.campaigns.file.single_tables import (
     WaterEntry,
 )
 from pmmkit.campaigns.motion.solver_axes import Solver
-from pmmkit.campaigns.run import Correction
+from pmmkit.campaigns.run import Campaign, Correction
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec
 from pmmkit.campaigns.samples.conversions import Frame
 from pmmkit.campaigns.samples.corrections import shift_in_si
 from pmmkit.campaigns.test_kinds.struts import Struts
 from pmmkit.campaigns.uncertainty import CENTRE_STD, STATABLE, Statable, TypeB
 from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, did_you_mean, factor_to
-from pmmkit.readers import Options, Request
+from pmmkit.readers import Options
 
 _NEUTRAL_SHIP: Final = Ship(name="", L=1.0, B=1.0, d=1.0, volume=1.0, mass=1.0, Izz=1.0)
 """Stands in where the particulars are wrong, so that all other problems are still found."""
@@ -43,141 +51,106 @@ _STATABLE: Final = {item.key: item for item in STATABLE.values()}
 """By key under ``[uncertainty]``."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Top:
-    """The single tables of a campaign file, validated."""
-
-    campaign: CampaignEntry
-    ship: Ship
-    water: Water
-    source: SourceEntry
-    columns: Mapping[str, ColumnSpec]
-    axes: AxesEntry
-    struts: StrutsEntry | None
-    moment_reference_x: float
-    cfd: dict[str, Any]
-    numerical: dict[str, float]
-    propeller: dict[str, Any]
-    rudder: dict[str, Any]
-    trial: dict[str, Any]
-    imo: dict[str, Any]
-    report: dict[str, Any]
-    uncertainty: tuple[TypeB, ...]
-    corrections: tuple[Correction, ...]
-    correction_labels: Mapping[int, str]
-
-
-def read_top(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> Top:
-    """All tables except runs and tables; what is wrong is added to `problems`."""
+def read_tables(
+    raw: Mapping[str, Any], search: Search, out: Faults
+) -> tuple[Campaign, Setup, Mapping[int, str]]:
+    """All tables but those of runs; what is wrong is added to `out`."""
 
     def table(name: str, model: type[Any]) -> Any:
-        found = read_entry(
-            model, raw.get(name, {}), file=toml, entry=f"[{name}]", problems=problems
-        )
+        found = read_entry(model, raw.get(name, {}), f"[{name}]", out)
         return model() if found is None else found
 
-    campaign: CampaignEntry = table("campaign", CampaignEntry)
+    head: CampaignEntry = table("campaign", CampaignEntry)
     cfd: CfdEntry = table("cfd", CfdEntry)
-    water = _water(table("water", WaterEntry), campaign, raw, toml, problems)
-    before = len(problems)
+    water = _water(table("water", WaterEntry), head, raw, out)
+    before = len(out.problems)
     ship_entry: ShipEntry = table("ship", ShipEntry)
     ship = _NEUTRAL_SHIP
-    if "ship" in raw and len(problems) == before:
-        ship = _ship(ship_entry, water, toml, problems) or ship
+    if "ship" in raw and len(out.problems) == before:
+        ship = _ship(ship_entry, water, out) or ship
     source: SourceEntry = table("source", SourceEntry)
     if source.nondimensional and cfd.rho_inf is not None:
-        problems.append(
-            Problem(
-                message="rho_inf is for forces per density; [source] says they are "
-                f"non-dimensional ({source.nondimensional}).",
-                file=toml,
-                entry="[cfd], key 'rho_inf'",
-            )
+        out.report(
+            "rho_inf is for forces per density; [source] says they are "
+            f"non-dimensional ({source.nondimensional}).",
+            "[cfd], key 'rho_inf'",
         )
-    if "trial" in raw and campaign.kind == "captive":
-        problems.append(
-            Problem(
-                message="is for sea trials; the campaign is captive.",
-                file=toml,
-                entry="[trial]",
-                remedy='Write kind = "free-running" under [campaign].',
-            )
+    if "trial" in raw and head.kind == "captive":
+        out.report(
+            "is for sea trials; the campaign is captive.",
+            "[trial]",
+            remedy='Write kind = "free-running" under [campaign].',
         )
-    corrections, labels = _corrections(raw, toml, problems)
-    uncertainty = _uncertainty(raw, toml, problems)
-    return Top(
-        campaign=campaign,
+    corrections, labels = _corrections(raw, out)
+    uncertainty = _uncertainty(raw, out)
+    columns = _columns(raw, out)
+    axes: AxesEntry = table("axes", AxesEntry)
+    struts = read_entry(StrutsEntry, raw["struts"], "[struts]", out) if "struts" in raw else None
+    centre_x = _moment_reference(head, cfd, out)
+    stated = _given(cfd)
+    propeller = _stated_part("propeller", raw, out)
+    rudder = _stated_part("rudder", raw, out)
+    trial = MappingProxyType(_given(table("trial", TrialEntry)))
+    imo = _given(table("imo", ImoEntry))
+    report = table("report", ReportEntry).model_dump(exclude_defaults=True)
+    search = search.within(head.data_folder)
+    search.remote.find_all(names_in(raw))
+    turned = (("x", axes.x), ("y", axes.y), ("z", axes.z))
+    setup = Setup(
         ship=ship,
         water=water,
-        source=source,
-        columns=_columns(raw, toml, problems),
-        axes=table("axes", AxesEntry),
-        struts=read_entry(
-            StrutsEntry, raw["struts"], file=toml, entry="[struts]", problems=problems
-        )
-        if "struts" in raw
-        else None,
-        moment_reference_x=_moment_reference(campaign, cfd, toml, problems),
-        cfd=_given(cfd),
-        numerical={} if cfd.U_SN is None else _given(cfd.U_SN),
-        propeller=_stated_part("propeller", raw, toml, problems),
-        rudder=_stated_part("rudder", raw, toml, problems),
-        trial=_given(table("trial", TrialEntry)),
-        imo=_given(table("imo", ImoEntry)),
-        report=table("report", ReportEntry).model_dump(exclude_defaults=True),
-        uncertainty=(*uncertainty, *_assumed(uncertainty, ship_entry, ship, campaign)),
-        corrections=corrections,
-        correction_labels=labels,
-    )
-
-
-def setup_of(
-    top: Top,
-    *,
-    find: Callable[[str], Request | None],
-    missing_file: Callable[[str, str], Problem],
-    toml: str,
-) -> Setup:
-    """What the runs need to know of the campaign."""
-    axes = (("x", top.axes.x), ("y", top.axes.y), ("z", top.axes.z))
-    reversed_axes = "".join(axis for axis, stated in axes if stated.startswith("-"))
-    rho_inf = top.cfd.get("rho_inf")
-    return Setup(
-        ship=top.ship,
-        water=top.water,
-        kind=top.campaign.kind,
-        forces=top.campaign.forces,
+        kind=head.kind,
+        forces=head.forces,
         frame=Frame(
-            reversed_axes=reversed_axes,
-            rudder_to_port=top.campaign.rudder_positive == "port",
-            drift_positive=top.campaign.drift_positive,
-            symmetry_factor=top.cfd.get("symmetry_factor", 1.0),
-            density_factor=1.0 if rho_inf is None else top.water.rho / rho_inf,
+            reversed_axes="".join(axis for axis, given in turned if given.startswith("-")),
+            rudder_to_port=head.rudder_positive == "port",
+            drift_positive=head.drift_positive,
+            symmetry_factor=stated.get("symmetry_factor", 1.0),
+            density_factor=1.0 if cfd.rho_inf is None else water.rho / cfd.rho_inf,
         ),
-        options=Options(**top.source.model_dump()),
-        columns=top.columns,
-        corrections=top.corrections,
+        options=Options(**source.model_dump()),
+        columns=columns,
+        corrections=corrections,
         struts=None
-        if top.struts is None
+        if struts is None
         else Struts(
-            spacing=top.struts.spacing,
-            centre_x=top.struts.centre_x,
-            slides=top.struts.slides,
-            motion_x=top.campaign.motion_reference_x,
+            spacing=struts.spacing,
+            centre_x=struts.centre_x,
+            slides=struts.slides,
+            motion_x=head.motion_reference_x,
         ),
         solver=Solver(
-            axes=top.cfd.get("forces_in", "body"),
-            centre_moves=top.cfd.get("moment_centre_moves", True),
-            centre_x=top.moment_reference_x,
-            motion_x=top.campaign.motion_reference_x,
-            ramp=top.cfd.get("ramp_s", 0.0),
-            stated=frozenset(top.cfd),
+            axes=stated.get("forces_in", "body"),
+            centre_moves=stated.get("moment_centre_moves", True),
+            centre_x=centre_x,
+            motion_x=head.motion_reference_x,
+            ramp=stated.get("ramp_s", 0.0),
+            stated=frozenset(stated),
         ),
-        find=find,
-        missing_file=missing_file,
-        toml=toml,
-        trial=MappingProxyType(top.trial),
+        search=search,
+        trial=trial,
     )
+    campaign = Campaign(
+        title=head.title,
+        ship=ship,
+        water=water,
+        runs=(),
+        kind=head.kind,
+        forces=head.forces,
+        moment_reference_x=centre_x,
+        moment_reference_z=head.moment_reference_z,
+        motion_reference_x=head.motion_reference_x,
+        free=tuple(head.free),
+        uncertainty=(*uncertainty, *_assumed(uncertainty, ship_entry, ship, head)),
+        cfd=MappingProxyType(stated),
+        propeller=MappingProxyType(with_curve(propeller, search, out)),
+        rudder=MappingProxyType(rudder),
+        numerical=MappingProxyType({} if cfd.U_SN is None else _given(cfd.U_SN)),
+        trial=trial,
+        imo=MappingProxyType(imo),
+        report=MappingProxyType(report),
+    )
+    return campaign, setup, labels
 
 
 def _given(entry: StrictTable) -> dict[str, Any]:
@@ -185,52 +158,39 @@ def _given(entry: StrictTable) -> dict[str, Any]:
 
 
 def _water(
-    entry: WaterEntry,
-    campaign: CampaignEntry,
-    raw: Mapping[str, Any],
-    toml: str,
-    problems: list[Problem],
+    entry: WaterEntry, campaign: CampaignEntry, raw: Mapping[str, Any], out: Faults
 ) -> Water:
     stated = raw.get("water", {})
     if campaign.kind == "captive" and isinstance(stated, Mapping) and "rho" not in stated:
-        problems.append(
-            Problem(
-                message="is missing.",
-                file=toml,
-                entry="[water], key 'rho'",
-                remedy="State the density of the tank's water [kg/m³].",
-            )
+        out.report(
+            "is missing.",
+            "[water], key 'rho'",
+            remedy="State the density of the tank's water [kg/m³].",
         )
     return Water(**_given(entry))
 
 
-def _ship(entry: ShipEntry, water: Water, toml: str, problems: list[Problem]) -> Ship | None:
+def _ship(entry: ShipEntry, water: Water, out: Faults) -> Ship | None:
     if entry.model_fields_set == {"name"}:
         from pmmkit.models import load_ship
 
         try:
             return load_ship(entry.name)
         except PmmkitError as error:
-            problems.append(
-                Problem(
-                    message=str(error),
-                    file=toml,
-                    entry="[ship], key 'name'",
-                    remedy="Or give the particulars in full: L, B, d, mass, volume, Izz.",
-                )
+            out.report(
+                str(error),
+                "[ship], key 'name'",
+                remedy="Or give the particulars in full: L, B, d, mass, volume, Izz.",
             )
             return None
     missing = [name for name in ("L", "B", "d", "Izz") if getattr(entry, name) is None]
     if entry.mass is None and entry.volume is None:
         missing.append("mass or volume")
     if missing:
-        problems.append(
-            Problem(
-                message=f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing.",
-                file=toml,
-                entry="[ship]",
-                remedy="Give the particulars in full, or only the name of a ship of the library.",
-            )
+        out.report(
+            f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing.",
+            "[ship]",
+            remedy="Give the particulars in full, or only the name of a ship of the library.",
         )
         return None
     volume = entry.volume if entry.volume is not None else (entry.mass or 0.0) / water.rho
@@ -273,92 +233,66 @@ def _assumed(
     return [TypeB(name="xG", std=CENTRE_STD * ship.L, shared=True, assumed=True)]
 
 
-def _moment_reference(
-    campaign: CampaignEntry, cfd: CfdEntry, toml: str, problems: list[Problem]
-) -> float:
+def _moment_reference(campaign: CampaignEntry, cfd: CfdEntry, out: Faults) -> float:
     stated, centre = campaign.moment_reference_x, cfd.moment_centre
     if stated is not None and centre is not None and stated != centre:
-        problems.append(
-            Problem(
-                message=f"is {centre:g} m; moment_reference_x of [campaign] is {stated:g} m.",
-                file=toml,
-                entry="[cfd], key 'moment_centre'",
-                remedy="They mean the same: state one.",
-            )
+        out.report(
+            f"is {centre:g} m; moment_reference_x of [campaign] is {stated:g} m.",
+            "[cfd], key 'moment_centre'",
+            remedy="They mean the same: state one.",
         )
     return next((value for value in (stated, centre) if value is not None), 0.0)
 
 
-def _columns(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> dict[str, ColumnSpec]:
-    found = read_named(
-        ColumnEntry, raw.get("columns", {}), file=toml, entry="[columns]", problems=problems
-    )
+def _columns(raw: Mapping[str, Any], out: Faults) -> dict[str, ColumnSpec]:
+    found = read_named(ColumnEntry, raw.get("columns", {}), "[columns]", out)
     try:
         known_columns(found)
     except ValueError as error:
-        problems.append(Problem(message=f"{error}.", file=toml, entry="[columns]"))
+        out.report(f"{error}.", "[columns]")
     return {name: ColumnSpec(**column.model_dump()) for name, column in found.items()}
 
 
-def _stated_part(
-    name: str, raw: Mapping[str, Any], toml: str, problems: list[Problem]
-) -> dict[str, Any]:
-    """What is stated of the propeller or the rudder; what is wrong is added to `problems`."""
+def _stated_part(name: str, raw: Mapping[str, Any], out: Faults) -> dict[str, Any]:
+    """What is stated of the propeller or the rudder; what is wrong is added to `out`."""
     from pmmkit.models import problems_of
 
     if name not in raw:
         return {}
     table = raw[name]
     if not isinstance(table, Mapping):
-        problems.append(Problem(message="must be a table.", file=toml, entry=f"[{name}]"))
+        out.report("must be a table.", f"[{name}]")
         return {}
-    problems += [
-        Problem(message=fault, file=toml, entry=f"[{name}]" + (f", key {key!r}" if key else ""))
-        for key, fault in problems_of(name, table)
-    ]
+    for key, fault in problems_of(name, table):
+        out.report(fault, f"[{name}]" + (f", key {key!r}" if key else ""))
     return dict(table)
 
 
-def _uncertainty(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> tuple[TypeB, ...]:
+def _uncertainty(raw: Mapping[str, Any], out: Faults) -> tuple[TypeB, ...]:
     table = raw.get("uncertainty", {})
     if not isinstance(table, Mapping):
-        problems.append(Problem(message="must be a table.", file=toml, entry="[uncertainty]"))
+        out.report("must be a table.", "[uncertainty]")
         return ()
     found: list[TypeB] = []
     for name, value in table.items():
         entry = f"[uncertainty], key {name!r}"
         if name not in _STATABLE:
-            problems.append(
-                Problem(
-                    message=f"not known{did_you_mean(name, _STATABLE) or '.'}",
-                    file=toml,
-                    entry=entry,
-                )
-            )
+            out.report(f"not known{did_you_mean(name, _STATABLE) or '.'}", entry)
             continue
         for item in value if isinstance(value, list) else [value]:
             number = isinstance(item, (int, float)) and not isinstance(item, bool)
-            stated = read_entry(
-                UncertainEntry,
-                {"std": item} if number else item,
-                file=toml,
-                entry=entry,
-                problems=problems,
-            )
+            stated = read_entry(UncertainEntry, {"std": item} if number else item, entry, out)
             if stated is not None:
-                found += _type_b(_STATABLE[name], stated, entry, toml, problems)
+                found += _type_b(_STATABLE[name], stated, entry, out)
     return tuple(found)
 
 
-def _type_b(
-    known: Statable, stated: UncertainEntry, entry: str, toml: str, problems: list[Problem]
-) -> list[TypeB]:
+def _type_b(known: Statable, stated: UncertainEntry, entry: str, out: Faults) -> list[TypeB]:
     shared = stated.shared
     if shared is None:
         shared = known.single or bool(stated.common)
     if stated.common and not shared:
-        message = "has a common cause, so all runs share it: take shared = false away."
-        problems.append(Problem(message=message, file=toml, entry=entry))
+        out.report("has a common cause, so all runs share it: take shared = false away.", entry)
         return []
     found = TypeB(name=known.name, std=stated.std, shared=shared, common=stated.common)
     if stated.unit == "%":
@@ -369,38 +303,30 @@ def _type_b(
         try:
             factor = factor_to(str(stated.unit), target)
         except DataError as error:
-            problems.append(Problem(message=str(error), file=toml, entry=entry))
+            out.report(str(error), entry)
             return []
     if factor is None:
-        problems.append(
-            Problem(
-                message=f"is measured in {target}, not in {stated.unit!r}.", file=toml, entry=entry
-            )
-        )
+        out.report(f"is measured in {target}, not in {stated.unit!r}.", entry)
         return []
     radians = math.pi / 180 if target == "deg" else 1.0
     return [replace(found, std=stated.std * factor * radians)]
 
 
 def _corrections(
-    raw: Mapping[str, Any], toml: str, problems: list[Problem]
+    raw: Mapping[str, Any], out: Faults
 ) -> tuple[tuple[Correction, ...], dict[int, str]]:
     listed = raw.get("corrections", [])
     if not isinstance(listed, list):
-        problems.append(
-            Problem(
-                message="must be written in double brackets.", file=toml, entry="[[corrections]]"
-            )
-        )
+        out.report("must be written in double brackets.", "[[corrections]]")
         return (), {}
     found: list[Correction] = []
     labels: dict[int, str] = {}
     for number, item in enumerate(listed, start=1):
         label = f"[[corrections]] #{number}"
-        entry = read_entry(CorrectionEntry, item, file=toml, entry=label, problems=problems)
+        entry = read_entry(CorrectionEntry, item, label, out)
         if entry is None:
             continue
-        values = _correction_values(entry, label, toml, problems)
+        values = _correction_values(entry, label, out)
         labels[len(found)] = label
         found.append(
             Correction(
@@ -413,9 +339,7 @@ def _corrections(
     return tuple(found), labels
 
 
-def _correction_values(
-    entry: CorrectionEntry, label: str, toml: str, problems: list[Problem]
-) -> dict[str, Any]:
+def _correction_values(entry: CorrectionEntry, label: str, out: Faults) -> dict[str, Any]:
     if entry.action == "set":
         return entry.settings()
     values: dict[str, Any] = {"channels": list(entry.channels)} if entry.channels else {}
@@ -431,5 +355,5 @@ def _correction_values(
                 )
             values["value"] = shifted
         except DataError as error:
-            problems.append(Problem(message=str(error), file=toml, entry=f"{label}, key 'unit'"))
+            out.report(str(error), f"{label}, key 'unit'")
     return values

@@ -113,14 +113,12 @@ def _below(folder: str | None, file: str) -> Iterator[str]:
 
 def _outside(message: str) -> DataError:
     return DataError(
-        Problem(
-            message=message,
-            remedy=Remedy(
-                "A campaign behind a URL names files below its own folder; {} may name another one "
-                "besides.",
-                (setting("data"),),
-            ),
-        )
+        message,
+        remedy=Remedy(
+            "A campaign behind a URL names files below its own folder; {} may name another one "
+            "besides.",
+            (setting("data"),),
+        ),
     )
 
 

@@ -41,7 +41,7 @@ def with_columns(text: str, columns: Mapping[str, Any]) -> str:
     raw = _read(text)
     held = {**raw.get("columns", {}), **columns}
     wanted = {**raw, "columns": {name: item for name, item in held.items() if item is not None}}
-    lines = text.splitlines()
+    lines = text.split("\n")
     found = _sections(lines, "columns")
     if not found:
         place = min(
@@ -85,7 +85,7 @@ def with_correction(text: str, entry: Mapping[str, Any]) -> str:
     """
     raw = _read(text)
     listed = list(raw.get("corrections", []))
-    lines = text.splitlines()
+    lines = text.split("\n")
     place = _same(listed, entry)
     if place is None:
         end = next((i for i, line in enumerate(lines) if _named(line) == "end"), len(lines))
@@ -120,7 +120,7 @@ def without_correction(text: str, entry: Mapping[str, Any]) -> str:
     place = _same(listed, entry)
     if place is None:
         raise DataError("The campaign file has no such correction.")
-    lines = text.splitlines()
+    lines = text.split("\n")
     start, stop = _sections(lines, "corrections")[place]
     before = start and not lines[start - 1].strip()
     del lines[start - bool(before) : stop]
@@ -211,7 +211,8 @@ def _inline(value: Any) -> str:
 
 def _checked(lines: Sequence[str], wanted: Mapping[str, Any]) -> str:
     """The text, where it says what it should and nothing else."""
-    text = "\n".join(lines).rstrip("\n") + "\n"
+    end = "\r\n" if any(line.endswith("\r") for line in lines) else "\n"
+    text = end.join(line.removesuffix("\r") for line in lines)
     if _read(text) != wanted:
         raise DataError(
             "The campaign file is written so that this cannot be changed without touching more of "

@@ -14,6 +14,7 @@ from pmmkit.campaigns.file.assembly import (
     Assembled,
     Found,
     Setup,
+    context_of,
     corrections_of,
     needs,
     numbers_in,
@@ -28,7 +29,7 @@ from pmmkit.campaigns.file.settings import missing_settings
 from pmmkit.campaigns.run import Kind, Run
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import in_phase_parts
-from pmmkit.campaigns.samples.loading import Context, RowLoader, at_hand, check_rows
+from pmmkit.campaigns.samples.loading import RowLoader, at_hand, check_rows
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.conventions import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
 from pmmkit.numerics import Array
@@ -140,8 +141,8 @@ def add_row(
             )
         )
         return
-    if out_of_range(from_cells, label, setup, out) or needs(
-        missing_settings(entry.test, given, values), entry.test, label, setup, out
+    if out_of_range(from_cells, label, out) or needs(
+        missing_settings(entry.test, given, values), entry.test, label, out
     ):
         return
     frame = replace(setup.frame, nondimensional=request.options.nondimensional)
@@ -156,17 +157,7 @@ def add_row(
         request=request,
         kind=kind,
         values=MappingProxyType(values),
-        context=Context(
-            ship=setup.ship,
-            water=setup.water,
-            speed=settings.speed,
-            frame=frame,
-            corrections=corrections,
-            notes=notes,
-            solver=setup.solver,
-            test=entry.test,
-            settings=settings,
-        ),
+        context=context_of(entry.test, settings, frame, corrections, notes, setup),
         dimensional=dimensional,
         turned=frame.motion_sign(entry.test) < 0,
         notes=(*cells.notes, *(column.note for column in picked if column.note)),
@@ -180,7 +171,7 @@ def add_row(
         stated=numbers_in(stated),
         source=f"{entry.file} row {line}",
     )
-    windows_fit(corrections, "a row of a table has no samples", label, setup, out)
+    windows_fit(corrections, "a row of a table has no samples", label, out)
     out.runs.append(said(run, corrections, setup))
 
 
@@ -259,7 +250,7 @@ def add_samples(
     if problem:
         out.problems.append(request.problem(problem, row=cells.lines[rows[0]]))
         return
-    if needs(missing_settings(entry.test, given, kept), entry.test, label, setup, out):
+    if needs(missing_settings(entry.test, given, kept), entry.test, label, out):
         return
     frame = replace(setup.frame, nondimensional=request.options.nondimensional)
     settled = settings_in(entry.test, given, frame, label, setup, out)
@@ -273,17 +264,7 @@ def add_samples(
         request=request,
         kind="history",
         values=MappingProxyType({name: tuple(map(float, x)) for name, x in kept.items()}),
-        context=Context(
-            ship=setup.ship,
-            water=setup.water,
-            speed=settings.speed,
-            frame=frame,
-            corrections=corrections,
-            notes=(*more, *notes),
-            solver=setup.solver,
-            test=entry.test,
-            settings=settings,
-        ),
+        context=context_of(entry.test, settings, frame, corrections, (*more, *notes), setup),
         dimensional=dimensional,
         notes=(*cells.notes, *(column.note for column in picked if column.note)),
     )

@@ -6,13 +6,14 @@ Ship, Run and Campaign. The module is imported only when a campaign file is read
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Annotated, Any, Final, Literal, TypeVar
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
-from pmmkit.base import DataError, Problem
+from pmmkit.base import DataError, Problem, Remedy
 from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
@@ -50,6 +51,28 @@ from pmmkit.conventions import (
 # What is wrong with a key of a campaign file, in words.
 
 
+@dataclass
+class Faults:
+    """What is wrong with a file, as it is found.
+
+    Parameters
+    ----------
+    file : str
+        Its name, for messages.
+    problems : list of Problem
+        What was found.
+    """
+
+    file: str
+    problems: list[Problem] = field(default_factory=list)
+
+    def report(
+        self, message: str, entry: str | None = None, remedy: str | Remedy | None = None
+    ) -> None:
+        """Note a problem of an entry, such as ``[ship], key 'L'``."""
+        self.problems.append(Problem(message=message, file=self.file, entry=entry, remedy=remedy))
+
+
 def fault_words(found: Mapping[str, Any], key: str, known: Sequence[str]) -> str:
     """What is wrong with a key, from an error of pydantic."""
     kind, given, extra = found["type"], found.get("input"), found.get("ctx", {})
@@ -58,7 +81,8 @@ def fault_words(found: Mapping[str, Any], key: str, known: Sequence[str]) -> str
     if kind == "missing":
         return "is missing."
     if kind == "literal_error":
-        options = [option.strip("'") for option in _options(extra["expected"])]
+        listed = extra["expected"].replace(" or ", ", ").split(", ")
+        options = [option.strip("'") for option in listed]
         guess = did_you_mean(given, options) if isinstance(given, str) else ""
         return f"{shown(given)} is not one of {', '.join(options)}{guess or '.'}"
     if kind in ("value_error", "assertion_error"):
@@ -88,10 +112,6 @@ def fault_words(found: Mapping[str, Any], key: str, known: Sequence[str]) -> str
     if kind in plain:
         return f"must be {plain[kind]}, it is {shown(given)}."
     return f"{found['msg'].rstrip('.')}: {shown(given)}."
-
-
-def _options(expected: str) -> Iterable[str]:
-    return expected.replace(" or ", ", ").split(", ")
 
 
 def shown(value: Any) -> str:
@@ -414,10 +434,8 @@ TABLES: Final[dict[str, type[StrictTable] | None]] = {
 """Top-level tables of a campaign file; None where the keys are names and not fixed."""
 
 
-def read_entry(
-    model: type[M], raw: Any, *, file: str, entry: str, problems: list[Problem]
-) -> M | None:
-    """A validated table, or None with the reasons added to `problems`.
+def read_entry(model: type[M], raw: Any, entry: str, out: Faults) -> M | None:
+    """A validated table, or None with the reasons added to `out`.
 
     Parameters
     ----------
@@ -425,34 +443,28 @@ def read_entry(
         The class of the table.
     raw : object
         What the TOML file holds.
-    file, entry : str
-        Name of the file and of the table, for messages.
-    problems : list of Problem
+    entry : str
+        Name of the table, for messages.
+    out : Faults
         Gets a problem for each key that is wrong.
     """
     if not isinstance(raw, Mapping):
-        problems.append(
-            Problem(message=f"must be a table, not {shown(raw)}.", file=file, entry=entry)
-        )
+        out.report(f"must be a table, not {shown(raw)}.", entry)
         return None
     try:
         return model.model_validate(dict(raw))
     except ValidationError as error:
         for found in error.errors(include_url=False):
-            problems.append(_problem(model, dict(found), file, entry))
+            _report(model, dict(found), entry, out)
     except DataError as error:
-        problems += [Problem(message=str(error), file=file, entry=entry)]
+        out.report(str(error), entry)
     return None
 
 
-def read_named(
-    model: type[M], raw: Any, *, file: str, entry: str, problems: list[Problem]
-) -> dict[str, M]:
+def read_named(model: type[M], raw: Any, entry: str, out: Faults) -> dict[str, M]:
     """A table whose keys are names, each value validated."""
     if not isinstance(raw, Mapping):
-        problems.append(
-            Problem(message=f"must be a table, not {shown(raw)}.", file=file, entry=entry)
-        )
+        out.report(f"must be a table, not {shown(raw)}.", entry)
         return {}
     found: dict[str, M] = {}
     for name, value in raw.items():
@@ -460,17 +472,15 @@ def read_named(
             found[name] = model.model_validate(value)
         except ValidationError as error:
             for item in error.errors(include_url=False):
-                item["loc"] = (name, *item["loc"])
-                problems.append(_problem(model, dict(item), file, entry))
+                _report(model, {**item, "loc": (name, *item["loc"])}, entry, out)
     return found
 
 
-def _problem(model: type[StrictTable], found: dict[str, Any], file: str, entry: str) -> Problem:
+def _report(model: type[StrictTable], found: dict[str, Any], entry: str, out: Faults) -> None:
     place = [str(part) for part in found["loc"] if not str(part).startswith("function-")]
     key = ".".join(place)
-    where = f"{entry}, key {key!r}" if key else entry
     words = fault_words(found, place[-1] if place else "", _keys(model, place))
-    return Problem(message=words, file=file, entry=where)
+    out.report(words, f"{entry}, key {key!r}" if key else entry)
 
 
 def _keys(model: type[StrictTable], place: list[str]) -> list[str]:

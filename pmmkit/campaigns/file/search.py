@@ -10,6 +10,7 @@ from typing import Any, Final
 
 from pmmkit.base import CampaignError, DataError, Problem, Remedy, setting
 from pmmkit.campaigns.file.remote_files import RemoteFiles
+from pmmkit.campaigns.file.schema import Faults
 from pmmkit.campaigns.samples.loading import at_hand
 from pmmkit.files import (
     CAMPAIGN,
@@ -161,12 +162,10 @@ def origin_of(path: str | Path, files: Sequence[str]) -> Origin | None:
     origin = look(url)
     if origin is None:
         raise CampaignError(
-            Problem(
-                message="there is nothing behind this URL.",
-                file=shown_url(url),
-                remedy=f"Name a folder with {CAMPAIGN.file}, or a file that ends in one of "
-                f"{', '.join(files)}.",
-            )
+            "there is nothing behind this URL.",
+            file=shown_url(url),
+            remedy=f"Name a folder with {CAMPAIGN.file}, or a file that ends in one of "
+            f"{', '.join(files)}.",
         )
     return origin
 
@@ -183,21 +182,19 @@ def folder_name(place: Path, origin: Origin | None) -> str:
     )
 
 
-def with_curve(
-    propeller: Mapping[str, Any], search: Search, toml: str, problems: list[Problem]
-) -> dict[str, Any]:
+def with_curve(propeller: Mapping[str, Any], search: Search, out: Faults) -> dict[str, Any]:
     """What a campaign file says of the propeller, with the curve that stands behind a URL."""
     curve = propeller.get("open_water")
     if not isinstance(curve, str) or not (search.remote.own or as_url(curve)):
         return dict(propeller)
     found = search.find(curve)
     if found is None:
-        problems.append(search.missing(curve, "[propeller], key 'open_water'", toml))
+        out.problems.append(search.missing(curve, "[propeller], key 'open_water'", out.file))
         return dict(propeller)
     try:
         table = table_of(at_hand(found))
     except DataError as error:
-        problems += error.problems
+        out.problems += error.problems
         return dict(propeller)
     return {**propeller, "open_water": table}
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.base import CampaignError, Problem
+from pmmkit.base import CampaignError
 from pmmkit.campaigns.motion.kinematics import displacement_basis
 from pmmkit.campaigns.motion.nominal import nominal_phase
 from pmmkit.campaigns.run import Run
@@ -101,14 +101,12 @@ def stated_window(run: Run, times: Array) -> Travel | None:
     stop = int(np.searchsorted(times, high, side="right"))
     if stop - start < FEWEST:
         raise CampaignError(
-            Problem(
-                message=f"the window from t = {low:g} to {high:g} s holds {max(stop - start, 0)} "
-                f"samples, and {FEWEST} are needed; the record runs from {times[0]:g} to "
-                f"{times[-1]:g} s.",
-                file=run.source or None,
-                run=run.id,
-                remedy='Correct t_start and t_end of the correction with action = "window".',
-            )
+            f"the window from t = {low:g} to {high:g} s holds {max(stop - start, 0)} "
+            f"samples, and {FEWEST} are needed; the record runs from {times[0]:g} to "
+            f"{times[-1]:g} s.",
+            file=run.source or None,
+            run=run.id,
+            remedy='Correct t_start and t_end of the correction with action = "window".',
         )
     said = f"all but {low:g} to {high:g} s, as the campaign file says ({stated[-1].reason})"
     return Travel(start, stop, said)

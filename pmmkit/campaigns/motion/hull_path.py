@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmmkit.base import CampaignError, Problem
+from pmmkit.base import CampaignError
 from pmmkit.campaigns.motion.kinematics import displacement_phase
 from pmmkit.campaigns.motion.nominal import require_settings
 from pmmkit.campaigns.run import Kind, Run
@@ -260,4 +260,4 @@ def _integral(times: Array, rates: Array) -> Array:
 
 
 def _problem(run: str, message: str, remedy: str | None) -> CampaignError:
-    return CampaignError(Problem(message=message, run=run, remedy=remedy))
+    return CampaignError(message, run=run, remedy=remedy)

@@ -178,9 +178,7 @@ def displacement_basis(
     """The Fourier basis at the phase of the displacement, see `displacement_phase`."""
     instants = as_times(run, times)
     if not run.dynamic:
-        raise CampaignError(
-            Problem(message=f"a {run.test} test has no phase: it does not oscillate.", run=run.id)
-        )
+        raise CampaignError(f"a {run.test} test has no phase: it does not oscillate.", run=run.id)
     check_settings(run, ("period",))
     told = [item.channel for item in run.kind_of_test.phase_channels]
     return _displacement(run, _channels(run, data, instants, names=told), instants, order, within)

@@ -83,7 +83,7 @@ def as_times(run: Run, times: ArrayLike) -> Array:
     """Times (or phases) as an array (n,); a CampaignError where there are none."""
     instants = np.atleast_1d(np.asarray(times, float))
     if instants.ndim != 1 or instants.size == 0:
-        raise CampaignError(Problem(message="there are no times at all.", run=run.id))
+        raise CampaignError("there are no times at all.", run=run.id)
     return instants
 
 
@@ -91,11 +91,7 @@ def refuse_free_running(run: Run) -> None:
     """Raise a CampaignError for a free-running test."""
     if run.kind_of_test.free_running:
         raise CampaignError(
-            Problem(
-                message=f"a {run.test} test is free running: its motion is a result, not a "
-                f"setting.",
-                run=run.id,
-            )
+            f"a {run.test} test is free running: its motion is a result, not a setting.", run=run.id
         )
 
 

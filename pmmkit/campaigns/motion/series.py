@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.base import CampaignError, Problem
+from pmmkit.base import CampaignError
 from pmmkit.campaigns.motion.nominal import check_settings
 from pmmkit.campaigns.run import Run
 from pmmkit.numerics import Array, coefficients
@@ -86,12 +86,10 @@ def fit_series(
                     standard_error=found[1] * math.sqrt(2 / count),
                 )
     raise CampaignError(
-        Problem(
-            message=f"{count} samples over {covered:.2f} periods are too few for a Fourier series.",
-            run=run.id,
-            column=name,
-            remedy="Give the whole oscillation, or the accelerations as channels.",
-        )
+        f"{count} samples over {covered:.2f} periods are too few for a Fourier series.",
+        run=run.id,
+        column=name,
+        remedy="Give the whole oscillation, or the accelerations as channels.",
     )
 
 

@@ -16,7 +16,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from pmmkit.base import CampaignError, Problem
+from pmmkit.base import CampaignError
 from pmmkit.campaigns.motion.hull_path import PLACE, hull_path
 from pmmkit.campaigns.run import Run
 from pmmkit.numerics import Array
@@ -64,13 +64,11 @@ def without_ramp(
     kept = times >= times[0] + ramp
     if not kept.any():
         raise CampaignError(
-            Problem(
-                message=f"ramp_s = {ramp:g} s leaves no samples; they are from t = {times[0]:g} to "
-                f"{times[-1]:g} s.",
-                file=file,
-                run=run,
-                remedy="Correct ramp_s under [cfd].",
-            )
+            f"ramp_s = {ramp:g} s leaves no samples; they are from t = {times[0]:g} to "
+            f"{times[-1]:g} s.",
+            file=file,
+            run=run,
+            remedy="Correct ramp_s under [cfd].",
         )
     note = f"first {ramp:g} s left out (ramp_s): {int(np.sum(~kept))} of {len(times)} samples"
     return {name: numbers[kept] for name, numbers in values.items()}, [note]
@@ -138,10 +136,8 @@ def _check_pairs(values: Mapping[str, Array], solver: Solver, run: str) -> None:
         lacking |= {"X", "Y"} - set(values)
     if lacking:
         raise CampaignError(
-            Problem(
-                message=f"there is no {' and no '.join(sorted(lacking))}, which the other forces "
-                "and moments need to be seen from the hull.",
-                run=run,
-                remedy="Map them under [columns].",
-            )
+            f"there is no {' and no '.join(sorted(lacking))}, which the other forces "
+            "and moments need to be seen from the hull.",
+            run=run,
+            remedy="Map them under [columns].",
         )

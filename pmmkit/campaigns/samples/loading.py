@@ -268,9 +268,7 @@ def dataset(
     said = [*context.notes, *notes]
     wrong = out_of_range(values)
     if wrong is not None:
-        raise request.error(
-            request.problem(wrong, remedy="Write degrees with decimals, west and south negative.")
-        )
+        raise request.error(wrong, remedy="Write degrees with decimals, west and south negative.")
     on_earth = {"lat", "lon"} <= set(values) and not {"x", "y"} & set(values)
     compass = {name: values[name] for name in ("psi", "cog") if on_earth and name in values}
     converted, more = to_ours(
@@ -331,18 +329,14 @@ def _carried(
         return dict(values), []
     if present != STRUT_CHANNELS:
         raise request.error(
-            request.problem(
-                f"{', '.join(sorted(present))} is there without "
-                f"{', '.join(sorted(STRUT_CHANNELS - present))}.",
-                remedy="Map both struts under [columns], or leave out the one with = false.",
-            )
+            f"{', '.join(sorted(present))} is there without "
+            f"{', '.join(sorted(STRUT_CHANNELS - present))}.",
+            remedy="Map both struts under [columns], or leave out the one with = false.",
         )
     if context.struts is None:
         raise request.error(
-            request.problem(
-                "y_forward and y_aft need the distance of the struts.",
-                remedy="State it: [struts] with spacing = … in metres.",
-            )
+            "y_forward and y_aft need the distance of the struts.",
+            remedy="State it: [struts] with spacing = … in metres.",
         )
     forward, aft = values["y_forward"], values["y_aft"]
     drift = 0.0 if context.settings is None else context.settings.drift
@@ -408,10 +402,8 @@ def _counted_time(read: Columns, rate: float, request: Request) -> Array:
     """Time of each row from its place in the file."""
     if read.dropped:
         raise request.error(
-            request.problem(
-                f"{read.dropped} rows lack a value and would be left out; time is counted by rows.",
-                remedy="Fill the gaps, or give the file a column of time.",
-            )
+            f"{read.dropped} rows lack a value and would be left out; time is counted by rows.",
+            remedy="Fill the gaps, or give the file a column of time.",
         )
     return np.arange(len(read.values[0])) / rate
 
@@ -420,10 +412,8 @@ def check_rows(found: int, stated: int | None, request: Request) -> None:
     """Refuse a file that has not as many rows as the campaign file says."""
     if stated is not None and found != stated:
         raise request.error(
-            request.problem(
-                f"there are {found} rows of numbers; the campaign file says {stated}.",
-                remedy="Copy the file again, or correct rows.",
-            )
+            f"there are {found} rows of numbers; the campaign file says {stated}.",
+            remedy="Copy the file again, or correct rows.",
         )
 
 

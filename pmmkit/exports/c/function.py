@@ -165,7 +165,9 @@ class Body:
         if isinstance(target, Several):
             return self._several(target.inner, value)
         if isinstance(target, Name):
-            if target.word not in self._read and not _calls(value):
+            if target.word not in self._read and not any(
+                isinstance(node, Call) for node in nodes(value)
+            ):
                 return []
             if self._vector(target.word, value):
                 return []
@@ -265,10 +267,6 @@ def _places(target: Tree) -> frozenset[str]:
     if isinstance(target, Several):
         return frozenset().union(*map(_places, target.inner))
     return names(target) if isinstance(target, Subscript) else frozenset()
-
-
-def _calls(value: Tree) -> bool:
-    return any(isinstance(node, Call) for node in nodes(value))
 
 
 def _entangled(targets: Sequence[Tree], values: Sequence[Tree]) -> bool:

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from pmmkit.base import DataError, Problem, Remedy, setting
+from pmmkit.base import DataError, Remedy, setting
 from pmmkit.presentation import lines_of
 
 _COMPILERS: Final = ("cc", "gcc", "clang", "cl")
@@ -56,15 +56,13 @@ def _compiler() -> list[str]:
             return command
     said = f"CC names {asked[0]!r}, which is not there" if asked else "there is none of that name"
     raise DataError(
-        Problem(
-            message=f"No C compiler was found ({', '.join(_COMPILERS)}; {said}).",
-            remedy=Remedy(
-                "Install one, such as gcc, clang or Visual Studio's cl, or name yours in the "
-                "environment variable CC. Without {} the FMU holds its sources alone, which some "
-                "programs compile themselves.",
-                (_COMPILE,),
-            ),
-        )
+        f"No C compiler was found ({', '.join(_COMPILERS)}; {said}).",
+        remedy=Remedy(
+            "Install one, such as gcc, clang or Visual Studio's cl, or name yours in the "
+            "environment variable CC. Without {} the FMU holds its sources alone, which some "
+            "programs compile themselves.",
+            (_COMPILE,),
+        ),
     )
 
 
@@ -87,11 +85,9 @@ def _place(fmi: int) -> tuple[str, str]:
 
 def _failed(command: list[str], said: str) -> DataError:
     return DataError(
-        Problem(
-            message=f"The C compiler failed: {shlex.join(command)}\n{lines_of(said)[:_LONGEST]}",
-            remedy=Remedy(
-                "Name another compiler in the environment variable CC, or export without {}.",
-                (_COMPILE,),
-            ),
-        )
+        f"The C compiler failed: {shlex.join(command)}\n{lines_of(said)[:_LONGEST]}",
+        remedy=Remedy(
+            "Name another compiler in the environment variable CC, or export without {}.",
+            (_COMPILE,),
+        ),
     )

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final, Literal
 
-from pmmkit.base import DataError, ModelError, Problem, Remedy, setting
+from pmmkit.base import DataError, ModelError, Remedy, setting
 from pmmkit.exports.archive import write_archive
 from pmmkit.exports.fmu.compiler import library
 from pmmkit.exports.fmu.description import build_text, description_text
@@ -52,13 +52,11 @@ def model_to_fmu(
     if fmi not in VERSIONS:
         known = " and ".join(map(str, sorted(VERSIONS)))
         raise DataError(
-            Problem(
-                message=f"FMI {fmi} is not written: versions {known} are.",
-                remedy=Remedy(
-                    "Leave {} out for FMI 3, or say {} for programs that read no other.",
-                    (setting("fmi"), setting("fmi", 2)),
-                ),
-            )
+            f"FMI {fmi} is not written: versions {known} are.",
+            remedy=Remedy(
+                "Leave {} out for FMI 3, or say {} for programs that read no other.",
+                (setting("fmi"), setting("fmi", 2)),
+            ),
         )
     at = approach_of(model, speed)
     ready = prepare(model, at)
@@ -119,7 +117,7 @@ def approach_of(model: Model, speed: float | None) -> float:
         why = f"has values at {len(model.Fn)} Froude numbers"
         if not model.Fn:
             why = "is written about the approach speed"
-        raise ModelError(Problem(message=f"Model {model.name!r} {why}.", remedy=WHICH_SPEED))
+        raise ModelError(f"Model {model.name!r} {why}.", remedy=WHICH_SPEED)
     return model.ship.speed(_ANY_FROUDE, model.water.g)
 
 

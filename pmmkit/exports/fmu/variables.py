@@ -73,7 +73,7 @@ _ANY: Final = 1e12
 _ROLL_ALONE: Final = ("zG", "GM", "Ixx")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class FmuVariable:
     """One variable of an FMU.
 
@@ -133,7 +133,7 @@ def table_of(model: Model, ready: Prepared, speed: float) -> Table:
         for place, _ in item.slopes:
             base[place] = 0.0
     variables = [
-        FmuVariable(name="time", unit="s", text="time", causality="independent"),
+        FmuVariable("time", "s", "time", "independent"),
         *(_state(name, usual.get(name, 1.0)) for name in states),
         *(_rate(name) for name in states),
         *_outputs(ready),
@@ -149,55 +149,43 @@ def table_of(model: Model, ready: Prepared, speed: float) -> Table:
 def _state(name: str, nominal: float) -> FmuVariable:
     unit, text = _STATES.get(name, ("", f"{name.replace('_', ' ')}, a state of an effect"))
     causality: Causality = "output" if name in _STATES and name != GEAR else "local"
-    return FmuVariable(name=name, unit=unit or "-", text=text, causality=causality, nominal=nominal)
+    return FmuVariable(name, unit or "-", text, causality, nominal=nominal)
 
 
 def _rate(name: str) -> FmuVariable:
     unit = _STATES.get(name, ("", ""))[0]
     per_second = {"m": "m/s", "m/s": "m/s2", "rad": "rad/s", "rad/s": "rad/s2", "1/s": "1/s2"}
     return FmuVariable(
-        name=f"der({name})",
-        unit=per_second.get(unit, "-"),
-        text=f"rate of {name}",
-        causality="local",
-        rate_of=name,
+        f"der({name})", per_second.get(unit, "-"), f"rate of {name}", "local", rate_of=name
     )
 
 
 def _begin(name: str, start: float) -> FmuVariable:
     unit, text = _STATES.get(name, ("", name))
     return FmuVariable(
-        name=f"{name}{BEGIN}",
-        unit=unit or "-",
-        text=f"at the start: {text}",
-        causality="parameter",
-        start=start,
+        f"{name}{BEGIN}", unit or "-", f"at the start: {text}", "parameter", start=start
     )
 
 
 def _outputs(ready: Prepared) -> list[FmuVariable]:
     """What follows from the states; the forces last, in the order of `told`."""
-    found = [
-        FmuVariable(
-            name="delta", unit="rad", text="rudder angle, positive to starboard", causality="output"
-        )
-    ]
+    found = [FmuVariable("delta", "rad", "rudder angle, positive to starboard", "output")]
     if ready.structure.revolutions and "n" not in ready.structure.states:
         unit, text = _STATES["n"]
-        found.append(FmuVariable(name="n", unit=unit, text=text, causality="output"))
+        found.append(FmuVariable("n", unit, text, "output"))
     for name in told(ready.structure):
         unit, text = _TOLD.get(name, ("-", f"{name.replace('_', ' ')}, between effects"))
         causality: Causality = "output" if name in _TOLD else "local"
-        found.append(FmuVariable(name=name, unit=unit, text=text, causality=causality))
+        found.append(FmuVariable(name, unit, text, causality))
     return found
 
 
 def _approach() -> FmuVariable:
     return FmuVariable(
-        name="n_approach",
-        unit="1/s",
-        text="revolutions that hold u_start straight ahead in the surroundings of the start",
-        causality="calculatedParameter",
+        "n_approach",
+        "1/s",
+        "revolutions that hold u_start straight ahead in the surroundings of the start",
+        "calculatedParameter",
     )
 
 
@@ -211,7 +199,7 @@ def _inputs(ready: Prepared, n: float) -> list[FmuVariable]:
     }
     starts = {"n_order": n, "wave_height": NO_SEA}
     return [
-        FmuVariable(name=name, unit=unit, text=text, causality="input", start=starts.get(name, 0.0))
+        FmuVariable(name, unit, text, "input", start=starts.get(name, 0.0))
         for name, (unit, text) in _INPUTS.items()
         if felt.get(name, True)
     ]
@@ -222,34 +210,34 @@ def _steering(model: Model) -> list[FmuVariable]:
     rate = limits.get("rate_deg_s")
     return [
         FmuVariable(
-            name="steering_gear",
-            unit="-",
-            text="whether the rudder follows its order by a gear; else delta_order is its angle",
-            causality="parameter",
+            "steering_gear",
+            "-",
+            "whether the rudder follows its order by a gear; else delta_order is its angle",
+            "parameter",
             start=0.0 if rate is None else 1.0,
             is_word=True,
         ),
         FmuVariable(
-            name="delta_rate",
-            unit="rad/s",
-            text="rate of the steering gear",
-            causality="parameter",
+            "delta_rate",
+            "rad/s",
+            "rate of the steering gear",
+            "parameter",
             start=math.radians(90.0 if rate is None else rate),
             low=0.0,
         ),
         FmuVariable(
-            name="delta_max",
-            unit="rad",
-            text="largest rudder angle of the steering gear",
-            causality="parameter",
+            "delta_max",
+            "rad",
+            "largest rudder angle of the steering gear",
+            "parameter",
             start=math.radians(limits.get("max_deg", 90.0)),
             low=0.0,
         ),
         FmuVariable(
-            name="delta_lag",
-            unit="s",
-            text="time constant of the steering gear near its order",
-            causality="parameter",
+            "delta_lag",
+            "s",
+            "time constant of the steering gear near its order",
+            "parameter",
             start=LAG,
             low=0.0,
         ),
@@ -262,10 +250,10 @@ def _parameters(model: Model, ready: Prepared, speed: float) -> Iterator[FmuVari
         if ready.rolls or name not in _ROLL_ALONE:
             place = Constant[name]
             yield FmuVariable(
-                name=f"ship.{name}",
-                unit=unit,
-                text=text,
-                causality="parameter",
+                f"ship.{name}",
+                unit,
+                text,
+                "parameter",
                 start=ready.k[place],
                 slopes=((int(place), 1.0),),
             )
@@ -312,10 +300,10 @@ def _number(
     text = f"derivative {name}, {model.convention.system} system" if known is None else known.text
     own = spelled(name) if known is None else name
     return FmuVariable(
-        name=f"{effect}.{own}",
-        unit="-" if known is None else known.unit,
-        text=f"{text}. Source: {source}" if source else text,
-        causality="parameter",
+        f"{effect}.{own}",
+        "-" if known is None else known.unit,
+        f"{text}. Source: {source}" if source else text,
+        "parameter",
         start=float(value),
         low=None if known is None or known.low <= -_ANY else known.low,
         high=None if known is None or known.high >= _ANY else known.high,

@@ -161,7 +161,7 @@ def _check_speed(model: Model, speed: float | None, *, approach: bool) -> None:
     why = f"has values at {len(model.Fn)} Froude numbers"
     if not model.Fn:
         why = "is written about the approach speed"
-    raise ModelError(Problem(message=f"Model {model.name!r} {why}.", remedy=WHICH_SPEED))
+    raise ModelError(f"Model {model.name!r} {why}.", remedy=WHICH_SPEED)
 
 
 def _states(ready: Prepared) -> list[str]:

@@ -38,14 +38,23 @@ def metadata(
 
     rates [Hz].
     """
+    left = f", {len(campaign.excluded)} left out" if campaign.excluded else ""
+    tests = f"{campaign.kind} tests, {counted(len(campaign), 'run')}{left}"
     chapters = {
-        "Title": [campaign.title or MISSING, f"{campaign.kind} tests, {_counts(campaign)}"],
-        "Asked for by the instructions": _items(campaign, rates),
+        "Title": [campaign.title or MISSING, tests],
+        "Asked for by the instructions": [
+            f"{letter}. {what}: {_answer(campaign, letter, key, rates)}"
+            for letter, (what, key) in ASKED.items()
+        ],
         "Ship and water": _particulars(campaign),
         "Conventions": _conventions(campaign),
         "Files": [f"{name}: {what}" for name, what in files.items()],
         "Results": _results(campaign, results),
-        "Not supplied": _lacking(campaign),
+        "Not supplied": [
+            f"{letter}. {what}: state it as {key} in [report] of the campaign file"
+            for letter, (what, key) in ASKED.items()
+            if key and campaign.report.get(key) is None and letter != "j"
+        ],
         "What was not checked": [
             "The public instructions (SIMMAN 2014, format of model test results) say what is to be "
             "handed in. They give no names of files, no order of columns and no headers: those of "
@@ -60,17 +69,11 @@ def metadata(
     for title, points in chapters.items():
         if points:
             lines += ["", title, "-" * len(title)]
-            lines += [line for point in points for line in _wrapped(point)]
+            for point in points:
+                lines += textwrap.wrap(
+                    plain(point), _WIDTH, initial_indent="- ", subsequent_indent="  "
+                )
     return "\n".join(lines) + "\n"
-
-
-def _wrapped(point: str) -> list[str]:
-    return textwrap.wrap(plain(point), _WIDTH, initial_indent="- ", subsequent_indent="  ")
-
-
-def _counts(campaign: Campaign) -> str:
-    left = f", {len(campaign.excluded)} left out" if campaign.excluded else ""
-    return f"{counted(len(campaign), 'run')}{left}"
 
 
 ASKED: Final = {
@@ -86,13 +89,6 @@ ASKED: Final = {
     "j": ("logging frequency", "sample_rate"),
 }
 """The items of the instructions, and the key of ``[report]`` that answers each."""
-
-
-def _items(campaign: Campaign, rates: Sequence[float]) -> list[str]:
-    return [
-        f"{letter}. {what}: {_answer(campaign, letter, key, rates)}"
-        for letter, (what, key) in ASKED.items()
-    ]
 
 
 def _answer(campaign: Campaign, letter: str, key: str, rates: Sequence[float]) -> str:
@@ -114,15 +110,6 @@ def _answer(campaign: Campaign, letter: str, key: str, rates: Sequence[float]) -
         return MISSING
     shown = number(stated, _DIGITS) if isinstance(stated, int | float) else str(stated)
     return {"a": f"1:{shown}", "i": f"{shown} deg C", "j": f"{shown} Hz"}.get(letter, shown)
-
-
-def _lacking(campaign: Campaign) -> list[str]:
-    """What is asked for and not stated, with the key that states it."""
-    return [
-        f"{letter}. {what}: state it as {key} in [report] of the campaign file"
-        for letter, (what, key) in ASKED.items()
-        if key and campaign.report.get(key) is None and letter != "j"
-    ]
 
 
 def _particulars(campaign: Campaign) -> list[str]:

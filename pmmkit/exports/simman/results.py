@@ -10,7 +10,6 @@ import numpy as np
 
 from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns import Campaign, Rig, Run, over_ground, rig_of
-from pmmkit.effects import State
 from pmmkit.numerics import Array
 from pmmkit.reduction import PreparedRun, one_cycle, prepare
 from pmmkit.signals import design_matrix
@@ -79,7 +78,10 @@ def _result(prepared: PreparedRun, rig: Rig) -> SimmanResult:
             for name, matrix in result.covariance.items()
             if matrix is not None
         },
-        motion=_moved(motion, prepared.projection),
+        motion={
+            name: prepared.projection @ getattr(motion, attribute)
+            for name, attribute in {**MOTION, **HELD}.items()
+        },
         extras=result.extras,
         samples=result.samples if recorded else 0,
         cycles=result.cycles,
@@ -95,13 +97,6 @@ def _handed_in(prepared: PreparedRun, rig: Rig) -> dict[str, Array]:
     if order is None:
         return force
     return {name: np.where(np.arange(len(x)) > 2 * order, 0.0, x) for name, x in force.items()}
-
-
-def _moved(motion: State, projection: Array) -> dict[str, Array]:
-    return {
-        name: projection @ getattr(motion, attribute)
-        for name, attribute in {**MOTION, **HELD}.items()
-    }
 
 
 def cycle_of(result: SimmanResult) -> dict[str, Array]:

@@ -20,7 +20,7 @@ from hashlib import sha256 as hashed
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.base import DataError, Problem
+from pmmkit.base import DataError
 from pmmkit.files.json_text import readable
 from pmmkit.files.places import cache_folder, sha256
 from pmmkit.files.remote.objects import Origin, is_absent, look, system_of, told
@@ -73,11 +73,9 @@ def local_copy(origin: Origin, *, proven: bool = True) -> Path:
             return _moved(part, place, origin)
     except OSError as error:
         raise DataError(
-            Problem(
-                message=f"its copy cannot be written below {place.parent}: {error.strerror}.",
-                file=origin.shown,
-                remedy="Make room there, or name another folder with PMMKIT_CACHE.",
-            )
+            f"its copy cannot be written below {place.parent}: {error.strerror}.",
+            file=origin.shown,
+            remedy="Make room there, or name another folder with PMMKIT_CACHE.",
         ) from error
 
 
@@ -162,11 +160,9 @@ def _check_size(origin: Origin, target: Path) -> None:
 
 def _changed(origin: Origin, what: str) -> DataError:
     return DataError(
-        Problem(
-            message=f"it has changed since the campaign was opened: {what}.",
-            file=origin.shown,
-            remedy="Start again when nothing is written there any more.",
-        )
+        f"it has changed since the campaign was opened: {what}.",
+        file=origin.shown,
+        remedy="Start again when nothing is written there any more.",
     )
 
 

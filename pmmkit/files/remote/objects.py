@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from pmmkit.base import DataError, Problem
+from pmmkit.base import DataError
 from pmmkit.files.remote.urls import (
     PACKAGES,
     WEB,
@@ -122,11 +122,9 @@ def system_of(url: str) -> Any:
     except ImportError as error:
         more = "" if scheme in WEB else f" {PACKAGES[scheme]}"
         raise DataError(
-            Problem(
-                message=f"reading {scheme}:// needs packages that are not installed ({error}).",
-                file=shown_url(url),
-                remedy=f"pip install 'pmmkit[remote]'{more}, on all machines that read.",
-            )
+            f"reading {scheme}:// needs packages that are not installed ({error}).",
+            file=shown_url(url),
+            remedy=f"pip install 'pmmkit[remote]'{more}, on all machines that read.",
         ) from error
     except Exception as error:  # stores look for keys when they are made
         raise told(url, error) from error
@@ -158,19 +156,15 @@ def told(url: str, error: BaseException) -> DataError:
             "machines that read"
         )
         return DataError(
-            Problem(
-                message=f"{host} gives no permission.",
-                file=shown_url(url),
-                remedy=f"See whether the name is right; keys are taken from {keys}.",
-            )
+            f"{host} gives no permission.",
+            file=shown_url(url),
+            remedy=f"See whether the name is right; keys are taken from {keys}.",
         )
     last = str(chain[-1]).split("?")[0].strip() or type(chain[-1]).__name__
     return DataError(
-        Problem(
-            message=f"{host} cannot be reached or broke off ({last}).",
-            file=shown_url(url),
-            remedy="Try again: what was read is kept.",
-        )
+        f"{host} cannot be reached or broke off ({last}).",
+        file=shown_url(url),
+        remedy="Try again: what was read is kept.",
     )
 
 

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Final
 from urllib.parse import quote, unquote, urlsplit
 
-from pmmkit.base import DataError, Problem
+from pmmkit.base import DataError
 
 PACKAGES: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -99,7 +99,7 @@ def checked(url: str) -> str:
 
 
 def _refused(shown: str, message: str, remedy: str) -> DataError:
-    return DataError(Problem(message=message, file=shown, remedy=remedy))
+    return DataError(message, file=shown, remedy=remedy)
 
 
 def scheme_of(url: str) -> str:

@@ -122,17 +122,13 @@ def _meant(contents: Contents, request: Request) -> str:
     shown = ", ".join(names[:_SHOWN]) + (" …" if len(names) > _SHOWN else "")
     if group is None:
         raise request.error(
-            request.problem(
-                f"the archive holds {len(names)} files: {shown or 'none'}.",
-                remedy="Name one in [source]: group = …; an archive with a campaign.toml is "
-                "opened as a campaign itself.",
-            )
+            f"the archive holds {len(names)} files: {shown or 'none'}.",
+            remedy="Name one in [source]: group = …; an archive with a campaign.toml is "
+            "opened as a campaign itself.",
         )
     raise request.error(
-        request.problem(
-            f"the archive has no file {group!r}{did_you_mean(group, names) or '.'} It has "
-            f"{shown or 'none'}."
-        )
+        f"the archive has no file {group!r}{did_you_mean(group, names) or '.'} It has "
+        f"{shown or 'none'}."
     )
 
 
@@ -150,7 +146,5 @@ def holds_files(path: Path, head: bytes) -> bool:
 
 def _damaged(request: Request, what: str) -> CampaignError:
     return request.error(
-        request.problem(
-            f"the archive is damaged or cut short ({what}).", remedy="Copy or pack it again."
-        )
+        f"the archive is damaged or cut short ({what}).", remedy="Copy or pack it again."
     )

@@ -257,7 +257,5 @@ def _times(attributes: bytes) -> int:
 
 def _damaged(request: Request, what: str) -> CampaignError:
     return request.error(
-        request.problem(
-            f"the workbook is damaged or cut short ({what}).", remedy="Copy or save it again."
-        )
+        f"the workbook is damaged or cut short ({what}).", remedy="Copy or save it again."
     )

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from pmmkit.conventions import did_you_mean
-from pmmkit.readers.base import Cell, Cells, Choose, Columns, Request, columns_of
+from pmmkit.readers.base import Cell, Cells, Choose, Columns, Request, columns_of, first_line
 from pmmkit.readers.excel.guard import check_workbook
 from pmmkit.readers.excel.sheet import layout_of
 
@@ -65,7 +65,7 @@ def _table(grid: Grid, request: Request) -> Cells:
         if any(cell is not None for cell in row)
     ]
     if not body:
-        raise request.error(request.problem("the sheet has no rows below its header."))
+        raise request.error("the sheet has no rows below its header.")
     return Cells(
         headers=layout.headers if layout.headers is not None else ("",) * len(body[0][1]),
         rows=tuple(row for _, row in body),
@@ -97,12 +97,10 @@ def _grid(request: Request) -> Grid:
     except BaseException as error:
         raise _unreadable(request, error) from error
     if not any(value != "" for row in rows for value in row):
-        raise request.error(request.problem("the sheet is empty."))
+        raise request.error("the sheet is empty.")
     if len(rows) <= request.options.skip_rows:
         raise request.error(
-            request.problem(
-                f"the sheet has {len(rows)} rows, skip_rows is {request.options.skip_rows}."
-            )
+            f"the sheet has {len(rows)} rows, skip_rows is {request.options.skip_rows}."
         )
     return _unmerged(rows[: request.options.last_row], merged, request)
 
@@ -119,15 +117,11 @@ def _wanted(sheets: Sequence[str], request: Request) -> str:
         return sheets[asked - 1]
     if asked is None:
         raise request.error(
-            request.problem(
-                f"the workbook has {len(sheets)} sheets ({listed}).",
-                remedy='Name one in [source]: sheet = "...", or give its number: sheet = 2.',
-            )
+            f"the workbook has {len(sheets)} sheets ({listed}).",
+            remedy='Name one in [source]: sheet = "...", or give its number: sheet = 2.',
         )
     hint = did_you_mean(asked, sheets) if isinstance(asked, str) else ""
-    raise request.error(
-        request.problem(f"there is no sheet {asked!r}{hint or '.'} The workbook has {listed}.")
-    )
+    raise request.error(f"there is no sheet {asked!r}{hint or '.'} The workbook has {listed}.")
 
 
 def _unmerged(rows: Grid, merged: Sequence[Any], request: Request) -> Grid:
@@ -139,9 +133,7 @@ def _unmerged(rows: Grid, merged: Sequence[Any], request: Request) -> Grid:
         last, end = min(bottom, len(rows) - 1), min(right, len(rows[top]) - 1)
         filled += (last - top + 1) * (end - left + 1)
         if filled > _MOST_MERGED:
-            raise request.error(
-                request.problem(f"more than {_MOST_MERGED:,} cells of the sheet are merged.")
-            )
+            raise request.error(f"more than {_MOST_MERGED:,} cells of the sheet are merged.")
         for row in rows[top : last + 1]:
             row[left : end + 1] = [rows[top][left]] * (end + 1 - left)
     return rows
@@ -150,12 +142,10 @@ def _unmerged(rows: Grid, merged: Sequence[Any], request: Request) -> Grid:
 def _unreadable(request: Request, error: BaseException) -> BaseException:
     if isinstance(error, (KeyboardInterrupt, SystemExit, MemoryError)):
         return error
-    detail = (str(error).strip().splitlines() or [type(error).__name__])[0][:200]
     return request.error(
-        request.problem(
-            f"cannot be read as a workbook: damaged, cut short or of another format ({detail}).",
-            remedy='If it is plain text, write format = "csv" in [source].',
-        )
+        "cannot be read as a workbook: damaged, cut short or of another format "
+        f"({first_line(error)}).",
+        remedy='If it is plain text, write format = "csv" in [source].',
     )
 
 

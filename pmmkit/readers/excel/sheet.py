@@ -40,7 +40,7 @@ def layout_of(grid: Sequence[Row], request: Request) -> SheetLayout:
         return SheetLayout(headers=None, first=start)
     filled = [row for row in range(start, len(grid)) if any(cell is not None for cell in grid[row])]
     if not filled:
-        raise request.error(request.problem("the sheet is empty."))
+        raise request.error("the sheet is empty.")
     counts = {row: _numbers(grid[row]) for row in filled}
     most = max(counts.values())
     if request.options.header or start or not most:
@@ -59,11 +59,9 @@ def layout_of(grid: Sequence[Row], request: Request) -> SheetLayout:
         if 2 * len(used & named) >= len(used):
             return layout
     raise request.error(
-        request.problem(
-            f"numbers begin in row {body + 1}; which row above names them cannot be told.",
-            remedy="State in [source] how many rows stand above the header, e.g. skip_rows = 4, "
-            "or header = true if there are none.",
-        )
+        f"numbers begin in row {body + 1}; which row above names them cannot be told.",
+        remedy="State in [source] how many rows stand above the header, e.g. skip_rows = 4, "
+        "or header = true if there are none.",
     )
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 
-from pmmkit.readers.base import Cells, Choose, Columns, Request
-from pmmkit.readers.reader import Reader
+from pmmkit.readers.base import Request
+from pmmkit.readers.vectors import Vector, VectorReader
 
 
-class Hdf5(Reader):
+class Hdf5(VectorReader):
     """HDF5 and NetCDF files of any origin."""
 
     name = "hdf5"
@@ -27,20 +28,8 @@ class Hdf5(Reader):
 
         return is_hdf5(head) or is_netcdf3(head)
 
-    def names(self, request: Request) -> tuple[str, ...]:
-        """Headers of the columns."""
-        from pmmkit.readers.hdf5 import reader
+    def contents(self, request: Request) -> AbstractContextManager[tuple[list[Vector], list[str]]]:
+        """What a file offers as columns, and what else it holds; open as long as it is used."""
+        from pmmkit.readers.hdf5.reader import contents
 
-        return reader.names(request)
-
-    def columns(self, request: Request, choose: Choose) -> Columns:
-        """Some datasets as numbers."""
-        from pmmkit.readers.hdf5 import reader
-
-        return reader.columns(request, choose)
-
-    def cells(self, request: Request) -> Cells:
-        """Datasets of the main length as a table, those of texts among them."""
-        from pmmkit.readers.hdf5 import reader
-
-        return reader.cells(request)
+        return contents(request)

@@ -11,11 +11,13 @@ import itertools
 import math
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, BinaryIO, Final
+from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from h5py.h5d import StoreInfo
 
 _DEFLATE, _SHUFFLE = 1, 2
 _OURS: Final = ((), (_DEFLATE,), (_SHUFFLE, _DEFLATE))
@@ -26,50 +28,31 @@ class Incomplete(ValueError):
     """Chunks are missing or damaged; never leaves the reader."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Chunk:
-    """Where a chunk belongs, where it lies in the file, and the filters it went without."""
-
-    place: tuple[int, ...]
-    address: int
-    size: int
-    skipped: int
-
-
-def chunks_of(dataset: Any) -> tuple[Chunk, ...]:
+def chunks_of(dataset: Any) -> tuple[StoreInfo, ...]:
     """All chunks of a dataset."""
-    found: list[Chunk] = []
-    dataset.id.chunk_iter(
-        lambda info: found.append(
-            Chunk(
-                place=info.chunk_offset,
-                address=info.byte_offset,
-                size=info.size,
-                skipped=info.filter_mask,
-            )
-        )
-    )
+    found: list[StoreInfo] = []
+    dataset.id.chunk_iter(found.append)
     sides = list(zip(dataset.shape, dataset.chunks, dataset.maxshape, strict=True))
     if any(most is not None and chunk > max(side, most) for side, chunk, most in sides):
         raise Incomplete("its chunks are larger than it is")
     expected = math.prod(-(-side // chunk) for side, chunk, _ in sides)
-    if len(found) != expected or {chunk.place for chunk in found} != set(
+    if len(found) != expected or {chunk.chunk_offset for chunk in found} != set(
         itertools.product(*(range(0, side, chunk) for side, chunk, _ in sides))
     ):
         raise Incomplete(f"it should have {expected} chunks, {len(found)} are there")
     size = math.prod(dataset.chunks) * dataset.id.get_type().get_size()
     every = (1 << len(_filters(dataset))) - 1
-    if any(chunk.skipped & every == every and chunk.size != size for chunk in found):
+    if any(chunk.filter_mask & every == every and chunk.size != size for chunk in found):
         raise Incomplete(f"its chunks should have {size} bytes each")
     return tuple(found)
 
 
-def read_chunks(dataset: Any, chunks: Sequence[Chunk], file: BinaryIO) -> NDArray[Any] | None:
+def read_chunks(dataset: Any, chunks: Sequence[StoreInfo], file: BinaryIO) -> NDArray[Any] | None:
     """The values of a dataset, or None where they must be left to the library."""
     filters = _filters(dataset)
     if filters not in _OURS or dataset.dtype.hasobject or not chunks:
         return None
-    if _stored(chunks[0], file) != dataset.id.read_direct_chunk(chunks[0].place)[1]:
+    if _stored(chunks[0], file) != dataset.id.read_direct_chunk(chunks[0].chunk_offset)[1]:
         return None
     values = np.empty(dataset.shape, dataset.dtype)
     for chunk in chunks:
@@ -77,7 +60,9 @@ def read_chunks(dataset: Any, chunks: Sequence[Chunk], file: BinaryIO) -> NDArra
         block = np.frombuffer(plain, dataset.dtype).reshape(dataset.chunks)
         inside = tuple(
             slice(start, min(start + step, side))
-            for start, step, side in zip(chunk.place, dataset.chunks, dataset.shape, strict=True)
+            for start, step, side in zip(
+                chunk.chunk_offset, dataset.chunks, dataset.shape, strict=True
+            )
         )
         values[inside] = block[tuple(slice(0, part.stop - part.start) for part in inside)]
     return values
@@ -93,17 +78,17 @@ def _filters(dataset: Any) -> tuple[int, ...]:
     return tuple(plist.get_filter(place)[0] for place in range(plist.get_nfilters()))
 
 
-def _stored(chunk: Chunk, file: BinaryIO) -> bytes:
-    file.seek(chunk.address)
+def _stored(chunk: StoreInfo, file: BinaryIO) -> bytes:
+    file.seek(chunk.byte_offset)
     return file.read(chunk.size)
 
 
-def _plain(stored: bytes, chunk: Chunk, filters: tuple[int, ...], dataset: Any) -> bytes:
+def _plain(stored: bytes, chunk: StoreInfo, filters: tuple[int, ...], dataset: Any) -> bytes:
     """A chunk with its filters undone, the last one first."""
     size = math.prod(dataset.chunks) * dataset.dtype.itemsize
     data = stored
     for order, kind in reversed(list(enumerate(filters))):
-        if chunk.skipped >> order & 1:
+        if chunk.filter_mask >> order & 1:
             continue
         if kind == _DEFLATE:
             stream = zlib.decompressobj()

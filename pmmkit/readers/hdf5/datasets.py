@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import PmmkitError
-from pmmkit.readers.base import Request
+from pmmkit.readers.base import Request, first_line
 from pmmkit.readers.bounds import limit_of, too_large
 from pmmkit.readers.hdf5.chunks import Incomplete, chunks_of, deflated, read_chunks
 
@@ -118,12 +118,10 @@ def opened(request: Request) -> Iterator[Any]:
     except PmmkitError:
         raise
     except LIBRARY_FAULTS as error:
-        detail = (str(error).strip().splitlines() or [type(error).__name__])[0][:200]
         raise request.error(
-            request.problem(
-                f"cannot be read as HDF5: damaged, cut short or of another format ({detail}).",
-                remedy="Copy it again, or export it again from its source.",
-            )
+            "cannot be read as HDF5: damaged, cut short or of another format "
+            f"({first_line(error)}).",
+            remedy="Copy it again, or export it again from its source.",
         ) from error
 
 
@@ -185,9 +183,7 @@ def numbers(dataset: Any, request: Request) -> NDArray[Any]:
     shown = f"dataset {dataset.name}"
     if lies_elsewhere(dataset):
         raise request.error(
-            request.problem(
-                f"{shown} lies in another file.", remedy="Save it with its data inside."
-            )
+            f"{shown} lies in another file.", remedy="Save it with its data inside."
         )
     item = dataset.id.get_type().get_size()
     declared = math.prod(dataset.shape or (0,)) * item
@@ -198,9 +194,7 @@ def numbers(dataset: Any, request: Request) -> NDArray[Any]:
         return _values(dataset, declared, request)
     except Incomplete as error:
         raise request.error(
-            request.problem(
-                f"{shown}: {error}.", remedy="The file is damaged or was not completely written."
-            )
+            f"{shown}: {error}.", remedy="The file is damaged or was not completely written."
         ) from error
 
 

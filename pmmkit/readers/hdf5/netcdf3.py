@@ -107,7 +107,10 @@ class _Header:
             room = len(self.data) - min(entry.begin for entry in repeated)
             if records in _STREAMING:
                 records = room // step
-                repeated = [self._with(entry, records) for entry in repeated]
+                repeated = [
+                    _Entry(**{**vars(entry), "shape": (records, *entry.shape[1:])})
+                    for entry in repeated
+                ]
             elif room >= (records + 1) * step:
                 raise Damaged(f"{records} records are declared, {room // step} are there")
         self._check_order(entries)
@@ -141,10 +144,6 @@ class _Header:
         if begin % 4 or (stated not in (entry.size, entry.padded) and entry.size < _LARGE):
             raise Damaged(f"{name!r} should take {entry.size} bytes, {stated} are stated")
         return entry
-
-    @staticmethod
-    def _with(entry: _Entry, records: int) -> _Entry:
-        return _Entry(**{**vars(entry), "shape": (records, *entry.shape[1:])})
 
     def _values(self, entry: _Entry, step: int, records: int) -> Classic:
         last = step * max(0, records - 1) if entry.record else 0

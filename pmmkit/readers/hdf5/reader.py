@@ -20,20 +20,11 @@ import numpy as np
 
 from pmmkit.conventions import did_you_mean
 from pmmkit.numerics import Array
-from pmmkit.readers.base import HEAD, Cells, Choose, Columns, Request
+from pmmkit.readers.base import HEAD, Request
 from pmmkit.readers.bounds import Damaged
 from pmmkit.readers.hdf5.datasets import members, new_to, number_of, numbers, opened, text_of
 from pmmkit.readers.hdf5.netcdf3 import Classic, is_netcdf3, netcdf3_variables
-from pmmkit.readers.vectors import (
-    WIDEST,
-    Vector,
-    chosen_columns,
-    headers_of,
-    matrix_columns,
-    numbers_only,
-    small_table,
-    with_unit,
-)
+from pmmkit.readers.vectors import WIDEST, Vector, matrix_columns, with_unit
 
 _MOST_TEXTS: Final = 10_000
 _NOT_A_VARIABLE: Final = "This is a netCDF dimension but not a netCDF variable"
@@ -46,24 +37,6 @@ _TIME_UNITS: Final = {
     "minutes": "min",
     "hours": "h",
 }
-
-
-def names(request: Request) -> tuple[str, ...]:
-    """Headers of the columns."""
-    with _contents(request) as (vectors, left_out):
-        return headers_of(numbers_only(vectors, left_out, request))
-
-
-def columns(request: Request, choose: Choose) -> Columns:
-    """Some datasets as numbers."""
-    with _contents(request) as (vectors, left_out):
-        return chosen_columns(vectors, left_out, request, choose)
-
-
-def cells(request: Request) -> Cells:
-    """Datasets of the main length as a table, those of texts among them."""
-    with _contents(request) as (vectors, left_out):
-        return small_table(vectors, left_out, request)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +84,7 @@ class _Found:
 
 
 @contextmanager
-def _contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
+def contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
     """What the file offers as columns, and what else it holds; open as long as it is used."""
     try:
         with request.path.open("rb") as stream:
@@ -119,7 +92,7 @@ def _contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
     except OSError as error:
         raise request.unreadable(error) from error
     if not head:
-        raise request.error(request.problem("the file is empty (0 bytes)."))
+        raise request.error("the file is empty (0 bytes).")
     if is_netcdf3(head):
         yield _sorted_out(_classic(request))
         return
@@ -173,9 +146,7 @@ def _group(file: Any, request: Request) -> Any:
         if part not in inside:
             listed = f"It has {', '.join(inside)}." if inside else "It has none."
             raise request.error(
-                request.problem(
-                    f"there is no group {wanted!r}{did_you_mean(part, inside) or '.'} {listed}"
-                )
+                f"there is no group {wanted!r}{did_you_mean(part, inside) or '.'} {listed}"
             )
         group = inside[part]
     return group
@@ -248,14 +219,10 @@ def _classic(request: Request) -> list[_Found]:
         variables = netcdf3_variables(request.path.read_bytes())
     except (Damaged, OSError, MemoryError) as error:
         raise request.error(
-            request.problem(
-                f"the NetCDF file is damaged or cut short ({error}).", remedy="Copy it again."
-            )
+            f"the NetCDF file is damaged or cut short ({error}).", remedy="Copy it again."
         ) from error
     if request.options.group is not None:
-        raise request.error(
-            request.problem("a NetCDF file of this version has no groups.", remedy="Drop group.")
-        )
+        raise request.error("a NetCDF file of this version has no groups.", remedy="Drop group.")
     return [_classic_variable(item) for item in variables]
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 
-from pmmkit.readers.base import Cells, Choose, Columns, Request
-from pmmkit.readers.reader import Reader
+from pmmkit.readers.base import Request
+from pmmkit.readers.vectors import Vector, VectorReader
 
 
-class Matlab(Reader):
+class Matlab(VectorReader):
     """MATLAB files of versions 4, 5, 7 and 7.3."""
 
     name = "matlab"
@@ -25,20 +26,8 @@ class Matlab(Reader):
 
         return is_v5(head) or (head.startswith(b"MATLAB 7.3") and is_hdf5(head)) or is_v4(head)
 
-    def names(self, request: Request) -> tuple[str, ...]:
-        """Headers of the columns."""
-        from pmmkit.readers.matlab import reader
+    def contents(self, request: Request) -> AbstractContextManager[tuple[list[Vector], list[str]]]:
+        """What a file offers as columns, and what else it holds; open as long as it is used."""
+        from pmmkit.readers.matlab.reader import contents
 
-        return reader.names(request)
-
-    def columns(self, request: Request, choose: Choose) -> Columns:
-        """Some vectors, or columns of matrices, as numbers."""
-        from pmmkit.readers.matlab import reader
-
-        return reader.columns(request, choose)
-
-    def cells(self, request: Request) -> Cells:
-        """Vectors of the main length as a table, cell arrays of texts among them."""
-        from pmmkit.readers.matlab import reader
-
-        return reader.cells(request)
+        return contents(request)

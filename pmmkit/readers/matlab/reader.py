@@ -15,23 +15,13 @@ from typing import Final
 
 from pmmkit.base import CampaignError
 from pmmkit.conventions import did_you_mean
-from pmmkit.numerics import Array
-from pmmkit.readers.base import HEAD, Cells, Choose, Columns, Request
+from pmmkit.readers.base import HEAD, Request
 from pmmkit.readers.bounds import Damaged
 from pmmkit.readers.hdf5.datasets import is_hdf5, opened
 from pmmkit.readers.matlab.mat5 import is_v4, is_v5, read_v4, read_v5
 from pmmkit.readers.matlab.mat73 import read_v73
 from pmmkit.readers.matlab.variable import MatlabVariable
-from pmmkit.readers.vectors import (
-    WIDEST,
-    Vector,
-    chosen_columns,
-    headers_of,
-    main_length,
-    matrix_columns,
-    numbers_only,
-    small_table,
-)
+from pmmkit.readers.vectors import WIDEST, Vector, main_length, matrix_columns
 
 _SAVE_PLAINLY: Final = (
     "Save plain numbers in MATLAB: for a timetable s = table2struct(timetable2table(tt), "
@@ -40,26 +30,8 @@ _SAVE_PLAINLY: Final = (
 )
 
 
-def names(request: Request) -> tuple[str, ...]:
-    """Headers of the columns."""
-    with _contents(request) as (vectors, left_out):
-        return headers_of(numbers_only(vectors, left_out, request))
-
-
-def columns(request: Request, choose: Choose) -> Columns:
-    """Some vectors, or columns of matrices, as numbers."""
-    with _contents(request) as (vectors, left_out):
-        return chosen_columns(vectors, left_out, request, choose)
-
-
-def cells(request: Request) -> Cells:
-    """Vectors of the main length as a table, cell arrays of texts among them."""
-    with _contents(request) as (vectors, left_out):
-        return small_table(vectors, left_out, request)
-
-
 @contextmanager
-def _contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
+def contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
     """What the file offers as columns, and what else it holds; open as long as it is used."""
     with _variables(request) as found:
         chosen = _group(found, request)
@@ -68,10 +40,8 @@ def _contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
         if opaque and not any(vector.texts is None for vector in offered):
             listed = ", ".join(f"{variable.name} ({variable.other})" for variable in opaque)
             raise request.error(
-                request.problem(
-                    f"{listed}: MATLAB keeps these in a form of its own that is not published.",
-                    remedy=_SAVE_PLAINLY,
-                )
+                f"{listed}: MATLAB keeps these in a form of its own that is not published.",
+                remedy=_SAVE_PLAINLY,
             )
         yield offered, [_described(variable) for variable in chosen if not _is_column(variable)]
 
@@ -98,22 +68,18 @@ def _in_memory(head: bytes, request: Request) -> list[MatlabVariable]:
             return read_v4(request.path.read_bytes())
     except (Damaged, zlib.error, OSError) as error:
         raise request.error(
-            request.problem(
-                f"the MATLAB file is damaged or cut short ({error}).", remedy="Copy it again."
-            )
+            f"the MATLAB file is damaged or cut short ({error}).", remedy="Copy it again."
         ) from error
     raise _not_matlab(head, request)
 
 
 def _not_matlab(head: bytes, request: Request) -> CampaignError:
     if not head:
-        return request.error(request.problem("the file is empty (0 bytes)."))
+        return request.error("the file is empty (0 bytes).")
     octave = head.startswith((b"# Created by Octave", b"Octave-1"))
     return request.error(
-        request.problem(
-            "Octave's own format is not read." if octave else "this is not a MATLAB file.",
-            remedy="Save it with save -v7 run.mat.",
-        )
+        "Octave's own format is not read." if octave else "this is not a MATLAB file.",
+        remedy="Save it with save -v7 run.mat.",
     )
 
 
@@ -131,9 +97,7 @@ def _group(found: list[MatlabVariable], request: Request) -> list[MatlabVariable
         structs = sorted({variable.name.rpartition(".")[0] for variable in found} - {""})
         listed = f"It has {', '.join(structs)}." if structs else "It has no structs."
         raise request.error(
-            request.problem(
-                f"there is no struct {wanted!r}{did_you_mean(wanted, structs) or '.'} {listed}"
-            )
+            f"there is no struct {wanted!r}{did_you_mean(wanted, structs) or '.'} {listed}"
         )
     return inside
 
@@ -154,7 +118,12 @@ def _vectors(found: Sequence[MatlabVariable]) -> list[Vector]:
     for item in usable:
         if min(item.shape) == 1:
             offered.append(
-                Vector(name=item.name, length=max(item.shape), read=_flat(item), texts=_texts(item))
+                Vector(
+                    name=item.name,
+                    length=max(item.shape),
+                    read=functools.partial(lambda read: read().reshape(-1), item.read),
+                    texts=_texts(item),
+                )
             )
         else:
             offered += _matrix(item, lengths, usable)
@@ -179,10 +148,6 @@ def _matrix(
         return plain
     named = [f"{owner}{dot}{text}" for text in lists[0]]
     return matrix_columns(item.name, item.shape, item.read, lengths=lengths, names=named)
-
-
-def _flat(item: MatlabVariable) -> functools.partial[Array]:
-    return functools.partial(lambda read: read().reshape(-1), item.read)
 
 
 def _texts(item: MatlabVariable) -> Callable[[], tuple[str, ...]] | None:

@@ -12,10 +12,6 @@ from numpy.typing import NDArray
 from pmmkit.numerics import Array
 
 
-def _nothing() -> Array:
-    return np.empty((0, 0))
-
-
 @dataclass(frozen=True, kw_only=True)
 class MatlabVariable:
     """A variable, or a field of a struct.
@@ -28,7 +24,7 @@ class MatlabVariable:
 
     name: str
     shape: tuple[int, int]
-    read: Callable[[], Array] = _nothing
+    read: Callable[[], Array] = lambda: np.empty((0, 0))
     texts: tuple[str, ...] | None = None
     other: str | None = None
     opaque: bool = False

@@ -42,10 +42,8 @@ class OpenFoam(Reader):
     def cells(self, request: Request) -> Cells:
         """Not a table of tests: always refused."""
         raise request.error(
-            request.problem(
-                "results of OpenFOAM are a history, not a table whose rows are tests.",
-                remedy="Take row and [[tables]] away.",
-            )
+            "results of OpenFOAM are a history, not a table whose rows are tests.",
+            remedy="Take row and [[tables]] away.",
         )
 
     def usual(self, headers: Sequence[str]) -> Mapping[str, str]:  # noqa: ARG002

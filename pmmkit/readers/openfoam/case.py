@@ -137,16 +137,12 @@ def parsed(text: str) -> Dictionary:
             words = []
         elif depth == 0 and token == ";":
             if len(words) > 1:
-                open_ones[-1][words[0].strip('"')] = _joined(words[1:])
+                text = re.sub(r"(?<=[(\[]) | (?=[)\]])", "", " ".join(words[1:]))
+                open_ones[-1][words[0].strip('"')] = text
             words = []
         else:
             words.append(token)
     return top
-
-
-def _joined(words: list[str]) -> str:
-    text = " ".join(words)
-    return re.sub(r"(?<=[(\[]) | (?=[)\]])", "", text)
 
 
 def _named(whole: Dictionary, name: str) -> Dictionary | None:

@@ -88,7 +88,7 @@ def _blocks(request: Request, layout: RowLayout, notes: list[str]) -> Iterator[b
                     yield data[:cut]
                 rest = data[cut:]
                 if len(rest) > BLOCK:
-                    raise request.error(request.problem("a line has no end: the file is damaged."))
+                    raise request.error("a line has no end: the file is damaged.")
     except OSError as error:
         raise request.unreadable(error) from error
     last = rest.rstrip(_ENDS)
@@ -158,6 +158,7 @@ def _careful(
     """Every line taken apart on its own."""
     rows: list[list[float]] = []
     problems: list[Problem] = []
+    drop = request.options.missing == "drop"
     dropped = 0
     for line, raw in enumerate(block[:-1].split(b"\n"), start=first):
         fields = [field.decode("utf-8", "replace") for field in _fields(raw)]
@@ -166,13 +167,12 @@ def _careful(
             problems.append(request.problem(why, row=line))
             continue
         numbers = [to_number(fields[place]) for place in columns]
-        faults = [
+        problems += [
             request.problem(reason, row=line, column=layout.title(place))
             for place, number in zip(columns, numbers, strict=True)
             if (reason := fault(number, fields[place]))
-            and not (request.options.missing == "drop" and _empty(number))
+            and not (drop and number is not None and math.isnan(number))
         ]
-        problems += faults
         if any(number is None or math.isnan(number) for number in numbers):
             dropped += 1
         else:
@@ -195,10 +195,6 @@ def _misshapen(raw: bytes, count: int, layout: RowLayout) -> str | None:
     return None
 
 
-def _empty(number: float | None) -> bool:
-    return number is not None and math.isnan(number)
-
-
 def _paired(table: Array, notes: list[str], request: Request) -> Array:
     """Each time's two rows side by side; a last time without its second row is left out."""
     if table.shape[1] % 2:
@@ -208,11 +204,9 @@ def _paired(table: Array, notes: list[str], request: Request) -> Array:
     apart = np.flatnonzero(ours[0] != theirs[0])
     if len(apart):
         raise request.error(
-            request.problem(
-                f"by the header each time has two rows, the second in local axes; the "
-                f"{int(apart[0]) + 1}. pair has the times {ours[0][apart[0]]:.10g} and "
-                f"{theirs[0][apart[0]]:.10g}."
-            )
+            f"by the header each time has two rows, the second in local axes; the "
+            f"{int(apart[0]) + 1}. pair has the times {ours[0][apart[0]]:.10g} and "
+            f"{theirs[0][apart[0]]:.10g}."
         )
     return np.concatenate([ours, theirs])
 

@@ -130,19 +130,15 @@ def _of_folders(request: Request, starts: Sequence[Path]) -> FileSeries:
     if not chosen:
         listed = ", ".join(sorted({path.name for path in unknown})[:8])
         raise request.error(
-            request.problem(
-                "there are no forces, coefficients or motions of OpenFOAM in this folder"
-                + (f"; its files {listed} hold something else." if listed else "."),
-                remedy="Name a .dat file, a start-time folder, postProcessing/<function object> or "
-                "the case.",
-            )
+            "there are no forces, coefficients or motions of OpenFOAM in this folder"
+            + (f"; its files {listed} hold something else." if listed else "."),
+            remedy="Name a .dat file, a start-time folder, postProcessing/<function object> or "
+            "the case.",
         )
     if {"forces"} < kinds & {"forces", "force", "moment"}:
         raise request.error(
-            request.problem(
-                "forces.dat and force.dat are both there: releases of OpenFOAM were mixed.",
-                remedy="Name the start-time folder or the file.",
-            )
+            "forces.dat and force.dat are both there: releases of OpenFOAM were mixed.",
+            remedy="Name the start-time folder or the file.",
         )
     families = [[part for part in parts if part.layout.kind == kind] for kind in chosen]
     names = {_name(part.request.path) for family in families for part in family}
@@ -199,16 +195,12 @@ def _only_object(request: Request, results: Path) -> Request:
             return request.inside(results / names[0])
         if names:
             raise request.error(
-                request.problem(
-                    f"the case has several function objects: {', '.join(names)}.",
-                    remedy=f'Name one: file = "{request.inside(results / names[0]).shown}".',
-                )
+                f"the case has several function objects: {', '.join(names)}.",
+                remedy=f'Name one: file = "{request.inside(results / names[0]).shown}".',
             )
     others = ", ".join(folder.name for folder in _folders(results)) or "nothing"
     raise request.error(
-        request.problem(
-            f"{RESULTS} holds no forces, coefficients or motions of OpenFOAM; it has {others}."
-        )
+        f"{RESULTS} holds no forces, coefficients or motions of OpenFOAM; it has {others}."
     )
 
 

@@ -59,39 +59,33 @@ def columns(request: Request, choose: Choose) -> Columns:
     _same_layouts(series, request)
     tables, dropped = [], 0
     for family in series.families:
-        table, lost = _family(family, [name for name in wanted if _has(family, name)], notes)
+        offered = family[0].layout.offered
+        table, lost = _family(family, [name for name in wanted if name in offered], notes)
         tables.append(table)
         dropped += lost
     table = _joined(tables, series, request, notes)
     if not len(table[TIME]):
-        raise request.error(request.problem("there are no rows of numbers."))
+        raise request.error("there are no rows of numbers.")
     moved = {name: table[name] - table[name][0] for name in wanted if name.startswith(MOVED)}
     table |= moved
     if moved:
         notes.append("displacement: from the place of the centre of rotation at the first time")
     entries = entries_of(series.parts[0].request.path)
-    doubt = density_doubt(entries)
+    of_forces = any(name.endswith(("[N]", "[N m]")) for name in wanted)
+    doubt = density_doubt(entries) if of_forces else None
     return Columns(
         headers=headers,
         positions=positions,
         values=tuple(table[name] for name in wanted),
         dropped=dropped,
         notes=(*notes, *told(series, entries)),
-        unsettled={"rho_inf": doubt} if doubt is not None and _of_forces(wanted) else {},
+        unsettled={"rho_inf": doubt} if doubt is not None else {},
     )
 
 
 def _headers(series: FileSeries) -> tuple[str, ...]:
     offered = [name for family in series.families for name in family[0].layout.offered]
     return (TIME, *offered)
-
-
-def _has(family: Sequence[RestartPart], name: str) -> bool:
-    return name in family[0].layout.offered
-
-
-def _of_forces(wanted: Sequence[str]) -> bool:
-    return any(name.endswith(("[N]", "[N m]")) for name in wanted)
 
 
 def _same_layouts(series: FileSeries, request: Request) -> None:
@@ -238,10 +232,8 @@ def _joined(
             else f"{count + surplus[0]} and {count + surplus[1]} rows"
         )
         raise request.error(
-            request.problem(
-                f"{files} do not stand at the same times: {where}.",
-                remedy="Copy both again from the same computation.",
-            )
+            f"{files} do not stand at the same times: {where}.",
+            remedy="Copy both again from the same computation.",
         )
     if max(surplus):
         notes.append(f"{files}: the last row has no partner in the other file and was left out")

@@ -35,10 +35,8 @@ class SavedCampaign(Reader):
         headers = tuple(str(name) for name in data.variables if data[name].dims == ("t",))
         if "t" not in headers:
             raise request.error(
-                request.problem(
-                    "the run that was saved there is not a history.",
-                    remedy="Open the saved file itself as the campaign.",
-                )
+                "the run that was saved there is not a history.",
+                remedy="Open the saved file itself as the campaign.",
             )
         wanted = tuple(choose(headers, len(headers)))
         return Columns(
@@ -50,6 +48,4 @@ class SavedCampaign(Reader):
 
     def cells(self, request: Request) -> Cells:
         """Not a table: always refused."""
-        raise request.error(
-            request.problem("an HDF5 file of pmmkit holds runs, not a table of rows.")
-        )
+        raise request.error("an HDF5 file of pmmkit holds runs, not a table of rows.")

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
-from pmmkit.base import CampaignError, ModelError, PmmkitError, Problem, __version__
+from pmmkit.base import CampaignError, ModelError, PmmkitError, __version__
 from pmmkit.files import from_json, read_toml, refuse_other
+from pmmkit.readers.base import first_line
 from pmmkit.readers.hdf5.datasets import LIBRARY_FAULTS
 from pmmkit.readers.saved.group import read_group, safe_names, text_of
 
@@ -57,11 +58,9 @@ class _NotKept:
 
     def __call__(self) -> xr.Dataset:
         raise CampaignError(
-            Problem(
-                message=f"its data could not be read when the campaign was saved: {self.why}",
-                file=self.file,
-                run=self.run,
-            )
+            f"its data could not be read when the campaign was saved: {self.why}",
+            file=self.file,
+            run=self.run,
         )
 
 
@@ -73,20 +72,17 @@ def opened(path: Path) -> Iterator[Any]:
     if path.is_dir() or path.suffix.lower() == ".toml":
         _refuse_toml(path)
     if not path.is_file():
-        raise CampaignError(Problem(message="there is no such file.", file=str(path)))
+        raise CampaignError("there is no such file.", file=str(path))
     try:
         with h5py.File(path, "r", locking="best-effort") as file:
             yield file
     except PmmkitError:
         raise
     except LIBRARY_FAULTS as error:
-        detail = (str(error).strip().splitlines() or [type(error).__name__])[0][:200]
         raise CampaignError(
-            Problem(
-                message=f"cannot be read as a campaign: damaged, cut short or not HDF5 ({detail}).",
-                file=str(path),
-                remedy="Copy it again or save the campaign again from its source.",
-            )
+            f"cannot be read as a campaign: damaged, cut short or not HDF5 ({first_line(error)}).",
+            file=str(path),
+            remedy="Copy it again or save the campaign again from its source.",
         ) from error
 
 
@@ -103,22 +99,18 @@ def _refuse_toml(path: Path) -> None:
 def _check_schema(file: Any, path: Path) -> None:
     if text_of(file.attrs, "format") != FORMAT:
         raise CampaignError(
-            Problem(
-                message="this HDF5 file is not a campaign saved by pmmkit.",
-                file=str(path),
-                remedy="Describe it in a campaign.toml and open that instead.",
-            )
+            "this HDF5 file is not a campaign saved by pmmkit.",
+            file=str(path),
+            remedy="Describe it in a campaign.toml and open that instead.",
         )
     schema = int(np.asarray(file.attrs["schema"]).item())
     if schema > SCHEMA:
         raise CampaignError(
-            Problem(
-                message=f"the file has schema {schema}, written by pmmkit "
-                f"{text_of(file.attrs, 'pmmkit')}; this is pmmkit {__version__}, which reads "
-                f"schemas up to {SCHEMA}.",
-                file=str(path),
-                remedy="Update pmmkit.",
-            )
+            f"the file has schema {schema}, written by pmmkit "
+            f"{text_of(file.attrs, 'pmmkit')}; this is pmmkit {__version__}, which reads "
+            f"schemas up to {SCHEMA}.",
+            file=str(path),
+            remedy="Update pmmkit.",
         )
 
 
@@ -128,11 +120,9 @@ def read_index(file: Any, path: Path) -> dict[str, Any]:
     text = text_of(file.attrs, "index")
     if text_of(file.attrs, "index_crc32") != checksum(text):
         raise CampaignError(
-            Problem(
-                message="the index does not match its checksum: the file is damaged or was edited.",
-                file=str(path),
-                remedy="Save the campaign again from its source.",
-            )
+            "the index does not match its checksum: the file is damaged or was edited.",
+            file=str(path),
+            remedy="Save the campaign again from its source.",
         )
     return cast("dict[str, Any]", from_json(text))
 
@@ -150,11 +140,9 @@ def _find(index: Mapping[str, Any], run_id: str, path: Path) -> Mapping[str, Any
         if run_id in known:
             return cast("Mapping[str, Any]", items[known.index(run_id)])
     raise CampaignError(
-        Problem(
-            message=f"the file has no run {run_id!r}; it has "
-            f"{', '.join(ids[:12])}{' …' if len(ids) > 12 else ''}.",
-            file=str(path),
-        )
+        f"the file has no run {run_id!r}; it has "
+        f"{', '.join(ids[:12])}{' …' if len(ids) > 12 else ''}.",
+        file=str(path),
     )
 
 

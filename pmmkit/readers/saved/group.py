@@ -179,12 +179,10 @@ def read_group(group: Any, *, file: str) -> xr.Dataset:
         holders[entry["coordinate"]][name] = (entry["dims"], values, entry["attributes"])
     if text_of(group.attrs, "crc32") != _checksum(texts, contents):
         raise CampaignError(
-            Problem(
-                message="the data do not match their checksum: the file is damaged or was edited.",
-                file=file,
-                run=text_of(group.attrs, "id"),
-                remedy="Save the campaign again from its source.",
-            )
+            "the data do not match their checksum: the file is damaged or was edited.",
+            file=file,
+            run=text_of(group.attrs, "id"),
+            remedy="Save the campaign again from its source.",
         )
     return xr.Dataset(holders[False], holders[True], description["attributes"])
 

@@ -39,10 +39,8 @@ class StarCcm(Reader):
     def cells(self, request: Request) -> Cells:
         """Not a table: always refused."""
         raise request.error(
-            request.problem(
-                "an export of monitors is a history, not a table of rows.",
-                remedy='For a table of results write format = "csv".',
-            )
+            "an export of monitors is a history, not a table of rows.",
+            remedy='For a table of results write format = "csv".',
         )
 
     def usual(self, headers: Sequence[str]) -> Mapping[str, str]:

@@ -69,11 +69,9 @@ def steps(name: str, times: Array, values: Mapping[str, Array], request: Request
     if len(back):
         before, after = times[back[0]], times[back[0] + 1]
         raise request.error(
-            request.problem(
-                f"time goes back from {before:.10g} to {after:.10g} after "
-                f"{back[0] + 1} rows of numbers.",
-                remedy="Make a file of each part; state their order in [source] if they overlap.",
-            )
+            f"time goes back from {before:.10g} to {after:.10g} after "
+            f"{back[0] + 1} rows of numbers.",
+            remedy="Make a file of each part; state their order in [source] if they overlap.",
         )
     last = np.append(np.diff(times) > 0, True)
     part = ColumnPart(files=(name,), times=times, values=values)
@@ -104,10 +102,8 @@ def merged(parts: Sequence[ColumnPart], request: Request) -> ColumnPart:
     unknown = set(request.options.order) - {part.name for part in parts}
     if unknown:
         raise request.error(
-            request.problem(
-                f"order in [source] names {', '.join(sorted(unknown))}; the files are "
-                f"{', '.join(part.name for part in parts)}."
-            )
+            f"order in [source] names {', '.join(sorted(unknown))}; the files are "
+            f"{', '.join(part.name for part in parts)}."
         )
     return _side_by_side([_in_sequence(listed, request) for listed in groups.values()], request)
 
@@ -147,12 +143,10 @@ def _agreeing(earlier: ColumnPart, later: ColumnPart, request: Request) -> Colum
     if fault is not None:
         listed = ", ".join(f'"{name}"' for name in (*earlier.files, *later.files))
         raise request.error(
-            request.problem(
-                f"{earlier.name} and {later.name} overlap from {first:.10g} to "
-                f"{end - tolerance:.10g} and disagree there: {fault}.",
-                remedy="State in [source] in which order they were computed, and each counts "
-                f"from its first time step on: order = [{listed}].",
-            )
+            f"{earlier.name} and {later.name} overlap from {first:.10g} to "
+            f"{end - tolerance:.10g} and disagree there: {fault}.",
+            remedy="State in [source] in which order they were computed, and each counts "
+            f"from its first time step on: order = [{listed}].",
         )
     said = f"{later.name} and {earlier.name} agree where they overlap ({len(other.times)} rows)"
     return _joined(earlier, later.taken(later.times > end), said)
@@ -212,7 +206,7 @@ def _side_by_side(parts: Sequence[ColumnPart], request: Request) -> ColumnPart:
         raise request.error(*problems)
     if not common.any():
         listed = ", ".join(f"{part.name} ({len(part.times)} rows)" for part in parts)
-        raise request.error(request.problem(f"no time is common to all of {listed}."))
+        raise request.error(f"no time is common to all of {listed}.")
     notes = [note for part in parts for note in part.notes]
     if not common.all():
         listed = ", ".join(f"{part.name} {len(part.times)}" for part in parts)

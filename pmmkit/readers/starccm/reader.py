@@ -46,7 +46,7 @@ def files(request: Request) -> list[Path]:
     path = request.path
     found = _exports_in(path) if path.is_dir() else list(matching(path))
     if path.is_dir() and not found:
-        raise request.error(request.problem("the folder holds no .csv file."))
+        raise request.error("the folder holds no .csv file.")
     return found or [path]
 
 
@@ -278,10 +278,8 @@ def _open(request: Request) -> _Export:
     original = text.headers
     if original is None:
         raise request.error(
-            request.problem(
-                "there is no header of monitors above the rows.",
-                remedy='For plain columns write format = "csv".',
-            )
+            "there is no header of monitors above the rows.",
+            remedy='For plain columns write format = "csv".',
         )
     headers = list(clean_headers(original))
     key, timed = _key(headers)
@@ -306,7 +304,7 @@ def _without_torn_row(text: Text, request: Request) -> tuple[Text, list[str]]:
     if len(last) >= text.width and surely_whole(text):
         return text, []
     if begin == text.start:
-        raise request.error(request.problem("there is one row of numbers, and it is cut off."))
+        raise request.error("there is one row of numbers, and it is cut off.")
     said = f"{request.path.name}: the last row is cut off (or its line end is missing): left out"
     return replace(text, stop=begin - 1), [said]
 

@@ -23,7 +23,7 @@ import numpy as np
 from pmmkit.base import CampaignError, PmmkitError
 from pmmkit.conventions import did_you_mean, split_unit
 from pmmkit.numerics import Array
-from pmmkit.readers.base import Cells, Choose, Columns, Request
+from pmmkit.readers.base import Cells, Choose, Columns, Request, first_line
 from pmmkit.readers.bounds import limit_of, too_large
 from pmmkit.readers.vectors import (
     Vector,
@@ -94,9 +94,7 @@ def walk(path: Path, request: Request) -> Segments:
 
 def _damaged(request: Request, what: str) -> Exception:
     return request.error(
-        request.problem(
-            f"{what}: the file is damaged or cut short.", remedy="Copy it again from the logger."
-        )
+        f"{what}: the file is damaged or cut short.", remedy="Copy it again from the logger."
     )
 
 
@@ -219,10 +217,8 @@ def _contents(request: Request) -> Iterator[_Contents]:
         segments = walk(request.path, request)
         if segments.daqmx:
             raise request.error(
-                request.problem(
-                    "there are raw data of DAQmx, which are not read.",
-                    remedy="Let the logger write scaled waveforms.",
-                )
+                "there are raw data of DAQmx, which are not read.",
+                remedy="Let the logger write scaled waveforms.",
             )
         stream = io.BytesIO(request.path.read_bytes())
         with _quiet(), nptdms.TdmsFile.open(stream) as file:
@@ -230,12 +226,9 @@ def _contents(request: Request) -> Iterator[_Contents]:
     except PmmkitError:
         raise
     except Exception as error:
-        detail = (str(error).strip().splitlines() or [type(error).__name__])[0][:200]
         raise request.error(
-            request.problem(
-                f"cannot be read as TDMS: damaged or cut short ({detail}).",
-                remedy="Copy it again from the logger.",
-            )
+            f"cannot be read as TDMS: damaged or cut short ({first_line(error)}).",
+            remedy="Copy it again from the logger.",
         ) from error
 
 
@@ -244,23 +237,19 @@ def _looked_over(file: Any, segments: Segments, request: Request) -> _Contents:
     for segment in file._reader._segments[: -1 if segments.unfinished else None]:
         if segment.final_chunk_lengths_override is not None:
             raise request.error(
-                request.problem(
-                    f"the segment at byte {segment.position} does not hold what it declares: the "
-                    "file is damaged.",
-                    remedy="Copy it again from the logger.",
-                )
+                f"the segment at byte {segment.position} does not hold what it declares: the "
+                "file is damaged.",
+                remedy="Copy it again from the logger.",
             )
     statuses = file.file_status.channel_statuses or {}
-    groups = [group for group in file.groups() if _wanted(group.name, request)]
+    groups = [item for item in file.groups() if request.options.group in (None, item.name)]
     if not groups:
         wanted, there = request.options.group or "", [group.name for group in file.groups()]
         raise request.error(
-            request.problem(
-                f"there is no group {wanted!r}{did_you_mean(wanted, there) or '.'} "
-                f"It has {', '.join(there)}."
-                if there
-                else "there are no groups of channels."
-            )
+            f"there is no group {wanted!r}{did_you_mean(wanted, there) or '.'} "
+            f"It has {', '.join(there)}."
+            if there
+            else "there are no groups of channels."
         )
     found = [channel for group in groups for channel in group.channels()]
     for channel in found:
@@ -285,10 +274,6 @@ def _looked_over(file: Any, segments: Segments, request: Request) -> _Contents:
     )
 
 
-def _wanted(name: str, request: Request) -> bool:
-    return request.options.group in (None, name)
-
-
 def _check_scales(channel: Any, file: Any, request: Request) -> None:
     """Refuse scalings that npTDMS does not know, and more of them than there can be."""
     group = file[channel.group_name].properties
@@ -304,10 +289,8 @@ def _check_scales(channel: Any, file: Any, request: Request) -> None:
         if (unknown and not done) or not 0 <= float(count) <= _MOST_SCALES:
             what = f"a scaling {', '.join(unknown)}" if unknown else f"{count} scalings"
             raise request.error(
-                request.problem(
-                    f"channel {channel.name} has {what}, which cannot be applied.",
-                    remedy="Let the logger write scaled values.",
-                )
+                f"channel {channel.name} has {what}, which cannot be applied.",
+                remedy="Let the logger write scaled values.",
             )
 
 
@@ -335,10 +318,7 @@ def _numbers(channel: Any, request: Request) -> Array:
     values = channel[:]
     if len(values) != len(channel):
         raise request.error(
-            request.problem(
-                f"channel {channel.name} should have {len(channel)} values; "
-                f"{len(values)} are there."
-            )
+            f"channel {channel.name} should have {len(channel)} values; {len(values)} are there."
         )
     if values.dtype.kind == "M":
         return np.asarray((values - values[0]) / np.timedelta64(1, "s"), dtype=np.float64)
@@ -385,20 +365,16 @@ def _sampling(
     }
     if not stated:
         raise request.error(
-            request.problem(
-                "none of the channels that are used states its sampling (wf_increment).",
-                remedy="State it under [source], e.g. sample_rate = 200.0 [Hz].",
-            )
+            "none of the channels that are used states its sampling (wf_increment).",
+            remedy="State it under [source], e.g. sample_rate = 200.0 [Hz].",
         )
     if len(set(stated.values())) > 1:
         listed = ", ".join(
             f"{title} every {step:g} s from {start:g} s" for title, (step, start) in stated.items()
         )
         raise request.error(
-            request.problem(
-                f"channels are sampled differently: {listed}.",
-                remedy='Use channels of one task, or one group: group = "..." in [source].',
-            )
+            f"channels are sampled differently: {listed}.",
+            remedy='Use channels of one task, or one group: group = "..." in [source].',
         )
     return next(iter(stated.values()))
 
@@ -436,10 +412,8 @@ def _check_rate(
         step = _increment(channel)
         if step is not None and abs(step * rate - 1.0) > 1e-4:
             raise request.error(
-                request.problem(
-                    f"sample_rate = {rate:g} Hz is stated, wf_increment of the file says "
-                    f"{1.0 / step:g} Hz.",
-                    column=headers[place],
-                    remedy="Leave sample_rate out, or correct it.",
-                )
+                f"sample_rate = {rate:g} Hz is stated, wf_increment of the file says "
+                f"{1.0 / step:g} Hz.",
+                column=headers[place],
+                remedy="Leave sample_rate out, or correct it.",
             )

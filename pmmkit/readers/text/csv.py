@@ -62,7 +62,7 @@ def columns(request: Request, choose: Choose) -> Columns:
     if problems:
         raise request.error(*abridged(problems, request))
     if not sum(len(part[0]) for part in parts if part):
-        raise request.error(request.problem("there are no rows of numbers."))
+        raise request.error("there are no rows of numbers.")
     return Columns(
         headers=headers,
         positions=positions,
@@ -78,7 +78,7 @@ def numbers(text: Text, positions: Sequence[int], request: Request) -> Columns:
     if problems:
         raise request.error(*abridged(problems, request))
     if values and not len(values[0]):
-        raise request.error(request.problem("there are no rows of numbers."))
+        raise request.error("there are no rows of numbers.")
     return Columns(
         headers=text.headers or ("",) * text.width,
         positions=tuple(positions),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import codecs
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -34,18 +33,6 @@ _SCRIPTS: Final = (
 )
 """First and last letter of kana, kanji, hangul, Latin with accents and kana of half width, and
 what it says for an encoding that a text has them."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Decoded:
-    """A text as UTF-8 without byte order mark.
-
-    `doubt`: what is wrong if the text is not ASCII from the first row of numbers on: it is not
-    UTF-8 and was read as cp1252, which a heading may be and numbers need not.
-    """
-
-    data: bytes
-    doubt: Problem | None = None
 
 
 def marked(data: bytes) -> str | None:
@@ -94,10 +81,10 @@ def keeps_line_ends(encoding: str) -> bool:
     return "az09,\n".encode(encoding) == b"az09,\n"
 
 
-def decoded(data: bytes, request: Request, line: int = 1) -> Decoded:
+def decoded(data: bytes, request: Request, line: int = 1) -> tuple[bytes, Problem | None]:
     """The text in the encoding stated, or that of its byte order mark, or UTF-8, or cp1252."""
     if not data:
-        raise request.error(request.problem("the file is empty (0 bytes)."))
+        raise request.error("the file is empty (0 bytes).")
     encoding = request.options.encoding or marked(data) or "utf-8"
     doubt = None
     plain = keeps_line_ends(encoding)
@@ -118,12 +105,10 @@ def decoded(data: bytes, request: Request, line: int = 1) -> Decoded:
     nul = data.find(b"\0")
     if nul >= 0:
         raise request.error(
-            request.problem(
-                "there are zero bytes: the file is damaged or not plain text.",
-                row=data.count(b"\n", 0, nul) + line,
-            )
+            "there are zero bytes: the file is damaged or not plain text.",
+            row=data.count(b"\n", 0, nul) + line,
         )
-    return Decoded(data=data, doubt=doubt)
+    return data, doubt
 
 
 def _not_decoded(
@@ -153,7 +138,7 @@ def unix_ends(data: bytes, request: Request, line: int = 1) -> bytes:
     stray = re.search(rb"\r(?!\n)", data)
     if stray is None or stray.end() != len(data):
         row = data.count(b"\n", 0, stray.start()) + line if stray else None
-        raise request.error(request.problem("there is a carriage return inside the line.", row=row))
+        raise request.error("there is a carriage return inside the line.", row=row)
     return data
 
 

@@ -95,7 +95,7 @@ def find_heading(data: bytes, start: int, stop: int, line: int, request: Request
         if as_usual and decimal == ".":
             break
     if not plain:
-        raise request.error(request.problem("there are comments and no rows of numbers."))
+        raise request.error("there are comments and no rows of numbers.")
     if not request.options.skip_rows and not as_usual:
         table = _rows_of_numbers(plain, request, whole=plain[-1].stop >= stop)
         if table is not None and _has_preamble(plain, table, request):
@@ -116,14 +116,12 @@ def find_heading(data: bytes, start: int, stop: int, line: int, request: Request
         )
     headers, last = headers_of(first.text, delimiter), first
     if request.options.units_row and len(plain) == 1:
-        raise request.error(request.problem("there is no line of units below the names."))
+        raise request.error("there is no line of units below the names.")
     if len(plain) > 1 and _is_units(plain[1], len(headers), delimiter, decimal, request):
         last = plain[1]
         headers = _with_units(headers, last, delimiter, request)
     if last.stop >= stop:
-        raise request.error(
-            request.problem("the file has a header and no rows of numbers below it.")
-        )
+        raise request.error("the file has a header and no rows of numbers below it.")
     return Heading(
         headers=headers,
         start=last.stop + 1,
@@ -262,11 +260,9 @@ def _refuse_grouped(lines: Sequence[bytes], delimiter: str, decimal: str, reques
     if commas and all(_GROUPED.fullmatch(cell) for cell in commas):
         whole, part = commas[0].split(",", 1)
         raise request.error(
-            request.problem(
-                f"{commas[0]!r} is {whole}.{part} with a decimal comma and {whole}{part} with "
-                "thousands separators; nothing in the first rows tells which.",
-                remedy='Write decimal = "," in [source], or export without thousands separators.',
-            )
+            f"{commas[0]!r} is {whole}.{part} with a decimal comma and {whole}{part} with "
+            "thousands separators; nothing in the first rows tells which.",
+            remedy='Write decimal = "," in [source], or export without thousands separators.',
         )
 
 
@@ -348,14 +344,11 @@ def _below_preamble(
     above = _without_remarks(above, table.width, delimiter)
     if _names_too_high(above, table, request):
         raise request.error(
-            request.problem(
-                f"rows {above[-2].number} and {above[-1].number} may both be the names of the "
-                "columns.",
-                row=above[-1].number,
-                remedy=f"State in [source] skip_rows = {above[-2].number} if the names are in row "
-                f"{above[-1].number}, or skip_rows = {above[-2].number - 1} and units_row = true "
-                f"if units are; else row {above[-1].number} is damaged.",
-            )
+            f"rows {above[-2].number} and {above[-1].number} may both be the names of the columns.",
+            row=above[-1].number,
+            remedy=f"State in [source] skip_rows = {above[-2].number} if the names are in row "
+            f"{above[-1].number}, or skip_rows = {above[-2].number - 1} and units_row = true "
+            f"if units are; else row {above[-1].number} is damaged.",
         )
     _refuse_grouped([line.text for line in plain[table.index :]], delimiter, decimal, request)
     names = _names(above, table.width, delimiter, decimal, request)
@@ -436,10 +429,8 @@ def _with_units(
     units = _units(line, delimiter)
     if len(units) != len(headers):
         raise request.error(
-            request.problem(
-                f"the line of units has {len(units)} fields, the names are {len(headers)}.",
-                row=line.number,
-            )
+            f"the line of units has {len(units)} fields, the names are {len(headers)}.",
+            row=line.number,
         )
     pairs = [
         (header, split_unit(header)[1], unit) for header, unit in zip(headers, units, strict=True)
@@ -471,9 +462,7 @@ def _is_header(line: _Line, delimiter: str, decimal: str, request: Request) -> b
     if numbers * 2 < len(top):
         return True
     raise request.error(
-        request.problem(
-            "the first line mixes numbers and text: it is a header or a damaged row.",
-            row=line.number,
-            remedy="Say which in [source]: header = true or header = false.",
-        )
+        "the first line mixes numbers and text: it is a header or a damaged row.",
+        row=line.number,
+        remedy="Say which in [source]: header = true or header = false.",
     )

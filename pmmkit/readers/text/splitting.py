@@ -133,10 +133,10 @@ def _pieces(stream: BinaryIO, request: Request) -> Iterator[Text]:
             heading = replace(heading, headers=piece.headers or ("",) * piece.width, start=0)
             first = replace(piece, headers=heading.headers, data=b"", notes=())
         else:
-            found = decoded(part, request, line)
-            if found.doubt is not None:
-                raise request.error(found.doubt)
-            text = unix_ends(found.data, request, line)
+            plain, doubt = decoded(part, request, line)
+            if doubt is not None:
+                raise request.error(doubt)
+            text = unix_ends(plain, request, line)
             text, comments = _without_comments(
                 text, _last(text), replace(heading, line=line), request
             )
@@ -154,11 +154,9 @@ def _line_feeds(data: bytes) -> int:
 def _taken_apart(data: bytes, request: Request) -> tuple[Text, Heading]:
     options = request.options
     if options.widths is not None and options.delimiter is not None:
-        raise request.error(
-            request.problem("widths and delimiter are both stated; a file has one or the other.")
-        )
-    text = decoded(data, request)
-    data = unix_ends(text.data, request)
+        raise request.error("widths and delimiter are both stated; a file has one or the other.")
+    plain, doubt = decoded(data, request)
+    data = unix_ends(plain, request)
     start, line = 0, 1
     while start < len(data) and (
         line <= options.skip_rows or not data[start : line_end(data, start)].strip()
@@ -169,12 +167,12 @@ def _taken_apart(data: bytes, request: Request) -> tuple[Text, Heading]:
     stop = _last(data)
     if start >= stop:
         skipped = f" below the {options.skip_rows} rows skipped" if options.skip_rows else ""
-        raise request.error(request.problem(f"the file is empty{skipped}."))
+        raise request.error(f"the file is empty{skipped}.")
     heading = find_heading(data, start, stop, line, request)
     notes = heading.notes
-    if text.doubt is not None:
+    if doubt is not None:
         if not data[heading.start :].isascii():
-            raise request.error(text.doubt)
+            raise request.error(doubt)
         notes = (*notes, "the heading is not UTF-8 and was read as cp1252")
     data, comments = _without_comments(data, stop, heading, request)
     taken = Text(

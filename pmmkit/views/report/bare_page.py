@@ -2,22 +2,50 @@
 
 from __future__ import annotations
 
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
 from pmmkit.base import __version__
 from pmmkit.presentation import content_hash, html_text
 
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
-def bare_page(title: str, style: str, body: str, *, pictures: bool = False) -> str:
+
+def bare_page(
+    template: str, *, title: str, style: str, pictures: bool = False, **content: Any
+) -> str:
     """The HTML of a page."""
-    images = "img-src data:; " if pictures else ""
-    policy = (
-        f"default-src 'none'; style-src {content_hash(style)}; {images}base-uri 'none'; "
-        "form-action 'none'"
+    page: str = (
+        _templates()
+        .get_template(template)
+        .render(
+            title=title,
+            style=style,
+            style_hash=content_hash(style),
+            images="img-src data:; " if pictures else "",
+            version=__version__,
+            **content,
+        )
     )
-    return (
-        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        f'<meta http-equiv="content-security-policy" content="{policy}">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f'<meta name="generator" content="pmmkit {__version__}">\n'
-        f"<title>{html_text(title)}</title>\n<style>{style}</style>\n</head>\n"
-        f"<body>\n{body}</body>\n</html>\n"
+    return page
+
+
+@cache
+def _templates() -> Environment:
+    """Templates that escape all text as `html_text` does and refuse names that are not given."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
+
+    return Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=lambda value: (
+            value if isinstance(value, Markup) else Markup(html_text(str(value)))
+        ),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
     )

@@ -31,19 +31,16 @@ def read_stated(file: Path) -> dict[str, Any]:
     DataError
         If the file has no such table, or with everything that is wrong in it.
     """
-    from pmmkit.base import Problem
-    from pmmkit.campaigns import ImoEntry, read_entry
+    from pmmkit.campaigns import Faults, ImoEntry, read_entry
     from pmmkit.files import read_toml
 
     content = read_toml(file)
     if not isinstance(content.get(TABLE), Mapping):
         raise DataError(f"{file} has no table [{TABLE}]; docs/imo.md lists its keys.")
-    problems: list[Problem] = []
-    found = read_entry(
-        ImoEntry, content[TABLE], file=str(file), entry=f"[{TABLE}]", problems=problems
-    )
-    if problems or found is None:
-        raise DataError(problems, title=f"{file} cannot be read")
+    faults = Faults(str(file))
+    found = read_entry(ImoEntry, content[TABLE], f"[{TABLE}]", faults)
+    if faults.problems or found is None:
+        raise DataError(faults.problems, title=f"{file} cannot be read")
     return {name: value for name, value in found if value is not None}
 
 
