@@ -256,8 +256,8 @@ def test_what_is_stated_survives_saving_and_exporting(tmp_path):
 
 
 def test_the_command_names_the_standards_and_formats_that_there_are():
-    assert {item.value for item in command.Standard} == set(STANDARDS)
-    assert {item.value for item in command.Format} == set(FORMATS)
+    assert {item.value for item in command.ReportStandard} == set(STANDARDS)
+    assert {item.value for item in command.ReportFormat} == set(FORMATS)
     with pytest.raises(UnknownNameError, match="ittc"):
         captive_document(None, standard="itcc")
 

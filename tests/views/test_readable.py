@@ -18,7 +18,8 @@ from pmmkit.campaigns.figures import record
 from pmmkit.conventions import Ship, Water
 from pmmkit.diagnosis.fall_figures import LEVEL, Bars, Panel, fall
 from pmmkit.diagnosis.figures import coverage, evidence
-from pmmkit.plotting import histories, style, trajectory, turn_histories, zigzag
+from pmmkit.plotting import style, trajectory, turn_histories, zigzag
+from pmmkit.plotting.time_series import histories
 from pmmkit.presentation import Section
 from pmmkit.simulation import bands_of
 from pmmkit.simulation.figures import importance
