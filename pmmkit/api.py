@@ -38,7 +38,6 @@ from pmmkit.validation import as_tested
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.reduction import CycleChoice
 
 
 def reduce(
@@ -46,7 +45,7 @@ def reduce(
     structure: str | Sequence[str] | Structure = "abkowitz3",
     fn: Literal["each", "pooled"] = "each",
     *,
-    cycles: CycleChoice = None,
+    cycles: int | tuple[int, int] | None = None,
     carriage_speed: bool = False,
 ) -> DerivativeTable:
     """Derivatives from a campaign of captive tests.

@@ -41,9 +41,9 @@ def diagnose(
     """
     if campaign.kind == "free-running":
         return diagnose_free(complete_model(model), campaign, **settings)
-    base = derivatives_of(model)
-    given = (*base.effects, *settings.pop("given", ()))
-    return diagnose_captive(campaign, base.structure, given=given, **settings)
+    _, structure, effects = derivatives_of(model)
+    given = (*effects, *settings.pop("given", ()))
+    return diagnose_captive(campaign, structure, given=given, **settings)
 
 
 def complete_model(model: Model | str | Path | Sequence[str] | Structure) -> Model:

@@ -45,29 +45,22 @@ def mimics(
 
     information (q, q); across (q,).
     """
-    found = {}
+    shares = {}
     for name, at in others.items():
-        own = np.linalg.lstsq(information[np.ix_(at, at)], across[at], rcond=REPRODUCES)[0]
-        share = float(across[at] @ own) / signal
+        coefficients = np.linalg.lstsq(information[np.ix_(at, at)], across[at], rcond=REPRODUCES)[0]
+        share = float(across[at] @ coefficients) / signal
         if share >= MIMICS:
-            found[name] = min(share, 1.0)
-    return dict(sorted(found.items(), key=lambda item: -item[1]))
+            shares[name] = min(share, 1.0)
+    return dict(sorted(shares.items(), key=lambda item: -item[1]))
 
 
 @dataclass(frozen=True, kw_only=True)
 class RankedSet:
     """A set of effects with its evidence.
 
-    Parameters
-    ----------
-    names : tuple of str
-        Effects.
-    log_evidence : float
-        Against no effect, averaged over the grids, less `PRICE` for each.
-    values : tuple of float
-        Best grid value of each.
-    terms : tuple of int
-        Number of coefficients that each has in its best form; empty where effects have one form.
+    `log_evidence`: against no effect, averaged over the grids, less `PRICE` for each. `values`:
+    best grid value of each. `terms`: number of coefficients that each has in its best form;
+    empty where effects have one form.
     """
 
     names: tuple[str, ...]
@@ -80,22 +73,11 @@ class RankedSet:
 class Visible:
     """What the runs could show of one effect.
 
-    Parameters
-    ----------
-    name, family : str
-        The effect.
-    signal : float
-        Squared signal over noise at its usual size, what the base can absorb taken off.
-    without_a_run : float
-        The same without the run that shows most of it.
-    hides : float
-        Share of the usual size that could hide.
-    shown : bool
-        Whether these runs can show it.
-    why : str
-        Why not, in words.
-    mimics : mapping of str to float
-        Effects that can stand for it, with the share of its signature that they reproduce.
+    `signal`: squared signal over noise at its usual size, what the base can absorb taken off.
+    `without_a_run`: the same without the run that shows most of it. `hides`: share of the usual
+    size that could hide. `shown`: whether these runs can show it. `why`: why not, in words.
+    `mimics`: effects that can stand for it, with the share of its signature that they
+    reproduce.
     """
 
     name: str

@@ -46,38 +46,18 @@ def _none() -> Mapping[str, Any]:
 class Finding(Described):
     """One effect of the best set.
 
-    Parameters
-    ----------
-    effect, family, kind, summary : str
-        What it is.
-    coefficients, std : mapping of str to float
-        Fitted together with the base and the other effects of the set.
-    typical : mapping of str to float
-        Usual sizes.
-    value : float
-        Grid value of its nonlinear parameter, and `parameter` what that is.
-    parameter : str
-        Name and unit; empty where there is none.
-    log_odds : float
-        ln of the odds for it, beside the other effects of the set.
-    rivals : tuple of str
-        Effects that mimic it on these runs.
-    separating_test : str
-        What would tell it from others.
-    error_before, error_after : float
-        Held-out error without and with it, over the rms force, over all channels; of free-running
-        records that of the heading [deg].
-    error_level : float
-        The same error if nothing is missing: of noise, run scatter and what the others leave
-        unknown; of records of starts, sensors, values and unknown forces.
-    beside : bool
-        Whether the coefficients are what comes to values that the model has, as free-running
-        records tell; captive tests tell the whole of terms that the model lacks.
-    errors : mapping of channel to (before, after)
-        The same by channel [N, N m]; of free-running records position [m], heading [deg], speed
-        [m/s] and yaw rate [deg/s].
-    levels : mapping of channel to float
-        The level of the noise by channel.
+    `coefficients, std`: fitted together with the base and the other effects of the set.
+    `value`: grid value of its nonlinear parameter, and `parameter` what that is. `parameter`:
+    name and unit; empty where there is none. `log_odds`: ln of the odds for it, beside the
+    other effects of the set. `rivals`: effects that mimic it on these runs. `separating_test`:
+    what would tell it from others. `error_before, error_after`: held-out error without and with
+    it, over the rms force, over all channels; of free-running records that of the heading
+    [deg]. `error_level`: the same error if nothing is missing: of noise, run scatter and what
+    the others leave unknown; of records of starts, sensors, values and unknown forces.
+    `beside`: whether the coefficients are what comes to values that the model has, as
+    free-running records tell; captive tests tell the whole of terms that the model lacks.
+    `errors`: the same by channel [N, N m]; of free-running records position [m], heading [deg],
+    speed [m/s] and yaw rate [deg/s]. `levels`: the level of the noise by channel.
     """
 
     effect: str
@@ -388,6 +368,18 @@ class Diagnosis(Described):
         """The coefficients of all findings."""
         groups = [Group(rows=item.rows(), title=item.title) for item in self.findings]
         return Grid(head=_HEAD, groups=groups, texts=(4,))
+
+    def error_table(self) -> Grid:
+        """Errors before and after of free-running records, a row for each of `errors`."""
+        names = list(
+            dict.fromkeys(name for row in self.errors.values() for name in row if name in UNITS)
+        )
+        rows: list[list[Cell]] = [
+            [what, *(f"{row[name]:.3g}" if name in row else "-" for name in names)]
+            for what, row in self.errors.items()
+        ]
+        head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in names]
+        return Grid(head=["", *head], groups=[Group(rows=rows)])
 
     def plot(self) -> Figure:
         """Evidence of the best effects and sets, what is named in full colour."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -16,79 +16,55 @@ Place = tuple[str, str]
 """A part of a model and one of its values."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FittedValues:
-    """What a fit says of values of a model, by name.
-
-    `values`: by part and name; one for each of the model's Froude numbers where they differ.
-    `known`: those of which the fit knows how uncertain they are. `covariance (n, n)`: of
-    `known`, alike at all Froude numbers; or of `known` at one Froude number after another.
-    `sources`: where each value comes from. `Fn`: Froude numbers of the values that differ with
-    them.
-    """
-
-    values: Mapping[Place, Value]
-    known: tuple[Place, ...]
-    covariance: Array
-    sources: Mapping[Place, str]
-    Fn: tuple[float, ...] = ()
-
-
-def put_back(model: Model, fitted: FittedValues) -> Model:
+def put_back(
+    model: Model,
+    *,
+    values: Mapping[Place, Value],
+    known: Sequence[Place],
+    covariance: Array,
+    sources: Mapping[Place, str],
+    Fn: tuple[float, ...] = (),
+) -> Model:
     """A model with fitted values, their sources and their covariance, and with no other one.
+
+    covariance (n, n).
 
     Examples
     --------
     >>> from pmmkit.models import load_model
-    >>> one = FittedValues(
-    ...     values={("hull_polynomial", "Yv"): -0.3}, known=(("hull_polynomial", "Yv"),),
-    ...     covariance=np.array([[1e-4]]), sources={("hull_polynomial", "Yv"): "measured: tank"},
+    >>> place = ("hull_polynomial", "Yv")
+    >>> made = put_back(
+    ...     load_model("kvlcc2"), values={place: -0.3}, known=[place],
+    ...     covariance=np.array([[1e-4]]), sources={place: "measured: tank"},
     ... )
-    >>> made = put_back(load_model("kvlcc2"), one)
     >>> made.values("hull_polynomial")["Yv"], made.std["Yv"]
     (-0.3, (0.01,))
     >>> made.parts["hull_polynomial"].source_of("Yv")
     'measured: tank'
     """
     parts = dict(model.parts)
-    for (home, name), value in fitted.values.items():
+    for (home, name), value in values.items():
         part = parts.get(home, Part(effect=home))
         parts[home] = replace(
             part,
             values=MappingProxyType({**part.values, name: value}),
-            sources=MappingProxyType({**part.sources, name: fitted.sources[home, name]}),
+            sources=MappingProxyType({**part.sources, name: sources[home, name]}),
         )
-    for home, name in fitted.known:
+    for home, name in known:
         std = {label: x for label, x in parts[home].std.items() if label != name}
         parts[home] = replace(parts[home], std=MappingProxyType(std))
-    Fn = model.Fn or fitted.Fn
-    if not fitted.known:
+    Fn = model.Fn or Fn
+    if not known:
         return model.with_(
             parts=MappingProxyType(parts), Fn=Fn, covariance=None, covariance_names=()
         )
-    copies = max(len(Fn), 1) * len(fitted.known) // len(fitted.covariance)
+    copies = max(len(Fn), 1) * len(known) // len(covariance)
     return model.with_(
         parts=MappingProxyType(parts),
         Fn=Fn,
-        covariance=np.tile(0.5 * (fitted.covariance + fitted.covariance.T), (copies, copies)),
-        covariance_names=tuple(place_name(*place) for place in fitted.known),
+        covariance=np.tile(0.5 * (covariance + covariance.T), (copies, copies)),
+        covariance_names=tuple(place_name(*place) for place in known),
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class FittedEffect:
-    """What the last fit says of an effect that a step took in.
-
-    `coefficients`: of the effect; those that are not known do not count. `places`: parts and
-    values (``hull_polynomial.Yvvr``) of the model that it stands in; none of a fault, which
-    corrects the tests and does not sail with the ship. `parameter, value`: nonlinear parameter
-    of the effect.
-    """
-
-    coefficients: Mapping[str, float]
-    places: tuple[str, ...] = ()
-    parameter: str = ""
-    value: float | None = None
 
 
 def stepped(
@@ -96,7 +72,7 @@ def stepped(
     new: Model,
     fit: Step,
     steps: Sequence[Step],
-    found: Sequence[FittedEffect],
+    found: Sequence[tuple[Mapping[str, float], Sequence[str]]],
     errors: Sequence[float],
     of: str = "",
 ) -> Model:
@@ -106,26 +82,26 @@ def stepped(
         return new.stepped(fit) if fit.count else new
     made = []
     brought: set[str] = set()
-    for number, (step, own) in enumerate(zip(steps, found, strict=True)):
-        places = [place for place in own.places if place not in brought]
-        brought.update(places)
+    for number, (step, (coefficients, there)) in enumerate(zip(steps, found, strict=True)):
+        new_places = [place for place in there if place not in brought]
+        brought.update(new_places)
         # In another convention no value is what it was.
-        kept = bool(own.places) and old.convention == new.convention
+        kept = bool(there) and old.convention == new.convention
         made.append(
             replace(
                 fit,
                 action=step.action,
                 effect=step.effect,
-                coefficients={x: one for x, one in own.coefficients.items() if math.isfinite(one)},
+                coefficients={name: x for name, x in coefficients.items() if math.isfinite(x)},
                 system="" if step.action == "fault_corrected" else "prime",
-                parameter=own.parameter,
-                value=own.value,
+                parameter=step.parameter,
+                value=step.value,
                 log_odds=step.log_odds,
                 note=step.note,
                 error_before=_finite(errors[number]),
                 error_after=_finite(errors[number + 1]),
                 error_of=of,
-                before=before_of(old, new, places) if kept else None,
+                before=before_of(old, new, new_places) if kept else None,
             )
         )
     return new.stepped(*made)

@@ -277,6 +277,16 @@ class Effect(Described):
         return [("captive tests", self.not_captive), ("free running", self.not_free_running)]
 
     @property
+    def asked_in_captive(self) -> bool:
+        """Whether captive tests are asked for it."""
+        return bool(self.coefficients) and not self.not_captive
+
+    @property
+    def asked_in_free_running(self) -> bool:
+        """Whether free-running records are asked for it, if they hold what it needs."""
+        return bool(self.coefficients or self.moves is not None) and not self.not_free_running
+
+    @property
     def asked(self) -> str:
         """Where a diagnosis asks for it, or why not, in words; empty for parts of a model."""
         places = self._places()

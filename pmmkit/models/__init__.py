@@ -72,7 +72,7 @@ if TYPE_CHECKING:
         problems_of,
         words_of,
     )
-    from pmmkit.models.step import Action, Step, Value, added, faults_of, odds
+    from pmmkit.models.step import Step, Value, added, faults_of, odds
     from pmmkit.models.store import load_model, model_text, read_steps, save_model
     from pmmkit.models.straight import HELD, held_straight
     from pmmkit.models.tables.by_depth import RATIO, TablesByDepth, in_step
@@ -110,7 +110,6 @@ __all__ = [
     "TOGETHER",
     "TURNS",
     "WANTED",
-    "Action",
     "DerivativeTable",
     "EmpiricalMethod",
     "FileReader",

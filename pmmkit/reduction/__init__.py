@@ -17,35 +17,10 @@ if TYPE_CHECKING:
     from pmmkit.reduction.methods.method import Estimate
     from pmmkit.reduction.methods.registry import METHODS
     from pmmkit.reduction.observations.equations import Rows
-    from pmmkit.reduction.observations.prepare import (
-        ORDER,
-        CycleChoice,
-        PreparedRun,
-        RunResult,
-        one_cycle,
-        places_of,
-        prepare,
-    )
-    from pmmkit.reduction.observations.seen import RunView, times_factors
-    from pmmkit.reduction.observations.stated import altered, idle, nominal_path
-    from pmmkit.reduction.observations.views import (
-        Repeatability,
-        View,
-        repeat_scatter,
-        repeatability_of,
-        scale_of,
-        views_of,
-    )
-    from pmmkit.reduction.observations.whitening import (
-        FLOOR,
-        Channel,
-        Places,
-        Projection,
-        WhitenedChannel,
-        alike,
-        noise_whitened,
-        whitened,
-    )
+    from pmmkit.reduction.observations.prepare import PreparedRun, RunResult, one_cycle, prepare
+    from pmmkit.reduction.observations.seen import RunView
+    from pmmkit.reduction.observations.stated import altered, idle
+    from pmmkit.reduction.observations.views import FLOOR, View, views_of
     from pmmkit.reduction.parts import Parts, hull_alone, parts_of
     from pmmkit.reduction.reading.resume import forget, resume_folder
     from pmmkit.reduction.reading.run import speed_increase
@@ -57,25 +32,17 @@ __all__ = [
     "AUTO",
     "FLOOR",
     "METHODS",
-    "ORDER",
     "Budget",
-    "Channel",
-    "CycleChoice",
     "Estimate",
     "GridStudy",
     "Growth",
     "Parts",
-    "Places",
     "PreparedRun",
-    "Projection",
     "Reduction",
-    "Repeatability",
     "Rows",
     "RunResult",
     "RunView",
     "View",
-    "WhitenedChannel",
-    "alike",
     "altered",
     "columns_of",
     "contributions",
@@ -91,24 +58,16 @@ __all__ = [
     "imo_budget",
     "in_words",
     "manoeuvre_budget",
-    "noise_whitened",
-    "nominal_path",
     "one_cycle",
     "parts_of",
-    "places_of",
     "prepare",
     "reduce_campaign",
-    "repeat_scatter",
-    "repeatability_of",
     "resume_folder",
-    "scale_of",
     "speed_increase",
     "squat",
     "squat_frame",
     "thrust_inside",
-    "times_factors",
     "views_of",
-    "whitened",
     "with_grids",
     "worst",
 ]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     )
     from pmmkit.signals.frequency import estimate_frequency
     from pmmkit.signals.local_fits import crossing, local, way_along
-    from pmmkit.signals.noise import Mean, autoregressive_noise, steady_mean, white_noise
+    from pmmkit.signals.noise import autoregressive_noise, steady_mean, white_noise
     from pmmkit.signals.periodic import between_harmonics, fit_noise, phase_cells
     from pmmkit.signals.record import FEWEST, as_record, time_weights
     from pmmkit.signals.rest import head_rest
@@ -32,7 +32,6 @@ __all__ = [
     "Cycles",
     "FourierBasis",
     "Harmonics",
-    "Mean",
     "Travel",
     "Window",
     "as_record",

@@ -24,16 +24,9 @@ OVERSAMPLED: Final = 0.85
 class Mean:
     """Means of the channels of one steady record, with their covariance.
 
-    Attributes
-    ----------
-    value : (c,) array
-        Time-weighted means.
-    covariance : (c, c) array
-        Covariance of the means; honours correlation in time and between channels.
-    dof : (c,) array
-        Degrees of freedom of each variance, for Student's t.
-    effective : (c,) array
-        Number of independent samples whose mean would be as uncertain.
+    `covariance (c, c)`: covariance of the means; honours correlation in time and between
+    channels. `dof (c,)`: degrees of freedom of each variance, for Student's t. `effective
+    (c,)`: number of independent samples whose mean would be as uncertain.
     """
 
     value: Array

@@ -14,10 +14,9 @@ import numpy as np
 
 from pmmkit.base import ModelError, PmmkitError
 from pmmkit.conventions import bibliography, parse_derivative
-from pmmkit.diagnosis import asked_in_captive, asked_in_free_running, standard_tests
 from pmmkit.diagnosis import candidate_of as captive_candidate
-from pmmkit.diagnosis import excited as excited_in_captive
 from pmmkit.diagnosis import free_candidate_of as free_candidate
+from pmmkit.diagnosis import standard_tests
 from pmmkit.effects import (
     BY_SPEED,
     EXCITES,
@@ -331,7 +330,7 @@ def _arguments(case: _Case) -> Iterator[str]:
 
 def _asked(case: _Case) -> Iterator[str]:
     effect = case.effect
-    if effect.coefficients and not asked_in_captive(effect) and not effect.not_captive:
+    if effect.coefficients and not effect.asked_in_captive and not effect.not_captive:
         yield "captive tests are not asked for it, and no reason is given"
     if effect.moves is not None and not effect.coefficients and not effect.not_captive:
         yield "captive tests cannot be asked for it, and no reason is given"
@@ -534,7 +533,7 @@ def _on_records(case: _Case) -> Iterator[str]:
 
 def _captive(case: _Case) -> Iterator[str]:
     effect = case.effect
-    if not asked_in_captive(effect):
+    if not effect.asked_in_captive:
         return
     views, base = standard_tests()
     views = tuple(replace(view, day=i / len(views)) for i, view in enumerate(views))
@@ -550,13 +549,13 @@ def _captive(case: _Case) -> Iterator[str]:
                 yield f"columns of {channel} are not finite"
             else:
                 acts |= bool(np.any(columns))
-    if not acts and excited_in_captive(views, base).issuperset(effect.excites):
+    if not acts and base.excited(views).issuperset(effect.excites):
         yield "it acts in no standard test"
 
 
 def _free_running(case: _Case) -> Iterator[str]:
     effect = case.effect
-    if not asked_in_free_running(effect):
+    if not effect.asked_in_free_running:
         return
     found = []
     for model in case.models:

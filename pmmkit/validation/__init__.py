@@ -6,18 +6,13 @@ from pmmkit.base import lazy
 
 if TYPE_CHECKING:
     from pmmkit.validation.captive import CaptiveRun, observed
-    from pmmkit.validation.comparison import MOST, Comparison, compare
+    from pmmkit.validation.comparison import Comparison, compare
     from pmmkit.validation.dataset import errors_in_percent, measures_in_percent
-    from pmmkit.validation.free_running import FORCE_UNITS, FreeRun, as_tested
+    from pmmkit.validation.free_running import FreeRun, as_tested
     from pmmkit.validation.manoeuvre import ManoeuvreComparison
-    from pmmkit.validation.statistics import STATISTICS
     from pmmkit.validation.submission import compare_submission
-    from pmmkit.validation.uncertainty import rms_of
 
 __all__ = [
-    "FORCE_UNITS",
-    "MOST",
-    "STATISTICS",
     "CaptiveRun",
     "Comparison",
     "FreeRun",
@@ -28,7 +23,6 @@ __all__ = [
     "errors_in_percent",
     "measures_in_percent",
     "observed",
-    "rms_of",
 ]
 
 lazy(__name__)

@@ -10,21 +10,13 @@ import numpy as np
 
 from pmmkit.base import DataError, ExtrapolationError, Progress
 from pmmkit.campaigns import Campaign, Rig, TypeB, force_of_water, rig_of
-from pmmkit.conventions import CHANNELS, Ship, Water
-from pmmkit.effects import State, catalogue, slopes
+from pmmkit.conventions import CHANNELS
+from pmmkit.effects import catalogue, slopes
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Model, Step, faults_of
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
-from pmmkit.reduction import (
-    Repeatability,
-    RunView,
-    View,
-    idle,
-    repeat_scatter,
-    repeatability_of,
-    views_of,
-)
+from pmmkit.reduction import RunView, View, idle, views_of
 from pmmkit.simulation import Spread
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
 from pmmkit.validation.statistics import ChannelError
@@ -33,6 +25,7 @@ from pmmkit.validation.uncertainty import (
     SHARES,
     Share,
     model_share,
+    rms_of,
     scales,
     sources_of,
     stated_share,
@@ -42,58 +35,29 @@ from pmmkit.validation.uncertainty import (
 # What the faults of a laboratory, as a model's steps tell them, do to captive runs.
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class InTheTank:
-    """A model as what predicts the forces of a run; `observations.seen.Expects` says the rest."""
-
-    predictor: Predictor
-    turning: bool
-
-    @property
-    def ship(self) -> Ship:
-        """The model that was tested."""
-        return self.predictor.model.ship
-
-    @property
-    def water(self) -> Water:
-        """The water of the tank."""
-        return self.predictor.model.water
-
-    def expected(self, view: View) -> dict[str, Array]:
-        """All harmonics of the forces that the model predicts in a view [N, N m]."""
-        return self.along(view, view.motion, view.speed)
-
-    def along(self, view: View, motion: State, speed: float) -> dict[str, Array]:
-        """The same if the model, or its carriage, went otherwise."""
-        forces = self.predictor.forces(speed, turning=self.turning)(motion, view.instants)
-        return {name: view.harmonics(x) for name, x in forces.items() if name in view.force}
-
-
 def sizes_told(steps: Mapping[str, Step]) -> dict[str, tuple[float, ...]]:
     """Sizes of the faults that steps tell, as the coefficients of the effects stand."""
-    found = {}
+    sizes = {}
     for name, step in steps.items():
         effect = catalogue()[name]
         labels = [item.name for item in effect.coefficients]
         if effect.acts is not None and not effect.each_run and set(labels) <= {*step.coefficients}:
-            found[name] = tuple(float(step.coefficients[x]) for x in labels)  # type: ignore[arg-type]
-    return found
+            sizes[name] = tuple(float(step.coefficients[x]) for x in labels)  # type: ignore[arg-type]
+    return sizes
 
 
-def shown_too_much(
-    view: View, predictor: Predictor, steps: Mapping[str, Step], *, turning: bool
-) -> dict[str, Array]:
+def shown_too_much(view: View, predictor: Predictor, steps: Mapping[str, Step]) -> dict[str, Array]:
     """Harmonics that a run shows beside the forces of the water, by channel [N, N m]."""
-    seen = RunView(view, InTheTank(predictor=predictor, turning=turning))
-    found: dict[str, Array] = {}
+    seen = RunView(view, predictor)
+    beside: dict[str, Array] = {}
     for name, sizes in sizes_told(steps).items():
         effect = catalogue()[name]
         at = {effect.nonlinear.name: steps[name].value or 0.0} if effect.nonlinear else {}
         shown = slopes(effect, seen, at, list(effect.typical))
-        for channel, own in shown.items():
-            for size, column in zip(sizes, own, strict=True):
-                found[channel] = found.get(channel, 0.0) + size * column
-    return found
+        for channel, columns in shown.items():
+            for size, column in zip(sizes, columns, strict=True):
+                beside[channel] = beside.get(channel, 0.0) + size * column
+    return beside
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -150,6 +114,10 @@ class CaptiveRun:
         squares = [self.shares[name][channel] ** 2 for name in OF_MEASUREMENT]
         found: Array = COVERAGE * np.sqrt(np.sum(squares, axis=0))
         return found
+
+    def rms(self, harmonics: Array) -> float:
+        """Root mean square over a cycle of what harmonics of this run describe."""
+        return rms_of(harmonics, self.view.labels)
 
     def residual(self, rig: Rig) -> dict[str, Array]:
         """The record in time: t [s], and by channel measured and predicted force [N, N m].
@@ -210,45 +178,34 @@ def compare_captive(
         *idle(campaign.uncertainty, [(view.run, tuple(view.force)) for view in views]),
     ]
     faults = faults_of(model.steps, campaign.title or campaign.ship.name)
-    told = sizes_told(faults)
-    if told:
+    sizes = sizes_told(faults)
+    if sizes:
         notes.append(
             f"The prediction holds what the model's steps tell of these tests: "
-            f"{listed(list(told))}."
+            f"{listed(list(sizes))}."
         )
-    if left := [name for name in faults if name not in told]:
+    if left := [name for name in faults if name not in sizes]:
         notes.append(
             f"Not in the prediction, for no size is told that holds for every run: {listed(left)}."
         )
-    scatter = repeat_scatter(views)
     scale = scales(views)
     known: dict[float, Spread | None] = {}
-    found: list[CaptiveRun] = []
+    compared: list[CaptiveRun] = []
     outside: list[str] = []
     for number, view in enumerate(views, start=1):
         if progress is not None:
             progress(number, len(views), f"compare {view.run.id}")
-        turning = bool(np.any(view.motion.rps))
         try:
-            forces = predictor.forces(view.speed, turning=turning)
+            forces = predictor.forces(view)
         except ExtrapolationError:
             outside.append(view.run.id)
             continue
-        beside = shown_too_much(view, predictor, faults, turning=turning)
+        beside = shown_too_much(view, predictor, faults)
         if view.speed not in known:
             known[view.speed] = stated_spread(predictor, view.speed)
-        found.append(
+        compared.append(
             _compared(
-                view,
-                forces,
-                beside,
-                predictor,
-                campaign,
-                rig,
-                scatter,
-                scale,
-                floor,
-                known[view.speed],
+                view, forces, beside, predictor, campaign, rig, scale, floor, known[view.speed]
             )
         )
     if outside:
@@ -256,12 +213,12 @@ def compare_captive(
             f"Outside the speeds of the model and left out: {', '.join(outside)}. Extrapolation "
             f"is not allowed unless it is asked for."
         )
-    found, more = _judged(found, predictor.model)
-    if not found:
+    compared, more = _judged(compared, predictor.model)
+    if not compared:
         raise DataError(
             ["No run is left to compare.", *notes, *more], title="Nothing can be compared"
         )
-    return tuple(found), (*notes, *more)
+    return tuple(compared), (*notes, *more)
 
 
 def _compared(
@@ -271,20 +228,19 @@ def _compared(
     predictor: Predictor,
     campaign: Campaign,
     rig: Rig,
-    scatter: Repeatability,
     scale: Mapping[str, float],
     floor: float,
     known: Spread | None,
 ) -> CaptiveRun:
-    model = model_share(view, predictor, known, turning=bool(np.any(view.motion.rps)))
+    model = model_share(view, predictor, known)
     history = {
         name: x for name, x in forces(view.motion, view.instants).items() if name in view.force
     }
     if not predictor.model.rolls:
         history.pop("K", None)
     predicted = {name: view.project(x) + beside.get(name, 0.0) for name, x in history.items()}
-    sources = sources_of(campaign, repeated=bool(scatter))
-    own = measured_shares(view, campaign, rig, scatter, sources, forces, predicted)
+    sources = sources_of(campaign, repeated=bool(view.repeated))
+    own = measured_shares(view, campaign, rig, sources, forces, predicted)
     least = {name: np.full(view.rows, floor * scale[name] * view.speed**2) for name in predicted}
     return CaptiveRun(
         view=view,
@@ -299,7 +255,6 @@ def measured_shares(
     view: View,
     campaign: Campaign,
     rig: Rig,
-    scatter: Repeatability,
     sources: Sequence[TypeB],
     forces: Forces,
     predicted: Mapping[str, Array],
@@ -307,10 +262,7 @@ def measured_shares(
     """Standard uncertainties of a run's harmonics that are the measurement's: `OF_MEASUREMENT`."""
     noise = {name: np.sqrt(np.diagonal(view.covariance[name])) for name in predicted}
     again = {
-        name: np.full(
-            view.rows,
-            _beyond(repeatability_of(scatter, name, dynamic=view.run.dynamic) or 0.0, noise[name]),
-        )
+        name: np.full(view.rows, _beyond(view.repeated.get(name, 0.0), noise[name]))
         for name in predicted
     }
     told = {name for name in predicted if view.noise.get(name) == "stated"}

@@ -11,7 +11,7 @@ import numpy as np
 
 from pmmkit.base import DataError, Progress, UnknownNameError
 from pmmkit.campaigns import Campaign, Rig, Run, kind_of, rig_of
-from pmmkit.conventions import Ship, Water, in_metres, in_words, told
+from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, in_metres, in_words, told
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
@@ -19,7 +19,7 @@ from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.reduction import FLOOR, View
 from pmmkit.validation.captive import CaptiveRun, compare_captive
 from pmmkit.validation.dataset import of_harmonics, of_samples, rows_of
-from pmmkit.validation.free_running import FORCE_UNITS, MOTIONS, FreeRun, compare_free
+from pmmkit.validation.free_running import MOTIONS, FreeRun, compare_free
 from pmmkit.validation.manoeuvre import ManoeuvreComparison
 from pmmkit.validation.misfit import (
     STANDS_OUT,
@@ -33,7 +33,7 @@ from pmmkit.validation.misfit import (
     statements_of,
 )
 from pmmkit.validation.statistics import STATISTICS, ChannelError, statistics, together
-from pmmkit.validation.uncertainty import SHARES, rms_of
+from pmmkit.validation.uncertainty import SHARES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -160,10 +160,10 @@ class Comparison(Described):
         return f"{self.model} beside {self.campaign}: {runs}, {within}"
 
     def _sections(self) -> Sequence[Section]:
-        sentences = self.standouts()
-        shown = list(sentences[:MOST])
-        if len(sentences) > MOST:
-            shown.append(f"and {len(sentences) - MOST} more (`standouts`)")
+        leading, more = self.leading()
+        shown = [item.text for item in leading]
+        if more:
+            shown.append(f"and {more} more (`standouts`)")
         errors = (
             f"Root mean square errors and expanded validation uncertainty (k = {COVERAGE:g}, floor "
             f"{100 * self.floor:g} % of the channel)"
@@ -336,6 +336,16 @@ class Comparison(Described):
             *_measure_statements(self.manoeuvres, self.free),
         )
 
+    def leading(self) -> tuple[tuple[Statement, ...], int]:
+        """The first of `statements`, as many as a report tells, and how many more there are."""
+        every = self.statements()
+        return every[:MOST], max(len(every) - MOST, 0)
+
+    @property
+    def statistics(self) -> dict[str, str]:
+        """Names and titles of the numbers that `rows` tells of each error, in its unit."""
+        return {item.name: item.title for item in STATISTICS}
+
     def metrics(self) -> pd.DataFrame:
         """Measures of manoeuvres side by side: run, test, speed, measure, unit, measured,
         predicted, error, relative, uncertainty (expanded, of the measured and of what is
@@ -471,7 +481,7 @@ def _row(run: Run, name: str, Fn: float, channel: str, error: ChannelError) -> d
         "speed": run.settings.speed,
         "Fn": Fn,
         "channel": channel,
-        "unit": MOTIONS.get(channel) or FORCE_UNITS[channel],
+        "unit": MOTIONS.get(channel) or CHANNEL_UNITS[channel],
         **statistics(error),
     }
 
@@ -481,7 +491,7 @@ def _captive_row(run: CaptiveRun, channel: str) -> dict[str, Any]:
     return {
         **_row(own, own.id, run.Fn, channel, run.errors(channel)),
         "known": run.view.known(channel),
-        **{name: rms_of(run.shares[name][channel], run.view.labels) for name in SHARES},
+        **{name: run.rms(run.shares[name][channel]) for name in SHARES},
     }
 
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from pmmkit.base import DataError, PmmkitError, Progress
 from pmmkit.campaigns import Campaign, Run
-from pmmkit.conventions import CHANNEL_UNITS, CHANNELS
 from pmmkit.identification import (
     JUDGED,
     FreeRecord,
@@ -67,7 +66,6 @@ MOTIONS: Final[Mapping[str, str]] = {
     "yaw_rate": "deg/s",
 }
 """Errors of the motion and their units."""
-FORCE_UNITS: Final[Mapping[str, str]] = {name: CHANNEL_UNITS[name] for name in CHANNELS}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -290,11 +290,7 @@ def _grouped(
         for channel, harmonic in itertools.product(run.channels, orders):
             part = _Part(run, channel, harmonic)
             found.setdefault(key(part), []).append(part)
-    return dict(sorted(found.items(), key=lambda item: _sortable(item[0])))
-
-
-def _sortable(key: tuple[Any, ...]) -> tuple[Any, ...]:
-    return ("XYNK".index(key[0]), *key[1:])
+    return dict(sorted(found.items(), key=lambda item: ("XYNK".index(item[0][0]), *item[0][1:])))
 
 
 def _cell(parts: Sequence[_Part]) -> MisfitCell:

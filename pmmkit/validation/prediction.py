@@ -11,10 +11,11 @@ import numpy as np
 
 from pmmkit.base import ModelError
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import Ship
+from pmmkit.conventions import Ship, Water
 from pmmkit.effects import State
 from pmmkit.models import Model, Part, drives, place_name, scaled, steers
 from pmmkit.numerics import Array
+from pmmkit.reduction import View
 from pmmkit.simulation import CALM, packed, repeating_states, values_at, water_forces
 
 Forces = Callable[[State, Array], dict[str, Array]]
@@ -24,23 +25,43 @@ SAME_LENGTH: Final = 1e-3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Predictor:
-    """A model as it stands in the towing tank.
+    """A model as it stands in the towing tank: what `observations.seen.Seen` asks for forces.
 
     `model`: at the scale of the tests, in their water, with the parts that the tests hold.
-    `turning`: whether some run has a turning propeller. `extrapolate`: allow speeds outside the
-    range of the model's values. `notes`: what was done to the model.
+    `extrapolate`: allow speeds outside the range of the model's values. `notes`: what was done
+    to the model.
     """
 
     model: Model
-    turning: bool
     extrapolate: bool
     notes: tuple[str, ...]
 
-    def forces(self, speed: float, *, turning: bool) -> Forces:
-        """What predicts the forces of a run.
+    @property
+    def ship(self) -> Ship:
+        """The model that was tested."""
+        return self.model.ship
+
+    @property
+    def water(self) -> Water:
+        """The water of the tank."""
+        return self.model.water
+
+    def expected(self, view: View) -> dict[str, Array]:
+        """All harmonics of the forces that the model predicts in a view [N, N m]."""
+        return self.along(view, view.motion, view.speed)
+
+    def along(self, view: View, motion: State, speed: float) -> dict[str, Array]:
+        """The same if the model, or its carriage, went otherwise."""
+        forces = self.forces(view, speed)(motion, view.instants)
+        return {name: view.harmonics(x) for name, x in forces.items() if name in view.force}
+
+    def forces(self, view: View, speed: float | None = None) -> Forces:
+        """What predicts the forces of a run; a propeller that does not turn in it exerts none.
 
         speed [m/s].
         """
+        speed = view.speed if speed is None else speed
+        turning = bool(np.any(view.motion.rps))
         parts = self.model.parts
         hull = {name for name, part in parts.items() if not drives(part.known)}
         if turning or len(hull) == len(self.model.parts):
@@ -114,7 +135,6 @@ def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) 
             parts=MappingProxyType(kept),
             water=campaign.water,
         ),
-        turning=turning,
         extrapolate=extrapolate,
         notes=tuple(notes),
     )

@@ -14,7 +14,7 @@ from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign, Run, TypeB, rig_of
 from pmmkit.conventions import force_unit
 from pmmkit.numerics import Array
-from pmmkit.reduction import FLOOR, Repeatability, View, repeat_scatter
+from pmmkit.reduction import FLOOR, View
 from pmmkit.validation.captive import CaptiveRun, measured_shares, observed
 from pmmkit.validation.comparison import Comparison
 from pmmkit.validation.manoeuvre import ManoeuvreComparison
@@ -140,12 +140,10 @@ class _Side:
 
     campaign: Campaign
     views: tuple[View, ...]
-    scatter: Repeatability
 
     @classmethod
     def of(cls, campaign: Campaign) -> _Side:
-        views = observed(campaign)
-        return cls(campaign=campaign, views=views, scatter=repeat_scatter(views))
+        return cls(campaign=campaign, views=observed(campaign))
 
     def unit(self, channel: str, view: View) -> float:
         """½ρL²U² of a run, ½ρL³U² of moments."""
@@ -173,11 +171,11 @@ class _Side:
         """Standard uncertainties of a run's harmonics, from what is known without a model."""
         sources = [
             item
-            for item in sources_of(self.campaign, repeated=bool(self.scatter))
+            for item in sources_of(self.campaign, repeated=bool(view.repeated))
             if _acts_alone(item)
         ]
         return measured_shares(
-            view, self.campaign, rig_of(self.campaign), self.scatter, sources, _still, view.force
+            view, self.campaign, rig_of(self.campaign), sources, _still, view.force
         )
 
 

@@ -1,4 +1,8 @@
-"""Validation uncertainty of a captive run (ASME V&V 20, ITTC 7.5-03-01-01): what may differ."""
+"""Validation uncertainty of a captive run (ASME V&V 20, ITTC 7.5-03-01-01): what may differ.
+
+U_V = 2 √(u_noise² + u_scatter² + u_stated² + u_model² + u_SN² + floor²); U_D is the measurement's
+part of it.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +13,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns import Campaign, Rig, Run, TypeB, as_read, inertia_inside, move_motion
+from pmmkit.campaigns import Campaign, Rig, TypeB, as_read, inertia_inside, move_motion
 from pmmkit.effects import regressors
 from pmmkit.inference import Propagated, differences, displaced, std_along
 from pmmkit.numerics import Array
-from pmmkit.reduction import View, altered, nominal_path
+from pmmkit.reduction import View, altered
 from pmmkit.simulation import Spread, is_uncertain, spread_of
 from pmmkit.validation.prediction import Forces, Predictor
 from pmmkit.validation.statistics import squares_of
@@ -58,26 +62,23 @@ def _change(
     view: View, rig: Rig, forces: Forces, source: TypeB, rho: float, predicted: Share, read: Share
 ) -> Share:
     """Change of prediction less measurement by one standard uncertainty of one source."""
-    found = altered(source, view.run, rig, labels=view.labels, force=read, rho=rho)
-    if found is None:
+    changed = altered(source, view.run, rig, labels=view.labels, force=read, rho=rho)
+    if changed is None:
         return {}
-    if found.density:
-        return {name: found.density * x for name, x in predicted.items()}
-    if found.run is not view.run:
-        return _by_setting(view, rig, forces, found.run)
-    if found.rig is not rig:
-        return _by_rig(view, rig, forces, found.rig)
-    return {name: -x for name, x in found.force.items()}
-
-
-def _by_setting(view: View, rig: Rig, forces: Forces, run: Run) -> dict[str, Array]:
-    """The nominal motion with another setting: prediction, less the inertia on the balance."""
-    phase = view.run.settings.phase
-    paths = [nominal_path(one, rig, view.labels, phase) for one in (view.run, run)]
-    before, after = (
-        _less(forces(path.motion, path.t), inertia_inside(run, path.motion, rig)) for path in paths
-    )
-    return {name: paths[0].projection @ (after[name] - before[name]) for name in view.force}
+    if changed.density:
+        return {name: changed.density * x for name, x in predicted.items()}
+    if changed.run is not view.run:
+        # The nominal motion with another setting: prediction, less the inertia on the balance.
+        paths = changed.nominal_beside(view.run, view.labels)
+        before, after = (
+            _less(forces(motion, t), inertia_inside(changed.run, motion, rig))
+            for motion, t, _ in paths
+        )
+        projection = paths[0][-1]
+        return {name: projection @ (after[name] - before[name]) for name in view.force}
+    if changed.rig is not rig:
+        return _by_rig(view, rig, forces, changed.rig)
+    return {name: -x for name, x in changed.force.items()}
 
 
 def _by_rig(view: View, rig: Rig, forces: Forces, other: Rig) -> dict[str, Array]:
@@ -104,9 +105,7 @@ def stated_spread(predictor: Predictor, speed: float) -> Spread | None:
     return spread_of(predictor.model, speed, extrapolate=predictor.extrapolate)
 
 
-def model_share(
-    view: View, predictor: Predictor, known: Spread | None, *, turning: bool
-) -> dict[str, Array]:
+def model_share(view: View, predictor: Predictor, known: Spread | None) -> dict[str, Array]:
     """Standard uncertainty of the prediction from what a model states of its values."""
     model = predictor.model
     zero = {name: np.zeros(view.rows) for name in view.force}
@@ -132,7 +131,7 @@ def model_share(
         steps = np.eye(len(known.names))[others]
         ships = known.independent.of_normal(displaced(np.zeros(len(known.names)), steps))
         said = [
-            _of_ship(view, predictor, known, values, i, turning=turning)
+            _of_ship(view, predictor, known, values, i)
             for i, values in zip(np.repeat(others, 2), ships, strict=True)
         ]
         for channel in view.force:
@@ -142,9 +141,7 @@ def model_share(
     return {name: std_along(J, C) for name, J in jacobian.items()}
 
 
-def _of_ship(
-    view: View, predictor: Predictor, known: Spread, values: Array, place: int, *, turning: bool
-) -> Share:
+def _of_ship(view: View, predictor: Predictor, known: Spread, values: Array, place: int) -> Share:
     """Harmonics of the forces on a ship of which one value of a part is another."""
     effect, _, name = known.names[place].rpartition(".")
     part = predictor.model.parts[effect]
@@ -162,7 +159,7 @@ def _of_ship(
             }
         ),
     )
-    forces = replace(predictor, model=model).forces(view.speed, turning=turning)
+    forces = replace(predictor, model=model).forces(view)
     return {x: view.project(force) for x, force in forces(view.motion, view.instants).items()}
 
 

@@ -275,7 +275,7 @@ def _save_base(place: Path, tests: Mapping[str, Campaign], base: Model) -> None:
         save_model(base, model_file(place, ()))
         return
     free = {name: x for name, x in tests.items() if x.kind == "free-running"}
-    made = {name: carried(base, name, item).model for name, item in free.items()}
+    made = {name: carried(base, name, item)[0] for name, item in free.items()}
     ship = next(iter(made.values()), base)
     save_model(ship, model_file(place, ()))
     for of, name in enumerate(tests):

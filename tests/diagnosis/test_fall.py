@@ -13,7 +13,8 @@ import pytest
 from hidden_effects import hidden_campaign
 
 import pmmkit as pk
-from pmmkit.diagnosis import Fall, held_out
+from pmmkit.diagnosis import Fall
+from pmmkit.diagnosis.captive.held_out import held_out
 from pmmkit.diagnosis.loop.captive import TOLD as CAPTIVE
 from pmmkit.diagnosis.loop.fall import FallRow
 from pmmkit.diagnosis.loop.records import TOLD as RECORDS

@@ -9,12 +9,12 @@ import pytest
 from hidden_effects import hidden_campaign
 from test_diagnosis import BASE, diagnosed
 
-from pmmkit.diagnosis import blocks_of, held_out
+from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.chosen_anew import _losses, chosen_anew
 from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.evidence import ranked_sets, sets_of
-from pmmkit.diagnosis.captive.held_out import condition
+from pmmkit.diagnosis.captive.held_out import condition, held_out
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from hidden_effects import hidden_campaign
 
 import pmmkit as pk
 from pmmkit.diagnosis.captive.joint_fit import joint_fit
-from pmmkit.diagnosis.refit import FittedEffect, FittedValues, put_back, stepped
+from pmmkit.diagnosis.refit import put_back, stepped
 from pmmkit.models import Step
 from tests.support.uncoupled import uncoupled
 
@@ -23,12 +23,12 @@ def fitted(**changes):
         "covariance": np.array([[4e-4, 1e-4], [1e-4, 9e-4]]),
         "sources": dict.fromkeys(places, "measured: tank"),
     }
-    return FittedValues(**given | changes)
+    return given | changes
 
 
 def test_values_come_with_their_covariance_and_source_and_leave_the_rest():
     ship = pk.load_model("kvlcc2")
-    made = put_back(ship, fitted())
+    made = put_back(ship, **fitted())
     assert made.values(HULL)["Yv"] == -0.3
     assert made.values("rudder_mmg")["aH"] == 0.4
     assert made.std == {"Yv": (0.02,), "rudder_mmg.aH": (0.03,)}
@@ -42,30 +42,30 @@ def test_values_come_with_their_covariance_and_source_and_leave_the_rest():
 def test_what_is_alike_at_all_speeds_is_known_at_each():
     ship = pk.load_model("kvlcc2")
     values = {(HULL, "Yv"): (-0.3, -0.31), ("rudder_mmg", "aH"): 0.4}
-    made = put_back(ship, fitted(values=values, Fn=(0.1, 0.2)))
+    made = put_back(ship, **fitted(values=values, Fn=(0.1, 0.2)))
     assert made.Fn == (0.1, 0.2)
     assert made.std["Yv"] == (0.02, 0.02)
     np.testing.assert_array_equal(made.covariance[:2, 2:], made.covariance[:2, :2])
 
 
 def test_a_fit_that_knows_nothing_leaves_no_covariance():
-    one = put_back(pk.load_model("kvlcc2"), fitted())
+    one = put_back(pk.load_model("kvlcc2"), **fitted())
     none = fitted(values={}, known=(), covariance=np.zeros((0, 0)), sources={})
-    assert put_back(one, none).covariance is None
+    assert put_back(one, **none).covariance is None
 
 
 def test_each_step_brings_its_own_places_and_a_fault_none():
     ship = pk.load_model("kvlcc2")
-    made = put_back(ship, fitted())
+    made = put_back(ship, **fitted())
     steps = [
         Step(action="effect_added", effect="asymmetry", log_odds=3.0, note="seen"),
         Step(action="effect_added", effect="wake"),
         Step(action="fault_corrected", effect="current"),
     ]
     found = [
-        FittedEffect(coefficients={"Yv": -0.3, "lost": float("nan")}, places=(f"{HULL}.Yv",)),
-        FittedEffect(coefficients={"aH": 0.4}, places=(f"{HULL}.Yv", "rudder_mmg.aH")),
-        FittedEffect(coefficients={"current_x": 0.2}),
+        ({"Yv": -0.3, "lost": float("nan")}, (f"{HULL}.Yv",)),
+        ({"aH": 0.4}, (f"{HULL}.Yv", "rudder_mmg.aH")),
+        ({"current_x": 0.2}, ()),
     ]
     plain = Step(action="fitted", campaign="sea", count=5, faults=("current",))
     told = stepped(ship, made, plain, steps, found, (3.0, 2.0, 2.0, float("nan")), "heading")

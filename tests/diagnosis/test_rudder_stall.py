@@ -9,7 +9,8 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.base import ModelError, UnknownNameError
-from pmmkit.diagnosis import Finding, undone
+from pmmkit.diagnosis import undone
+from pmmkit.diagnosis.findings import Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.identification import prior_of

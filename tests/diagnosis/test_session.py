@@ -23,7 +23,8 @@ from pmmkit import (
     simulate,
 )
 from pmmkit.base import ModelError, UnknownNameError
-from pmmkit.diagnosis import held_out, undone
+from pmmkit.diagnosis import undone
+from pmmkit.diagnosis.captive.held_out import held_out
 from pmmkit.files import datasets_folder
 from pmmkit.models import load_model, model_text, save_model
 from tests.support.uncoupled import uncoupled

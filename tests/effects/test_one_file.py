@@ -12,7 +12,7 @@ from hidden_effects import SHIP, hidden_campaign, tank
 from hidden_effects.hull import add, prime
 
 import pmmkit as pk
-from pmmkit.diagnosis import begin, candidate_of, excited
+from pmmkit.diagnosis import begin, candidate_of
 from pmmkit.diagnosis.captive.diagnose import diagnose_captive
 from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.captive.signature import signatures
@@ -176,5 +176,5 @@ def test_effects_as_text_enter_a_captive_system(name):
     candidate = candidate_of(own)
     system = begin("cubic", hidden_campaign("small", {}, seed=1), own=(own,)).evidence.system
     names = [block.candidate.name for block in system.blocks]
-    assert (own.name in names) == excited(system.views, system.base).issuperset(own.excites)
+    assert (own.name in names) == system.base.excited(system.views).issuperset(own.excites)
     assert candidate.coefficients == tuple(own.typical)

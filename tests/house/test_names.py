@@ -99,7 +99,7 @@ REGISTRIES = {
             "campaigns/file/single_tables.py": OTHER_WORDS,
             "campaigns/settings.py": OTHER_WORDS,
             "intake/checks/copies.py": OTHER_WORDS,
-            "diagnosis/captive/refit.py": "what runs hold: roll",
+            "diagnosis/captive/base.py": "what runs hold: roll",
             "diagnosis/free_running/candidates.py": "what records hold: roll",
             "simulation/equations/code_generation.py": "a variable of that name",
             "simulation/equations/layouts.py": "a constant and an input of that name",

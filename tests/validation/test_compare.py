@@ -19,7 +19,8 @@ from pmmkit.base import DataError, ModelError, UnknownNameError
 from pmmkit.campaigns import Settings, TypeB
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Part
-from pmmkit.reduction import repeat_scatter, views_of
+from pmmkit.reduction import views_of
+from pmmkit.reduction.observations.views import repeat_scatter
 from pmmkit.validation.captive import compare_captive
 from pmmkit.validation.misfit import Standout, cells
 from pmmkit.validation.uncertainty import SHARES

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from pmmkit import begin, compare, open_campaign
 from pmmkit.models import load_model
 from pmmkit.simulation import simulate
-from pmmkit.validation import STATISTICS
+from pmmkit.validation.statistics import STATISTICS
 from pmmkit.views import BUCKETS, fall_page, misfit_page, missing_page, sailed_page, trials_page
 from pmmkit.views.pages.history import history_page
 from pmmkit.views.pages.numbers import short, thinned

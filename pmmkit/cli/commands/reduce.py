@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign as Opened
     from pmmkit.models import DerivativeTable, Model, ReferenceTable
     from pmmkit.models import Missing as Gaps
-    from pmmkit.reduction import CycleChoice, Reduction
+    from pmmkit.reduction import Reduction
     from pmmkit.views import Loop, Turns
 
 EXAMPLE: Final = "pmmkit reduce my-campaign --parts s175-3dof"
@@ -177,7 +177,7 @@ def reduced(
     *,
     structure: str = "abkowitz3",
     fn: Literal["each", "pooled"] = "each",
-    cycles: CycleChoice = None,
+    cycles: int | tuple[int, int] | None = None,
     method: str = "regression",
     library: str | None = None,
     fourier: Literal["least-squares", "trapezoid"] = "least-squares",

@@ -1,4 +1,8 @@
-"""Whether an answer is the whole story: what it leaves that it should have explained."""
+"""Whether an answer is the whole story: what it leaves that it should have explained.
+
+What its bounds do is counted by scripts/studies/hidden_effects.py (nothing hidden, one effect, two)
+and beyond_catalogue.py (truths that stand in no catalogue); docs/diagnose.md has the tables.
+"""
 
 from __future__ import annotations
 
@@ -15,15 +19,19 @@ from pmmkit.diagnosis.captive.evidence import Sets, evidence_of
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, least_gains
 from pmmkit.diagnosis.captive.parity import BOTH, Parity, floor_places, parities
 from pmmkit.diagnosis.captive.system import CandidateColumns, System
+from pmmkit.diagnosis.captive.whitening import Channel, Piece
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
 from pmmkit.models import odds
 from pmmkit.numerics import Array
-from pmmkit.reduction import Channel, View, WhitenedChannel
+from pmmkit.reduction import View
 
 SMOOTH: Final = 3.0
 """ln evidence from which something smooth is left that the answer does not explain."""
 LACK: Final = 6.0
 """ln evidence from which the forces of some tests scatter more than noise lets them."""
+UnexplainedScatter = tuple[float, str, str, str]
+"""ln evidence, averaged over `SIZES`, that rows scatter more about an answer than noise and run
+scatter let them, against none; their channel, test and harmonic, ``all`` for every one."""
 SIZES: Final = (0.0025, 0.005, 0.01, 0.02, 0.04)
 """Sizes of a lack of fit that are tried, over the rms force of a channel."""
 MANY: Final = 3
@@ -41,22 +49,6 @@ LOOKED_AT: Final = 80
 """Oscillating runs that are looked at for a lack of fit."""
 HIGH: Final = 3
 """First of the high harmonics, which a smooth force hardly has."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class UnexplainedScatter:
-    """Rows that scatter more about an answer than noise and run scatter let them.
-
-    `channel, test, harmonic`: which rows; ``all`` stands for every test or harmonic. `size`:
-    best size of the scatter, over the rms force of the channel. `log_evidence`: for such a
-    scatter against none, averaged over sizes.
-    """
-
-    channel: str
-    test: str
-    harmonic: str
-    size: float
-    log_evidence: float
 
 
 def chosen(
@@ -111,13 +103,13 @@ def gains(
     if len(blocks) < 2:
         return (math.inf,) * len(blocks)
     of = cache(partial(parities, system)) if symmetry is None else symmetry
-    found = []
+    added = []
     for place, _ in enumerate(blocks):
         others = [other for k, other in enumerate(blocks) if k != place]
         err = frozenset[Parity]().union(*map(of, others))
         whole = _with_floor(system, blocks, FORM, err)
-        found.append(whole - _with_floor(system, others, FORM, err))
-    return tuple(found)
+        added.append(whole - _with_floor(system, others, FORM, err))
+    return tuple(added)
 
 
 def flags(
@@ -130,9 +122,9 @@ def flags(
     known, reasons = condition_on(system, given), []
     if remainder(known, blocks) > SMOOTH:
         reasons.append("something smooth in the motion is left")
-    for worst in lack_of_fit(system, [*given, *blocks])[:1]:
-        if worst.log_evidence > LACK:
-            reasons.append(f"{worst.harmonic} of {worst.channel} in {worst.test} is not explained")
+    for log_evidence, channel, test, harmonic in lack_of_fit(system, [*given, *blocks])[:1]:
+        if log_evidence > LACK:
+            reasons.append(f"{harmonic} of {channel} in {test} is not explained")
     if len(blocks) >= MANY:
         reasons.append(f"{len(blocks)} effects are needed at once")
     reasons += [f"{name} {MAY_ERR}" for name in _lesser_kin(known, blocks)]
@@ -248,16 +240,16 @@ def lack_of_fit(
     system, blocks = spread(system, blocks)
     at = np.concatenate([np.zeros(0, np.intp), *(block.places for block in blocks)])
     fitted, covariance = system.normal.only(at).posterior
-    found = [
+    lacks = [
         lack
         for piece in system.pieces
         for lack in _lacks(system.views, piece, columns_at(piece, at), fitted, covariance)
     ]
-    return tuple(sorted(found, key=lambda item: -item.log_evidence))
+    return tuple(sorted(lacks, key=lambda lack: -lack[0]))
 
 
 def _lacks(
-    views: Sequence[View], piece: WhitenedChannel, columns: Array, fitted: Array, covariance: Array
+    views: Sequence[View], piece: Piece, columns: Array, fitted: Array, covariance: Array
 ) -> list[UnexplainedScatter]:
     projection = piece.projection
     groups, runs, unit = _units(views, projection.channel)
@@ -269,7 +261,7 @@ def _lacks(
     shared = white.T @ columns[rows]
     gram = white.T @ white - explained.T @ explained - shared @ covariance @ shared.T
     score = white.T @ (piece.data[rows] - columns[rows] @ fitted)
-    found = []
+    lacks = []
     for (test, harmonic), members in groups.items():
         values, vectors = np.linalg.eigh(gram[np.ix_(members, members)])
         values, power = np.maximum(values, 0.0), (vectors.T @ score[members]) ** 2
@@ -278,16 +270,9 @@ def _lacks(
             growth * power / (1.0 + growth * values) - np.log1p(growth * values), axis=1
         )
         top = float(tried.max())
-        found.append(
-            UnexplainedScatter(
-                channel=projection.channel.name,
-                test=test,
-                harmonic=harmonic,
-                size=SIZES[int(np.argmax(tried))],
-                log_evidence=top + math.log(float(np.mean(np.exp(tried - top)))),
-            )
-        )
-    return found
+        log_evidence = top + math.log(float(np.mean(np.exp(tried - top))))
+        lacks.append((log_evidence, projection.channel.name, test, harmonic))
+    return lacks
 
 
 def _units(

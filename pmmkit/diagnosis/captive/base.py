@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.campaigns import repeats
 from pmmkit.conventions import Convention, Ship, Water
 from pmmkit.effects import State, regressors
 from pmmkit.numerics import Array
@@ -91,6 +92,8 @@ MOTION: Final[Mapping[str, Callable[[ViewSequence], Array]]] = MappingProxyType(
 
 Forces = dict[str, Array]
 """Histories (n,) or (n, q), or their harmonics, by channel."""
+LARGE: Final = (0.3, 0.8)
+"""Sway over speed, and yaw rate r', from which terms of high order are looked for."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -155,6 +158,28 @@ class CaptiveBase:
     def along(self, view: View, motion: State, speed: float) -> Forces:
         """All harmonics of the forces that are predicted if the model went otherwise in a view."""
         return {name: view.harmonics(x) for name, x in self.forces(motion, speed).items()}
+
+    def excited(self, views: Sequence[View]) -> frozenset[str]:
+        """What runs hold, in the words of `effects.seen.EXCITES`."""
+        speeds = {round(view.speed, 6) for view in views}
+        runs = tuple({view.run.id: view.run for view in views}.values())
+        sway = max(float(np.max(np.abs(view.motion.v) / view.motion.speed)) for view in views)
+        yaw = max(
+            float(np.max(np.abs(view.motion.r) / view.motion.speed)) * self.ship.L for view in views
+        )
+        return frozenset(
+            word
+            for word, there in {
+                "several speeds": len(speeds) > 1,
+                "four speeds": len(speeds) > 3,
+                "repeats": any(len(group) > 1 for group in repeats(runs)),
+                "roll": any(np.any(view.motion.phi) or np.any(view.motion.p) for view in views),
+                "rudder": any(np.any(view.motion.delta) for view in views),
+                "large motion": sway > LARGE[0] or yaw > LARGE[1],
+                "sinkage": any(np.any(view.motion.sinkage) for view in views),
+            }.items()
+            if there
+        )
 
     def law(self, speed: float) -> float:
         """F = (U/reference)² - 1, in which the literature writes the dependence on speed."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -27,6 +27,15 @@ from pmmkit.diagnosis.captive.system import (
     run_columns,
     term_columns,
 )
+from pmmkit.diagnosis.captive.whitening import (
+    Channel,
+    Piece,
+    Places,
+    Projection,
+    alike,
+    noise_whitened,
+    whitened,
+)
 from pmmkit.inference import (
     KINDS,
     RANK_TOLERANCE,
@@ -38,23 +47,15 @@ from pmmkit.inference import (
     run_effects,
 )
 from pmmkit.numerics import Array
-from pmmkit.reduction import (
-    FLOOR,
-    Channel,
-    Places,
-    Projection,
-    View,
-    WhitenedChannel,
-    alike,
-    noise_whitened,
-    whitened,
-)
+from pmmkit.reduction import FLOOR, View
 
 ROUGH: Final = np.array([0.004, 0.0, 0.0, 0.0])
 """Run scatter for the first fit of the base: an offset."""
 HARMONICS: Final = KINDS.index("harmonics")
 ENOUGH: Final = 240
 """Runs that tell the sizes of their scatter to 5 %; of more, so many are looked at."""
+Drawings = tuple[Candidate, float, tuple[OwnColumns, ...]]
+"""A candidate that each run draws, at one grid point: its columns by channel."""
 
 
 def build(
@@ -84,8 +85,8 @@ def build(
     if scatter is None:
         models = {c.name: _largest(c, raw) for c in channels}
         scatter = estimated_scatter(channels, views, base, own, models, floors)
-    drawn = [
-        _EachRun(
+    drawn: list[Drawings] = [
+        (
             item,
             value,
             tuple(
@@ -98,27 +99,33 @@ def build(
         for item in for_each
         for value in item.grid
     ]
-    few = [item for item in drawn if item.count <= MANY]
-    layout = _layout(raw, few, len(channels))
-    gram, score = np.zeros((layout.width, layout.width)), np.zeros(layout.width)
+    few = [item for item in drawn if _count(item) <= MANY]
+    blocks, of_runs, begin = _placed(raw, few, len(channels))
+    width = begin + FEATURES * len(channels)
+    gram, score = np.zeros((width, width)), np.zeros(width)
     square, rows = 0.0, 0
-    pieces: list[WhitenedChannel] = []
+    pieces: list[Piece] = []
     for number, c in enumerate(channels):
-        at = layout.of_channel(number, c.name, raw)
-        columns = np.column_stack(
+        acting = [
+            (block, item.made[c.name])
+            for block, item in zip(blocks, raw, strict=False)
+            if item.made and c.name in item.made
+        ]
+        at = np.concatenate(
             [
-                item.columns[c.name] * prior_sizes(item.candidate)
-                for item in raw
-                if c.name in item.columns
+                *(block.places for block, _ in acting),
+                *of_runs[number],
+                begin + FEATURES * number + np.arange(FEATURES),
             ]
-            + [item.own[number].dense() for item in few]
+        )
+        columns = np.column_stack(
+            [made * prior_sizes(block.candidate) for block, made in acting]
+            + [by_channel[number].dense() for _, _, by_channel in few]
             + [floors[c.name]]
         )
         projection = _projection(c, floors[c.name], own[c.name], scatter[c.name])
         left = projection.left(np.column_stack([columns, c.y]))
-        piece = WhitenedChannel(
-            projection=projection, columns=left[:, :-1], places=at, data=left[:, -1]
-        )
+        piece = Piece(projection=projection, columns=left[:, :-1], places=at, data=left[:, -1])
         pieces.append(piece)
         gram[np.ix_(at, at)] += piece.columns.T @ piece.columns
         score[at] += piece.columns.T @ piece.data
@@ -126,20 +133,20 @@ def build(
         rows += projection.freedom
     beside = [
         CandidateColumns(
-            candidate=item.candidate,
-            value=item.value,
+            candidate=candidate,
+            value=value,
             columns=slice(0, 0),
             drawn=RunEffectColumns.of(
-                [x.whitened(piece.projection) for x, piece in zip(item.own, pieces, strict=True)],
+                [own.whitened(piece.projection) for own, piece in zip(each, pieces, strict=True)],
                 pieces,
-                layout.width,
+                width,
             ),
         )
-        for item in drawn
-        if item.count > MANY
+        for candidate, value, each in drawn
+        if _count((candidate, value, each)) > MANY
     ]
-    prior, centre = np.ones(layout.width), np.zeros(layout.width)
-    for block in layout.blocks[: len(raw)]:
+    prior, centre = np.ones(width), np.zeros(width)
+    for block in blocks[: len(raw)]:
         prior[block.columns] = prior_sizes(block.candidate)
         if block.candidate.centre:
             centre[block.columns] = np.array(block.candidate.centre) / prior[block.columns]
@@ -148,11 +155,11 @@ def build(
         base=base,
         channels=channels,
         scatter=scatter,
-        blocks=(*layout.blocks, *beside),
+        blocks=(*blocks, *beside),
         normal=Normal(information=gram, score=score, centre=centre, square=square),
         rows=rows,
         floor=floor,
-        floor_columns=layout.floor,
+        floor_columns=slice(begin, width),
         prior=prior,
         pieces=tuple(pieces),
         features=features,
@@ -201,12 +208,14 @@ def _repeatability(
     c: Channel, views: Sequence[View], own: Array, groups: Sequence[Sequence[Run]]
 ) -> list[Restricted]:
     """What repeated runs say of one channel."""
-    place = {name: number for number, name in enumerate(dict.fromkeys(_runs(c, views)))}
+    place = {
+        name: number for number, name in enumerate(dict.fromkeys(views[i].run.id for i in c.views))
+    }
     conditions: dict[tuple[str, int], list[int]] = {}
     for group in groups:
         for number in (place[run.id] for run in group if run.id in place):
             conditions.setdefault((group[0].id, len(c.runs[number])), []).append(number)
-    found = repeatability(
+    likelihood = repeatability(
         [
             RepeatedRuns(
                 rows=np.stack([c.y[c.runs[i]] for i in numbers]),
@@ -216,25 +225,22 @@ def _repeatability(
             for numbers in conditions.values()
         ]
     )
-    return [] if found is None else [found]
-
-
-def _runs(c: Channel, views: Sequence[View]) -> list[str]:
-    """The run of each view of a channel."""
-    return [views[i].run.id for i in c.views]
+    return [] if likelihood is None else [likelihood]
 
 
 def fitted(base: CaptiveBase, channels: Sequence[Channel], views: Sequence[View]) -> CaptiveBase:
     """The base with values by weighted least squares, run scatter at usual sizes."""
     values: dict[str, float] = dict(base.values)
     for c in channels:
-        own = np.zeros((len(c.y), len(ROUGH)))
-        own[:, 0] = offset_column(c, views, base)
-        white = whitened(c, np.column_stack([c.design, c.y]), own, ROUGH)
+        drawn = np.zeros((len(c.y), len(ROUGH)))
+        drawn[:, 0] = offset_column(c, views, base)
+        white = whitened(c, np.column_stack([c.design, c.y]), drawn, ROUGH)
         size = np.linalg.norm(white[:, :-1], axis=0)
         size = np.where(size > 0, size, 1.0)
-        found = np.linalg.lstsq(white[:, :-1] / size, white[:, -1], rcond=RANK_TOLERANCE)[0] / size
-        values |= dict(zip(base.names[c.name], found.tolist(), strict=True))
+        solution = (
+            np.linalg.lstsq(white[:, :-1] / size, white[:, -1], rcond=RANK_TOLERANCE)[0] / size
+        )
+        values |= dict(zip(base.names[c.name], solution.tolist(), strict=True))
     return replace(base, values=values)
 
 
@@ -243,108 +249,64 @@ def prior_sizes(candidate: Candidate) -> Array:
     return np.array([WIDER * abs(size) for size in candidate.typical])
 
 
-@dataclass(frozen=True)
-class _Raw:
-    """One candidate at one grid point: its columns by channel, as they are."""
-
-    candidate: Candidate
-    value: float
-    columns: Mapping[str, Array]
-
-
-@dataclass(frozen=True)
-class _EachRun:
-    """One candidate that each run draws, at one grid point: its columns by channel."""
-
-    candidate: Candidate
-    value: float
-    own: tuple[OwnColumns, ...]
-
-    @property
-    def count(self) -> int:
-        return sum(item.count for item in self.own)
-
-
 def _raw(
     candidates: Sequence[Candidate],
     channels: Sequence[Channel],
     views: Sequence[View],
     base: CaptiveBase,
-) -> list[_Raw]:
-    """All candidates in all their forms at their grid points."""
+) -> list[CandidateColumns]:
+    """All candidates in all their forms at their grid points, with their columns as they are."""
     asked = [(form, value) for item in candidates for form in item.forms for value in item.grid]
     terms = [item for item, _ in asked if item.terms]
     made = iter(term_columns(terms, channels, views, base))
     return [
-        _Raw(item, value, next(made) if item.terms else
-             candidate_columns(item, value, channels, views, base))
+        CandidateColumns(
+            candidate=item,
+            value=value,
+            columns=slice(0, 0),
+            made=next(made)
+            if item.terms
+            else candidate_columns(item, value, channels, views, base),
+        )
         for item, value in asked
-    ]  # fmt: skip
+    ]
 
 
-def _largest(channel: Channel, raw: Sequence[_Raw]) -> Array:
+def _count(drawings: Drawings) -> int:
+    """Number of columns in all channels."""
+    return sum(own.count for own in drawings[-1])
+
+
+def _largest(channel: Channel, raw: Sequence[CandidateColumns]) -> Array:
     """The base with every candidate once."""
-    seen: dict[str, Array] = {}
-    for item in raw:
-        if channel.name in item.columns:
-            seen.setdefault(item.candidate.name, item.columns[channel.name])
-    return np.concatenate([channel.design, *seen.values()], axis=1)
+    once: dict[str, Array] = {}
+    for block in raw:
+        if block.made and channel.name in block.made:
+            once.setdefault(block.candidate.name, block.made[channel.name])
+    return np.concatenate([channel.design, *once.values()], axis=1)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Layout:
-    """Where columns stand: candidates, a transient of each run and channel, the floor's features.
-
-    A candidate has one place for all channels; transients have one per channel and run.
-    """
-
-    blocks: tuple[CandidateColumns, ...]
-    transients: tuple[tuple[Places, ...], ...]
-    floors: tuple[Places, ...]
-    floor: slice
-    width: int
-
-    def of_channel(self, number: int, name: str, raw: Sequence[_Raw]) -> Places:
-        """Places of the columns of a channel: its candidates, transients, features."""
-        own = [
-            block.places
-            for block, item in zip(self.blocks, raw, strict=False)
-            if name in item.columns
-        ]
-        return np.concatenate([*own, *self.transients[number], self.floors[number]])
-
-
-def _layout(raw: Sequence[_Raw], drawn: Sequence[_EachRun], channels: int) -> _Layout:
-    """Places of candidates, of those that each run draws (by channel and draw), and features."""
+def _placed(
+    raw: Sequence[CandidateColumns], drawn: Sequence[Drawings], channels: int
+) -> tuple[list[CandidateColumns], list[list[Places]], int]:
+    """Where columns stand: those of candidates, one for all channels, then what each run draws, by
+    channel and draw; and how many they are."""
     blocks, at = [], 0
     for item in raw:
         end = at + item.candidate.size
-        blocks.append(
-            CandidateColumns(candidate=item.candidate, value=item.value, columns=slice(at, end))
-        )
+        blocks.append(replace(item, columns=slice(at, end), made=None))
         at = end
-    transients: list[list[Places]] = [[] for _ in range(channels)]
-    for one in drawn:
+    of_runs: list[list[Places]] = [[] for _ in range(channels)]
+    for candidate, value, by_channel in drawn:
         begin = at
-        for own, places in zip(one.own, transients, strict=True):
+        for own, places in zip(by_channel, of_runs, strict=True):
             places.append(np.arange(at, at + own.count))
             at += own.count
         if at > begin:
             blocks.append(
-                CandidateColumns(candidate=one.candidate, value=one.value, columns=slice(begin, at))
+                CandidateColumns(candidate=candidate, value=value, columns=slice(begin, at))
             )
-    begin = at
-    floors = []
-    for _ in transients:
-        floors.append(np.arange(at, at + FEATURES))
-        at += FEATURES
-    return _Layout(
-        blocks=tuple(blocks),
-        transients=tuple(tuple(x) for x in transients),
-        floors=tuple(floors),
-        floor=slice(begin, at),
-        width=at,
-    )
+    return blocks, of_runs, at
 
 
 def _projection(c: Channel, floor: Array, own: Array, scatter: Array) -> Projection:
@@ -374,7 +336,7 @@ def _projection(c: Channel, floor: Array, own: Array, scatter: Array) -> Project
 def _pivoted(matrix: Array) -> tuple[Array, Array, Places]:
     from scipy.linalg import qr
 
-    found: tuple[Array, Array, Places] = qr(
+    decomposed: tuple[Array, Array, Places] = qr(
         matrix, mode="economic", pivoting=True, check_finite=False
     )
-    return found
+    return decomposed

@@ -190,8 +190,8 @@ def _linear(effect: Effect) -> tuple[int, ...]:
         )
         for label in effect.typical
     ]
-    found = tuple(place for place, order in enumerate(orders) if order == 1)
-    return found if len(found) < len(orders) else ()
+    places = tuple(place for place, order in enumerate(orders) if order == 1)
+    return places if len(places) < len(orders) else ()
 
 
 def no_such_effect(name: str, known: Iterable[str]) -> UnknownNameError:

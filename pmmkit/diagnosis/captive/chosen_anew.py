@@ -12,10 +12,10 @@ from pmmkit.diagnosis.captive.evidence import wide
 from pmmkit.diagnosis.captive.held_out import HeldOut, condition, held_out
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
 from pmmkit.diagnosis.captive.system import CandidateColumns, System
+from pmmkit.diagnosis.captive.whitening import Places
 from pmmkit.diagnosis.evidence import RankedSet
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
-from pmmkit.reduction import Places
 
 MOST: Final = 12
 """Sets that stand for election beside the best."""
@@ -34,14 +34,16 @@ def chosen_anew(
     blocks = blocks_of(system, best)
     if any(wide(block) for block in (*blocks, *given)):
         return predicted
-    own = _losses(system, [blocks], given)[0]
-    least = best.log_evidence + min(own.values(), default=0.0)
+    loss_of_best = _losses(system, [blocks], given)[0]
+    least = best.log_evidence + min(loss_of_best.values(), default=0.0)
     rivals = [
         item
         for item in entries
-        if item is not best and item.log_evidence > least and not _wide(system, item)
+        if item is not best
+        and item.log_evidence > least
+        and not any(wide(block) for block in blocks_of(system, item))
     ][:MOST]
-    losses = [own, *_losses(system, [blocks_of(system, item) for item in rivals], given)]
+    losses = [loss_of_best, *_losses(system, [blocks_of(system, item) for item in rivals], given)]
     elected: dict[int, list[int]] = {}
     for number, name in enumerate(predicted.conditions):
         left = [
@@ -54,10 +56,6 @@ def chosen_anew(
             other = held_out(system, [*given, *blocks_of(system, rivals[winner - 1])])
             predicted = predicted.with_rows_of(other, rows)
     return predicted
-
-
-def _wide(system: System, entry: RankedSet) -> bool:
-    return any(wide(block) for block in blocks_of(system, entry))
 
 
 def _losses(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -12,7 +11,7 @@ import numpy as np
 from pmmkit.diagnosis.captive.base import MOTION, CaptiveBase, ViewSequence, stretches
 from pmmkit.effects import BY_SPEED, Effect, arguments_of, over_arrays, slopes
 from pmmkit.numerics import Array
-from pmmkit.reduction import RunView, View, times_factors
+from pmmkit.reduction import RunView, View
 
 CHANNELS: Final = ("X", "Y", "N")
 Terms = Sequence[Mapping[str, float]]
@@ -78,9 +77,10 @@ def of_terms(shares: Terms) -> Columns:
 
     def columns(view: View, base: CaptiveBase, value: float) -> Mapping[str, Array]:
         del value
-        known = tuple(name for name in channels_of_terms([shares]) if name in view.force)
-        found = {name: TermTable.of([shares], name, [view], base) for name in known}
-        return MappingProxyType({name: table.columns(shares) for name, table in found.items()})
+        acting = (name for name in channels_of_terms([shares]) if name in view.force)
+        return MappingProxyType(
+            {name: of_derivatives([shares], name, [view], base)[0] for name in acting}
+        )
 
     return columns
 
@@ -90,45 +90,30 @@ def channels_of_terms(every: Sequence[Terms]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name[0] for shares in every for own in shares for name in own))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TermTable:
-    """Harmonics of what derivatives multiply in one channel of some views.
-
-    `names`: column of each derivative. `plain (n, p)`: harmonics, the views one below the
-    other. `law (n, 1)`: f at the speed of each row's run.
-    """
-
-    names: Mapping[str, int]
-    plain: Array
-    law: Array
-    channel: str
-
-    @classmethod
-    def of(
-        cls, every: Sequence[Terms], channel: str, views: Sequence[View], base: CaptiveBase
-    ) -> TermTable:
-        """Of all derivatives of a channel that some coefficients stand for."""
-        named = (name for shares in every for own in shares for name in own if name[0] == channel)
-        names = list(dict.fromkeys(name.removesuffix(BY_SPEED) for name in named))
-        law = np.repeat([base.law(view.speed) for view in views], [view.rows for view in views])
-        return cls(
-            names=MappingProxyType({name: place for place, name in enumerate(names)}),
-            plain=base.design(names, views),
-            law=law[:, None],
-            channel=channel,
-        )
-
-    def columns(self, shares: Terms) -> Array:
-        """Of coefficients that stand for derivatives (n, q)."""
-        weights = np.zeros((2, len(self.names), len(shares)))
-        for place, own in enumerate(shares):
+def of_derivatives(
+    every: Sequence[Terms], channel: str, views: Sequence[View], base: CaptiveBase
+) -> list[Array]:
+    """Columns (n, q) in one channel of coefficients that stand for derivatives, the views one below
+    the other: what each derivative multiplies is looked at once for all of `every`."""
+    named = (name for shares in every for own in shares for name in own if name[0] == channel)
+    names = list(dict.fromkeys(name.removesuffix(BY_SPEED) for name in named))
+    law = np.repeat([base.law(view.speed) for view in views], [view.rows for view in views])
+    place = {name: k for k, name in enumerate(names)}
+    plain = base.design(names, views)
+    columns = []
+    for shares in every:
+        weights = np.zeros((2, len(names), len(shares)))
+        for k, own in enumerate(shares):
             for name, share in own.items():
-                if name[0] == self.channel:
+                if name[0] == channel:
                     by_speed = int(name.endswith(BY_SPEED))
-                    weights[by_speed, self.names[name.removesuffix(BY_SPEED)], place] += share
+                    weights[by_speed, place[name.removesuffix(BY_SPEED)], k] += share
         still, with_speed = weights
-        found: Array = self.plain @ still
-        return found + self.law * (self.plain @ with_speed) if with_speed.any() else found
+        made: Array = plain @ still
+        if with_speed.any():
+            made = made + law[:, None] * (plain @ with_speed)
+        columns.append(made)
+    return columns
 
 
 def of_a_force(effect: Effect) -> Together:
@@ -154,18 +139,18 @@ def _projected(
 ) -> list[Mapping[str, Array]]:
     """Columns by channel of each view, from the forces per unit of each coefficient."""
     count, channels = len(forces), list(forces[0])
-    whole = np.stack([own[name] for name in channels for own in forces], axis=1)
-    found: list[Mapping[str, Array]] = []
+    whole = np.stack([harmonics[name] for name in channels for harmonics in forces], axis=1)
+    by_view: list[Mapping[str, Array]] = []
     for view, samples in zip(stretch.views, stretch.samples, strict=True):
-        own = view.project(whole[samples])
-        found.append(
+        harmonics = view.project(whole[samples])
+        by_view.append(
             {
-                name: own[:, place * count : (place + 1) * count]
+                name: harmonics[:, place * count : (place + 1) * count]
                 for place, name in enumerate(channels)
                 if name in view.force
             }
         )
-    return found
+    return by_view
 
 
 def histories(
@@ -190,7 +175,7 @@ def histories(
         there["Fn"] = stretch.each([ship.froude(view.speed, water.g) for view in stretch.views])
     there |= {name: of(stretch) for name, of in MOTION.items() if name in names}
     force = over_arrays(effect.force) if effect.force else None
-    found = []
+    forces = []
     for values in asked:
         own = there | _parameters(effect, values, {*there, *MOTION})
 
@@ -200,34 +185,34 @@ def histories(
             return dict(zip(effect.outputs, made, strict=True))
 
         settled = _settled(effect, stretch, outputs) if effect.states else {}
-        found.append(_forces(stretch, outputs(settled)))
-    return found
+        forces.append(_forces(stretch, outputs(settled)))
+    return forces
 
 
 def _parameters(
     effect: Effect, values: Mapping[str, float], known: Container[str]
 ) -> dict[str, Any]:
     """Parameters as given or at their default, and the options that they need."""
-    found: dict[str, Any] = {}
+    given: dict[str, Any] = {}
     for item in effect.parameters:
         if item.name in values:
-            found[item.name] = values[item.name]
+            given[item.name] = values[item.name]
             if item.form:
-                found[item.form[0]] = effect.options[item.form[0]].index(item.form[1])
+                given[item.form[0]] = effect.options[item.form[0]].index(item.form[1])
         elif item.name not in known:
-            found[item.name] = (0.0, 0.0) if item.table else item.default or 0.0
-    return found
+            given[item.name] = (0.0, 0.0) if item.table else item.default or 0.0
+    return given
 
 
 def _forces(stretch: ViewSequence, outputs: Mapping[str, Array]) -> dict[str, Array]:
     """Forces by channel; a share of the mass matrix is multiplied by its acceleration."""
-    found: dict[str, Array] = {}
+    forces: dict[str, Array] = {}
     for output, force in outputs.items():
         if output in CHANNELS:
-            found[output] = np.broadcast_to(force, (stretch.size,))
+            forces[output] = np.broadcast_to(force, (stretch.size,))
         elif output.endswith("dot"):
-            found[output[0]] = force * stretch.history(output[1:])
-    return found
+            forces[output[0]] = force * stretch.history(output[1:])
+    return forces
 
 
 def _settled(
@@ -260,7 +245,6 @@ def _late(view: View, follows: Array, rate: float) -> Array:
     """A state that follows a history with a lag of one over a rate [1/s]."""
     if not view.omega:
         return follows
-    harmonics = view.harmonics(follows)
-    orders = np.arange((len(harmonics) - 1) // 2 + 1)
-    one_pole = np.asarray(1.0 / (1.0 + 1j * orders * (view.omega / rate)), complex)
-    return np.asarray(view.basis @ times_factors(harmonics, one_pole), float)
+    return view.filtered(
+        follows, lambda orders: np.asarray(1.0 / (1.0 + 1j * orders * (view.omega / rate)), complex)
+    )

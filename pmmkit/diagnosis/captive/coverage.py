@@ -25,11 +25,11 @@ def coverage(system: System) -> tuple[Visible, ...]:
         name = block.candidate.name
         if name not in best or signal > best[name][0]:
             best[name] = (signal, block)
-    found = []
+    visible = []
     robust = _without_a_run(system, [block for _, block in best.values()])
     for (name, (signal, block)), (left, run) in zip(best.items(), robust, strict=True):
         shown = left >= SHOWS
-        found.append(
+        visible.append(
             Visible(
                 name=name,
                 family=block.candidate.family,
@@ -40,13 +40,17 @@ def coverage(system: System) -> tuple[Visible, ...]:
                 why=""
                 if shown
                 else _why(
-                    block.candidate, signal, run, still=signal <= ROUNDING and _still(system, block)
+                    block.candidate,
+                    signal,
+                    run,
+                    still=signal <= ROUNDING
+                    and not any(np.any(x) for x in effect_columns(system, block).values()),
                 ),
                 mimics=_mimics(system, block, signal, best) if shown else {},
             )
         )
     # a signal of rounding alone is none: these stand by their names on any machine
-    order = sorted(found, key=lambda x: (-x.signal if x.signal > ROUNDING else 0.0, x.name))
+    order = sorted(visible, key=lambda x: (-x.signal if x.signal > ROUNDING else 0.0, x.name))
     return (*order, *map(_not_held, system.unasked))
 
 
@@ -100,11 +104,6 @@ def _without_a_run(system: System, blocks: Sequence[CandidateColumns]) -> list[t
         (_signal(system, block) - float(lost[:, k].max()), runs[int(np.argmax(lost[:, k]))])
         for k, block in enumerate(blocks)
     ]
-
-
-def _still(system: System, block: CandidateColumns) -> bool:
-    """Whether an effect makes no force in any of the runs."""
-    return not any(np.any(x) for x in effect_columns(system, block).values())
 
 
 def _why(candidate: Candidate, signal: float, run: str, *, still: bool) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -16,37 +16,30 @@ from pmmkit.conventions import Convention, Structure, parse_derivative, structur
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
-from pmmkit.diagnosis.captive.refit import effects_of, eligible, excited
-from pmmkit.diagnosis.captive.system import LEAST, System
+from pmmkit.diagnosis.captive.refit import effects_of, eligible
+from pmmkit.diagnosis.captive.system import LEAST, System, scale_of
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects import Effect, catalogue, effect_of
 from pmmkit.models import DERIVATIVE_PARTS, Model, load_model
-from pmmkit.reduction import FLOOR, View, columns_of, scale_of, views_of
+from pmmkit.reduction import FLOOR, View, columns_of, views_of
 
 FLOOR_LEAST: Final = 0.001
+"""Least floor of forces whose numerical uncertainty is stated."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class BaseModel:
-    """What a model or a structure gives as base of a diagnosis.
-
-    `source`: where it comes from. `effects`: effects beside them that a diagnosis knows.
-    """
-
-    source: Model | str | tuple[str, ...] | Structure
-    structure: str | tuple[str, ...] | Structure
-    effects: tuple[str, ...] = ()
-
-
-def derivatives_of(model: Model | str | Path | Sequence[str] | Structure) -> BaseModel:
-    """Derivatives and effects that a model, a structure or a list of derivatives has."""
+def derivatives_of(
+    model: Model | str | Path | Sequence[str] | Structure,
+) -> tuple[
+    Model | str | tuple[str, ...] | Structure, str | tuple[str, ...] | Structure, tuple[str, ...]
+]:
+    """What a model, a structure or a list of derivatives gives as base of a diagnosis."""
     if isinstance(model, Structure) or (isinstance(model, str) and model in structures()):
-        return BaseModel(source=model, structure=model)
+        return model, model, ()
     if isinstance(model, (str, Path)):
         model = load_model(model)
     if not isinstance(model, Model):
-        return BaseModel(source=tuple(model), structure=tuple(model))
+        return tuple(model), tuple(model), ()
     names = tuple(
         name
         for effect in DERIVATIVE_PARTS
@@ -54,7 +47,7 @@ def derivatives_of(model: Model | str | Path | Sequence[str] | Structure) -> Bas
         for name in model.parts[effect].values
         if effect_of(effect).parameter(name) is None
     )
-    return BaseModel(source=model, structure=names, effects=effects_of(model))
+    return model, names, effects_of(model)
 
 
 def diagnose_captive(
@@ -122,7 +115,7 @@ def captive_system(
     )
     if candidates is None:
         every = eligible(base, speeds, own)
-        held = excited(usable, base)
+        held = base.excited(usable)
         asked = [item for item in every if held.issuperset(item.excites)]
     else:
         mine = [item if isinstance(item, Candidate) else candidate_of(item) for item in candidates]

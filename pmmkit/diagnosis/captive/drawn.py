@@ -1,4 +1,8 @@
-"""What each of very many runs draws for itself: a column that is zero but in its own rows."""
+"""What each of very many runs draws for itself: a column that is zero but in its own rows.
+
+Their products are D - L'L, D diagonal and L thin: all that is asked of them goes by Woodbury's
+identity, without the square matrix.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from pmmkit.diagnosis.captive.whitening import Piece, Places, Projection
 from pmmkit.inference import Taken
 from pmmkit.numerics import Array
-from pmmkit.reduction import Places, Projection, WhitenedChannel
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,9 +72,7 @@ class RunEffectColumns:
     score: Array
 
     @classmethod
-    def of(
-        cls, own: Sequence[OwnColumns], pieces: Sequence[WhitenedChannel], width: int
-    ) -> RunEffectColumns:
+    def of(cls, own: Sequence[OwnColumns], pieces: Sequence[Piece], width: int) -> RunEffectColumns:
         """From whitened columns by channel."""
         parts = tuple(item.sparse() for item in own)
         edges = np.cumsum([0, *(item.count for item in own)]).tolist()
@@ -120,7 +122,7 @@ class RunEffectColumns:
         """Squared length of the columns times coefficients (m,)."""
         return float(self.squares @ coefficients**2 - np.sum((self.low @ coefficients) ** 2))
 
-    def left(self, pieces: Sequence[WhitenedChannel], coefficients: Array) -> list[Array]:
+    def left(self, pieces: Sequence[Piece], coefficients: Array) -> list[Array]:
         """Columns times coefficients (m,) in each channel, base and floor taken off (n + D,)."""
         edges = np.cumsum([0, *(part.shape[1] for part in self.parts)])
         shares = np.split(coefficients, edges[1:-1])

@@ -1,4 +1,9 @@
-"""The evidence for effects, one or several at once."""
+"""The evidence for effects, one or several at once.
+
+With G the products of their whitened columns in units of the prior, base and floor projected off,
+and b those with the data, ln E = ½ b'(1 + G)⁻¹b - ½ ln|1 + G| (docs/theory/evidence.md); a set of m
+effects pays m times `PRICE`, and is averaged over the grids of its nonlinear parameters.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +17,12 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.conditioning import condition_on, spread
 from pmmkit.diagnosis.captive.system import MANY, CandidateColumns, System
+from pmmkit.diagnosis.captive.whitening import Places
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
 from pmmkit.inference import chance_of
-from pmmkit.reduction import Places
 
 MOST: Final = 3
-"""Effects in a set."""
+"""Effects in a set; three together are more often one that is not in the catalogue."""
 NEAR: Final = 2
 """Grid points of an effect, those that explain most alone, that stand in sets of several."""
 AHEAD: Final = 8
@@ -56,10 +61,10 @@ class Sets:
 
     def entry(self, names: Sequence[str]) -> RankedSet:
         """A set with its evidence, averaged over grids and forms."""
-        own = self.by_name if len(names) == 1 else self.near
-        found = [(self.value_of(blocks), blocks) for blocks in product(*(own[x] for x in names))]
-        top, best = max(found, key=lambda item: item[0])
-        total = sum(math.exp(value - top) for value, _ in found)
+        points = self.by_name if len(names) == 1 else self.near
+        tried = [(self.value_of(blocks), blocks) for blocks in product(*(points[x] for x in names))]
+        top, best = max(tried, key=lambda item: item[0])
+        total = sum(math.exp(value - top) for value, _ in tried)
         share = math.prod(len(self.by_name[name]) for name in names)
         return RankedSet(
             names=tuple(names),
@@ -105,14 +110,14 @@ def ranked_sets(sets: Sets, *, most: int = MOST) -> list[RankedSet]:
     """All single effects, and the sets that deserve it, best first."""
     entry, by_name = sets.entry, sets.by_name
     singles = sorted((entry([name]) for name in by_name), key=lambda x: -x.log_evidence)
-    found = list(singles)
+    entries = list(singles)
     best = [x.names[0] for x in singles[:AHEAD]]
     pairs: list[RankedSet] = []
     if most > 1:
         wanted = {tuple(sorted(pair)) for pair in combinations(best, 2)}
         wanted |= {tuple(sorted((a, b))) for a in best[:4] for b in by_name if b != a}
         pairs = sorted((entry(pair) for pair in sorted(wanted)), key=lambda x: -x.log_evidence)
-        found += pairs
+        entries += pairs
     if most > 2 and pairs:
         triples = {
             tuple(sorted((*pair.names, name)))
@@ -120,8 +125,8 @@ def ranked_sets(sets: Sets, *, most: int = MOST) -> list[RankedSet]:
             for name in by_name
             if name not in pair.names
         }
-        found += [entry(names) for names in sorted(triples)]
-    return sorted(found, key=lambda x: -x.log_evidence)
+        entries += [entry(names) for names in sorted(triples)]
+    return sorted(entries, key=lambda x: -x.log_evidence)
 
 
 def wide(block: CandidateColumns) -> bool:

@@ -13,9 +13,10 @@ from pmmkit.campaigns import Run, repeats
 from pmmkit.diagnosis.captive.least_squares import Stack, solved, stacked
 from pmmkit.diagnosis.captive.noise_level import LeftOut, expected_errors
 from pmmkit.diagnosis.captive.system import CandidateColumns, System
+from pmmkit.diagnosis.captive.whitening import Places
 from pmmkit.inference import of_others
 from pmmkit.numerics import Array
-from pmmkit.reduction import Places, View
+from pmmkit.reduction import View
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -161,20 +162,6 @@ def held_out(
 ) -> HeldOut:
     """Errors of base and effects on each condition, fitted to all other conditions.
 
-    Parameters
-    ----------
-    system : System
-        Runs with the estimated scatter.
-    effects : sequence of CandidateColumns
-        Effects at a value of their nonlinear parameter.
-    with_level : bool
-        Whether the noise level is asked for; without it the numbers that tell of it are NaN.
-
-    Returns
-    -------
-    HeldOut
-        Runs of one setting are left out together: repeats know each other.
-
     Notes
     -----
     Weighted least squares without the smooth floor. With the rows of a condition k, e their
@@ -182,25 +169,25 @@ def held_out(
     decomposition serves all.
     """
     stack = stacked(system, effects)
-    found = solved(stack)
-    residual = stack.white[:, -1] - stack.white[:, :-1] @ found.solution
+    fit = solved(stack)
+    residual = stack.white[:, -1] - stack.white[:, :-1] @ fit.solution
     groups = _groups(system, stack)
     channels = tuple(stack.places)
     shape = (len(groups), len(channels))
     error, force, level = (np.full(shape, np.nan) for _ in range(3))
     distance, rows_of = np.full(len(groups), np.nan), np.full(len(groups), np.nan)
     folds: dict[int, LeftOut] = {}
-    for number, own in enumerate(groups.values()):
-        rows = np.concatenate([at for _, _, at in own])
-        Q = found.Q[rows]
+    for number, members in enumerate(groups.values()):
+        rows = np.concatenate([at for _, _, at in members])
+        Q = fit.Q[rows]
         inverse, determined = of_others(Q)
         if not determined:
             continue
-        change = np.linalg.solve(found.R, Q.T @ inverse @ residual[rows]) / found.size
-        solution = found.solution - change
+        change = np.linalg.solve(fit.R, Q.T @ inverse @ residual[rows]) / fit.size
+        solution = fit.solution - change
         counted = []
         for place, channel in enumerate(channels):
-            mine = [at for name, view, at in own if name == channel and not view.early]
+            mine = [at for name, view, at in members if name == channel and not view.early]
             if mine:
                 left = [
                     _mean_square(stack.plain[at, -1] - stack.plain[at, :-1] @ solution)
@@ -220,10 +207,11 @@ def held_out(
         )
     spread = np.full(len(channels) + 1, np.nan)
     if with_level and folds:
-        noise = expected_errors(system, stack, found, residual, tuple(folds.values()))
         at = list(folds)
-        level[at] = np.where(np.isfinite(error[at]), np.sqrt(noise.square), np.nan)
-        distance[at], rows_of[at], spread = noise.distance, noise.rows, noise.spread
+        square, distance[at], rows_of[at], spread = expected_errors(
+            system, stack, fit, residual, tuple(folds.values())
+        )
+        level[at] = np.where(np.isfinite(error[at]), np.sqrt(square), np.nan)
     return HeldOut(
         conditions=tuple(groups),
         channels=channels,
@@ -233,7 +221,7 @@ def held_out(
         distance=distance,
         rows=rows_of,
         spread=spread,
-        tests=tuple(own[0][1].run.test for own in groups.values()),
+        tests=tuple(members[0][1].run.test for members in groups.values()),
     )
 
 
@@ -249,7 +237,7 @@ def _mean_square(harmonics: Array) -> float:
 
 def _groups(system: System, stack: Stack) -> dict[str, list[tuple[str, View, Places]]]:
     """Channel, view and rows by condition."""
-    found: dict[str, list[tuple[str, View, Places]]] = {}
+    groups: dict[str, list[tuple[str, View, Places]]] = {}
     runs = {view.run.id: view.run for view in system.views}
     named = conditions(tuple(runs.values()))
     for c in system.channels:
@@ -257,20 +245,20 @@ def _groups(system: System, stack: Stack) -> dict[str, list[tuple[str, View, Pla
             view = system.views[i]
             begin = stack.places[c.name].start
             at = np.arange(begin + rows.start, begin + rows.stop)
-            found.setdefault(named[view.run.id], []).append((c.name, view, at))
-    return found
+            groups.setdefault(named[view.run.id], []).append((c.name, view, at))
+    return groups
 
 
 def conditions(runs: Sequence[Run]) -> dict[str, str]:
     """The condition of each run; two that the digits of words do not tell apart by their runs."""
     groups = repeats(runs)
-    often = Counter(condition(own[0]) for own in groups)
-    found: dict[str, str] = {}
-    for own in groups:
-        name = condition(own[0])
-        name = f"{name} ({own[0].id})" if often[name] > 1 else name
-        found |= {run.id: name for run in own}
-    return found
+    often = Counter(condition(runs_alike[0]) for runs_alike in groups)
+    named: dict[str, str] = {}
+    for runs_alike in groups:
+        name = condition(runs_alike[0])
+        name = f"{name} ({runs_alike[0].id})" if often[name] > 1 else name
+        named |= {run.id: name for run in runs_alike}
+    return named
 
 
 def condition(run: Run) -> str:

@@ -36,8 +36,8 @@ class JointFit:
     @property
     def std(self) -> Array:
         """Standard deviations."""
-        found: Array = np.sqrt(np.diagonal(self.covariance))
-        return found
+        deviations: Array = np.sqrt(np.diagonal(self.covariance))
+        return deviations
 
     def of(self, names: Sequence[str]) -> tuple[Array, Array]:
         """Values and standard deviations of some names."""
@@ -51,11 +51,11 @@ def joint_fit(
     """Base and effects fitted to all runs at once."""
     tangents = _tangents(system, effects)
     stack = stacked(system, [*effects, *tangents], floor=floor)
-    found = solved(stack)
-    inverse = np.linalg.inv(found.R) / found.size[:, None]
+    fit = solved(stack)
+    inverse = np.linalg.inv(fit.R) / fit.size[:, None]
     count = len(stack.names)
     covariance = (inverse @ inverse.T)[:count, :count] * np.outer(stack.unit, stack.unit)
-    values = np.where(found.determined[:count], found.solution[:count] * stack.unit, np.nan)
+    values = np.where(fit.determined[:count], fit.solution[:count] * stack.unit, np.nan)
     return JointFit(names=stack.names, values=values, covariance=covariance)
 
 
@@ -105,7 +105,7 @@ def refined(system: System, effects: Sequence[CandidateColumns]) -> tuple[Candid
     """Effects with their nonlinear parameters off the grid, where the runs are explained best."""
     from scipy.optimize import minimize_scalar
 
-    found = [_with_columns(system, block) for block in effects]
+    blocks = [_with_columns(system, block) for block in effects]
     for place, block in enumerate(effects):
         if not block.candidate.continuous:
             continue
@@ -119,14 +119,14 @@ def refined(system: System, effects: Sequence[CandidateColumns]) -> tuple[Candid
 
         def misfit(value: float, place: int = place, block: CandidateColumns = block) -> float:
             own = _with_columns(system, replace(block, value=value))
-            return _misfit(stacked(system, [*found[:place], own, *found[place + 1 :]]))
+            return _misfit(stacked(system, [*blocks[:place], own, *blocks[place + 1 :]]))
 
         result = minimize_scalar(
             misfit, bounds=(low, high), method="bounded", options={"xatol": 0.01 * (high - low)}
         )
-        found[place] = _with_columns(system, replace(block, value=float(result.x)))
+        blocks[place] = _with_columns(system, replace(block, value=float(result.x)))
     return tuple(
-        replace(block, made=None) if block.candidate.each_run else block for block in found
+        replace(block, made=None) if block.candidate.each_run else block for block in blocks
     )
 
 
@@ -137,7 +137,7 @@ def _with_columns(system: System, block: CandidateColumns) -> CandidateColumns:
 
 def _misfit(stack: Stack) -> float:
     """Squared residuals with those of the prior, at the best coefficients."""
-    found = solved(stack)
-    left = stack.white[:, -1] - stack.white[:, :-1] @ found.solution
-    away = found.solution[stack.begin :] - stack.centre
+    fit = solved(stack)
+    left = stack.white[:, -1] - stack.white[:, :-1] @ fit.solution
+    away = fit.solution[stack.begin :] - stack.centre
     return float(left @ left + away @ away)

@@ -29,23 +29,12 @@ HELD: Final = 1.0 / RANK_TOLERANCE
 class Stack:
     """Rows of all channels, columns of base, effects and the floor's features.
 
-    Parameters
-    ----------
-    plain : array (n, p + 1)
-        Base and effects as they are; the data are the last column.
-    white : array (k, q + 1)
-        All over the root of their covariance. With a floor the rows of each channel are condensed
-        to a triangle of the same products: they are many, and each has the features of its own.
-    places : mapping of channel to slice
-        Rows of each channel in `plain`.
-    names : tuple of str
-        Derivatives, then coefficients of effects.
-    unit : array
-        What gives the values of `names` back.
-    centre : array
-        Expected values of the columns from `begin` on, which have a unit prior.
-    begin : int
-        First column with a prior.
+    `plain (n, p + 1)`: base and effects as they are; the data are the last column. `white (k, q
+    + 1)`: all over the root of their covariance. With a floor the rows of each channel are
+    condensed to a triangle of the same products: they are many, and each has the features of
+    its own. `places`: rows of each channel in `plain`. `names`: derivatives, then coefficients
+    of effects. `unit`: what gives the values of `names` back. `centre`: expected values of the
+    columns from `begin` on, which have a unit prior. `begin`: first column with a prior.
     """
 
     plain: Array
@@ -58,17 +47,7 @@ class Stack:
 
 
 def stacked(system: System, effects: Sequence[CandidateColumns], *, floor: float = 0.0) -> Stack:
-    """All channels below each other, whitened run by run.
-
-    Parameters
-    ----------
-    system : System
-        Runs with the estimated scatter.
-    effects : sequence of CandidateColumns
-        Effects at a value of their nonlinear parameter.
-    floor : float
-        Size of the smooth floor, whose features stand as columns; none at zero.
-    """
+    """All channels below each other, whitened run by run."""
     base, channels = system.base, system.channels
     known = [name for c in channels for name in base.names[c.name]]
     parts = [effect_columns(system, block) for block in effects]
@@ -103,7 +82,7 @@ def stacked(system: System, effects: Sequence[CandidateColumns], *, floor: float
     names = [*known, *(label for block in effects for label in _labels(block))]
     unit = np.concatenate([np.ones(len(known)), *(sizes_of(block) for block in effects)])
     centre = np.zeros(total - len(known))
-    expected = [x for block in effects for x in _expected(block)]
+    expected = [x for block in effects for x in (block.candidate.centre or (0.0,) * block.count)]
     centre[: len(expected)] = expected / unit[len(known) :]
     return Stack(
         plain=np.concatenate(plain),
@@ -162,11 +141,6 @@ def sizes_of(block: CandidateColumns) -> Array:
     if block.candidate.each_run:
         return np.full(block.count, prior_sizes(block.candidate)[0])
     return prior_sizes(block.candidate)
-
-
-def _expected(block: CandidateColumns) -> tuple[float, ...]:
-    """Values about which the coefficients are expected."""
-    return block.candidate.centre or (0.0,) * block.count
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,19 +10,19 @@ import numpy as np
 from pmmkit.campaigns import Run
 from pmmkit.diagnosis.captive.conditioning import spread
 from pmmkit.diagnosis.captive.system import CandidateColumns, System
+from pmmkit.diagnosis.captive.whitening import Piece, Places
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
-from pmmkit.reduction import Places, WhitenedChannel
 
 
-def columns_at(piece: WhitenedChannel, at: Places) -> Array:
+def columns_at(piece: Piece, at: Places) -> Array:
     """Columns of a piece at places of the system, zeros where it has none (n + D, q)."""
     where = {place: i for i, place in enumerate(piece.places.tolist())}
-    found = np.zeros((len(piece.data), len(at)))
+    columns = np.zeros((len(piece.data), len(at)))
     for k, place in enumerate(at.tolist()):
         if place in where:
-            found[:, k] = piece.columns[:, where[place]]
-    return found
+            columns[:, k] = piece.columns[:, where[place]]
+    return columns
 
 
 def taken_with(
@@ -38,8 +38,8 @@ def taken_with(
     and floor at these rows, B the columns there, it takes B' (I - S S')⁻¹ B of their products
     (`of_others`).
     """
-    found: dict[str, Array] = {}
-    for piece, own in zip(system.pieces, columns, strict=True):
+    products: dict[str, Array] = {}
+    for piece, columns_here in zip(system.pieces, columns, strict=True):
         projection = piece.projection
         channel = projection.channel
         first = {
@@ -51,9 +51,9 @@ def taken_with(
             together.setdefault(named(first[int(rows[0])]), []).append(number)
         for name, numbers in together.items():
             rows = np.concatenate([projection.channel.runs[number] for number in numbers])
-            part = own[rows].T @ projection.without(numbers) @ own[rows]
-            found[name] = found[name] + part if name in found else part
-    return found
+            part = columns_here[rows].T @ projection.without(numbers) @ columns_here[rows]
+            products[name] = products[name] + part if name in products else part
+    return products
 
 
 def least_gains(
@@ -67,10 +67,10 @@ def least_gains(
     known = system.normal.only(at)
     edges = np.cumsum([0, *(block.count for block in blocks)])
     rest = [np.delete(np.arange(len(at)), np.arange(a, b)) for a, b in pairwise(edges)]
-    found = [(np.inf, "")] * len(blocks)
+    least = [(np.inf, "")] * len(blocks)
     for run, taken in taken_with(system, columns).items():
         others = known - Normal.of_products(taken)
         whole = others.log_evidence
         for k, keep in enumerate(rest):
-            found[k] = min(found[k], (whole - others.only(keep).log_evidence, run))
-    return tuple(found)
+            least[k] = min(least[k], (whole - others.only(keep).log_evidence, run))
+    return tuple(least)

@@ -10,8 +10,8 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.least_squares import Solved, Stack
 from pmmkit.diagnosis.captive.system import System
+from pmmkit.diagnosis.captive.whitening import Places
 from pmmkit.numerics import Array
-from pmmkit.reduction import Places
 
 TOGETHER: Final = 32
 """Conditions whose products are summed at once: of all of them they would fill the memory."""
@@ -32,23 +32,6 @@ class LeftOut:
     counted: Places
     channel: Places
     weight: Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ExpectedErrors:
-    """What noise alone would give the errors of left-out conditions.
-
-    `square (conditions, channels)`: mean squares of the error over a cycle. `distance
-    (conditions,)`: squared errors e' S⁻¹ e of all rows of a condition, over their covariance;
-    `rows` if nothing is missing. `rows (conditions,)`: number of rows of each. `spread
-    (channels + 1,)`: variance of the sum over the conditions of mean squares over `square`, by
-    channel, and of the sum of `distance`.
-    """
-
-    square: Array
-    distance: Array
-    rows: Array
-    spread: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -84,7 +67,7 @@ class _Errors:
 
 def expected_errors(
     system: System, stack: Stack, found: Solved, residual: Array, folds: Sequence[LeftOut]
-) -> ExpectedErrors:
+) -> tuple[Array, Array, Array, Array]:
     """What noise, run scatter, smooth floor and the fit to the others give left-out conditions.
 
     Notes
@@ -117,12 +100,8 @@ def expected_errors(
             plain.append([scaled.of(np.flatnonzero(fold.channel == k)) for k in range(len(begins))])
         every = [*zip(*plain, strict=True), white]
         sums = [one.with_(more) for one, more in zip(sums, every, strict=True)]
-    return ExpectedErrors(
-        square=square,
-        distance=distance,
-        rows=np.array([len(fold.rows) for fold in folds], float),
-        spread=np.array([item.variance for item in sums]),
-    )
+    rows = np.array([len(fold.rows) for fold in folds], float)
+    return square, distance, rows, np.array([item.variance for item in sums])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -163,7 +142,7 @@ class _Squares:
 
 def _root(system: System, begins: Sequence[int], fold: LeftOut) -> Array:
     """Root of the covariance of noise and run scatter: counted rows by all rows of a condition."""
-    found = np.zeros((len(fold.counted), len(fold.rows)))
+    root = np.zeros((len(fold.counted), len(fold.rows)))
     place = {row: k for k, row in enumerate(fold.rows.tolist())}
     counted = {row: k for k, row in enumerate(fold.counted.tolist())}
     for begin, piece in zip(begins, system.pieces, strict=True):
@@ -173,5 +152,5 @@ def _root(system: System, begins: Sequence[int], fold: LeftOut) -> Array:
             at = [place[row] for row in rows]
             for k, row in enumerate(rows):
                 if row in counted:
-                    found[counted[row], at] = projection.roots[run][k]
-    return found
+                    root[counted[row], at] = projection.roots[run][k]
+    return root

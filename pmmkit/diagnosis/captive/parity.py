@@ -9,7 +9,8 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.system import FEATURES, CandidateColumns, System, is_even
-from pmmkit.reduction import Places, View
+from pmmkit.diagnosis.captive.whitening import Places
+from pmmkit.reduction import View
 
 PRESENT: Final = 0.01
 """Share of its square from which a parity counts as one that an effect has."""
@@ -54,6 +55,6 @@ def parities(system: System, block: CandidateColumns) -> frozenset[Parity]:
 def floor_places(system: System, wanted: frozenset[Parity]) -> Places:
     """Places of the smooth floor's features of some parities."""
     at = np.arange(system.floor_columns.start, system.floor_columns.stop)
-    own = (at - system.floor_columns.start) % FEATURES < FEATURES // 2
-    found: Places = at[[parity in wanted for parity in own.tolist()]]
-    return found
+    of_ship = (at - system.floor_columns.start) % FEATURES < FEATURES // 2
+    places: Places = at[[parity in wanted for parity in of_ship.tolist()]]
+    return places

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
 
 import numpy as np
 
 from pmmkit.base import ModelError, Problem, UnknownNameError
-from pmmkit.campaigns import Campaign, repeats
+from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
 from pmmkit.diagnosis.captive.joint_fit import JointFit
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.system import CandidateColumns
-from pmmkit.diagnosis.refit import FittedValues, put_back
+from pmmkit.diagnosis.refit import put_back
 from pmmkit.effects import BY_SPEED, HULL, RUDDER_POLYNOMIAL, Effect, catalogue
 from pmmkit.models import (
     DerivativeTable,
@@ -29,18 +28,8 @@ from pmmkit.models import (
 )
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE
-from pmmkit.reduction import View
 
 # Which effects of the catalogue captive tests are asked for.
-
-
-LARGE: Final = (0.3, 0.8)
-"""Sway over speed, and yaw rate r', from which terms of high order are looked for."""
-
-
-def asked_in_captive(effect: Effect) -> bool:
-    """Whether captive tests are asked for an effect."""
-    return bool(effect.coefficients) and not effect.not_captive
 
 
 def captive_candidates(
@@ -56,7 +45,7 @@ def captive_candidates(
     True
     """
     every = {item.name: item for item in (*catalogue().values(), *own)}
-    asked = (candidate_of(item, speeds) for item in every.values() if asked_in_captive(item))
+    asked = (candidate_of(item, speeds) for item in every.values() if item.asked_in_captive)
     return tuple(item for item in asked if item.grid)
 
 
@@ -73,29 +62,6 @@ def eligible(
     )
 
 
-def excited(views: Sequence[View], base: CaptiveBase) -> frozenset[str]:
-    """What runs hold, in the words of `effects.seen.EXCITES`."""
-    speeds = {round(view.speed, 6) for view in views}
-    runs = tuple({view.run.id: view.run for view in views}.values())
-    sway = max(float(np.max(np.abs(view.motion.v) / view.motion.speed)) for view in views)
-    yaw = max(
-        float(np.max(np.abs(view.motion.r) / view.motion.speed)) * base.ship.L for view in views
-    )
-    return frozenset(
-        word
-        for word, there in {
-            "several speeds": len(speeds) > 1,
-            "four speeds": len(speeds) > 3,
-            "repeats": any(len(own) > 1 for own in repeats(runs)),
-            "roll": any(np.any(view.motion.phi) or np.any(view.motion.p) for view in views),
-            "rudder": any(np.any(view.motion.delta) for view in views),
-            "large motion": sway > LARGE[0] or yaw > LARGE[1],
-            "sinkage": any(np.any(view.motion.sinkage) for view in views),
-        }.items()
-        if there
-    )
-
-
 def fitted_table(
     fit: JointFit,
     base: CaptiveBase,
@@ -107,12 +73,12 @@ def fitted_table(
     rows = np.asarray(Fn, float) if len(Fn) else np.array([np.nan])
     law = [base.law(campaign.ship.speed(x, campaign.water.g)) if len(Fn) else 0.0 for x in rows]
     places = [_places(label, own) for label in fit.names]
-    names = tuple(dict.fromkeys(item.derivative for found in places for item in found))
+    names = tuple(dict.fromkeys(name for each in places for name, _, _ in each))
     weights = np.zeros((len(rows), len(names), len(fit.names)))
-    for column, found in enumerate(places):
-        for item in found:
-            weight = np.array(law) if item.by_speed else np.ones(len(rows))
-            weights[:, names.index(item.derivative), column] += item.share * weight
+    for column, each in enumerate(places):
+        for name, share, by_speed in each:
+            weight = np.array(law) if by_speed else np.ones(len(rows))
+            weights[:, names.index(name), column] += share * weight
     shape = (len(rows), len(names))
     known = np.isfinite(fit.values)
     lost = np.any(weights[:, :, ~known] != 0.0, axis=2)
@@ -135,17 +101,9 @@ def fitted_table(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Place:
-    """A derivative that a coefficient adds to, by which share, and whether with the speed."""
-
-    derivative: str
-    share: float = 1.0
-    by_speed: bool = False
-
-
-def _places(label: str, own: Sequence[Effect]) -> tuple[_Place, ...]:
-    """Where a coefficient of a fit belongs; nowhere if its effect is no derivative."""
+def _places(label: str, own: Sequence[Effect]) -> tuple[tuple[str, float, bool], ...]:
+    """The derivatives that a coefficient of a fit adds to, each with the share and whether with the
+    speed; none if its effect is no derivative."""
     effect, _, name = label.rpartition(": ")
     entry = _entry(effect, own) if effect else None
     shares: Mapping[str, float] = {name: 1.0}
@@ -154,7 +112,7 @@ def _places(label: str, own: Sequence[Effect]) -> tuple[_Place, ...]:
             return ()
         shares = entry.derivatives_of(name)
     return tuple(
-        _Place(derivative=plain, share=share, by_speed=plain != derivative)
+        (plain, share, plain != derivative)
         for derivative, share in shares.items()
         if _is_derivative(plain := derivative.removesuffix(BY_SPEED))
     )
@@ -173,17 +131,6 @@ def _entry(name: str, own: Sequence[Effect]) -> Effect | None:
     return next((item for item in own if item.name == name), catalogue().get(name))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Refit:
-    """A model with fitted values, and what could not be taken over.
-
-    `notes`: derivatives that were kept or left out, and why.
-    """
-
-    model: Model
-    notes: tuple[str, ...]
-
-
 def refitted(
     model: Model,
     fit: JointFit,
@@ -191,9 +138,9 @@ def refitted(
     base: CaptiveBase,
     campaign: Campaign,
     own: Sequence[Effect] = (),
-) -> Refit:
-    """A model with the values of a joint fit."""
-    varies = any(item.by_speed for label in fit.names for item in _places(label, own))
+) -> tuple[Model, tuple[str, ...]]:
+    """A model with the values of a joint fit, and what could not be taken over."""
+    varies = any(by_speed for label in fit.names for _, _, by_speed in _places(label, own))
     Fn = (model.Fn or froude_numbers(campaign)) if varies else ()
     table = in_convention(fit, base, campaign, model.convention, Fn, own)
     known = [name for name in table.names if np.isfinite(table[name]).all()]
@@ -232,14 +179,16 @@ def refitted(
         for _, block in parts
         for name in block.candidate.coefficients
     ]
-    fitted = FittedValues(
+    known_places = (*derivatives, *coefficients)
+    made = put_back(
+        made,
         values={**derivatives, **coefficients},
-        known=(*derivatives, *coefficients),
+        known=known_places,
         covariance=_together(fit, beside, taken, base, campaign, model.convention, Fn, own),
-        sources=dict.fromkeys((*derivatives, *coefficients), source),
+        sources=dict.fromkeys(known_places, source),
         Fn=tuple(Fn),
     )
-    return Refit(model=put_back(made, fitted), notes=tuple(notes))
+    return made, tuple(notes)
 
 
 def _together(
@@ -323,7 +272,7 @@ def places_of(block: CandidateColumns, model: Model, own: Sequence[Effect] = ())
     c = block.candidate
     if c.name in model.parts:
         return (c.name,)
-    names = dict.fromkeys(item.derivative for label in labels(c) for item in _places(label, own))
+    names = dict.fromkeys(name for label in labels(c) for name, _, _ in _places(label, own))
     return tuple(f"{home_of(model, name)}.{name}" for name in names)
 
 
@@ -347,16 +296,16 @@ def _target(convention: Convention) -> Convention:
 
 def froude_numbers(campaign: Campaign) -> tuple[float, ...]:
     """Froude numbers of the runs of a campaign, ascending."""
-    found = {
+    numbers = {
         round(campaign.ship.froude(run.settings.speed, campaign.water.g), 6)
         for run in campaign.runs
     }
-    return tuple(sorted(found))
+    return tuple(sorted(numbers))
 
 
 def effects_of(model: Model) -> tuple[str, ...]:
     """What of a model is fitted beside its derivatives."""
-    parts = [name for name, part in model.parts.items() if asked_in_captive(part.known)]
+    parts = [name for name, part in model.parts.items() if part.known.asked_in_captive]
     varying = [
         effect.name
         for effect in catalogue().values()

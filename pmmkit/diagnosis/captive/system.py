@@ -1,4 +1,8 @@
-"""All runs as one linear system by channel: forces, base, and the columns of what may differ."""
+"""All runs as one linear system by channel: forces, base, and the columns of what may differ.
+
+y = X θ + Σ A c + Φ w + Z s + e: base X of free values θ; effects A, coefficients c ~ N(c₀, prior²);
+the smooth floor Φ, w ~ N(0, 1); what each run draws, Z; noise e of the records.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +16,13 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.columns import TermTable, channels_of_terms
+from pmmkit.diagnosis.captive.columns import channels_of_terms, of_derivatives
 from pmmkit.diagnosis.captive.drawn import OwnColumns, RunEffectColumns
+from pmmkit.diagnosis.captive.whitening import Channel, Piece, Places
 from pmmkit.effects import MISALIGNMENT, slopes
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
-from pmmkit.reduction import Channel, Places, RunView, View, WhitenedChannel, scale_of
+from pmmkit.reduction import RunView, View
 
 WIDER: Final = 1.5
 """Prior standard deviation of a coefficient over its typical size."""
@@ -63,34 +68,13 @@ class CandidateColumns:
 class System:
     """Everything that evidence needs.
 
-    Parameters
-    ----------
-    views : tuple of View
-        Runs.
-    base : CaptiveBase
-        With fitted values.
-    channels : tuple of Channel
-        Rows.
-    scatter : mapping of channel to array (4,)
-        Estimated.
-    blocks : tuple of CandidateColumns
-        Candidates; columns in units of their prior standard deviation.
-    normal : Normal
-        What the data say of the coefficients of all columns.
-    rows : int
-        Rows less base coefficients.
-    floor : float
-        What is smooth and too small to matter, over the rms force of a channel.
-    floor_columns : slice
-        Where the features of the smooth floor stand, at the size of the floor.
-    prior : array (q,)
-        Prior standard deviation of each column, to give coefficients back.
-    pieces : tuple of WhitenedChannel
-        The channels, one by one.
-    features : tuple of array (n, D)
-        Of the smooth floor in each channel, at size one.
-    unasked : tuple of Candidate
-        Those for which these runs hold nothing.
+    `blocks`: candidates; columns in units of their prior standard deviation. `normal`: what the
+    data say of the coefficients of all columns. `rows`: rows less base coefficients. `floor`:
+    what is smooth and too small to matter, over the rms force of a channel. `floor_columns`:
+    where the features of the smooth floor stand, at the size of the floor. `prior (q,)`: prior
+    standard deviation of each column, to give coefficients back. `pieces`: the channels, one by
+    one. `features (n, D)`: of the smooth floor in each channel, at size one. `unasked`: those
+    for which these runs hold nothing.
     """
 
     views: tuple[View, ...]
@@ -103,7 +87,7 @@ class System:
     floor: float
     floor_columns: slice
     prior: Array
-    pieces: tuple[WhitenedChannel, ...]
+    pieces: tuple[Piece, ...]
     features: tuple[Array, ...]
     unasked: tuple[Candidate, ...] = ()
 
@@ -124,7 +108,7 @@ class System:
 
 def channels_of(views: Sequence[View], base: CaptiveBase) -> tuple[Channel, ...]:
     """Rows of every channel, in the order of the views."""
-    found = []
+    channels = []
     for name, names in base.names.items():
         having = [i for i, view in enumerate(views) if name in view.force]
         if not having:
@@ -137,7 +121,7 @@ def channels_of(views: Sequence[View], base: CaptiveBase) -> tuple[Channel, ...]
         groups: dict[str, list[int]] = {}
         for place, i in enumerate(having):
             groups.setdefault(views[i].run.id, []).append(place)
-        found.append(
+        channels.append(
             Channel(
                 name=name,
                 views=tuple(having),
@@ -145,24 +129,37 @@ def channels_of(views: Sequence[View], base: CaptiveBase) -> tuple[Channel, ...]
                 y=y,
                 design=design,
                 runs=tuple(
-                    np.concatenate([np.arange(rows[p].start, rows[p].stop) for p in own])
-                    for own in groups.values()
+                    np.concatenate([np.arange(rows[p].start, rows[p].stop) for p in views_of_run])
+                    for views_of_run in groups.values()
                 ),
                 noise=tuple(
-                    _diagonal([_noise(views[having[p]], name, scale) for p in own])
-                    for own in groups.values()
+                    _diagonal([_noise(views[having[p]], name, scale) for p in views_of_run])
+                    for views_of_run in groups.values()
                 ),
                 scale=scale,
             )
         )
-    return tuple(found)
+    return tuple(channels)
+
+
+def scale_of(channel: str, views: Sequence[View]) -> float:
+    """Root mean square of a force over U², of the views that have it [N/(m/s)²].
+
+    All harmonics of a run count together.
+    """
+    sizes = [
+        float(np.linalg.norm(view.force[channel])) / view.speed**2
+        for view in views
+        if channel in view.force
+    ]
+    return float(np.sqrt(np.mean(np.square(sizes))))
 
 
 def _noise(view: View, channel: str, scale: float) -> Array:
     """Covariance of the harmonics of a view; none is known better than a share of the force."""
     least = (LEAST * scale * view.speed**2) ** 2
-    found: Array = view.covariance[channel] + least * np.eye(view.rows)
-    return found
+    covariance: Array = view.covariance[channel] + least * np.eye(view.rows)
+    return covariance
 
 
 def _diagonal(blocks: Sequence[Array]) -> Array:
@@ -178,11 +175,11 @@ def _diagonal(blocks: Sequence[Array]) -> Array:
 
 def offset_column(channel: Channel, views: Sequence[View], base: CaptiveBase) -> Array:
     """An offset of each run in a channel, at size one (n,)."""
-    found = np.zeros(len(channel.y))
+    column = np.zeros(len(channel.y))
     for i, rows in zip(channel.views, channel.rows, strict=True):
         if views[i].has_mean:
-            found[rows.start] = channel.scale * base.reference**2
-    return found
+            column[rows.start] = channel.scale * base.reference**2
+    return column
 
 
 def run_columns(
@@ -199,7 +196,7 @@ def run_columns(
         for i, view in enumerate(views)
         if view.run.settings.drift and not view.run.kind_of_test.swings_hull
     }
-    found = {}
+    columns = {}
     for c in channels:
         drift, each = np.zeros(len(c.y)), np.zeros((len(c.y), harmonics))
         for i, rows in zip(c.views, c.rows, strict=True):
@@ -209,8 +206,8 @@ def run_columns(
             own = range(rows.start + first, rows.stop)
             each[own, range(first, views[i].rows)] = c.scale * base.reference**2
         offset = offset_column(c, views, base)
-        found[c.name] = np.column_stack([offset, predicted[c.name], drift, each])
-    return found
+        columns[c.name] = np.column_stack([offset, predicted[c.name], drift, each])
+    return columns
 
 
 def floor_features(
@@ -308,15 +305,15 @@ def candidate_columns(
     if candidate.terms:
         return term_columns([candidate], channels, views, base)[0]
     by_view = candidate.along(views, base, value)
-    found = {}
+    columns = {}
     for channel in channels:
         block = np.zeros((len(channel.y), candidate.size))
         for i, rows in zip(channel.views, channel.rows, strict=True):
             if channel.name in by_view[i]:
                 block[rows] = by_view[i][channel.name]
         if np.any(block):
-            found[channel.name] = block
-    return found
+            columns[channel.name] = block
+    return columns
 
 
 def term_columns(
@@ -328,10 +325,12 @@ def term_columns(
     """`candidate_columns` of candidates that stand for derivatives, each motion looked at once."""
     every = [candidate.terms for candidate in candidates]
     acting = channels_of_terms(every)
-    tables = {
-        c.name: TermTable.of(every, c.name, [views[i] for i in c.views], base)
+    by_channel = {
+        c.name: of_derivatives(every, c.name, [views[i] for i in c.views], base)
         for c in channels
         if c.name in acting
     }
-    found = ({name: table.columns(terms) for name, table in tables.items()} for terms in every)
-    return [{name: x for name, x in own.items() if np.any(x)} for own in found]
+    return [
+        {name: columns[k] for name, columns in by_channel.items() if np.any(columns[k])}
+        for k in range(len(every))
+    ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -29,7 +29,7 @@ CHANCE: Final = 0.01
 errors of left-out conditions noise gives less often."""
 ABOVE: Final = "errors of left-out conditions stay above noise"
 RIVALS: Final = math.log(20.0)
-"""Sets within these odds of the best cannot be told from it."""
+"""Sets within these odds of the best cannot be told from it (docs/theory/evidence.md)."""
 
 
 def answer(system: System, given: Sequence[str] = (), *, floor: float, seed: int = 0) -> Diagnosis:
@@ -39,40 +39,40 @@ def answer(system: System, given: Sequence[str] = (), *, floor: float, seed: int
 
 
 def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -> Diagnosis:
-    known = taken_as_given(system, given)
-    sets = sets_of(known.system)
+    beside, used, known = taken_as_given(system, given)
+    sets = sets_of(beside)
     entries = ranked_sets(sets)
-    covered = coverage(known.system)
+    covered = coverage(beside)
     singles = [item for item in entries if len(item.names) == 1]
-    chance = gate(known.system, max(item.log_evidence for item in singles), seed=seed)
-    best = chosen(system, entries, known.used) if chance < CHANCE else None
-    blocks = blocks_of(known.system, best) if best else []
+    chance = gate(beside, max(item.log_evidence for item in singles), seed=seed)
+    best = chosen(system, entries, used) if chance < CHANCE else None
+    blocks = blocks_of(beside, best) if best else []
     first = entries[0] if chance < CHANCE and entries[0].log_evidence > LEAST else None
-    left = refused(system, sets, first, blocks, known.used) if first else ()
+    left = refused(system, sets, first, blocks, used) if first else ()
     hanging = tuple(item for item in left if item.run)
-    doubts = flags(system, blocks, known.used, left)
+    doubts = flags(system, blocks, used, left)
     nearest: Nearest | None = None
     findings: tuple[Finding, ...] = ()
     verdict: Verdict = "unexplained" if doubts else "noise"
     if best:
-        together = refined(system, [*known.blocks, *blocks])
+        together = refined(system, [*known, *blocks])
         after = held_out(system, together)
-        misfit = chosen_anew(system, entries, best, after, known.used).misfit
+        misfit = chosen_anew(system, entries, best, after, used).misfit
         if misfit.chance >= CHANCE or _leads_on(system, (*given, *best.names)):
             verdict = "missing_effect"
             findings = _findings(
-                system, sets.added(best), together, len(known.blocks), after, covered, floor
+                system, sets.added(best), together, len(known), after, covered, floor
             )
         else:
-            before = held_out(system, together[: len(known.blocks)], with_level=False)
+            before = held_out(system, together[: len(known)], with_level=False)
             nearest = _nearest(best, before, after, misfit)
         if misfit.chance < CHANCE:
             doubts = doubts or ("not_the_whole_story", ABOVE)
-    elif hanging and not flags(system, [item.block for item in hanging], known.used):
+    elif hanging and not flags(system, [item.block for item in hanging], used):
         verdict, doubts = "suspected", (doubts[0], *map(str, hanging))
     elif first and not hanging:
-        before = held_out(system, known.blocks, with_level=False)
-        after = held_out(system, [*known.blocks, *blocks_of(known.system, first)])
+        before = held_out(system, known, with_level=False)
+        after = held_out(system, [*known, *blocks_of(beside, first)])
         nearest = _nearest(first, before, after, after.misfit)
     return Diagnosis(
         verdict=verdict,
@@ -100,13 +100,13 @@ def _leads_on(system: System, named: Sequence[str]) -> bool:
     there: where more are missing, what is found beside the set must bring the errors of left-out
     conditions down to the noise.
     """
-    known = taken_as_given(system, named)
-    entries = ranked_sets(sets_of(known.system))
-    best = chosen(system, entries, known.used)
+    beside, used, known = taken_as_given(system, named)
+    entries = ranked_sets(sets_of(beside))
+    best = chosen(system, entries, used)
     if best is None:
         return False
-    after = held_out(system, refined(system, [*known.blocks, *blocks_of(known.system, best)]))
-    return chosen_anew(system, entries, best, after, known.used).misfit.chance >= CHANCE
+    after = held_out(system, refined(system, [*known, *blocks_of(beside, best)]))
+    return chosen_anew(system, entries, best, after, used).misfit.chance >= CHANCE
 
 
 def _nearest(entry: RankedSet, before: HeldOut, after: HeldOut, misfit: Misfit) -> Nearest:
@@ -136,31 +136,12 @@ def _group(
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Given:
-    """A system that knows effects, the grid points that stand for them, and the best of each."""
-
-    system: System
-    used: tuple[CandidateColumns, ...]
-    blocks: tuple[CandidateColumns, ...]
-
-
-def taken_as_given(system: System, names: Sequence[str]) -> Given:
+def taken_as_given(
+    system: System, names: Sequence[str]
+) -> tuple[System, tuple[CandidateColumns, ...], tuple[CandidateColumns, ...]]:
     """A system beside effects that the base has, one after another at their best grid points.
 
     Two neighbouring points stand for a value between them.
-
-    Parameters
-    ----------
-    system : System
-        Of the base alone.
-    names : sequence of str
-        Effects.
-
-    Raises
-    ------
-    UnknownNameError
-        If one does not take part.
     """
     used, blocks = [], []
     for name in names:
@@ -168,7 +149,7 @@ def taken_as_given(system: System, names: Sequence[str]) -> Given:
         system = condition_on(system, near)
         used += near
         blocks.append(near[0])
-    return Given(system=_askable(system, blocks), used=tuple(used), blocks=tuple(blocks))
+    return _askable(system, blocks), tuple(used), tuple(blocks)
 
 
 def _askable(system: System, given: Sequence[CandidateColumns]) -> System:
@@ -203,7 +184,7 @@ def _findings(
     largest first."""
     fit = joint_fit(system, together, floor=floor)
     visible = {item.name: item for item in covered}
-    found = [
+    findings = [
         _finding(
             block,
             fit,
@@ -214,7 +195,7 @@ def _findings(
         )
         for block, log_odds in zip(together[given:], evidence, strict=True)
     ]
-    return tuple(sorted(found, key=lambda item: -item.error_before))
+    return tuple(sorted(findings, key=lambda item: -item.error_before))
 
 
 def _finding(

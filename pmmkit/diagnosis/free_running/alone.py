@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
+
+import numpy as np
 
 from pmmkit.diagnosis.free_running.contest import Contest
 from pmmkit.diagnosis.free_running.fits import SetFit
@@ -16,24 +18,57 @@ from pmmkit.simulation import State
 
 MOTION: Final = ("x", "y", "psi", "u", "v", "r")
 """What is told of a path: places [m], heading [rad], velocities [m/s], yaw rate [rad/s]."""
+SAMPLES: Final = (40, 200)
+"""Least and most samples of a path."""
+WORSE: Final = -10.0
+"""A share below which the motion of some record is lost: it is none."""
+Paths = dict[str, dict[str, Array]]
+"""By record its time ``t`` [s] and `MOTION`, places in ship lengths."""
+
+
+def alone_in_records(
+    contest: Contest, names: Sequence[str], heard: Callable[[int, str], None], numbers: int
+) -> tuple[dict[str, dict[str, float]], dict[str, Paths], Paths]:
+    """By candidate its share of the misfit and its paths, and the paths of the base alone."""
+    null = alone(contest)
+    records = [item.record for item in null.followed.stretches]
+    wanted = numbers // (len(records) * (len(names) + 1) * len(MOTION))
+    count = min(max(wanted, SAMPLES[0]), SAMPLES[1])
+    length = null.place.question.model.ship.L
+
+    def paths(fit: SetFit) -> Paths:
+        return {
+            record.name: _thinned(whole_path(fit, number), count, length)
+            for number, record in enumerate(records)
+        }
+
+    before = errors_of(null)
+    shares, beside = {}, {}
+    for number, name in enumerate(names):
+        heard(number, name)
+        fit = alone(contest, name)
+        after = errors_of(fit)
+        whole = taken_away(fit, before, after)
+        if whole < WORSE:
+            continue
+        shares[name] = {"all": whole} | {
+            kind: 1.0 - (after[kind] / x) ** 2 if x > 0.0 else 0.0 for kind, x in before.items()
+        }
+        beside[name] = paths(fit)
+    return shares, beside, paths(null)
+
+
+def _thinned(path: Mapping[str, Array], count: int, length: float) -> dict[str, Array]:
+    """A path at so many instants, evenly over its samples, its places in ship lengths."""
+    kept = np.unique(np.linspace(0, len(path["t"]) - 1, count).round().astype(int))
+    return {
+        name: 1.0 / length * values[kept] if name in ("x", "y") else values[kept]
+        for name, values in path.items()
+    }
 
 
 def alone(contest: Contest, name: str | None = None) -> SetFit:
-    """The base with one candidate or without any, nothing fitted anew.
-
-    Parameters
-    ----------
-    contest : Contest
-        Of the base.
-    name : str, optional
-        The candidate.
-
-    Returns
-    -------
-    SetFit
-        Through the equations where the contest has fitted it, else by the linear problem about
-        the base alone.
-    """
+    """The base with one candidate or without any, nothing fitted anew."""
     null = contest.null
     if name is None:
         return null
@@ -51,15 +86,7 @@ def errors_of(fit: SetFit) -> dict[str, float]:
 
 
 def taken_away(fit: SetFit, before: Mapping[str, float], after: Mapping[str, float]) -> float:
-    """Share of the mean square errors that an effect takes away, over all kinds of errors.
-
-    Parameters
-    ----------
-    fit : SetFit
-        To the records.
-    before, after : mapping of str to float
-        Errors without and with the effect. What does not matter is no misfit.
-    """
+    """Share of the mean square errors that an effect takes away, over all kinds of errors."""
     small = unimportant(fit.place.question)
     left = [(after[k] ** 2 + small[k] ** 2) / (x**2 + small[k] ** 2) for k, x in before.items()]
     return 1.0 - sum(left) / len(left)
@@ -67,18 +94,6 @@ def taken_away(fit: SetFit, before: Mapping[str, float], after: Mapping[str, flo
 
 def whole_path(fit: SetFit, record: int) -> dict[str, Array]:
     """A record sailed from its begin to its end with the measured rudder.
-
-    Parameters
-    ----------
-    fit : SetFit
-        To all records.
-    record : int
-        Which.
-
-    Returns
-    -------
-    dict
-        ``t`` [s] and `MOTION`, as the sensors should show it; NaN where the motion is lost.
 
     Notes
     -----

@@ -54,11 +54,11 @@ class FreeBase:
         moves = np.diagonal(whole) > 0.0
         scale = np.sqrt(np.diagonal(whole)[moves])
         correlation = whole[np.ix_(moves, moves)] / np.outer(scale, scale)
-        found = np.zeros((len(whole), len(scale)))
-        found[moves] = scale[:, None] * np.linalg.cholesky(
+        covariance_root = np.zeros((len(whole), len(scale)))
+        covariance_root[moves] = scale[:, None] * np.linalg.cholesky(
             correlation + JITTER * np.eye(len(scale))
         )
-        return found
+        return covariance_root
 
 
 def idle(part: Part) -> bool:
@@ -134,12 +134,12 @@ def usual_sizes(model: Model, speed: float) -> dict[str, float]:
     A value of a model may be far smaller than it usually is, and be off by more than itself.
     """
     vessel = Sailing(model, speed)
-    found: dict[str, float] = {}
+    sizes: dict[str, float] = {}
     for effect in catalogue().values():
         asked = effect.kind in ("terms", "freed") and effect.frees in ("", *model.parts)
         if not asked or effect.varies_with_speed:
             continue
         for move in moves_of(effect, vessel).values():
             for name, share in move.values.items():
-                found[name] = max(found.get(name, 0.0), abs(share * move.typical))
-    return found
+                sizes[name] = max(sizes.get(name, 0.0), abs(share * move.typical))
+    return sizes

@@ -68,12 +68,6 @@ def _known(model: Model, name: str) -> bool:
     return any(name in model.parts[part].values for part in DERIVATIVE_PARTS if part in model.parts)
 
 
-def asked_in_free_running(effect: Effect) -> bool:
-    """Whether free-running records are asked for an effect, if they hold what it needs."""
-    moved = effect.coefficients or effect.moves is not None
-    return bool(moved) and not effect.not_free_running
-
-
 def excited(model: Model, records: Sequence[FreeRecord]) -> frozenset[str]:
     """What records hold, in the words of `effects.seen.EXCITES`."""
     speeds = [item.speed for item in records]
@@ -97,7 +91,7 @@ def excited(model: Model, records: Sequence[FreeRecord]) -> frozenset[str]:
 
 def why_not_asked(effect: Effect, model: Model, records: Sequence[FreeRecord]) -> str:
     """Why records are not asked for an effect, in words; empty where they are."""
-    if effect.not_free_running or not asked_in_free_running(effect):
+    if effect.not_free_running or not effect.asked_in_free_running:
         return effect.not_free_running or "it moves nothing that such records show"
     held = excited(model, records)
     lacking = [EXCITES[word] for word in effect.excites if word not in held]
@@ -142,12 +136,12 @@ def candidates_for(
     held = excited(model, records)
     given = {} if windage is None else {"AF": windage[0], "AL": windage[1]}
     every = {item.name: item for item in (*catalogue().values(), *own)}
-    found = [
+    candidates = [
         free_candidate_of(effect, vessel, given)
         for effect in every.values()
-        if asked_in_free_running(effect) and held.issuperset(effect.excites)
+        if effect.asked_in_free_running and held.issuperset(effect.excites)
     ]
-    return tuple(item for item in found if item.moves)
+    return tuple(item for item in candidates if item.moves)
 
 
 def free_candidate_of(

@@ -31,48 +31,29 @@ LIKELY: Final = 1
 MOST: Final = 6
 """Effects in a set; the search ends before where one more is not worth its price."""
 FALL: Final = 0.2
-"""Mean fall of ln of the errors of records left out from which it stands above the evidence."""
+"""Mean fall of ln of the errors of records left out from which it stands above the evidence: a slow
+push, as an asymmetry is, hides behind unknown forces that are quick (docs/diagnose.md)."""
 BLIND: Final = 10.0
 """ln by which the evidence may speak against an effect that makes them fall so: a slow push hides
 behind unknown forces that are quick."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RefusedSet:
-    """A set that no ship can be: its evidence asks for values that a model may not have.
-
-    `gain`: ln of its odds against none. `why`: the value, and the least or the most that there
-    is.
-    """
-
-    names: Names
-    gain: float
-    why: str
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Contest:
     """Sets of effects in the order of their evidence.
 
-    Parameters
-    ----------
-    null : SetFit
-        Without any effect, with the slopes of all.
-    zero : Linearised
-        The linear problem about the model as it is given.
-    settled : list of NamedSet
-        Sets that were fitted through the equations, the best first.
-    entries : tuple of RankedSet
-        All sets.
-    refused : tuple of RefusedSet
-        Sets that were in front where they were asked, but for values that no model can have.
+    `null`: without any effect, with the slopes of all. `zero`: the linear problem about the
+    model as it is given. `settled`: sets that were fitted through the equations, the best
+    first. `refused`: sets that were in front where they were asked, but for values that no
+    model can have: ln of their odds against none, the value, and the least or the most that
+    there is.
     """
 
     null: SetFit
     zero: Linearised
     settled: list[NamedSet]
     entries: tuple[RankedSet, ...]
-    refused: tuple[RefusedSet, ...] = ()
+    refused: tuple[tuple[Names, float, str], ...] = ()
 
     def without(self, names: Names, left_out: str) -> NamedSet:
         """A set of effects without one of them."""
@@ -125,21 +106,21 @@ def contest_of(
     """
     names = [item.name for item in every]
     settled: list[NamedSet] = []
-    refused: list[RefusedSet] = []
+    refused: list[tuple[Names, float, str]] = []
     ahead = NamedSet(names=(), gain=0.0, fit=null)
     place, first = null.place, null.weighed()
     with crew_of(executor) as crew:
         for count in range(min(most, len(names))):
             tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")
             found: list[NamedSet] = []
-            barred: list[RefusedSet] = []
+            barred: list[tuple[Names, float, str]] = []
             front = _front(_larger(ahead.names, names), place, ahead.fit)
             for (chosen, _), fit in zip(front, _fits(place, front, crew, tell), strict=True):
                 item = _named(fit, null)
                 # The linear problem may promise what the equations, far from there, do not keep.
                 why = why_not(model, every, fit, speed)
                 if why:
-                    barred.append(RefusedSet(names=chosen, gain=item.gain, why=why))
+                    barred.append((chosen, item.gain, why))
                     continue
                 # A base that moves by much may predict as well as an effect: where no error matters
                 # the evidence alone decides.
@@ -147,7 +128,7 @@ def contest_of(
                     found.append(item)
             settled += found
             best = _next(found, ahead)
-            refused += [item for item in barred if item.gain > (best or ahead).gain]
+            refused += [item for item in barred if item[1] > (best or ahead).gain]
             if best is None:
                 break
             ahead = best
@@ -169,7 +150,7 @@ def contest_of(
         zero=zero,
         settled=order,
         entries=tuple(RankedSet(names=n, log_evidence=gain, values=()) for n, gain in entries),
-        refused=tuple(sorted(refused, key=lambda item: -item.gain)),
+        refused=tuple(sorted(refused, key=lambda item: -item[1])),
     )
 
 

@@ -166,7 +166,11 @@ def answer(
     many = named and len(group) > LONGEST
     told = named and not many
     refit = steady(null)
-    better = _possible(model, every, best.fit, speed) if told and best else None
+    better = None
+    if told and best:
+        # Its steady form, if there can be such a ship.
+        held = steady(best.fit)
+        better = best.fit if why_not(model, every, held, speed) else held
     last = better or refit
     errors = _errors(contest, refit, better)
     left = _left(last, tolerance)
@@ -244,12 +248,6 @@ def with_given(system: FreeSystem, given: Sequence[str]) -> tuple[Model, tuple[F
     return model, tuple(item for item in system.every if item.name not in given)
 
 
-def _possible(model: Model, every: Sequence[FreeCandidate], fit: SetFit, speed: float) -> SetFit:
-    """The steady form of a fit, if there can be such a ship, else the fit."""
-    found = steady(fit)
-    return fit if why_not(model, every, found, speed) else found
-
-
 def _errors(contest: Contest, refit: SetFit, best: SetFit | None) -> dict[str, dict[str, float]]:
     """Errors over windows of what is left out in turn: each record, each kind of record.
 
@@ -259,17 +257,17 @@ def _errors(contest: Contest, refit: SetFit, best: SetFit | None) -> dict[str, d
     records = [item.record for item in zero.question.stretches]
     sensors = (best or refit).sensors
     given, refit = zero.question.read_by(sensors), refit.read_by(sensors)
-    found = {"model as given": pooled(missed(given.followed(zero.z), zero.z, range(len(records))))}
+    errors = {"model as given": pooled(missed(given.followed(zero.z), zero.z, range(len(records))))}
     for name, left_out in (
         ("left out", each(records)),
-        *((f"{item.name} left out", [item]) for item in kinds(records)),
+        *((f"{kind} left out", [numbers]) for kind, numbers in kinds(records).items()),
     ):
-        found[f"{name}, base refitted"] = pooled(predicted(refit, left_out))
+        errors[f"{name}, base refitted"] = pooled(predicted(refit, left_out))
         if best is not None:
-            found[f"{name}, with the effects"] = pooled(predicted(best, left_out))
+            errors[f"{name}, with the effects"] = pooled(predicted(best, left_out))
         if name == "left out":
-            found[f"{name}, {ALONE}"] = noise_level(best or refit)
-    return found
+            errors[f"{name}, {ALONE}"] = noise_level(best or refit)
+    return errors
 
 
 def _left(fit: SetFit, tolerance: tuple[float, float]) -> bool:
@@ -324,9 +322,9 @@ def _findings(
 def _refused(contest: Contest) -> tuple[str, ...]:
     """What was in front but for values that no ship can have."""
     return tuple(
-        f"{' + '.join(item.names)} would have had {item.gain:.1f} of ln evidence with values that "
-        f"no model can have: {item.why}"
-        for item in contest.refused
+        f"{' + '.join(names)} would have had {gain:.1f} of ln evidence with values that "
+        f"no model can have: {why}"
+        for names, gain, why in contest.refused
     )
 
 
@@ -337,7 +335,7 @@ def _notes(question: RecordQuestion, last: SetFit) -> tuple[str, ...]:
         f"{word} {100 * share:.2g} %"
         for word, share in zip("XYNK", last.forces.shares.tolist(), strict=False)
     )
-    found = [
+    notes = [
         f"{windows} windows of {len(question.stretches)} records",
         f"values of the base moved by {100 * last.spread:.3g} % of their usual sizes"
         if last.spread
@@ -345,6 +343,6 @@ def _notes(question: RecordQuestion, last: SetFit) -> tuple[str, ...]:
         f"unknown forces of {shares} of ½ρLdU² (½ρL²dU²) are left",
     ]
     if question.outliers:
-        found.append(f"{question.outliers} averages left out that no motion explains")
-    found += sea_notes(question.model, [item.record for item in question.stretches])
-    return tuple(found)
+        notes.append(f"{question.outliers} averages left out that no motion explains")
+    notes += sea_notes(question.model, [item.record for item in question.stretches])
+    return tuple(notes)

@@ -16,7 +16,7 @@ from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, Names, Numbers, Screen
 from pmmkit.diagnosis.free_running.left_out import left_out_errors, mean_log
-from pmmkit.diagnosis.refit import FittedValues, Place, put_back
+from pmmkit.diagnosis.refit import Place, put_back
 from pmmkit.effects import OUTSIDE, Parameter
 from pmmkit.identification import FreeRecord, places, predict, reference, smoothed_without, title_of
 from pmmkit.models import DERIVATIVE_PARTS, Model, Value
@@ -101,22 +101,17 @@ def model_of(
             if isinstance(own, tuple)
             else within(float(numbers[effect][name]) + x)
         )
-    title = _title(fit) if tests is None else tests
+    title = tests
+    if title is None:
+        title = title_of([x.record for x in fit.place.question.stretches]) or "records"
     known, covariance = _known(made, fit, values, whole)
     return put_back(
         made,
-        FittedValues(
-            values=values,
-            known=known,
-            covariance=covariance,
-            sources={place: _source(model, place, title) for place in values},
-        ),
+        values=values,
+        known=known,
+        covariance=covariance,
+        sources={place: _source(model, place, title) for place in values},
     )
-
-
-def _title(fit: SetFit) -> str:
-    """Title of the records of a fit."""
-    return title_of([item.record for item in fit.place.question.stretches]) or "records"
 
 
 def _source(model: Model, place: Place, title: str) -> str:
@@ -169,7 +164,7 @@ def held_out_errors(
     """Errors of `predict` over held-out records: as given, refitted, with the effects."""
     courses = reference(given, records, sensors=sensors, extrapolate=extrapolate)
     rows = {"model as given": given, "base refitted": refitted}
-    found = {
+    errors = {
         f"held out, {name}": predict(
             model, courses, window=window, extrapolate=extrapolate
         ).pooled()
@@ -179,10 +174,10 @@ def held_out_errors(
         sailed = smoothed_without(
             given, courses, corrections, sensors=sensors, extrapolate=extrapolate
         )
-        found["held out, with the effects"] = predict(
+        errors["held out, with the effects"] = predict(
             better, sailed, window=window, extrapolate=extrapolate
         ).pooled()
-    return found
+    return errors
 
 
 def _signal(seen: Screen, name: str, a: Array) -> float:
@@ -197,14 +192,14 @@ def coverage_of(
     """What the records could show of each candidate at its usual size; the most visible first."""
     usual = {item.name: np.full(len(item.moves), 1.0 / WIDER) for item in every}
     signal = {name: _signal(seen, name, a) for name, a in usual.items()}
-    found = []
+    visible = []
     for item in every:
         own, a = seen.columns[item.name], usual[item.name]
         strength = signal[item.name]
         others = {name: at for name, at in seen.columns.items() if name != item.name}
         across = seen.normal.information[:, own] @ a
         shown = strength >= SHOWS
-        found.append(
+        visible.append(
             Visible(
                 name=item.name,
                 family=item.family,
@@ -218,7 +213,7 @@ def coverage_of(
                 else {},
             )
         )
-    return tuple(sorted(found, key=lambda item: -item.signal))
+    return tuple(sorted(visible, key=lambda item: -item.signal))
 
 
 def _why(signal: float) -> str:

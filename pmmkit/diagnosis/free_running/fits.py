@@ -58,24 +58,10 @@ class Linearised:
 class SetFit:
     """A set fitted through the equations.
 
-    Parameters
-    ----------
-    names : tuple of str
-        The set.
-    spread : float
-        Most probable spread of the base.
-    z : array (q,)
-        Most probable numbers, zero where they take no part.
-    covariance : array (q, q)
-        Of them.
-    forces : Forces
-        Unknown forces of the most probable size.
-    log_probability : float
-        ln of how probable the records are, averaged over the spreads of the base.
-    known : WindowInformation
-        What each record says, under these forces.
-    place : Linearised
-        The linear problem there.
+    `spread`: most probable spread of the base. `z (q,)`: most probable numbers, zero where they
+    take no part. `forces`: unknown forces of the most probable size. `log_probability`: ln of
+    how probable the records are, averaged over the spreads of the base. `known`: what each
+    record says, under these forces. `place`: the linear problem there.
     """
 
     names: Names
@@ -142,20 +128,20 @@ def fitted(
         place = _along(place_at(question.followed(begin), begin, used), names)
         place = place_at(place.question, begin, None if whole else used)
     found = at_place(place, names, forces, fine=forces is not None)
-    stands = _standing(found, place)
+    stands, forces = _standing(found, place)
     first = 0
     for _ in range(STEPS):
         if _is_settled(found):
             return found
-        there = _stepped(found, None if whole else used, stands, DAMPED[first:])
+        there = _stepped(found, None if whole else used, stands, forces, DAMPED[first:])
         if there is None:
             break
-        place, gained, damping = there[0], there[1].value - stands.value, there[2]
-        stands, first = there[1], max(DAMPED.index(damping) - 1, 0)
+        place, now, forces, damping = there
+        gained, stands, first = now - stands, now, max(DAMPED.index(damping) - 1, 0)
         found = at_place(place, names, found.forces, fine=True)
         if gained < SLACK:
             break
-    return found if _is_settled(found) else _where_it_stands(found, stands.value)
+    return found if _is_settled(found) else _where_it_stands(found, stands)
 
 
 def _is_settled(found: SetFit) -> bool:
@@ -165,16 +151,10 @@ def _is_settled(found: SetFit) -> bool:
     return bool(np.all(away <= SETTLED * np.where(std > 1e-11, std, np.inf)))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Standing:
+def _standing(found: SetFit, place: Linearised) -> tuple[float, Forces]:
     """How probable records and numbers of a place are, in ln, by unknown forces of the best size
-    there."""
+    there; and these forces."""
 
-    value: float
-    forces: Forces
-
-
-def _standing(found: SetFit, place: Linearised) -> _Standing:
     def value(known: WindowInformation) -> float:
         return known.normal.log_density_at(np.zeros(0))
 
@@ -182,7 +162,7 @@ def _standing(found: SetFit, place: Linearised) -> _Standing:
     asked = place.information.at(place.z)
     forces, best = most_likely(asked, value, question.least, found.forces)
     before = unlikely(question.numbers, found.names, found.spread, place.z)
-    return _Standing(value=best - before, forces=forces)
+    return best - before, forces
 
 
 def _where_it_stands(found: SetFit, stands: float) -> SetFit:
@@ -196,7 +176,7 @@ def _where_it_stands(found: SetFit, stands: float) -> SetFit:
 
 def _along(place: Linearised, names: Sequence[str]) -> Linearised:
     """The linear problem about the most probable path, unknown forces of the best size on it."""
-    forces = _standing(at_place(place, names), place).forces
+    _, forces = _standing(at_place(place, names), place)
     return place_at(
         place.question.moved(place.sheets, np.zeros_like(place.z), forces),
         place.z,
@@ -273,26 +253,30 @@ def above_floor(fit: SetFit) -> float:
 
 
 def _stepped(
-    found: SetFit, columns: NDArray[np.intp] | None, stands: _Standing, dampings: Sequence[float]
-) -> tuple[Linearised, _Standing, float] | None:
-    """The linear problem a step further, how it stands there, and by which damping; None where no
-    step helps.
+    found: SetFit,
+    columns: NDArray[np.intp] | None,
+    stands: float,
+    forces: Forces,
+    dampings: Sequence[float],
+) -> tuple[Linearised, float, Forces, float] | None:
+    """The linear problem a step further, how it stands there by which forces (`_standing`), and by
+    which damping; None where no step helps.
 
     Undamped it goes where the linear problem of a set leads by the unknown forces it needs there,
     damped by those that explain what is missed now.
     """
     place = found.place
     question, numbers = place.question, place.question.numbers
-    about = (place.information.under(stands.forces), numbers, found.names, found.spread, place.z)
+    about = (place.information.under(forces), numbers, found.names, found.spread, place.z)
     for damping in dampings:
         z = damped(*about, damping) if damping else found.z
-        moved = question.moved(place.sheets, z - place.z, stands.forces)
+        moved = question.moved(place.sheets, z - place.z, forces)
         if not moved.sails(z):
             continue
         there = _tried(moved, z, columns)
         if there is None:
             continue
-        new = _standing(found, there)
-        if new.value > stands.value - SLACK:
-            return there, new, damping
+        now, needed = _standing(found, there)
+        if now > stands - SLACK:
+            return there, now, needed, damping
     return None

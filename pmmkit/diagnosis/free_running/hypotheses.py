@@ -1,4 +1,8 @@
-"""Sets of effects, and how far the base moves, weighed by what the records make of them."""
+"""Sets of effects, and how far the base moves, weighed by what the records make of them.
+
+p(records | set) is the mean over the spreads s of the base of ∫ p(records | z) N(z; 0, K + s² 1) dz
+(Laplace): by products of the base first (`screen`), then of the set.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""What records say of values when their starts are free and unknown forces act."""
+"""What records say of values when their starts are free and unknown forces act.
+
+Rows of a window are e = S s + F f + V z + noise: a start s of any size and unknown forces
+f ~ N(0, LL') are integrated out; what is left are products over the values z and ln of a
+determinant.
+"""
 
 from __future__ import annotations
 
@@ -32,10 +37,10 @@ class Forces:
         apart = (i[:, None] - i[None])[None]
         lower = np.where(apart >= 0, rho ** np.maximum(apart, 0), 0.0)
         fresh = np.where(i[None, None] == 0, 1.0, np.sqrt(1.0 - rho**2))
-        found: Array = np.einsum("wij,kl->wikjl", lower * fresh, np.diag(self.shares)).reshape(
+        roots: Array = np.einsum("wij,kl->wikjl", lower * fresh, np.diag(self.shares)).reshape(
             len(spacing), pieces * len(self.shares), -1
         )
-        return found
+        return roots
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -209,8 +214,8 @@ def whitened(sheet: Sheet, sigma: Array) -> Array:
         ],
         axis=1,
     )
-    found: Array = rows * (np.sqrt(sheet.counts) / sigma[sheet.channels])[:, None]
-    return found
+    white: Array = rows * (np.sqrt(sheet.counts) / sigma[sheet.channels])[:, None]
+    return white
 
 
 def scaled(rows: Array, size: int) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -40,37 +40,20 @@ TURNS: Final = 0.8
 """Share of its rudder to one side from which a record is a turn."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class LeftOutRecords:
-    """Records that are left out together.
-
-    `name`: what they have in common.
-    """
-
-    name: str
-    records: tuple[int, ...]
+def each(records: Sequence[FreeRecord]) -> list[tuple[int, ...]]:
+    """Numbers of what is left out together: one record after another."""
+    return [(number,) for number in range(len(records))]
 
 
-def each(records: Sequence[FreeRecord]) -> list[LeftOutRecords]:
-    """One record after another."""
-    return [LeftOutRecords(name=item.name, records=(i,)) for i, item in enumerate(records)]
-
-
-def kinds(records: Sequence[FreeRecord]) -> list[LeftOutRecords]:
-    """Turns, zigzags, and each range of speed, where there are others to predict them by."""
-    turns = [_turns(item) for item in records]
+def kinds(records: Sequence[FreeRecord]) -> dict[str, tuple[int, ...]]:
+    """Numbers of turns, of zigzags, and of each range of speed, where there are others to predict
+    them by."""
+    turns = np.array([_turns(item) for item in records])
     speeds = np.array([item.speed for item in records])
     fast = speeds > 1.1 * np.min(speeds)
-    found = [
-        LeftOutRecords(name=name, records=tuple(np.flatnonzero(there).tolist()))
-        for name, there in (
-            ("turns", np.array(turns)),
-            ("zigzags", ~np.array(turns)),
-            ("slow records", ~fast),
-            ("fast records", fast),
-        )
-    ]
-    return [item for item in found if 0 < len(item.records) < len(records)]
+    groups = {"turns": turns, "zigzags": ~turns, "slow records": ~fast, "fast records": fast}
+    numbers = {name: tuple(np.flatnonzero(there).tolist()) for name, there in groups.items()}
+    return {name: own for name, own in numbers.items() if 0 < len(own) < len(records)}
 
 
 def _turns(record: FreeRecord) -> bool:
@@ -102,15 +85,15 @@ def squares(question: RecordQuestion, stretch: RecordWindows, z: Array) -> dict[
     record = stretch.record
     off = np.stack([record.measured[name] for name in stretch.channels], axis=1)
     off = off - through_windows(question, stretch, z)
-    found = {}
+    squares_of = {}
     for error, (channels, unit) in ERRORS.items():
         there = [name for name in channels if name in stretch.channels]
         if not there:
             continue
-        found[error] = unit**2 * sum(
+        squares_of[error] = unit**2 * sum(
             _square(off[:, stretch.channels.index(name)], question.sensors[name]) for name in there
         )
-    return found
+    return squares_of
 
 
 def _square(off: Array, noise: float) -> float:
@@ -121,18 +104,18 @@ def _square(off: Array, noise: float) -> float:
     return max(float(np.mean(np.minimum(np.abs(off[measured]), LOST) ** 2)) - noise**2, 0.0)
 
 
-def predicted(fit: SetFit, left_out: Sequence[LeftOutRecords]) -> list[dict[str, float]]:
+def predicted(fit: SetFit, left_out: Sequence[Sequence[int]]) -> list[dict[str, float]]:
     """Mean squares of the errors of all records that are left out in turn."""
     return _predicted(fit, left_out, fit.followed)
 
 
 def _predicted(
-    fit: SetFit, left_out: Sequence[LeftOutRecords], question: RecordQuestion
+    fit: SetFit, left_out: Sequence[Sequence[int]], question: RecordQuestion
 ) -> list[dict[str, float]]:
-    found = []
-    for item in left_out:
-        found += missed(question, of_others(fit, item.records)[0], item.records)
-    return found
+    squares_of = []
+    for records in left_out:
+        squares_of += missed(question, of_others(fit, records)[0], records)
+    return squares_of
 
 
 def judged(question: RecordQuestion) -> tuple[RecordQuestion, RecordQuestion]:
@@ -154,8 +137,8 @@ def left_out_error(fit: SetFit, windows: Sequence[RecordQuestion] | None = None)
 
 def mean_log(errors: Sequence[Sequence[tuple[float, float]]]) -> float:
     """Mean of ln of `left_out_errors`."""
-    found = [0.5 * math.log(x**2 + small**2) for own in errors for x, small in own]
-    return sum(found) / len(found)
+    logs = [0.5 * math.log(x**2 + small**2) for own in errors for x, small in own]
+    return sum(logs) / len(logs)
 
 
 def left_out_errors(
@@ -183,8 +166,8 @@ def unimportant(question: RecordQuestion) -> dict[str, float]:
 def _beside_small(fit: SetFit, question: RecordQuestion) -> list[tuple[float, float]]:
     small = unimportant(question)
     left_out = each([item.record for item in question.stretches])
-    found = pooled(_predicted(fit, left_out, question))
-    return [(x, small[name]) for name, x in found.items()]
+    errors = pooled(_predicted(fit, left_out, question))
+    return [(x, small[name]) for name, x in errors.items()]
 
 
 def left_out_windows(fit: SetFit, record: int) -> tuple[RecordWindows, Array]:

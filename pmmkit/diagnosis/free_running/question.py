@@ -39,7 +39,7 @@ ROUND: Final = 1.5
 
 def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequence[FreeRecord]:
     """Records as they are given, or those of a campaign."""
-    found = (
+    listed = (
         [
             record
             for run in records.runs
@@ -50,9 +50,9 @@ def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequen
         if isinstance(records, Campaign)
         else records
     )
-    if not found:
+    if not listed:
         raise DataError("There is no record: give free-running tests that have a usable segment.")
-    return found
+    return listed
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -188,16 +188,18 @@ def question_of(
             large, chosen, numbers.values, sensors=noise, window=length, extrapolate=extrapolate
         )
 
-    ready = settled(large, [paced(item, large.ship.L) for item in records], cut, sensors or {})
+    short, noise, outliers = settled(
+        large, [paced(item, large.ship.L) for item in records], cut, sensors or {}
+    )
     still = np.zeros(len(numbers.values))
-    longer = [follow(joined(item), still, ready.sensors) for item in ready.stretches]
+    longer = [follow(joined(item), still, noise) for item in short]
     return RecordQuestion(
         model=large,
         numbers=numbers,
         stretches=tuple(longer),
-        short=ready.stretches,
-        sensors=ready.sensors,
+        short=short,
+        sensors=noise,
         stated=sensors or {},
         least=floor * usual_forces(large, records),
-        outliers=ready.outliers,
+        outliers=outliers,
     )

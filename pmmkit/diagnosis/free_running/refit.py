@@ -15,7 +15,7 @@ from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
 from pmmkit.diagnosis.free_running.system import FreeSystem
-from pmmkit.diagnosis.refit import FittedEffect, stepped
+from pmmkit.diagnosis.refit import stepped
 from pmmkit.identification import title_of
 from pmmkit.models import Model, Step
 
@@ -50,10 +50,18 @@ def _refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -
         count=int(np.count_nonzero(np.diagonal(fit.covariance) > 0.0)),
         faults=tuple(name for name in names if every[name].kind == "fault"),
     )
-    found = [_found(every[step.effect], fit, made) for step in steps]
     errors = [system.errors(own, names)[HEADING] for own in sets]
     return stepped(
-        system.model, made.with_(steps=tuple(kept)), plain, steps, found, errors, HEADING
+        system.model,
+        made.with_(steps=tuple(kept)),
+        plain,
+        [replace(step, parameter="", value=None) for step in steps],
+        [
+            (_coefficients(item, fit), _places(item, made))
+            for item in (every[step.effect] for step in steps)
+        ],
+        errors,
+        HEADING,
     )
 
 
@@ -73,16 +81,13 @@ def _coefficients(item: FreeCandidate, fit: SetFit) -> dict[str, float]:
     }
 
 
-def _found(item: FreeCandidate, fit: SetFit, made: Model) -> FittedEffect:
-    """What the fit says of an effect, and where it stands in the ship of it."""
-    places: tuple[str, ...] = ()
-    if item.kind == "physics":
-        part = () if item.part is None else (item.part.effect,)
-        home = {
-            name: f"{effect}.{name}" for effect, own in made.parts.items() for name in own.values
-        }
-        places = (*part, *(home.get(name, name) for name in item.values))
-    return FittedEffect(coefficients=_coefficients(item, fit), places=places)
+def _places(item: FreeCandidate, made: Model) -> tuple[str, ...]:
+    """Where an effect stands in a ship that has it; a fault nowhere."""
+    if item.kind == "fault":
+        return ()
+    part = () if item.part is None else (item.part.effect,)
+    home = {name: f"{effect}.{name}" for effect, own in made.parts.items() for name in own.values}
+    return (*part, *(home.get(name, name) for name in item.values))
 
 
 def _not_found(name: str) -> Problem:

@@ -43,19 +43,6 @@ BETTER: Final = 0.8
 """Share of the noise of a channel below which what was found makes it another one."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Settled:
-    """Records ready to be asked.
-
-    `stretches`: with starts that follow the sensors. `sensors`: standard deviation of each
-    channel. `outliers`: averages that were left out.
-    """
-
-    stretches: tuple[RecordWindows, ...]
-    sensors: Mapping[str, float]
-    outliers: int
-
-
 def agile(stretch: RecordWindows) -> Forces:
     """Forces that follow any ship, in the channels of a stretch."""
     channels = 4 if "phi" in stretch.states else 3
@@ -67,7 +54,7 @@ def settled(
     records: Sequence[FreeRecord],
     cut: Callable[[Sequence[FreeRecord], Mapping[str, float]], tuple[RecordWindows, ...]],
     given: Mapping[str, float],
-) -> Settled:
+) -> tuple[tuple[RecordWindows, ...], Mapping[str, float], int]:
     """Starts and noise from each other, in a few rounds."""
     sensors = first_sensors(records, given, model.ship.L)
     stretches = cut(records, sensors)
@@ -82,7 +69,7 @@ def settled(
             stretches, outliers = cleaned, outliers + count
         else:
             sensors = _told(stretches, sheets, fits, sensors, given, model.ship.L)
-    return Settled(stretches=stretches, sensors=sensors, outliers=outliers)
+    return stretches, sensors, outliers
 
 
 def told_anew(
@@ -98,12 +85,12 @@ def told_anew(
 
     change (m,); L [m].
     """
-    told = sensors
+    noise = sensors
     for _ in range(ANEW):
-        stretches, sheets, fits = _on_their_way(stretches, change, told)
-        told = _told(stretches, sheets, fits, told, given, L)
-    better = any(told[name] < BETTER * sensors[name] for name in sensors)
-    return told if better else sensors
+        stretches, sheets, fits = _on_their_way(stretches, change, noise)
+        noise = _told(stretches, sheets, fits, noise, given, L)
+    better = any(noise[name] < BETTER * sensors[name] for name in sensors)
+    return noise if better else sensors
 
 
 def _on_their_way(
@@ -173,13 +160,13 @@ def first_sensors(
     records: Sequence[FreeRecord], given: Mapping[str, float], L: float
 ) -> dict[str, float]:
     """Noise of each channel: as given, else from third differences."""
-    found = {}
+    noise = {}
     for name in dict.fromkeys(name for record in records for name in record.measured):
         noises = [white_noise(item.measured[name]) for item in records if name in item.measured]
-        told = [x for x in noises if math.isfinite(x)]
+        known = [x for x in noises if math.isfinite(x)]
         least = finest(name, records[0].speed, L)
-        found[name] = given.get(name) or max(float(np.median(told)) if told else 0.0, least)
-    return found
+        noise[name] = given.get(name) or max(float(np.median(known)) if known else 0.0, least)
+    return noise
 
 
 def finest(name: str, speed: float, L: float) -> float:
@@ -219,11 +206,11 @@ def smoothed(sheet: Sheet, sigma: Array, forces: Forces, moved: Array | None = N
         e = e - rows[:, split:-1] @ moved
     std = np.concatenate([np.full(size, VAGUE), np.ones(pieces * channels)])
     known = InformationRoot.of(np.zeros(len(std)), std).with_rows(A, e)
-    found = known.mean
+    mean = known.mean
     return Smooth(
-        start=found[:size] / length,
-        forces=(root @ found[size:]).reshape(pieces, channels),
-        left=e - A @ found,
+        start=mean[:size] / length,
+        forces=(root @ mean[size:]).reshape(pieces, channels),
+        left=e - A @ mean,
         leverage=known.spread(A),
     )
 
@@ -237,7 +224,7 @@ def _told(
     L: float,
 ) -> dict[str, float]:
     """Noise of the channels from what starts and forces leave."""
-    found = dict(sensors)
+    noise = dict(sensors)
     for name in channels_of(stretches):
         if name in given:
             continue
@@ -252,8 +239,8 @@ def _told(
                 free += float(np.sum(1.0 - fit.leverage[at]))
         if free > LEAST_FREE:
             least = finest(name, stretches[0].record.speed, L)
-            found[name] = max(sensors[name] * math.sqrt(square / free), least)
-    return found
+            noise[name] = max(sensors[name] * math.sqrt(square / free), least)
+    return noise
 
 
 def _without_outliers(

@@ -96,12 +96,12 @@ def sheets_of(
 def _observed(stretch: RecordWindows, states: Array, change: Array) -> Array:
     """Slopes (n, c, s) of what the channels show over the states."""
     now = shown(stretch, states, change)
-    found = np.empty((*now.shape, states.shape[1]))
+    slopes = np.empty((*now.shape, states.shape[1]))
     for j, step in enumerate(state_steps(stretch).tolist()):
         moved = states.copy()
         moved[:, j] += step
-        found[:, :, j] = (shown(stretch, moved, change) - now) / step
-    return found
+        slopes[:, :, j] = (shown(stretch, moved, change) - now) / step
+    return slopes
 
 
 def state_steps(stretch: RecordWindows) -> Array:
@@ -211,9 +211,19 @@ def _sheet(
     errors: Array,
     along: Array,
 ) -> Sheet:
+    """The rows of a window: averages over the instants of a block that measured a channel."""
     rows = slice(stretch.begins[w], stretch.begins[w + 1])
     there = np.isfinite(errors[rows])
-    averaged = _averages(stretch.blocks[rows], there)
+    edges = np.flatnonzero(np.diff(stretch.blocks[rows], prepend=-1))
+    counts = np.add.reduceat(there.astype(float), edges, axis=0)
+    measured = counts > 0
+    blocks, channels_of_rows = np.nonzero(measured)
+
+    def averaged(x: Array) -> Array:
+        total = np.add.reduceat(np.where(there[:, :, None], x, 0.0), edges, axis=0)
+        means: Array = total[measured] / counts[measured][:, None]
+        return means
+
     H = observed[rows]
     pieces, channels = forces.shape[2:]
     flat = averaged(H @ forces.reshape(*forces.shape[:2], -1))
@@ -223,42 +233,10 @@ def _sheet(
         values=averaged(slopes[rows]),
         errors=averaged(errors[rows][:, :, None])[:, 0],
         along=along,
-        channels=averaged.channels,
-        blocks=averaged.blocks,
-        counts=averaged.counts[averaged.counts > 0],
+        channels=channels_of_rows,
+        blocks=blocks,
+        counts=counts[measured],
         spacing=float(stretch.spacing[w]),
-    )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Averages:
-    """Averages over the instants of a block at which a channel was measured."""
-
-    edges: NDArray[np.int64]
-    there: NDArray[np.bool_]
-    counts: Array
-
-    @property
-    def channels(self) -> NDArray[np.int64]:
-        """Of each row."""
-        return np.nonzero(self.counts > 0)[1]
-
-    @property
-    def blocks(self) -> NDArray[np.int64]:
-        """Of each row."""
-        return np.nonzero(self.counts > 0)[0]
-
-    def __call__(self, x: Array) -> Array:
-        total = np.add.reduceat(np.where(self.there[:, :, None], x, 0.0), self.edges, axis=0)
-        seen = self.counts > 0
-        found: Array = total[seen] / self.counts[seen][:, None]
-        return found
-
-
-def _averages(blocks: NDArray[np.int64], there: NDArray[np.bool_]) -> _Averages:
-    edges = np.flatnonzero(np.diff(blocks, prepend=-1))
-    return _Averages(
-        edges=edges, there=there, counts=np.add.reduceat(there.astype(float), edges, axis=0)
     )
 
 

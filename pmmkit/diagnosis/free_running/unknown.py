@@ -104,5 +104,5 @@ def usual_forces(model: Model, records: Sequence[FreeRecord]) -> Array:
         sizes = {name: abs(float(force[name][0])) for name in ("X", "Y", "N")}
         sizes["K"] = 0.1 * ship.d * sizes["Y"]
         squares.append(np.array([sizes[word] / unit[word] for word in words]) ** 2)
-    found: Array = np.maximum(np.sqrt(np.mean(squares, axis=0)), 1e-3)
-    return found
+    shares: Array = np.maximum(np.sqrt(np.mean(squares, axis=0)), 1e-3)
+    return shares

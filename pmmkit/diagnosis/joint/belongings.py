@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from pmmkit.diagnosis.joint.belongs import (
     owner,
     third,
 )
-from pmmkit.diagnosis.joint.captive_vote import CaptiveVote, Sized, Vote
+from pmmkit.diagnosis.joint.captive_vote import CaptiveVote, Vote
 from pmmkit.diagnosis.joint.records_vote import RecordsVote
 from pmmkit.diagnosis.joint.result import Belonging, JointEntry
 
@@ -36,26 +36,21 @@ def belongings(votes: Sequence[Vote], best: JointEntry) -> tuple[Belonging, ...]
     records = [item for item in votes if isinstance(item, RecordsVote)]
     stated = records[0].stated(tests[0]) if tests and records else {}
     if stated:
-        told = {name: x for name, x in stated.items() if not _measures(tests, sizes, name)}
-        sizes = [told, *sizes]
+        measured = {name for own in sizes for name, x in own.items() if x.laboratory in tests}
+        sizes = [{name: x for name, x in stated.items() if name not in measured}, *sizes]
     return tuple(
         _belonging(name, [own[name] for own in sizes if name in own]) for name in best.names
     )
 
 
-def _measures(tests: Sequence[str], sizes: Sequence[Mapping[str, Sized]], name: str) -> bool:
-    """Whether captive tests measure an effect themselves."""
-    return any(name in own and own[name].measured.laboratory in tests for own in sizes)
-
-
-def _belonging(name: str, found: Sequence[Sized]) -> Belonging:
+def _belonging(name: str, found: Sequence[LaboratoryValues]) -> Belonging:
     """Whose an effect is, by the coefficients that all have."""
     common = (
         [x for x in found[0].coefficients if all(x in own.coefficients for own in found)]
         if found
         else []
     )
-    measured = tuple(_only(own, common) for own in found)
+    measured = tuple(own.only(common) for own in found)
     typical = dict(zip(found[0].coefficients, found[0].typical, strict=True)) if found else {}
     usual = np.array([abs(typical[x]) for x in common])
     size = found_size(measured, usual) if common else 1.0
@@ -76,13 +71,4 @@ def _belonging(name: str, found: Sequence[Sized]) -> Belonging:
         )
         if common
         else (),
-    )
-
-
-def _only(own: Sized, names: Sequence[str]) -> LaboratoryValues:
-    at = [own.coefficients.index(name) for name in names]
-    return LaboratoryValues(
-        laboratory=own.measured.laboratory,
-        values=own.measured.values[at],
-        covariance=own.measured.covariance[np.ix_(at, at)],
     )

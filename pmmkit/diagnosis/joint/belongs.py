@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -16,7 +16,8 @@ Owner = Literal["the ship's", "the laboratory's", "cannot tell"]
 DECIDED: Final = 1.0
 """ln of the odds from which it is said whose an effect is."""
 SCATTER: Final = 0.25
-"""Scale of the half-normal prior of what laboratories differ by, over the size that is found."""
+"""Scale of the half-normal prior of what laboratories differ by, over the size that is found; two
+of them hardly determine it: half and double of it are told too (docs/diagnose.md)."""
 LEAST: Final = 0.1
 """Least of these sizes over the usual ones: an effect of hardly any size may differ by some."""
 SCALES: Final = np.exp(np.linspace(-14.0, 2.0, 257))
@@ -34,6 +35,19 @@ class LaboratoryValues:
     laboratory: str
     values: Array
     covariance: Array
+    coefficients: tuple[str, ...] = ()
+    typical: tuple[float, ...] = ()
+
+    def only(self, names: Sequence[str]) -> LaboratoryValues:
+        """Some of the coefficients."""
+        at = [self.coefficients.index(name) for name in names]
+        return replace(
+            self,
+            values=self.values[at],
+            covariance=self.covariance[np.ix_(at, at)],
+            coefficients=tuple(names),
+            typical=tuple(self.typical[k] for k in at),
+        )
 
 
 def log_shared(
@@ -55,7 +69,10 @@ def log_shared(
     -97.19
     """
     c0 = np.zeros(len(prior)) if centre is None else centre
-    together = log_normal(_stacked(found, c0), _scattered(found, prior, np.zeros_like(prior)))
+    together = log_normal(
+        np.concatenate([item.values - c0 for item in found]),
+        _scattered(found, prior, np.zeros_like(prior)),
+    )
     alone = sum(log_normal(item.values - c0, item.covariance + prior) for item in found)
     return together - alone
 
@@ -137,10 +154,6 @@ def third(
     values = share @ np.stack(mean)
     variance = share @ np.stack(square) - values**2
     return Third(values=values, std=np.sqrt(variance), scale=scale)
-
-
-def _stacked(found: Sequence[LaboratoryValues], centre: Array) -> Array:
-    return np.concatenate([item.values - centre for item in found])
 
 
 def _scattered(found: Sequence[LaboratoryValues], prior: Array, between: Array) -> Array:

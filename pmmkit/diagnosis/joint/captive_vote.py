@@ -17,7 +17,7 @@ from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.refit import in_convention, refitted
 from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
-from pmmkit.diagnosis.captive.verdict import Given, answer, taken_as_given
+from pmmkit.diagnosis.captive.verdict import answer, taken_as_given
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues
@@ -45,15 +45,6 @@ class Ballot:
     log_evidence: float
     faults: Names = ()
     linear: bool = False
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Sized:
-    """An effect as a campaign measures it: what of, usual sizes, values with their covariance."""
-
-    coefficients: Names
-    typical: tuple[float, ...]
-    measured: LaboratoryValues
 
 
 class Vote(Protocol):
@@ -85,7 +76,7 @@ class Vote(Protocol):
     def weighed(self, names: Names) -> Ballot | None:
         """A set after its own fit; None if that fit leads nowhere."""
 
-    def sizes(self, names: Names, faults: Names) -> Mapping[str, Sized]:
+    def sizes(self, names: Names, faults: Names) -> Mapping[str, LaboratoryValues]:
         """The effects of a set, fitted together."""
 
     def model_with(self, names: Names, faults: Names) -> Model | None:
@@ -143,8 +134,8 @@ class CaptiveVote:
     """Captive tests that have been diagnosed.
 
     `model`: whose derivatives are the base. `diagnosis`: of these tests alone. `system`: runs,
-    base and candidates. `known`: the system beside the effects that the model has. `sets`: its
-    sets of effects. `faults`: none, and the best sets of faults. `own`: effects of the user.
+    base and candidates. `given`: the effects that the model has. `sets`: sets of the others
+    beside these. `faults`: none, and the best sets of faults. `own`: effects of the user.
     """
 
     name: str
@@ -152,7 +143,7 @@ class CaptiveVote:
     model: Model
     diagnosis: Diagnosis
     system: System
-    known: Given
+    given: tuple[CandidateColumns, ...]
     sets: Sets
     faults: list[Names]
     own: tuple[Effect, ...] = ()
@@ -188,7 +179,7 @@ class CaptiveVote:
         """The same."""
         return self.promised(names)
 
-    def sizes(self, names: Names, faults: Names) -> Mapping[str, Sized]:
+    def sizes(self, names: Names, faults: Names) -> Mapping[str, LaboratoryValues]:
         """The effects of a set, fitted together with the base."""
         blocks, fit = self._fitted(names, faults)
         found = {}
@@ -199,14 +190,12 @@ class CaptiveVote:
             at = [fit.names.index(label) for label in labels(c)]
             if not np.all(np.isfinite(fit.values[at])):
                 continue
-            found[c.name] = Sized(
+            found[c.name] = LaboratoryValues(
+                laboratory=self.name,
+                values=fit.values[at],
+                covariance=fit.covariance[np.ix_(at, at)],
                 coefficients=c.coefficients,
                 typical=c.typical,
-                measured=LaboratoryValues(
-                    laboratory=self.name,
-                    values=fit.values[at],
-                    covariance=fit.covariance[np.ix_(at, at)],
-                ),
             )
         return found
 
@@ -266,7 +255,7 @@ class CaptiveVote:
         blocks, fit = self._fitted(names, faults)
         try:
             base = self.system.base
-            return refitted(self.model, fit, blocks, base, self.campaign, self.own).model
+            return refitted(self.model, fit, blocks, base, self.campaign, self.own)[0]
         except (TableError, ModelError):
             return None
 
@@ -280,8 +269,8 @@ class CaptiveVote:
 
     def _fitted(self, names: Names, faults: Names) -> tuple[tuple[CandidateColumns, ...], JointFit]:
         mine = [name for name in (*names, *faults) if name in self.sets.by_name]
-        blocks = blocks_of(self.known.system, self.sets.entry(mine)) if mine else []
-        together = refined(self.system, [*self.known.blocks, *blocks])
+        blocks = blocks_of(self.sets.system, self.sets.entry(mine)) if mine else []
+        together = refined(self.system, [*self.given, *blocks])
         return together, joint_fit(self.system, together, floor=self.system.floor)
 
 
@@ -295,9 +284,9 @@ def captive_vote(
     seed: int = 0,
 ) -> CaptiveVote:
     """Diagnose captive tests and keep what more sets need."""
-    base = derivatives_of(model)
-    system = captive_system(campaign, base.structure, floor=floor, noise=noise)
-    given = system.taking_part(base.effects)
+    _, structure, effects = derivatives_of(model)
+    system = captive_system(campaign, structure, floor=floor, noise=noise)
+    given = system.taking_part(effects)
     return vote_of_tests(name, model, campaign, system.whole(given), given, seed=seed)
 
 
@@ -313,15 +302,15 @@ def vote_of_tests(
 ) -> CaptiveVote:
     """Diagnose a system of captive tests and keep what more sets need."""
     diagnosis = answer(system, tuple(given), floor=system.floor, seed=seed)
-    known = taken_as_given(system, given)
+    beside, _, blocks = taken_as_given(system, given)
     return CaptiveVote(
         name=name,
         campaign=campaign,
         model=model,
         diagnosis=diagnosis,
         system=system,
-        known=known,
-        sets=sets_of(known.system),
+        given=blocks,
+        sets=sets_of(beside),
         faults=[(), *fault_sets(diagnosis.entries, FAULTS)],
         own=tuple(own),
     )

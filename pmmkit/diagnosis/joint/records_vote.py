@@ -22,15 +22,7 @@ from pmmkit.diagnosis.free_running.hypotheses import WIDER
 from pmmkit.diagnosis.free_running.left_out import left_out_error
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues
-from pmmkit.diagnosis.joint.captive_vote import (
-    Ballot,
-    Kind,
-    Names,
-    Sized,
-    asked_in,
-    fault_sets,
-    of_ship,
-)
+from pmmkit.diagnosis.joint.captive_vote import Ballot, Kind, Names, asked_in, fault_sets, of_ship
 from pmmkit.identification import FreeRecord
 from pmmkit.models import Model, place_name
 from pmmkit.numerics import Array
@@ -161,7 +153,7 @@ class RecordsVote:
         value, beside = max(found)
         return Ballot(log_evidence=value, faults=beside)
 
-    def sizes(self, names: Names, faults: Names) -> Mapping[str, Sized]:
+    def sizes(self, names: Names, faults: Names) -> Mapping[str, LaboratoryValues]:
         """The effects of a set; of those that come to values which the model has, by how much."""
         mine = self._asked(names)
         fit = self.fit(frozenset((*mine, *faults))) if mine else None
@@ -174,18 +166,16 @@ class RecordsVote:
                 continue
             at = numbers.columns[item.name]
             size = WIDER * np.array(list(item.typical.values()))
-            found[item.name] = Sized(
+            found[item.name] = LaboratoryValues(
+                laboratory=self.name,
+                values=size * fit.z[at],
+                covariance=fit.covariance[np.ix_(at, at)] * np.outer(size, size),
                 coefficients=tuple(item.typical),
                 typical=tuple(item.typical.values()),
-                measured=LaboratoryValues(
-                    laboratory=self.name,
-                    values=size * fit.z[at],
-                    covariance=fit.covariance[np.ix_(at, at)] * np.outer(size, size),
-                ),
             )
         return found
 
-    def stated(self, laboratory: str) -> Mapping[str, Sized]:
+    def stated(self, laboratory: str) -> Mapping[str, LaboratoryValues]:
         """Effects that come to values which the model has: by nothing, as well as it knows
         these."""
         known, found = self.known, {}
@@ -199,16 +189,13 @@ class RecordsVote:
             back = np.linalg.pinv(
                 [[item.moves[x].get(name, 0.0) for x in labels] for name in values]
             )
-            found[item.name] = Sized(
+            covariance = known.covariance[np.ix_(at, at)] * np.outer(size, size)
+            found[item.name] = LaboratoryValues(
+                laboratory=laboratory,
+                values=np.zeros(len(labels)),
+                covariance=back @ covariance @ back.T,
                 coefficients=tuple(labels),
                 typical=tuple(item.typical[x] for x in labels),
-                measured=LaboratoryValues(
-                    laboratory=laboratory,
-                    values=np.zeros(len(labels)),
-                    covariance=back
-                    @ (known.covariance[np.ix_(at, at)] * np.outer(size, size))
-                    @ back.T,
-                ),
             )
         return found
 

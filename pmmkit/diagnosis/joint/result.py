@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.diagnosis.evidence import PRICE
+from pmmkit.diagnosis.evidence import PRICE, Visible
 from pmmkit.diagnosis.findings import AS_LIKELY, VERDICTS, Diagnosis, Verdict
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues, Owner, Third
-from pmmkit.diagnosis.joint.captive_vote import Ballot, Names
+from pmmkit.diagnosis.joint.captive_vote import Ballot, Names, of_ship
 from pmmkit.effects import effect_of
 from pmmkit.models import Model, odds
 from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
@@ -31,14 +31,8 @@ _MOST: Final = 12
 class JointEntry:
     """A set of effects of the ship with the evidence of all campaigns.
 
-    Parameters
-    ----------
-    names : tuple of str
-        Effects.
-    log_evidence : float
-        Against no effect, all campaigns together, with the price of each effect.
-    ballots : mapping of str to Ballot
-        What each campaign says, without that price.
+    `log_evidence`: against no effect, all campaigns together, with the price of each effect.
+    `ballots`: what each campaign says, without that price.
     """
 
     names: Names
@@ -202,6 +196,38 @@ class Together(Described):
     def answer(self) -> str:
         """The effects that are named, or the verdict, in few words."""
         return " and ".join(self.best) or VERDICTS[self.verdict].rstrip(".").lower()
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in words."""
+        return VERDICTS[self.verdict]
+
+    def rivals_of(self, name: str) -> list[Names]:
+        """Sets without an effect that are about as likely as the best one, which has it."""
+        return [
+            names for names, odd in self.group[1:] if name not in names and odd > 1.0 - AS_LIKELY
+        ]
+
+    def faults_of(self, campaign: str) -> Names:
+        """Faults that a campaign has beside the best set, or that it alone names."""
+        best = self.entries[0] if self.entries and self.group else None
+        if best is not None and campaign in best.ballots:
+            return best.ballots[campaign].faults
+        alone: Names = self.diagnoses[campaign].best
+        return () if of_ship(alone) else alone
+
+    @property
+    def hidden(self) -> tuple[Visible, ...]:
+        """Effects that no campaign could show, as the one says that comes nearest to it."""
+        shown: set[str] = set()
+        nearest: dict[str, Visible] = {}
+        for diagnosis in self.diagnoses.values():
+            for item in diagnosis.covered:
+                if item.shown:
+                    shown.add(item.name)
+                elif item.name not in nearest or item.hides < nearest[item.name].hides:
+                    nearest[item.name] = item
+        return tuple(item for name, item in nearest.items() if name not in shown)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
 from typing import Any, Final
@@ -40,46 +39,27 @@ SAME: Final = 1e-3
 """Share by which two lengths of one ship may differ without carrying the model over."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Based:
-    """A model as the base of a campaign, with what is to be said of it.
-
-    `notes`: how it came to be.
-    """
-
-    model: Model
-    notes: tuple[str, ...] = ()
+FittedCampaign = tuple[str, System, Callable[[], Model | None]]
+"""Captive tests that the base is fitted to: their name, their system, and the model with its
+derivatives fitted to them; None if they excite too little."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FittedCampaign:
-    """Captive tests that the base is fitted to.
-
-    `model`: the model with its derivatives fitted to them; None if they excite too little.
-    """
-
-    name: str
-    system: System
-    model: Callable[[], Model | None]
-
-
-def known_from(model: Model, tests: Sequence[FittedCampaign]) -> Based:
-    """The model with what captive tests know of its base."""
+def known_from(model: Model, tests: Sequence[FittedCampaign]) -> tuple[Model, tuple[str, ...]]:
+    """The model with what captive tests know of its base, and how it came to be."""
     if model.covariance is not None:
-        return Based(model=model, notes=("the base is known as the covariance of the model says",))
-    for item in tests:
-        if _is_bare(item.system) and (found := item.model()) is not None:
-            said = f"the base is known as {item.name} tells it: its derivatives are fitted"
-            return Based(model=found, notes=(said,))
-    said = (
+        return model, ("the base is known as the covariance of the model says",)
+    for name, system, fitted in tests:
+        if _is_bare(system) and (made := fitted()) is not None:
+            return made, (f"the base is known as {name} tells it: its derivatives are fitted",)
+    note = (
         "the base stays as the model has it: in the captive tests rudder or propeller took part, "
         "or too little is excited; reduce them for a model with covariance"
     )
-    return Based(model=model, notes=(said,) if tests else ())
+    return model, (note,) if tests else ()
 
 
-def carried(model: Model, name: str, campaign: Campaign) -> Based:
-    """The model at the length of the ship that was tested.
+def carried(model: Model, name: str, campaign: Campaign) -> tuple[Model, tuple[str, ...]]:
+    """The model at the length of the ship that was tested, and what is to be said of it.
 
     Parameters
     ----------
@@ -92,12 +72,12 @@ def carried(model: Model, name: str, campaign: Campaign) -> Based:
     """
     ship = campaign.ship
     if abs(ship.L / model.ship.L - 1.0) < SAME:
-        return Based(model=model)
-    said = (
+        return model, ()
+    note = (
         f"{name}: the model is carried from L = {model.ship.L:g} m to {ship.L:g} m by Froude's "
         f"law, without correction of friction or wake; its propulsion point stays"
     )
-    return Based(model=scaled(model, ship.L), notes=(said,))
+    return scaled(model, ship.L), (note,)
 
 
 def _is_bare(system: System) -> bool:
@@ -180,31 +160,32 @@ def joint_diagnosis(
     for name, tested in tests.items():
         tell(f"{name}: captive tests")
         captives.append(captive_vote(name, model, tested, **captive))
-    known = known_from(
-        model,
-        [
-            FittedCampaign(name=x.name, system=x.system, model=partial(x.model_with, (), ()))
-            for x in captives
-        ],
+    known, said = known_from(
+        model, [(x.name, x.system, partial(x.model_with, (), ())) for x in captives]
     )
-    notes += known.notes
+    notes += said
     votes: list[Vote] = list(captives)
     for name, item in named.items():
         if name in tests:
             continue
-        own = carried(known.model, name, item) if isinstance(item, Campaign) else known
-        notes += own.notes if own is not known else ()
-        said = partial(_tell, tell, name)
-        records, _ = records_among(item, own.model, free)
+        own = known
+        if isinstance(item, Campaign):
+            own, said = carried(known, name, item)
+            notes += said
+        records, _ = records_among(item, own, free)
         settings = {key: x for key, x in free.items() if key not in CHOSEN}
-        votes.append(records_vote(name, own.model, records, progress=said, **settings))
+        votes.append(
+            records_vote(
+                name,
+                own,
+                records,
+                progress=lambda word, name=name: tell(f"{name}: {word}"),
+                **settings,
+            )
+        )
     return answered(
         sorted(votes, key=lambda x: list(named).index(x.name)), notes=notes, progress=tell
     )
-
-
-def _tell(tell: Callable[[str], None], name: str, word: str) -> None:
-    tell(f"{name}: {word}")
 
 
 def records_among(
@@ -229,8 +210,7 @@ def answered(
     tell = progress or (lambda _: None)
     said = list(notes)
     every = sorted(set().union(*(item.asked for item in votes)))
-    weighed = weigh(votes, every, tell)
-    entries = weighed.entries
+    entries, refused = weigh(votes, every, tell)
     best = entries[0] if entries and not entries[0].linear else None
     told = best is not None and best.log_evidence > max(LEAST, -math.log(CHANCE))
     group = _group(entries) if told else ()
@@ -266,7 +246,7 @@ def answered(
         diagnoses=MappingProxyType({item.name: item.diagnosis for item in votes}),
         belongs=belongs,
         added=MappingProxyType(added),
-        refused=weighed.refused,
+        refused=refused,
         flags=_flags(votes),
         notes=(
             *said,

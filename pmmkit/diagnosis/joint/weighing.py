@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from types import MappingProxyType
 from typing import Final
@@ -27,18 +26,9 @@ BEAM: Final = 3
 """Sets in front whose parts are tried, and what is larger by one of the single effects in front."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class WeighedSets:
-    """Sets that all campaigns were asked for.
-
-    `refused`: sets that a campaign refuses.
-    """
-
-    entries: tuple[JointEntry, ...]
-    refused: tuple[tuple[str, Names], ...]
-
-
-def weigh(votes: Sequence[Vote], every: Sequence[str], tell: Callable[[str], None]) -> WeighedSets:
+def weigh(
+    votes: Sequence[Vote], every: Sequence[str], tell: Callable[[str], None]
+) -> tuple[tuple[JointEntry, ...], tuple[tuple[str, Names], ...]]:
     """Single effects, the sets of several that promise most, and what is near those in front."""
     entries: dict[Names, JointEntry] = {}
     refused: dict[Names, str] = {}
@@ -79,9 +69,9 @@ def weigh(votes: Sequence[Vote], every: Sequence[str], tell: Callable[[str], Non
             if hopeful(near):
                 look(near)
     others = [x for x in singles if x.names not in entries and x.names not in refused]
-    return WeighedSets(
-        entries=(*_ranked(entries.values()), *_ranked(others)),
-        refused=tuple((who, names) for names, who in refused.items()),
+    return (
+        (*_ranked(entries.values()), *_ranked(others)),
+        tuple((who, names) for names, who in refused.items()),
     )
 
 

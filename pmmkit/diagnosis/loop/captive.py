@@ -12,17 +12,19 @@ from typing import Final, Protocol, TypeVar
 from pmmkit.base import DataError, ModelError, Workers
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import CHANNEL_UNITS, Structure
+from pmmkit.diagnosis.captive.alone import Changes, alone_in_tests
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
 from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
 from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
-from pmmkit.diagnosis.captive.refit import Refit, froude_numbers, places_of, refitted
+from pmmkit.diagnosis.captive.refit import froude_numbers, places_of, refitted
 from pmmkit.diagnosis.captive.system import CandidateColumns, System
 from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
+from pmmkit.diagnosis.evidence import RankedSet, Visible
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.joint.result import Together
 from pmmkit.diagnosis.loop.fall import ALL, BASE, ErrorWords, Fall, FallRow
-from pmmkit.diagnosis.refit import FittedEffect, stepped
+from pmmkit.diagnosis.refit import stepped
 from pmmkit.effects import Effect, catalogue
 from pmmkit.models import Model, Step
 from pmmkit.presentation import counted
@@ -94,6 +96,7 @@ def only_campaign(title: str, effect: str, campaign: str) -> str:
     return ""
 
 
+Names = tuple[str, ...]
 FORCE: Final = "force"
 """All channels of captive tests together, each over its rms force."""
 TOLD: Final = ErrorWords(
@@ -111,20 +114,9 @@ TOLD: Final = ErrorWords(
 class CaptiveTests:
     """Captive tests, a base, and what may be missing of it.
 
-    Parameters
-    ----------
-    source : Model, Structure, str or tuple of str
-        The base: a model, the name of a structure, or derivatives.
-    campaign : Campaign
-        Captive tests.
-    system : System
-        Runs, base and candidates.
-    floor : float
-        What is too small to matter, over the rms force of a channel.
-    begun : tuple of str
-        Effects that the base has from the beginning.
-    own : tuple of Effect
-        Effects of the user.
+    `source`: the base: a model, the name of a structure, or derivatives. `system`: runs, base
+    and candidates. `floor`: what is too small to matter, over the rms force of a channel.
+    `begun`: effects that the base has from the beginning. `own`: effects of the user.
     """
 
     source: Model | str | tuple[str, ...] | Structure
@@ -159,7 +151,7 @@ class CaptiveTests:
     @cached_property
     def blocks(self) -> Callable[[tuple[str, ...]], tuple[CandidateColumns, ...]]:
         """The effects of the base at the values of their nonlinear parameters, by their names."""
-        return cache(lambda given: refined(self.system, taken_as_given(self.system, given).blocks))
+        return cache(lambda given: refined(self.system, taken_as_given(self.system, given)[-1]))
 
     @cached_property
     def _left_out(self) -> Callable[[Sequence[CandidateColumns]], HeldOut]:
@@ -218,16 +210,34 @@ class CaptiveTests:
         """None: conditions of captive tests are left out in turn instead."""
         return {}
 
-    def model(self, steps: Sequence[Step]) -> Model:
-        """The model with base and effects fitted together, and with a step per effect.
+    def alone(
+        self,
+        steps: Sequence[Step],
+        chosen: Sequence[RankedSet],
+        heard: Callable[[int, str], None],
+        *,
+        numbers: int,
+    ) -> tuple[dict[str, dict[str, float]], dict[str, Changes], dict[str, Changes]]:
+        """What each candidate would do, alone beside the base with some steps: the share of the
+        error that it takes away, what it changes; nothing of the base alone."""
+        tests = self.standing(steps)
+        shares, changes = alone_in_tests(
+            tests.system, tests.begun, chosen, heard, changes=numbers > 0
+        )
+        return shares, changes, {}
 
-        Raises
-        ------
-        ModelError
-            If the base is a structure: it has no ship to sail with.
-        """
-        source, fit, found = self._sailing(self._names(steps))
-        made = found.model.with_(notes=tuple(dict.fromkeys((*found.model.notes, *found.notes))))
+    def why_not_asked(self, effect: Effect, covered: Sequence[Visible]) -> str:
+        """Why an effect takes no part, in words, as the coverage of a diagnosis has it."""
+        return next(item.why for item in covered if item.name == effect.name)
+
+    def fitted(self, _steps: Sequence[Step]) -> frozenset[str]:
+        """Effects that were fitted by other than one linear problem for all: none."""
+        return frozenset()
+
+    def model(self, steps: Sequence[Step]) -> Model:
+        """The model with base and effects fitted together, and with a step per effect."""
+        source, fit, ship, notes = self._sailing(self._names(steps))
+        made = ship.with_(notes=tuple(dict.fromkeys((*ship.notes, *notes))))
         blocks = self._with(steps)
         plain = Step(
             action="fitted",
@@ -237,21 +247,29 @@ class CaptiveTests:
             faults=tuple(x.candidate.name for x in blocks if x.candidate.kind == "fault"),
         )
         errors = [x / 100.0 for x in self.fall(steps).totals] if steps else []
-        taken = [self._found(block, fit, made) for block in blocks[len(self.begun) :]]
-        return stepped(source, made, plain, steps, taken, errors)
+        added = list(zip(steps, blocks[len(self.begun) :], strict=True))
+        return stepped(
+            source,
+            made,
+            plain,
+            [_at_its_parameter(step, block) for step, block in added],
+            [
+                (
+                    _coefficients(block, fit),
+                    places_of(block, made, self.own) if block.candidate.kind == "physics" else (),
+                )
+                for _, block in added
+            ],
+            errors,
+        )
 
     def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
-        """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
+        """The ship that a set named by `diagnose` says, with its uncertainty and without steps."""
+        return self._sailing((*self._names(steps), *names))[2]
 
-        Raises
-        ------
-        ModelError
-            If the base is a structure: it has no ship to sail with.
-        """
-        return self._sailing((*self._names(steps), *names))[-1].model
-
-    def _sailing(self, effects: tuple[str, ...]) -> tuple[Model, JointFit, Refit]:
-        """The ship of the base, what is fitted together with some effects, and the ship of that."""
+    def _sailing(self, effects: Names) -> tuple[Model, JointFit, Model, Names]:
+        """The ship of the base, what is fitted together with some effects, the ship of that, and
+        what could not be taken over."""
         if not isinstance(self.source, Model):
             raise ModelError(
                 f"The base {self.source!r} is a list of derivatives. Begin with a model: reduce "
@@ -259,8 +277,8 @@ class CaptiveTests:
             )
         blocks = self.blocks(effects)
         fit = joint_fit(self.system, blocks, floor=self.floor)
-        found = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
-        return self.source, fit, found
+        ship, notes = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
+        return self.source, fit, ship, notes
 
     def _with(self, steps: Sequence[Step]) -> tuple[CandidateColumns, ...]:
         return self.blocks(self._names(steps))
@@ -268,17 +286,19 @@ class CaptiveTests:
     def _names(self, steps: Sequence[Step]) -> tuple[str, ...]:
         return (*self.begun, *(step.effect for step in steps))
 
-    def _found(self, block: CandidateColumns, fit: JointFit, made: Model) -> FittedEffect:
-        """What the fit says of an effect, and where it stands in the ship of it."""
-        c = block.candidate
-        known = catalogue().get(c.name)
-        names = list(known.typical) if c.kind == "fault" and known else c.coefficients
-        return FittedEffect(
-            coefficients=dict(zip(names, coefficients_of(block, fit)[0], strict=True)),
-            places=places_of(block, made, self.own) if c.kind == "physics" else (),
-            parameter=c.parameter,
-            value=block.value if c.parameter else None,
-        )
+
+def _at_its_parameter(step: Step, block: CandidateColumns) -> Step:
+    """A step with the nonlinear parameter of its effect."""
+    name = block.candidate.parameter
+    return replace(step, parameter=name, value=block.value if name else None)
+
+
+def _coefficients(block: CandidateColumns, fit: JointFit) -> dict[str, float]:
+    """Coefficients of an effect by a fit, those of a fault as the catalogue names them."""
+    c = block.candidate
+    known = catalogue().get(c.name)
+    names = list(known.typical) if c.kind == "fault" and known else c.coefficients
+    return dict(zip(names, coefficients_of(block, fit)[0], strict=True))
 
 
 def captive_tests(
@@ -292,19 +312,19 @@ def captive_tests(
     executor: Workers = None,
 ) -> CaptiveTests:
     """The evidence of captive tests; arguments as for `begin`."""
-    base = derivatives_of(model)
+    source, structure, effects = derivatives_of(model)
     system = captive_system(
         campaign,
-        base.structure,
+        structure,
         floor=floor,
         candidates=candidates,
         noise=noise,
         own=own,
         executor=executor,
     )
-    begun = system.taking_part(base.effects)
+    begun = system.taking_part(effects)
     return CaptiveTests(
-        source=base.source,
+        source=source,
         campaign=campaign,
         system=system.whole(begun),
         floor=system.floor,

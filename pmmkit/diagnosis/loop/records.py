@@ -14,7 +14,9 @@ from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Structure
 from pmmkit.diagnosis.any_campaign import complete_model
 from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.evidence import RankedSet, Visible
 from pmmkit.diagnosis.findings import UNITS, Diagnosis
+from pmmkit.diagnosis.free_running.alone import Paths, alone_in_records
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, why_not_asked
 from pmmkit.diagnosis.free_running.contest import MOST, Contest
 from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer, contest_about
@@ -55,18 +57,8 @@ TOLD: Final = ErrorWords(
 class FreeRecords:
     """Free-running records, a model, and what may be missing of it.
 
-    Parameters
-    ----------
-    title : str
-        Of the tests.
-    system : FreeSystem
-        Records, model and candidates.
-    begun : tuple of str
-        Faults of the records that the model's steps tell of.
-    tolerance, held_out, held_out_window, most
-        As for `diagnose_free`.
-    own : tuple of Effect
-        Effects of the user.
+    `system`: records, model and candidates. `begun`: faults of the records that the model's
+    steps tell of. `own`: effects of the user.
     """
 
     title: str
@@ -99,9 +91,31 @@ class FreeRecords:
         """Who takes part: ``physics`` or ``fault`` by name."""
         return {item.name: item.kind for item in self.system.every}
 
-    def why_not_asked(self, effect: Effect) -> str:
+    def why_not_asked(self, effect: Effect, _covered: Sequence[Visible]) -> str:
         """Why an effect takes no part, in words; empty where it does."""
         return why_not_asked(effect, self.system.model, self.system.records)
+
+    def fitted(self, steps: Sequence[Step]) -> frozenset[str]:
+        """Effects that a contest beside some steps has fitted through the equations: they stand
+        before those of which the linear problem promises more, which the equations may not keep."""
+        settled = self.contest(self.sets(steps)[-1]).settled
+        return frozenset(name for item in settled for name in item.names)
+
+    def alone(
+        self,
+        steps: Sequence[Step],
+        chosen: Sequence[RankedSet],
+        heard: Callable[[int, str], None],
+        *,
+        numbers: int,
+    ) -> tuple[dict[str, dict[str, float]], dict[str, Paths], Paths]:
+        """What each candidate would do, alone beside the base with some steps: the share of the
+        error that it takes away and its paths; the paths of the base alone. Nothing where no
+        numbers of paths are asked for, which tell of the error."""
+        if not numbers:
+            return {}, {}, {}
+        names = [entry.names[0] for entry in chosen]
+        return alone_in_records(self.contest(self.sets(steps)[-1]), names, heard, numbers)
 
     def named(self, effect: str, campaign: str) -> str:
         """Nothing: there is one campaign alone."""
@@ -177,15 +191,7 @@ class FreeRecords:
         )
 
     def sailed(self, steps: Sequence[Step], most: int = DRAWN) -> list[Sailed]:
-        """The records that the base misses most, each left out, measured and sailed.
-
-        Parameters
-        ----------
-        steps : sequence of Step
-            What is added.
-        most : int
-            Records at most.
-        """
+        """The records that the base misses most, each left out, measured and sailed."""
         sets = self.sets(steps)
         fits = {BASE_FITTED: self.system.fit(sets[0])}
         if steps:
@@ -201,13 +207,7 @@ class FreeRecords:
         return refitted(self.system, self.begun, steps)
 
     def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
-        """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
-
-        Raises
-        ------
-        ModelError
-            If the diagnosis did not name it.
-        """
+        """The ship that a set named by `diagnose` says, with its uncertainty and without steps."""
         given = self.sets(steps)[-1]
         settled = self.contest(given).settled
         fit = next((item.fit for item in settled if item.names == tuple(names)), None)

@@ -16,37 +16,19 @@ from pmmkit.diagnosis.any_campaign import complete_model
 from pmmkit.diagnosis.joint.captive_vote import CaptiveVote, Names, Vote, vote_of_tests
 from pmmkit.diagnosis.joint.records_vote import OWN, RecordsVote
 from pmmkit.diagnosis.joint.result import Together
-from pmmkit.diagnosis.joint.together import (
-    CHOSEN,
-    Based,
-    FittedCampaign,
-    answered,
-    carried,
-    known_from,
-    records_among,
-)
+from pmmkit.diagnosis.joint.together import CHOSEN, answered, carried, known_from, records_among
 from pmmkit.diagnosis.loop.captive import CaptiveTests, captive_tests
 from pmmkit.diagnosis.loop.fall import Fall
 from pmmkit.diagnosis.loop.records import FreeRecords, free_running
 from pmmkit.effects import Effect
 from pmmkit.identification import FreeRecord
-from pmmkit.models import Action, Model, Step, restored, without_effect
+from pmmkit.models import Model, Step, restored, without_effect
 from pmmkit.presentation import counted
 
 Tests = Campaign | Sequence[FreeRecord]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Brought:
-    """What captive tests bring into the model of the records.
-
-    `effects, alone`: all that they are asked for, fitted together; those that they alone can be
-    asked for.
-    """
-
-    campaign: str
-    effects: Names
-    alone: Names
+Brought = tuple[str, Names, Names]
+"""Captive tests that bring effects into the model of the records; all that they are asked for,
+fitted together; those that they alone can be asked for."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -229,7 +211,7 @@ class SeveralCampaigns:
                 if item.kinds[x.effect] == "physics" and x.effect not in free
             )
             if alone:
-                return Brought(campaign=name, effects=tuple(x.effect for x in asked), alone=alone)
+                return name, tuple(x.effect for x in asked), alone
         return None
 
     @cached_property
@@ -237,11 +219,11 @@ class SeveralCampaigns:
         """Records about a base to which captive tests have brought some effects, each once."""
 
         def made(brought: Brought | None) -> dict[str, FreeRecords]:
-            based = self._base(brought).model
+            based, _ = self._base(brought)
             asked = {name: x for name, x in self.settings.items() if name not in CHOSEN}
             found = {}
             for name, item in self.free.items():
-                model = carried(based, name, item).model if isinstance(item, Campaign) else based
+                model = carried(based, name, item)[0] if isinstance(item, Campaign) else based
                 used, kept = records_among(item, model, self.settings)
                 found[name] = free_running(
                     model,
@@ -256,15 +238,14 @@ class SeveralCampaigns:
         return cache(made)
 
     @cached_property
-    def _base(self) -> Callable[[Brought | None], Based]:
+    def _base(self) -> Callable[[Brought | None], tuple[Model, Names]]:
         """The model as captive tests know it, with effects that they alone can be asked for."""
 
-        def made(brought: Brought | None) -> Based:
+        def made(brought: Brought | None) -> tuple[Model, Names]:
             if brought is not None:
-                return Based(model=self._ship_of(brought))
+                return self._ship_of(brought), ()
             tests = [
-                FittedCampaign(name=name, system=item.system, model=partial(_fitted, item))
-                for name, item in self.captive.items()
+                (name, item.system, partial(_fitted, item)) for name, item in self.captive.items()
             ]
             return known_from(self.given_model, tests)
 
@@ -275,15 +256,23 @@ class SeveralCampaigns:
 
         It was in the fit: a base without it would have taken its place.
         """
-        item = self.captive[brought.campaign]
+        campaign, effects, alone = brought
+        item = self.captive[campaign]
+        kinds = item.kinds
         made = item.model(
-            [Step(action=_action(item, name), effect=name) for name in brought.effects]
+            [
+                Step(
+                    action="fault_corrected" if kinds[name] == "fault" else "effect_added",
+                    effect=name,
+                )
+                for name in effects
+            ]
         )
         first = len(self.given_model.steps)
         kept = list(made.steps[:first])
         bare = made
         for step in reversed(made.steps[first:]):
-            if step.action == "fault_corrected" or step.effect in brought.alone:
+            if step.action == "fault_corrected" or step.effect in alone:
                 kept.insert(first, step)
             elif step.before is not None:
                 bare = restored(bare, step.before)
@@ -317,10 +306,10 @@ class SeveralCampaigns:
     @property
     def _notes(self) -> list[str]:
         """Of the bases."""
-        based = self._base(None)
+        based, notes = self._base(None)
         campaigns = [(name, x) for name, x in self.free.items() if isinstance(x, Campaign)]
-        each = [carried(based.model, name, item).notes for name, item in campaigns]
-        return [*based.notes, *(text for own in each for text in own)]
+        each = [carried(based, name, item)[1] for name, item in campaigns]
+        return [*notes, *(text for own in each for text in own)]
 
     def _vote(
         self, name: str, item: CaptiveTests | FreeRecords, steps: Sequence[Step], seed: int
@@ -365,7 +354,11 @@ def several_campaigns(
     if not campaigns:
         raise DataError("There is no campaign: give captive tests or free-running records.")
     complete = complete_model(model)
-    free = {x: item for x, item in campaigns.items() if not _is_captive(item)}
+    free = {
+        name: item
+        for name, item in campaigns.items()
+        if not isinstance(item, Campaign) or item.kind == "free-running"
+    }
     if settings and not free:
         raise DataError(f"Of no use for captive tests: {', '.join(settings)}.")
     return SeveralCampaigns(
@@ -395,18 +388,10 @@ def several_campaigns(
     )
 
 
-def _is_captive(item: Tests) -> bool:
-    return isinstance(item, Campaign) and item.kind != "free-running"
-
-
 def _asked(name: str, item: CaptiveTests | FreeRecords, steps: Sequence[Step]) -> list[Step]:
     """The steps that a campaign can be asked for, and does not have."""
     mine = [x for x in steps if x.campaign in ("", name)]
     return [x for x in mine if x.effect in item.kinds and x.effect not in item.begun]
-
-
-def _action(item: CaptiveTests, effect: str) -> Action:
-    return "fault_corrected" if item.kinds[effect] == "fault" else "effect_added"
 
 
 def _fitted(item: CaptiveTests) -> Model | None:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
+
+import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
@@ -18,6 +21,7 @@ from pmmkit.diagnosis.captive.grid import best_blocks
 from pmmkit.diagnosis.captive.refit import eligible
 from pmmkit.diagnosis.captive.system import System, channels_of
 from pmmkit.diagnosis.planning.information import (
+    Reduced,
     RunInformation,
     WhitenedRows,
     drawn_once,
@@ -33,17 +37,21 @@ from pmmkit.diagnosis.planning.planned import (
     stated_noise,
     with_names,
 )
+from pmmkit.diagnosis.planning.separation import Likely, UsualEffects, likely, usual
 from pmmkit.inference import RunEffects
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 from pmmkit.reduction import FLOOR, View, columns_of
 
 Asked = Model | str | Path | Sequence[str] | Structure
 CHANNELS: Final = ("X", "Y", "N")
+TWICE: Final = 2
+"""Runs that are asked for at a speed at which none is made."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Ground:
-    """Runs made and runs that could be made.
+    """Runs made and runs that could be made, and what these would tell of effects.
 
     `rows`: of all of them. `made`: ids of the runs that are made. `options`: runs that could be
     made, by their id among the rows. `candidates`: effects and faults by name. `given`: effects
@@ -67,7 +75,54 @@ class Ground:
         """What the runs made tell."""
         return known(self.rows, self.made)
 
-    def check(self, effects: Sequence[str]) -> None:
+    @cached_property
+    def reduced(self) -> Reduced:
+        """What they say of the candidates, whatever base and floor are."""
+        return self.known().reduced()
+
+    @cached_property
+    def usual(self) -> UsualEffects:
+        """Effects at their usual sizes."""
+        return usual(self.rows)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Effects that take part."""
+        return self.usual.names
+
+    def check(self, name: str) -> str:
+        """What settles an effect at the bench or on the rig."""
+        return self.candidates[name].check
+
+    def least(self, option: Option, /) -> int:
+        """Twice at a new speed: one run would decide alone there, and may be wrong."""
+        return TWICE if self.is_new_speed(option.settings.speed) else 1
+
+    def likely(self, names: Sequence[str]) -> tuple[Likely, ...]:
+        """A set of effects as the runs made leave it likely."""
+        return likely(self.reduced, names)
+
+    def added(self, run: str, times: int) -> Array:
+        """What a run adds, the base refitted."""
+        return self.reduced.added(run, times)
+
+    def signals(self, run: str | None = None, times: int = 1) -> Array:
+        """Squared signal over noise of each effect after a run."""
+        before = self.usual.signals(self.reduced.normal.information)
+        if run is None:
+            return before
+        more: Array = np.sum((self.added(run, times) @ self.usual.sizes) ** 2, axis=0)
+        return before + more
+
+    def separations(self, run: str | None = None, times: int = 1) -> Array:
+        """The part of it that no size of another explains, after a run."""
+        gram = self.reduced.normal.information
+        if run is not None:
+            columns = self.added(run, times)
+            gram = gram + columns.T @ columns
+        return self.usual.separations(gram)
+
+    def require(self, effects: Sequence[str]) -> None:
         """Raise an UnknownNameError if effects do not take part."""
         for name in effects:
             if name not in self.candidates:
@@ -87,16 +142,16 @@ def ground_of(
     given: Sequence[str] = (),
 ) -> Ground:
     """Measured and possible runs on one footing."""
-    base = derivatives_of(model)
+    source, structure, begun = derivatives_of(model)
     if campaign is not None and campaign.runs:
         return _with_tests(
-            structure_of(base.structure),
+            structure_of(structure),
             campaign,
             limits or limits_of(campaign),
             options,
             floor=floor,
             candidates=candidates,
-            begun=base.effects,
+            begun=begun,
             given=given,
             noise=noise,
         )
@@ -104,17 +159,16 @@ def ground_of(
         limits = Limits(speeds=tuple(sorted({option.settings.speed for option in options})))
     if limits is None:
         raise DataError("Before any test a plan needs limits: the speeds at least.")
-    if not isinstance(base.source, Model):
+    if not isinstance(source, Model):
         raise DataError(
             "Before any test a plan needs the size of the forces: give a model with values, such "
             "as estimated_model makes from particulars, in place of a structure."
         )
-    loaded = base.source
     if campaign is not None:
-        loaded = loaded.with_(ship=campaign.ship, water=campaign.water)
-    have = tuple(dict.fromkeys((*base.effects, *given)))
+        source = source.with_(ship=campaign.ship, water=campaign.water)
+    have = tuple(dict.fromkeys((*begun, *given)))
     return _before_tests(
-        loaded, limits, options, floor=floor, noise=record_noise, candidates=candidates, given=have
+        source, limits, options, floor=floor, noise=record_noise, candidates=candidates, given=have
     )
 
 

@@ -27,9 +27,10 @@ from pmmkit.diagnosis.captive.system import (
     floor_features,
     run_columns,
 )
+from pmmkit.diagnosis.captive.whitening import Places, whitened
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
-from pmmkit.reduction import Places, View, whitened
+from pmmkit.reduction import View
 
 UNKNOWN: Final = 1e-9
 """Prior precision of a base coefficient, over the precision that all runs together give."""

@@ -14,12 +14,11 @@ from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.planning.advice import Advice, NextRun
-from pmmkit.diagnosis.planning.ground import Asked, ground_of
+from pmmkit.diagnosis.planning.ground import Asked, Ground, ground_of
 from pmmkit.diagnosis.planning.manoeuvres import next_manoeuvres
-from pmmkit.diagnosis.planning.offer import CaptiveOffer
 from pmmkit.diagnosis.planning.options import Limits, Option, limits_of, timed
 from pmmkit.diagnosis.planning.ranking import apart, apart_at_usual_size, checks_of, resolved, shown
-from pmmkit.diagnosis.planning.separation import expected_odds, likely
+from pmmkit.diagnosis.planning.separation import expected_odds
 from pmmkit.identification import FreeRecord
 from pmmkit.models import odds
 from pmmkit.reduction import FLOOR
@@ -104,35 +103,32 @@ def next_runs(
     floor = FLOOR if floor is None else floor
     with threadpool_limits(1):
         ground = ground_of(model, campaign, limits=limits, options=options, floor=floor, **settings)
-        ground.check(effects)
-        offer = CaptiveOffer(ground=ground, reduced=ground.known().reduced())
+        ground.require(effects)
         if len(effects) > 1:
-            return apart_at_usual_size(offer, effects, most)
+            return apart_at_usual_size(ground, effects, most)
         if not effects and found is None and ground.system is not None:
             found = answer(ground.system, ground.given, floor=floor)
         if not effects and found is not None and found.suspected and not found.findings:
-            return _again(offer, campaign, found, limits)
+            return _again(ground, campaign, found, limits)
         if not effects and found is not None:
             group = [item for item in found.group if set(item[0]) <= set(ground.candidates)]
             if len(group) > 1:
                 rivals, against = zip(*group, strict=True)
-                return apart(offer, rivals, against, most)
-        return shown(offer, effects, most)
+                return apart(ground, rivals, against, most)
+        return shown(ground, effects, most)
 
 
-def _again(
-    offer: CaptiveOffer, campaign: Campaign, found: Diagnosis, limits: Limits | None
-) -> Advice:
+def _again(ground: Ground, campaign: Campaign, found: Diagnosis, limits: Limits | None) -> Advice:
     """Runs that alone decide what is suspected: each again."""
-    ground, reduced, runs = offer.ground, offer.reduced, []
+    runs = []
     for item in found.suspected:
         run = campaign[item.run]
         settings = replace(run.settings, repeat_of=item.run)
         option = timed(run.test, settings, limits or limits_of(campaign), campaign.ship)
         if option is None or item.effect not in ground.candidates:
             continue
-        sets = [likely(reduced, names) for names in ((item.effect,), ())]
-        gains = expected_odds(reduced.added(item.run), sets).min(axis=1)
+        sets = [ground.likely(names) for names in ((item.effect,), ())]
+        gains = expected_odds(ground.added(item.run, 1), sets).min(axis=1)
         gain = float(gains.mean())
         told = dict(zip((item.effect, NOTHING), gains.tolist(), strict=True))
         runs.append(
@@ -149,7 +145,7 @@ def _again(
             )
         )
     wanted = tuple(item.effect for item in found.suspected)
-    checks = checks_of(offer, [name for name in wanted if name in ground.candidates])
+    checks = checks_of(ground, [name for name in wanted if name in ground.candidates])
     words = f"{runs[0].words}." if runs else f"Look at the run {found.suspected[0].run}."
     return Advice(
         rivals=(*wanted, NOTHING), wanted=wanted, runs=tuple(runs), checks=checks, words=words

@@ -11,19 +11,19 @@ from typing import Final
 import numpy as np
 
 from pmmkit.base import UnknownNameError
-from pmmkit.campaigns import Run, move_motion, nominal_motion
+from pmmkit.campaigns import FITTED, Run, move_motion, nominal_motion
 from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.planning.options import Option
 from pmmkit.effects import HULL, INERTIA
 from pmmkit.models import Model, converted, from_values
 from pmmkit.numerics import Array, projector
-from pmmkit.reduction import ORDER, View
+from pmmkit.reduction import View
 from pmmkit.signals import design_matrix
 
 SAMPLES: Final = 32
 """Samples per cycle of a planned history."""
-ROWS: Final = 2 * ORDER + 1
+ROWS: Final = 2 * FITTED + 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +50,7 @@ def stated_noise(
     """
 
     def noise(piece: PlannedPiece) -> Mapping[str, Array]:
-        order = ORDER if piece.dynamic else 0
+        order = FITTED if piece.dynamic else 0
         n = np.concatenate([[0], np.repeat(np.arange(1, order + 1), 2)]).astype(float)
         spectrum = 2 * correlation / (1 + (n * piece.omega * correlation) ** 2)
         shape = np.where(n > 0, 2.0, 1.0) * spectrum / piece.duration
@@ -125,7 +125,7 @@ def planned_views(
     found = []
     for first, last, early in pieces:
         t = np.arange(SAMPLES * first, SAMPLES * last, dtype=np.float64) * (period / SAMPLES)
-        projection = projector(design_matrix(2 * math.pi * t / period, ORDER))
+        projection = projector(design_matrix(2 * math.pi * t / period, FITTED))
         duration = (last - first) * period
         view = _view(run, base, noise, t, projection, duration, motion_x, early=early)
         found.append(view)

@@ -136,11 +136,6 @@ def _in_waves(model: Model, like: FreeRecord, course: float) -> Model:
     return model.with_values(WAVE_DRIFT.name, Hs=float(np.mean(like.wave_height)), from_deg=angle)
 
 
-def _steady(way: Array | None, still: Array) -> Array | None:
-    """The direction in the mean, at all instants."""
-    return None if way is None else _middle(way) * still
-
-
 def _middle(way: Array | None) -> float:
     """Where wind or waves come from in the mean, from north [rad]."""
     if way is None:

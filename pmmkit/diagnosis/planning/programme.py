@@ -215,7 +215,7 @@ def plan(
         raise DataError("A plan needs one run at least, and some time.")
     with threadpool_limits(1):
         ground = ground_of(model, campaign, limits=limits, options=options, **settings)
-        ground.check(effects)
+        ground.require(effects)
         most = runs if runs is not None else RUNS if hours is None else 10**6
         return _planned(ground, _goal(ground, effects), most, math.inf if hours is None else hours)
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
 from pmmkit.diagnosis.captive.verdict import RIVALS
 from pmmkit.diagnosis.evidence import SHOWS
 from pmmkit.diagnosis.planning.advice import Advice, NextRun
-from pmmkit.diagnosis.planning.offer import Offer
-from pmmkit.diagnosis.planning.separation import expected_odds
+from pmmkit.diagnosis.planning.options import Option
+from pmmkit.diagnosis.planning.separation import Likely, expected_odds
 from pmmkit.models import odds
 from pmmkit.numerics import Array
 
@@ -25,6 +25,36 @@ REPEATS: Final = 8
 
 Tried = Callable[[str, int], Array]
 """From a run and how often it is made to the expected gain in ln odds of each rival over each."""
+
+
+class Offer(Protocol):
+    """What could be made beside what is made, and what it would tell of effects."""
+
+    @property
+    def options(self) -> Mapping[str, Option]:
+        """Runs that could be made, by name."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Effects that take part."""
+
+    def check(self, name: str) -> str:
+        """What settles an effect at the bench or on the rig; empty if nothing does."""
+
+    def least(self, option: Option, /) -> int:
+        """How often a run is to be made at least."""
+
+    def likely(self, names: Sequence[str]) -> tuple[Likely, ...]:
+        """A set of effects as what is made leaves it likely."""
+
+    def added(self, run: str, times: int) -> Array:
+        """Rows of unit covariance (m, k) that a run adds, in the columns of what is likely."""
+
+    def signals(self, run: str | None = None, times: int = 1) -> Array:
+        """Squared signal over noise of each effect (e,) at its usual size, after a run."""
+
+    def separations(self, run: str | None = None, times: int = 1) -> Array:
+        """The part of it that no size of another effect explains (e, e), after a run."""
 
 
 def apart(
@@ -150,14 +180,14 @@ def shown(offer: Offer, effects: Sequence[str], most: int) -> Advice:
     if effects and not hidden:
         words = f"The tests that are made can show {' and '.join(effects)} already."
         return Advice(rivals=(), wanted=tuple(effects), runs=(), checks={}, words=words)
-    found = []
+    runs = []
     for run, option in offer.options.items():
         times = offer.least(option)
         after = offer.signals(run, times)
         seen = [i for i in hidden if after[i] >= SHOWS]
         if seen:
             names = [offer.names[i] for i in seen]
-            found.append(
+            runs.append(
                 NextRun(
                     option=option,
                     gain=float(len(seen)),
@@ -169,13 +199,13 @@ def shown(offer: Offer, effects: Sequence[str], most: int) -> Advice:
                     "usual size",
                 )
             )
-    found.sort(key=lambda item: (-item.gain / item.hours, -min(item.gains.values())))
-    seen_names = {name for item in found for name in item.gains}
+    runs.sort(key=lambda item: (-item.gain / item.hours, -min(item.gains.values())))
+    seen_names = {name for item in runs for name in item.gains}
     checks = checks_of(offer, [name for name in wanted if name not in seen_names])
     bench = "; ".join(f"{name}: {check}" for name, check in checks.items())
-    words = f"{found[0].words}." if found else "No single run makes more visible."
-    if found and found[0].repeats > 1:
+    words = f"{runs[0].words}." if runs else "No single run makes more visible."
+    if runs and runs[0].repeats > 1:
         words += f" {AT_A_NEW_SPEED}"
     if bench:
         words += f" Not shown by a single run ({bench})."
-    return Advice(rivals=(), wanted=wanted, runs=tuple(found[:most]), checks=checks, words=words)
+    return Advice(rivals=(), wanted=wanted, runs=tuple(runs[:most]), checks=checks, words=words)

@@ -1,4 +1,8 @@
-"""How well runs tell effects apart: at their usual sizes, or as data have made them likely."""
+"""How well runs tell effects apart: at their usual sizes, or as data have made them likely.
+
+The gain in ln odds to be expected of a run, if one set of effects is true, is the Kullback-Leibler
+divergence of what it predicts from what another predicts.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +15,9 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.system import CandidateColumns
+from pmmkit.diagnosis.captive.whitening import Places
 from pmmkit.diagnosis.planning.information import Reduced, WhitenedRows, at_usual_size, known
 from pmmkit.numerics import Array
-from pmmkit.reduction import Places
 
 NEAR: Final = 8
 """Choices of grid values of a set that stay in a rivalry."""
@@ -23,10 +27,10 @@ UNLIKELY: Final = 1e-3
 
 def blocks_by_name(rows: WhitenedRows) -> dict[str, list[CandidateColumns]]:
     """Grid points of every effect."""
-    found: dict[str, list[CandidateColumns]] = {}
+    blocks: dict[str, list[CandidateColumns]] = {}
     for block in rows.blocks:
-        found.setdefault(block.candidate.name, []).append(block)
-    return found
+        blocks.setdefault(block.candidate.name, []).append(block)
+    return blocks
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -121,13 +125,13 @@ def likely(reduced: Reduced, names: Sequence[str]) -> tuple[Likely, ...]:
 
     each = NEAR if len(names) == 1 else 3
     near = [sorted(by_name[name], key=lambda b: -evidence([b]))[:each] for name in names]
-    found = [(evidence(blocks), blocks) for blocks in product(*near)]
-    top = max(value for value, _ in found)
-    found = sorted(found, key=lambda item: -item[0])[:NEAR]
-    found = [item for item in found if item[0] > top + math.log(UNLIKELY)]
-    total = sum(math.exp(value - top) for value, _ in found)
+    tried = [(evidence(blocks), blocks) for blocks in product(*near)]
+    top = max(value for value, _ in tried)
+    tried = sorted(tried, key=lambda item: -item[0])[:NEAR]
+    tried = [item for item in tried if item[0] > top + math.log(UNLIKELY)]
+    total = sum(math.exp(value - top) for value, _ in tried)
     made = []
-    for value, blocks in found:
+    for value, blocks in tried:
         at = _places(blocks)
         mean, covariance = reduced.normal.only(at).posterior
         made.append(

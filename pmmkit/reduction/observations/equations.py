@@ -183,23 +183,26 @@ def sensitivity(
     result = rows.result
     force = {channel: np.zeros(len(result.labels)) for channel in rows.force}
     design = {channel: np.zeros_like(columns) for channel, columns in rows.design.items()}
-    found = altered(
+    changed = altered(
         source, result.run, rig, labels=result.labels, force=result.measured, rho=campaign.water.rho
     )
-    if found is not None:
-        force |= {channel: x for channel, x in found.force.items() if channel in force}
-        if found.density:
-            design = {channel: found.density * x for channel, x in rows.design.items()}
+    if changed is not None:
+        force |= {channel: x for channel, x in changed.force.items() if channel in force}
+        if changed.density:
+            design = {channel: changed.density * x for channel, x in rows.design.items()}
         other = campaign
-        if found.other_hull:
+        if changed.other_hull:
             ship = replace(campaign.ship, L=source.moved(campaign.ship.L))
             other = campaign.with_(ship=ship)
-        if found.run is not result.run or found.rig is not rig or other is not campaign:
+        if changed.run is not result.run or changed.rig is not rig or other is not campaign:
             before, after = (
                 _nominal(
-                    run, own, result.labels, whose, names, convention, result.run.settings.phase
+                    run, held, result.labels, whose, names, convention, result.run.settings.phase
                 )
-                for run, own, whose in ((result.run, rig, campaign), (found.run, found.rig, other))
+                for run, held, whose in (
+                    (result.run, rig, campaign),
+                    (changed.run, changed.rig, other),
+                )
             )
             force = {channel: after[0][channel] - before[0][channel] for channel in force}
             design = {channel: after[1][channel] - before[1][channel] for channel in names}
@@ -277,9 +280,9 @@ def _nominal(
     phase: float | None = None,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Inertia inside the forces, and regressors, on the nominal motion."""
-    path = nominal_path(run, rig, labels, phase)
-    inside = inertia_inside(run, path.motion, rig)
+    motion, _, projection = nominal_path(run, rig, labels, phase)
+    inside = inertia_inside(run, motion, rig)
     return (
-        {channel: path.projection @ x for channel, x in inside.items()},
-        _design(path.projection, names, path.motion, run.settings.speed, campaign, convention),
+        {channel: projection @ x for channel, x in inside.items()},
+        _design(projection, names, motion, run.settings.speed, campaign, convention),
     )

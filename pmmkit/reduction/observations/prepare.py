@@ -30,7 +30,6 @@ from pmmkit.numerics import Array, projector
 from pmmkit.presentation import WIDE
 from pmmkit.signals import (
     Harmonics,
-    Mean,
     Window,
     design_matrix,
     estimate_frequency,
@@ -45,7 +44,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CycleChoice = int | tuple[int, int] | None
-ORDER = FITTED
 GRID = 120
 """Points of the one-cycle grid on which motions without a record are evaluated."""
 SLIP = math.radians(5)
@@ -265,7 +263,10 @@ def _from_history(
             measured={
                 name: np.array([value]) for name, value in zip(channels, mean.value, strict=True)
             },
-            covariance=_mean_covariance(channels, mean),
+            covariance={
+                name: np.array([[mean.covariance[place, place]]])
+                for place, name in enumerate(channels)
+            },
             dof=dict(zip(channels, mean.dof.tolist(), strict=True)),
             samples=window.stop - window.start,
             duration=_lasting(times[cut]),
@@ -284,12 +285,6 @@ def _from_history(
 def _lasting(times: Array) -> float:
     """What samples stand for [s], the last one for as long as the others."""
     return float(times[-1] - times[0]) * len(times) / max(len(times) - 1, 1)
-
-
-def _mean_covariance(channels: list[str], mean: Mean) -> dict[str, Array | None]:
-    return {
-        name: np.array([[mean.covariance[place, place]]]) for place, name in enumerate(channels)
-    }
 
 
 def _from_cycles(
@@ -319,9 +314,9 @@ def _from_cycles(
             counted = counted_cycles(run, data, times, record, channels, cycles=cycles)
             cut = counted.cut
     kept, basis = counted.cycles, counted.kept
-    projection = trapezoid_projector(basis.phase, ORDER) if integrated else basis.projector
+    projection = trapezoid_projector(basis.phase, FITTED) if integrated else basis.projector
     found: Harmonics | None = (
-        harmonics(basis, record[:, cut], order=ORDER, sums=counted.kept_sums) if noise else None
+        harmonics(basis, record[:, cut], order=FITTED, sums=counted.kept_sums) if noise else None
     )
     fitted = None if integrated or found is None else found.coefficients
     values = record[:, cut] @ projection.T if fitted is None else fitted
@@ -333,7 +328,7 @@ def _from_cycles(
         result=RunResult(
             run=run,
             froude=_froude(run, campaign),
-            labels=label_harmonics(ORDER),
+            labels=label_harmonics(FITTED),
             measured=_without_mean(dict(zip(channels, values, strict=True)), run),
             covariance={}
             if found is None

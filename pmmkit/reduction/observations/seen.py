@@ -9,12 +9,11 @@ from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.conventions import Ship, Water
 from pmmkit.effects import Factor, State
 from pmmkit.numerics import Array
-from pmmkit.reduction.observations.views import View
+from pmmkit.reduction.observations.views import View, times_factors
 
 
 class Expects(Protocol):
@@ -137,18 +136,3 @@ class RunView:
             name: self.view.pick(times_factors(harmonics, factors))
             for name, harmonics in expected.items()
         }
-
-
-def times_factors(harmonics: Array, factors: NDArray[np.complex128]) -> Array:
-    """Harmonics C0, C1, S1 … of which the n-th is multiplied by a complex factor.
-
-    Examples
-    --------
-    >>> times_factors(np.array([1.0, 2.0, 0.0]), np.array([0.0, -1j])).tolist()
-    [0.0, 0.0, 2.0]
-    """
-    found = np.empty_like(harmonics)
-    found[0] = factors[0].real * harmonics[0]
-    values = (harmonics[1::2] - 1j * harmonics[2::2]) * factors[1:]
-    found[1::2], found[2::2] = values.real, -values.imag
-    return found

@@ -25,6 +25,8 @@ RIG: Final = MappingProxyType(
 )
 """Where a rig holds what is stated of it."""
 INERTIA: Final = frozenset({"mass", "Izz", "xG"})
+StatedMotion = tuple[State, Array, Array]
+"""Motion of midship, its instants (n,) [s], and the projection (m, n) onto m harmonics."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,6 +44,16 @@ class Altered:
     force: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     density: float = 0.0
     other_hull: bool = False
+
+    def nominal_beside(
+        self, run: Run, labels: Sequence[str]
+    ) -> tuple[tuple[State, Array, Array], tuple[State, Array, Array]]:
+        """The nominal motion of a run with its own settings, and with those here, at one phase."""
+        phase = run.settings.phase
+        return (
+            nominal_path(run, self.rig, labels, phase),
+            nominal_path(self.run, self.rig, labels, phase),
+        )
 
 
 def acts(source: TypeB, run: Run, channels: Collection[str]) -> bool:
@@ -141,33 +153,10 @@ def _gauge_step(source: TypeB, labels: Sequence[str], force: Array) -> Array:
     return np.array([source.std if label == "C0" else 0.0 for label in labels])
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class StatedMotion:
-    """A motion with the instants it is known at.
-
-    `projection (m, n)`: from n samples to m harmonics.
-    """
-
-    motion: State
-    t: Array
-    projection: Array
-
-
 def nominal_path(
     run: Run, rig: Rig, labels: Sequence[str], phase: float | None = None
 ) -> StatedMotion:
-    """The motion that the settings of a run say: one cycle, or one instant.
-
-    Parameters
-    ----------
-    run, rig : Run, Rig
-        Settings, and the point to which the motion refers.
-    labels : sequence of str
-        Harmonics that are asked for.
-    phase : float, optional
-        To which the harmonics refer [rad]; that of the run by default. A run with another phase
-        leads or lags them.
-    """
+    """The motion that the settings of a run say: one cycle, or one instant."""
     omega = run.settings.omega
     theta: Array = np.zeros(1)
     projection: Array = np.ones((1, 1))
@@ -175,8 +164,5 @@ def nominal_path(
         theta, order = one_cycle(), max(int(label[1:]) for label in labels)
         projection = projector(design_matrix(theta, order))[places_of(labels)]
     t = (theta - (run.settings.phase if phase is None else phase)) / (omega or 1.0)
-    return StatedMotion(
-        motion=move_motion(nominal_motion(run, t), rig.motion_x),
-        t=theta / (omega or 1.0),
-        projection=projection,
-    )
+    motion = move_motion(nominal_motion(run, t), rig.motion_x)
+    return motion, theta / (omega or 1.0), projection

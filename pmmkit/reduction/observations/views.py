@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from types import MappingProxyType
@@ -27,7 +27,7 @@ from pmmkit.campaigns import (
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import State
 from pmmkit.numerics import Array
-from pmmkit.reduction.observations.prepare import PreparedRun, prepare
+from pmmkit.reduction.observations.prepare import PreparedRun, places_of, prepare
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 Noise = Literal["record", "repeats", "stated", "numerical", "unknown"]
 """Where the noise of a channel is known from."""
 RECORD: Final[Mapping[str, Noise]] = MappingProxyType({})
+FLOOR: Final = 0.005
+"""What is too small to matter in measured forces, over the rms force of a channel."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,6 +75,9 @@ class View:
         All harmonics of the forces that a fitted base predicts; empty before the fit.
     day : float
         Where the run stands between the first (0) and the last (1) of its campaign.
+    repeated : mapping of channel to float
+        Scatter of the campaign's repeats of this kind of run, else of the other kind [N, N m]:
+        standard deviation of a mean or of each harmonic; without channels that nothing repeats.
     """
 
     run: Run
@@ -89,6 +94,7 @@ class View:
     kept: NDArray[np.bool_] | None = None
     expected: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     day: float = 0.0
+    repeated: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     def known(self, channel: str) -> bool:
         """Whether anything is known of the noise of a channel."""
@@ -133,6 +139,17 @@ class View:
         return np.asarray(
             np.linalg.pinv(self.projection if self.every is None else self.every), float
         )
+
+    def filtered(self, history: Array, factor: Callable[[Array], NDArray[np.complex128]]) -> Array:
+        """A history of which each harmonic is multiplied by a complex factor of its order (n,)."""
+        harmonics = self.harmonics(history)
+        orders = np.arange((len(harmonics) - 1) // 2 + 1.0)
+        return np.asarray(self.basis @ times_factors(harmonics, factor(orders)), float)
+
+    @property
+    def places(self) -> list[int]:
+        """Where its harmonics stand among C0, C1, S1, C2 …"""
+        return places_of(self.labels)
 
     def pick(self, harmonics: Array) -> Array:
         """Of all harmonics those that the forces have."""
@@ -326,12 +343,19 @@ def _pooled(views: Sequence[View]) -> list[View]:
 
 
 def _with_noise(views: Sequence[View], campaign: Campaign) -> list[View]:
-    """Covariances from elsewhere for the forces that have none."""
+    """Covariances from elsewhere for the forces that have none, and the scatter of repeats."""
     scatter = repeat_scatter(views)
+    channels = {channel for channel, _ in scatter}
     made = []
     for view in views:
+        kind = view.run.dynamic
+        repeated = {
+            channel: scatter.get((channel, kind), scatter.get((channel, not kind), 0.0))
+            for channel in channels
+        }
+        view = replace(view, repeated=MappingProxyType(repeated))
         lacking = [name for name in view.force if name not in view.covariance]
-        given = {name: _elsewhere(view, name, scatter, campaign) for name in lacking}
+        given = {name: _elsewhere(view, name, campaign) for name in lacking}
         made.append(
             replace(
                 view,
@@ -342,13 +366,10 @@ def _with_noise(views: Sequence[View], campaign: Campaign) -> list[View]:
     return made
 
 
-def _elsewhere(
-    view: View, channel: str, scatter: Repeatability, campaign: Campaign
-) -> tuple[Array, Noise]:
+def _elsewhere(view: View, channel: str, campaign: Campaign) -> tuple[Array, Noise]:
     one = np.eye(view.rows)
-    repeated = repeatability_of(scatter, channel, dynamic=view.run.dynamic)
-    if repeated is not None:
-        return repeated**2 * one, "repeats"
+    if channel in view.repeated:
+        return view.repeated[channel] ** 2 * one, "repeats"
     stated = [item for item in campaign.uncertainty if item.kind.channel == channel]
     if stated:
         variance = sum(
@@ -363,42 +384,9 @@ def _elsewhere(
     return 0.0 * one, "unknown"
 
 
-def scale_of(channel: str, views: Sequence[View]) -> float:
-    """Root mean square of a force over U², of the views that have it [N/(m/s)²].
-
-    Parameters
-    ----------
-    channel : str
-        X, Y, N or K.
-    views : sequence of View
-        Runs; all harmonics of one count together.
-    """
-    sizes = [
-        float(np.linalg.norm(view.force[channel])) / view.speed**2
-        for view in views
-        if channel in view.force
-    ]
-    return float(np.sqrt(np.mean(np.square(sizes))))
-
-
-Repeatability = Mapping[tuple[str, bool], float]
-"""Standard deviation of a mean of steady runs (False), and of each harmonic of oscillating ones
-(True), by channel [N, N m]."""
-
-
-def repeat_scatter(views: Sequence[View]) -> Repeatability:
-    """How far runs that repeat each other scatter: a force, which does not shrink with the speed.
-
-    Parameters
-    ----------
-    views : sequence of View
-        Runs; which of them repeat each other says `campaigns.repeats`.
-
-    Returns
-    -------
-    Repeatability
-        Of the kinds of runs of which any was repeated.
-    """
+def repeat_scatter(views: Sequence[View]) -> dict[tuple[str, bool], float]:
+    """How far runs that repeat each other scatter: a force, which does not shrink with the
+    speed."""
     first = {view.run.id: view for view in views if not view.early}
     squares: dict[tuple[str, bool], list[tuple[float, int]]] = {}
     for group in repeats([view.run for view in first.values()]):
@@ -418,16 +406,16 @@ def repeat_scatter(views: Sequence[View]) -> Repeatability:
     }
 
 
-def repeatability_of(scatter: Repeatability, channel: str, *, dynamic: bool) -> float | None:
-    """Of a kind of runs, else of the other kind of the same gauge; None where nothing was repeated.
+def times_factors(harmonics: Array, factors: NDArray[np.complex128]) -> Array:
+    """Harmonics C0, C1, S1 … of which the n-th is multiplied by a complex factor.
 
-    Parameters
-    ----------
-    scatter : Repeatability
-        Of a campaign.
-    channel : str
-        X, Y, N or K.
-    dynamic : bool
-        Whether of oscillating runs.
+    Examples
+    --------
+    >>> times_factors(np.array([1.0, 2.0, 0.0]), np.array([0.0, -1j])).tolist()
+    [0.0, 0.0, 2.0]
     """
-    return scatter.get((channel, dynamic), scatter.get((channel, not dynamic)))
+    found = np.empty_like(harmonics)
+    found[0] = factors[0].real * harmonics[0]
+    values = (harmonics[1::2] - 1j * harmonics[2::2]) * factors[1:]
+    found[1::2], found[2::2] = values.real, -values.imag
+    return found

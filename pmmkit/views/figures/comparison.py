@@ -23,10 +23,9 @@ from pmmkit.plotting import (
     zigzag,
 )
 from pmmkit.presentation import figure_text
-from pmmkit.reduction import places_of
 from pmmkit.signals import design_matrix
 from pmmkit.simulation import Track
-from pmmkit.validation import CaptiveRun, Comparison, rms_of
+from pmmkit.validation import CaptiveRun, Comparison
 from pmmkit.views.figures.bars import Bar, errors_and_uncertainties
 from pmmkit.views.figures.comparison_free import force_residuals
 from pmmkit.views.figures.residuals import residuals_over
@@ -97,7 +96,7 @@ def errors_beside_uncertainty(comparison: Comparison) -> Figure:
 
 
 def _bars(runs: Sequence[CaptiveRun], channel: str) -> list[Bar]:
-    size = _rms([rms_of(run.view.force[channel], run.view.labels) for run in runs])
+    size = _rms([run.rms(run.view.force[channel]) for run in runs])
     groups: dict[str, list[CaptiveRun]] = {}
     for run in runs:
         kind = run.view.run.kind_of_test.title
@@ -106,8 +105,8 @@ def _bars(runs: Sequence[CaptiveRun], channel: str) -> list[Bar]:
     return [
         Bar(
             name=name,
-            error=100 * _rms([rms_of(x.error(channel), x.view.labels) for x in own]) / size,
-            doubt=100 * _rms([rms_of(x.uncertainty(channel), x.view.labels) for x in own]) / size,
+            error=100 * _rms([x.rms(x.error(channel)) for x in own]) / size,
+            doubt=100 * _rms([x.rms(x.uncertainty(channel)) for x in own]) / size,
         )
         for name, own in groups.items()
     ]
@@ -192,7 +191,7 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
             x, what = _velocity(run)
             order = max(int(label[1:]) for label in run.view.labels)
             theta = np.linspace(0.0, 2 * np.pi, FINE)
-            basis = design_matrix(theta, order)[:, places_of(run.view.labels)]
+            basis = design_matrix(theta, order)[:, run.view.places]
             whole = (
                 design_matrix(theta, order)
                 @ np.linalg.lstsq(_basis_at_samples(run, order), x, rcond=None)[0]
@@ -296,4 +295,4 @@ def residual_in_time(comparison: Comparison, run: str) -> Figure:
 
 def _in_time(run: CaptiveRun, channel: str) -> float:
     """Root mean square in time of the expanded validation uncertainty."""
-    return rms_of(run.uncertainty(channel), run.view.labels)
+    return run.rms(run.uncertainty(channel))

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.inference import COVERAGE
 from pmmkit.plotting import LIMIT, ORDERED, canvas, in_powers, legend_below, styled
 from pmmkit.presentation import figure_text
-from pmmkit.validation import FORCE_UNITS, FreeRun
+from pmmkit.validation import FreeRun
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,7 +29,7 @@ def force_residuals(run: FreeRun) -> Figure:
             left.fill_between(t, force - half, force + half, color=MEASURED, alpha=0.25, lw=0)
             left.plot(t, force, color=MEASURED, lw=0.5, label="from the measured motion")
             left.plot(t, predicted, color=SIMULATED, ls="--", label="model on that motion")
-            left.set_ylabel(f"{channel} [{FORCE_UNITS[channel]}]")
+            left.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
             right.fill_between(
                 t,
                 -half,

@@ -21,7 +21,6 @@ from pmmkit.plotting import (
 )
 from pmmkit.plotting import colour as colour_style
 from pmmkit.presentation import figure_text
-from pmmkit.reduction import places_of
 from pmmkit.signals import design_matrix
 from pmmkit.validation import CaptiveRun, Comparison
 from pmmkit.views.figures.residuals import SPEED, abscissa, prime_scale
@@ -133,7 +132,7 @@ def forces_over_phase(comparison: Comparison, runs: Sequence[CaptiveRun]) -> Fig
         in_powers(axes.flat)
         for column, run in enumerate(runs):
             order = max(int(label[1:]) for label in run.view.labels)
-            basis = design_matrix(theta, order)[:, places_of(run.view.labels)]
+            basis = design_matrix(theta, order)[:, run.view.places]
             for axis, channel in zip(axes[:, column], channels, strict=True):
                 if channel in run.channels:
                     _cycle(axis, np.degrees(theta), basis, run, channel, comparison)

@@ -7,22 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final
 
-from pmmkit.diagnosis import (
-    AS_LIKELY,
-    VERDICTS,
-    JointEntry,
-    Session,
-    SeveralCampaigns,
-    Together,
-    Visible,
-    of_ship,
-)
+from pmmkit.diagnosis import Session, Together
 from pmmkit.effects import Effect, catalogue
 from pmmkit.models import odds
-from pmmkit.views.pages.drawn import drawn_over
+from pmmkit.views.pages.drawn import NUMBERS, drawn_over
 from pmmkit.views.pages.missing import candidate_page, coefficients_page
 from pmmkit.views.pages.numbers import short
-from pmmkit.views.pages.record_overlays import NUMBERS
 
 SHOWN: Final = 10
 """Effects beside those that are named."""
@@ -57,29 +47,33 @@ def joint_page(
     others = [item for item in found.singles if item.names[0] not in found.best][:SHOWN]
     sentences = {item.effect: item.sentence for item in found.belongs}
     ship = [
-        _candidate(item.names[0], entries, found, _votes(item), sentences)
+        _candidate(
+            item.names[0],
+            entries,
+            found,
+            # Nothing of a campaign that cannot be asked for it.
+            [_vote(name, ballot.log_evidence) for name, ballot in item.ballots.items()],
+            sentences,
+        )
         for item in (*named, *others)
     ]
     faults = [
         _fault(name, fault, entries, found)
         for name in found.names
-        for fault in _faults_of(found, name)
+        for fault in found.faults_of(name)
     ]
     candidates = [item for item in (*ship, *faults) if item["named"]]
     candidates += [item for item in ship if not item["named"]]
-    hidden = _hidden_from_all(found)
     return {
         "verdict": found.verdict,
-        "sentence": VERDICTS[found.verdict],
+        "sentence": found.sentence,
         "answer": found.answer,
         "remarks": [*found.flags, *sentences.values(), *found.notes],
         "floor": session.evidence.floor,
         "candidates": candidates,
         "sets": [{"effects": list(names), "odds": short(x)} for names, x in found.group],
         "suspected": [],
-        "hidden": [
-            {"effect": x.name, "why": x.why, "size": short(x.hides)} for x in hidden.values()
-        ],
+        "hidden": [{"effect": x.name, "why": x.why, "size": short(x.hides)} for x in found.hidden],
         "covered": [],
         "overlays": {},
         "base": {},
@@ -97,21 +91,21 @@ def _drawn(
     heard: Callable[[float, str], None],
 ) -> list[dict[str, Any]]:
     """What candidates would do to each campaign; nothing of those that it is not asked for."""
-    evidence = session.evidence
-    assert isinstance(evidence, SeveralCampaigns)
+    evidence: Any = session.evidence  # of several campaigns
     tables = []
     for number, (name, (item, asked)) in enumerate(evidence.each(session.steps).items()):
         singles = {x.names: x for x in found.diagnoses[name].entries}
         names = [x["effect"] for x in candidates if x["campaign"] in ("", name)]
         chosen = [singles[own,] for own in names if (own,) in singles]
-        drawn = drawn_over(
-            item,
-            asked,
-            [x for x in chosen if math.isfinite(x.log_evidence)],
-            partial(_told, heard, number, len(found.names)),
-            numbers=NUMBERS // len(found.names),
+        tables.append(
+            drawn_over(
+                item,
+                asked,
+                [x for x in chosen if math.isfinite(x.log_evidence)],
+                partial(_told, heard, number, len(found.names)),
+                numbers=NUMBERS // len(found.names),
+            )
         )
-        tables.append({"shares": drawn.shares, "overlays": drawn.overlays, "base": drawn.base})
     return tables
 
 
@@ -139,11 +133,7 @@ def _candidate(
         named=name in found.best,
         kind="physics",
         votes=votes,
-        rivals=[
-            " + ".join(names)
-            for names, odd in found.group[1:]
-            if name not in names and odd > 1.0 - AS_LIKELY
-        ],
+        rivals=[" + ".join(names) for names in found.rivals_of(name)],
         coefficients=coefficients_page(
             measured.coefficients, third.values.tolist(), third.std.tolist(), measured.usual
         )
@@ -170,32 +160,5 @@ def _fault(
     )
 
 
-def _votes(entry: JointEntry) -> list[dict[str, Any]]:
-    """What each campaign says of an effect; nothing of one that cannot be asked for it."""
-    return [_vote(name, item.log_evidence) for name, item in entry.ballots.items()]
-
-
 def _vote(campaign: str, log_odds: float) -> dict[str, Any]:
     return {"campaign": campaign, "log_odds": short(log_odds), "evidence": odds(log_odds)}
-
-
-def _faults_of(found: Together, campaign: str) -> tuple[str, ...]:
-    """Faults that a campaign has beside the best set, or that it alone names."""
-    best = found.entries[0] if found.entries and found.group else None
-    if best is not None and campaign in best.ballots:
-        return best.ballots[campaign].faults
-    alone = found.diagnoses[campaign].best
-    return () if of_ship(alone) else alone
-
-
-def _hidden_from_all(found: Together) -> dict[str, Visible]:
-    """Effects that no campaign could show, by the one that comes nearest to it."""
-    shown: set[str] = set()
-    hidden: dict[str, Visible] = {}
-    for item in found.diagnoses.values():
-        for own in item.covered:
-            if own.shown:
-                shown.add(own.name)
-            elif own.name not in hidden or own.hides < hidden[own.name].hides:
-                hidden[own.name] = own
-    return {name: own for name, own in hidden.items() if name not in shown}

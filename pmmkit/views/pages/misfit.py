@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pmmkit.campaigns import Run, kind_of
-from pmmkit.validation import MOST, STATISTICS, Comparison
+from pmmkit.validation import Comparison
 from pmmkit.views.pages.numbers import short
 
 
@@ -38,23 +38,25 @@ def misfit_page(comparison: Comparison) -> dict[str, Any]:
         group = groups.setdefault(row["test"], {})
         own = group.setdefault(row["run"], _row(row["run"], runs[row["run"]]))
         own["cells"][row["channel"]] = {
-            name: short(row[name]) for name in (*(item.name for item in STATISTICS), "ratio")
+            name: short(row[name]) for name in (*comparison.statistics, "ratio")
         } | {"within": row["within"]}
-    statements = comparison.statements()
+    leading, more = comparison.leading()
     every = [
         cell for own in groups.values() for row in own.values() for cell in row["cells"].values()
     ]
     return {
         "kind": comparison.kind,
         "model": comparison.model,
-        "statistics": [{"name": item.name, "title": item.title} for item in STATISTICS],
+        "statistics": [
+            {"name": name, "title": title} for name, title in comparison.statistics.items()
+        ],
         "columns": [{"name": name, "unit": unit} for name, unit in columns.items()],
         "groups": [
             {"test": test, "title": kind_of(test).title, "rows": _sorted(list(own.values()))}
             for test, own in groups.items()
         ],
-        "sentences": [asdict(item) for item in statements[:MOST]],
-        "more": max(len(statements) - MOST, 0),
+        "sentences": [asdict(item) for item in leading],
+        "more": more,
         "within": sum(cell["within"] for cell in every),
         "cells": len(every),
         "notes": list(comparison.notes),

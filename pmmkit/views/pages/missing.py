@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-import numpy as np
-
-from pmmkit.diagnosis import (
-    CaptiveTests,
-    Diagnosis,
-    Finding,
-    FreeRecords,
-    RankedSet,
-    Session,
-    Visible,
-)
+from pmmkit.diagnosis import Diagnosis, Session
 from pmmkit.effects import Effect, catalogue, is_fault
 from pmmkit.models import odds
 from pmmkit.presentation import WIDE
-from pmmkit.views.pages.drawn import drawn_over
+from pmmkit.views.pages.drawn import NUMBERS, drawn_over
 from pmmkit.views.pages.numbers import short
 
 # One candidate of what may be missing, as the page reads it.
@@ -102,16 +93,17 @@ def missing_page(
     named = {name for names, _ in found.group for name in names}
     findings = {item.effect: item for item in found.findings}
     visible = {item.name: item for item in found.covered}
-    fitted = _fitted(session)
-    singles = [item for item in found.entries if len(item.names) == 1 and _known(item)]
+    evidence: Any = session.evidence  # of one campaign
+    fitted = evidence.fitted(session.steps)
+    singles = [
+        item for item in found.entries if len(item.names) == 1 and math.isfinite(item.log_evidence)
+    ]
     chosen = [
         entry
         for number, entry in enumerate(singles)
         if number < SHOWN or entry.names[0] in {*named, *findings, *own, *fitted}
     ]
-    evidence = session.evidence
-    assert isinstance(evidence, CaptiveTests | FreeRecords)
-    drawn = drawn_over(evidence, session.steps, chosen, heard, overlays=overlays)
+    drawn = drawn_over(evidence, session.steps, chosen, heard, numbers=NUMBERS if overlays else 0)
     entries = {**catalogue(), **own}
     candidates = []
     for entry in chosen:
@@ -126,11 +118,19 @@ def missing_page(
                 named=finding is not None,
                 kind="fault" if is_fault(name) else "physics",
                 family=seen.family if seen else "",
-                share=drawn.shares.get(name),
-                lost=name not in drawn.shares,
-                rivals=list(finding.rivals) if finding else _mimics(seen),
+                share=drawn["shares"].get(name),
+                lost=name not in drawn["shares"],
+                rivals=list(finding.rivals if finding else seen.mimics if seen else ()),
                 test=finding.separating_test if finding else (effect.check if effect else ""),
-                coefficients=_coefficients(finding),
+                coefficients=coefficients_page(
+                    list(finding.coefficients),
+                    *(
+                        [numbers[x] for x in finding.coefficients]
+                        for numbers in (finding.coefficients, finding.std, finding.typical)
+                    ),
+                )
+                if finding
+                else [],
                 shown=seen.shown if seen else True,
                 why=seen.why if seen else "",
             )
@@ -153,52 +153,16 @@ def missing_page(
         ],
         "covered": [
             {"effect": item.name, "size": short(item.hides), "shown": item.shown}
-            for item in sorted(found.covered, key=_hidden)
+            for item in sorted(found.covered, key=lambda x: x.hides)
         ],
-        "overlays": drawn.overlays,
-        "base": drawn.base,
-        "unasked": _unasked(session, visible),
+        "overlays": drawn["overlays"],
+        "base": drawn["base"],
+        "unasked": _unasked(session, found),
     }
 
 
-def _hidden(seen: Visible) -> float:
-    return seen.hides if np.isfinite(seen.hides) else np.inf
-
-
-def _unasked(session: Session[Diagnosis], visible: Mapping[str, Visible]) -> list[dict[str, str]]:
+def _unasked(session: Session[Diagnosis], found: Diagnosis) -> list[dict[str, str]]:
     """Effects of one's own that take no part, and why."""
-    evidence = session.evidence
+    evidence: Any = session.evidence
     absent = [item for item in evidence.own if item.name not in evidence.kinds]
-    if isinstance(evidence, FreeRecords):
-        return [{"effect": x.name, "why": evidence.why_not_asked(x)} for x in absent]
-    return [{"effect": x.name, "why": visible[x.name].why} for x in absent]
-
-
-def _fitted(session: Session[Diagnosis]) -> set[str]:
-    """Effects that a contest of records has fitted through the equations: they stand before those
-    of which the linear problem promises more, which the equations may not keep."""
-    evidence = session.evidence
-    if not isinstance(evidence, FreeRecords):
-        return set()
-    return {name for item in evidence.contest(session.given).settled for name in item.names}
-
-
-def _known(entry: RankedSet) -> bool:
-    return bool(np.isfinite(entry.log_evidence))
-
-
-def _mimics(seen: Any) -> list[str]:
-    return [] if seen is None else list(seen.mimics)
-
-
-def _coefficients(finding: Finding | None) -> list[dict[str, Any]]:
-    if finding is None:
-        return []
-    names = list(finding.coefficients)
-    return coefficients_page(
-        names,
-        *(
-            [told[name] for name in names]
-            for told in (finding.coefficients, finding.std, finding.typical)
-        ),
-    )
+    return [{"effect": x.name, "why": evidence.why_not_asked(x, found.covered)} for x in absent]

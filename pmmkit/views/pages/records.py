@@ -8,8 +8,9 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.campaigns import kind_of
+from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.numerics import Array
-from pmmkit.validation import FORCE_UNITS, Comparison, FreeRun
+from pmmkit.validation import Comparison, FreeRun
 from pmmkit.views.pages.history import history_page
 from pmmkit.views.pages.numbers import BUCKETS, short
 
@@ -60,7 +61,7 @@ def record_page(record: FreeRun, length: float, floor: float) -> dict[str, Any]:
         },
         "forces": {
             name: {
-                "unit": FORCE_UNITS[name],
+                "unit": CHANNEL_UNITS[name],
                 "measured": short(force[kept]),
                 "predicted": short(record.force_predicted[name][kept]),
                 "uncertainty": short(judged[name].uncertainty[kept]),

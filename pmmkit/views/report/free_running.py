@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from pmmkit.base import DataError
-from pmmkit.diagnosis import UNITS, Diagnosis, FreeRecords, Session, before_and_after
+from pmmkit.diagnosis import Diagnosis, Sailed, Session, before_and_after
 from pmmkit.files import write_text
 from pmmkit.intake import CheckFinding
-from pmmkit.presentation import Grid, Group, Section, counted
+from pmmkit.presentation import Section, counted
 from pmmkit.views.pages.page_file import page_file, state_of
 from pmmkit.views.pages.sections import PageSection, told_page
 from pmmkit.views.report.checked import checked_section
@@ -49,8 +50,8 @@ def write_free_diagnosis(
     DataError
         If the session is one of captive tests.
     """
-    evidence = session.evidence
-    if not isinstance(evidence, FreeRecords):
+    evidence: Any = session.evidence
+    if found.model is None:
         raise DataError("This session is one of captive tests: write_diagnosis writes its page.")
     after = session
     for item in found.findings:
@@ -71,16 +72,17 @@ def write_free_diagnosis(
             model=loop.base,
         ),
         "told data": told_page(PageSection(after=[checked_section(findings)])),
-        **loop_answers(loop, facts=facts, sections=[_sailed(evidence, after), _errors(found)]),
+        **loop_answers(
+            loop, facts=facts, sections=[_sailed(evidence.sailed(after.steps)), _errors(found)]
+        ),
     }
     target = Path(path)
     write_text(target, page_file(answers))
     return target
 
 
-def _sailed(evidence: FreeRecords, session: Session[Diagnosis]) -> Section:
+def _sailed(records: Sequence[Sailed]) -> Section:
     """Records left out, measured and sailed before and after."""
-    records = evidence.sailed(session.steps)
     return Section(
         title="Records before and after",
         paragraphs=[
@@ -101,19 +103,11 @@ def _sailed(evidence: FreeRecords, session: Session[Diagnosis]) -> Section:
 
 def _errors(found: Diagnosis) -> Section:
     """All errors over windows, and how they came about."""
-    names = list(
-        dict.fromkeys(name for row in found.errors.values() for name in row if name in UNITS)
-    )
-    rows = [
-        [what, *(f"{row[name]:.3g}" if name in row else "-" for name in names)]
-        for what, row in found.errors.items()
-    ]
-    head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in names]
     return Section(
         title="Errors over windows with the measured rudder",
         paragraphs=[
             "Root mean square; the noise of the sensors is taken off where records are left out."
         ],
-        tables=[Grid(head=["", *head], groups=[Group(rows=rows)])],
+        tables=[found.error_table()],
         points=list(found.notes),
     )

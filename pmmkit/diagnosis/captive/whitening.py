@@ -1,4 +1,8 @@
-"""Whitening run by run, by the noise of the records and what each run draws for itself."""
+"""Rows of a channel, whitened run by run by the noise of the records and what each run draws.
+
+A run's rows have the covariance V = C + Z diag(s²) Z', C the noise of the record and Z what the run
+draws for itself at size one; whitening multiplies by the inverse of its lower root.
+"""
 
 from __future__ import annotations
 
@@ -13,34 +17,20 @@ from numpy.typing import NDArray
 from pmmkit.inference import of_others, per_column
 from pmmkit.numerics import Array
 
-# Rows of a channel, and what differs from run to run.
-
-
 Places = NDArray[np.intp]
+RIDGE: Final = 1e-12
+"""Least variance of a row, over the mean of all."""
+HELD: Final = 2**17
+"""Numbers that are whitened at once: a megabyte stays in the processor's cache."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Channel:
     """Rows of one channel: the means and harmonics of all views that have it.
 
-    Parameters
-    ----------
-    name : str
-        X, Y, N or K.
-    views : tuple of int
-        Views that have it.
-    rows : tuple of slice
-        Their rows.
-    runs : tuple of array
-        Rows of each run.
-    y : array (n,)
-        Forces.
-    design : array (n, p)
-        Base.
-    noise : tuple of array (m, m)
-        Covariance of the noise of each run's rows.
-    scale : float
-        Root mean square over the views of the force over U² [N/(m/s)²].
+    `name`: X, Y, N or K. `views`: views that have it. `runs`: rows of each run. `noise (m, m)`:
+    covariance of the noise of each run's rows. `scale`: root mean square over the views of the
+    force over U² [N/(m/s)²].
     """
 
     name: str
@@ -53,31 +43,10 @@ class Channel:
     scale: float
 
 
-FLOOR: Final = 0.005
-"""What is too small to matter in measured forces, over the rms force of a channel."""
-RIDGE: Final = 1e-12
-"""Least variance of a row, over the mean of all."""
-HELD: Final = 2**17
-"""Numbers that are whitened at once: a megabyte stays in the processor's cache."""
-
-
 def whitened(channel: Channel, columns: Array, own: Array, scatter: Array) -> Array:
     """Columns multiplied by the inverse root of the covariance of noise and run scatter.
 
-    Parameters
-    ----------
-    channel : Channel
-        Rows and the noise of each run.
-    columns : array (n, q)
-        What is whitened.
-    own : array (n, 3 + k)
-        What each run draws for itself, at size one: `KINDS`, k harmonics.
-    scatter : array (4,)
-        Its sizes; runs are independent of each other.
-
-    Returns
-    -------
-    array (n, q)
+    columns (n, q); own (n, 3 + k); scatter (4,).
     """
     return _applied(_inverse_roots(channel, sized(own, scatter)), columns)
 
@@ -96,20 +65,9 @@ def noise_whitened(channel: Channel, columns: Array) -> Array:
 class Projection:
     """Whitening of one channel, and what base and floor explain of it.
 
-    Parameters
-    ----------
-    channel : Channel
-        Rows.
-    own : array (n, 3 + k)
-        What each run draws for itself, at size one.
-    scatter : array (4,)
-        Its sizes.
-    floor : array (n, D)
-        Features of the smooth floor at its size, whitened.
-    span : array (n + D, k)
-        Orthonormal basis of base and floor, the rows of the floor's prior below.
-    freedom : int
-        Rows less base coefficients.
+    `own (n, 3 + k)`: what each run draws for itself, at size one. `floor (n, D)`: features of
+    the smooth floor at its size, whitened. `span (n + D, k)`: orthonormal basis of base and
+    floor, the rows of the floor's prior below. `freedom`: rows less base coefficients.
     """
 
     channel: Channel
@@ -122,12 +80,12 @@ class Projection:
     @cached_property
     def alone(self) -> tuple[Array, ...]:
         """What a fit without a run makes of its rows (`of_others`), run by run."""
-        found: list[Array] = [np.zeros((0, 0))] * len(self.channel.runs)
-        for own in _alike(self.channel):
-            inverse, _ = of_others(self.span[_rows(self.channel, own)])
-            for number, one in zip(own, inverse, strict=True):
-                found[number] = one
-        return tuple(found)
+        inverses: list[Array] = [np.zeros((0, 0))] * len(self.channel.runs)
+        for numbers in _alike(self.channel):
+            inverse, _ = of_others(self.span[_rows(self.channel, numbers)])
+            for number, one in zip(numbers, inverse, strict=True):
+                inverses[number] = one
+        return tuple(inverses)
 
     def without(self, numbers: Sequence[int]) -> Array:
         """As `alone`, of some runs together."""
@@ -138,10 +96,10 @@ class Projection:
 
     @cached_property
     def _run_of_row(self) -> Places:
-        found = np.zeros(len(self.channel.y), np.intp)
+        run = np.zeros(len(self.channel.y), np.intp)
         for number, rows in enumerate(self.channel.runs):
-            found[rows] = number
-        return found
+            run[rows] = number
+        return run
 
     def runs_of(self, rows: Places) -> tuple[int, ...]:
         """Numbers of the runs that some rows belong to; rows of other channels are left out."""
@@ -151,11 +109,11 @@ class Projection:
     @cached_property
     def roots(self) -> tuple[Array, ...]:
         """Lower roots of the covariance of each run's rows: what whitening takes off."""
-        found: list[Array] = [np.zeros((0, 0))] * len(self.channel.runs)
-        for own, root in _roots(self.channel, sized(self.own, self.scatter)):
-            for number, one in zip(own, root, strict=True):
-                found[number] = one
-        return tuple(found)
+        lower: list[Array] = [np.zeros((0, 0))] * len(self.channel.runs)
+        for numbers, root in _roots(self.channel, sized(self.own, self.scatter)):
+            for number, one in zip(numbers, root, strict=True):
+                lower[number] = one
+        return tuple(lower)
 
     @cached_property
     def _inverse_roots(self) -> list[tuple[Places, Array]]:
@@ -187,19 +145,11 @@ class Projection:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class WhitenedChannel:
+class Piece:
     """One channel of a system: whitened, with what base and floor explain taken off.
 
-    Parameters
-    ----------
-    projection : Projection
-        How that is done to any column.
-    columns : array (n + D, q)
-        Those of the system that act in this channel.
-    places : array (q,)
-        Their places in the system.
-    data : array (n + D,)
-        Forces.
+    `projection`: how that is done to any column. `columns (n + D, q)`: those of the system that
+    act in this channel. `places (q,)`: their places in the system.
     """
 
     projection: Projection
@@ -221,27 +171,27 @@ def _inverse_roots(channel: Channel, own: Array | None) -> list[tuple[Places, Ar
 
 def _applied(inverse_roots: Sequence[tuple[Places, Array]], columns: Array) -> Array:
     """Columns (n, q) whitened, a few runs at a time."""
-    found = np.empty_like(columns)
+    white = np.empty_like(columns)
     for rows, inverse in inverse_roots:
         few = max(1, HELD // (rows.shape[1] * max(1, columns.shape[1])))
         for begin in range(0, len(rows), few):
             at = rows[begin : begin + few]
-            found[at] = inverse[begin : begin + few] @ columns[at]
-    return found
+            white[at] = inverse[begin : begin + few] @ columns[at]
+    return white
 
 
 def _roots(channel: Channel, own: Array | None) -> list[tuple[list[int], Array]]:
     """Runs of equal numbers of rows with the lower roots of their covariance (k, m, m)."""
     least = RIDGE * float(np.mean(np.concatenate([np.diagonal(x) for x in channel.noise])))
-    found = []
+    roots = []
     for numbers in _alike(channel):
         V = np.stack([channel.noise[i] for i in numbers])
         covariance = V + least * np.eye(V.shape[1])
         if own is not None:
             drawn = own[_rows(channel, numbers)]
             covariance = covariance + drawn @ np.swapaxes(drawn, 1, 2)
-        found.append((numbers, np.asarray(np.linalg.cholesky(covariance), float)))
-    return found
+        roots.append((numbers, np.asarray(np.linalg.cholesky(covariance), float)))
+    return roots
 
 
 def _alike(channel: Channel) -> list[list[int]]:
