@@ -21,7 +21,7 @@ from pmmkit.readers import Options, Request
 from pmmkit.readers.text import csv as csv_reader
 from pmmkit.readers.text import splitting as text
 from pmmkit.reduction import reduce_campaign
-from pmmkit.reduction.reading import all_runs, memory, resume
+from pmmkit.reduction.reading import all_runs, resume
 from scripts.datasets.make_large import make
 from scripts.studies.kill_test import content, examine
 
@@ -356,7 +356,7 @@ def test_files_side_by_side_need_no_more_than_one(folder, tmp_path):
     make(tmp_path / "flat", runs=1, mb=2.0, form="foam-flat")
     make(tmp_path / "single", runs=1, mb=1.0, width=9)
     flat = pk.open_campaign(tmp_path / "flat").runs[0]
-    assert memory.size_of(flat) == pytest.approx(1.0e6, rel=0.4)
+    assert all_runs.size_of(flat) == pytest.approx(1.0e6, rel=0.4)
     alone = memory.memory_of(pk.open_campaign(folder).runs[0])
     assert 0.1 < alone < 2.0
     assert memory.memory_of(flat) < 12.0
