@@ -357,9 +357,9 @@ def test_files_side_by_side_need_no_more_than_one(folder, tmp_path):
     make(tmp_path / "single", runs=1, mb=1.0, width=9)
     flat = pk.open_campaign(tmp_path / "flat").runs[0]
     assert all_runs.size_of(flat) == pytest.approx(1.0e6, rel=0.4)
-    alone = memory.memory_of(pk.open_campaign(folder).runs[0])
+    alone = all_runs.memory_of(pk.open_campaign(folder).runs[0])
     assert 0.1 < alone < 2.0
-    assert memory.memory_of(flat) < 12.0
+    assert all_runs.memory_of(flat) < 12.0
 
 
 @pytest.mark.slow
