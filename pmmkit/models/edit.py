@@ -10,7 +10,7 @@ from typing import Literal, Protocol
 from pmmkit.base import ModelError, Problem, Remedy, UnknownNameError, Way
 from pmmkit.conventions import canonical, did_you_mean
 from pmmkit.effects import BY_SPEED, Effect, Move, Parameter, catalogue, effect_of
-from pmmkit.models.changes import before_of, restored
+from pmmkit.models.changes import before_of, restored, without_values
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Before, Step, Value
 from pmmkit.models.terms import RequestedEffect, home_of, reference, with_terms, without_terms
@@ -147,8 +147,7 @@ def without_effect(model: Model, effect: Named | Sequence[Named]) -> Model:
         elif asked.effect.enters:
             if asked.name not in model.parts:
                 raise ModelError(f"Model {model.name!r} has no part {asked.name!r}.")
-            parts = {name: part for name, part in model.parts.items() if name != asked.name}
-            model = replace(model, parts=MappingProxyType(parts))
+            model = without_values(model, [asked.name])
         else:
             if asked.moved:
                 terms = MappingProxyType(dict.fromkeys(asked.effect.typical, 0.0))

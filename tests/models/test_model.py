@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import pmmkit as pk
 from pmmkit.base import (
     DataError,
     ExtrapolationError,
@@ -475,3 +476,18 @@ def test_a_model_file_that_pmmkit_wrote_is_whole_or_refused(tmp_path):
         (tmp_path / "m.toml").write_bytes(whole[:cut])
         with pytest.raises(ModelError):
             load_model(tmp_path / "m.toml")
+
+
+def test_a_part_that_is_taken_out_leaves_nothing_in_the_covariance():
+    """A resistance curve that was fitted has uncertainties; the model without it has none of it."""
+    model = pk.with_effect(
+        load_model("s175-3dof"), "resistance_curve", coefficients="typical", Fn=(0.2, 0.3)
+    )
+    names = ("Yv", *(f"resistance_curve.{name}" for name in model.values("resistance_curve")))
+    variances = np.arange(1.0, len(names) + 1)
+    fitted = model.with_(
+        covariance=np.diag(np.tile(variances, len(model.Fn) or 1)), covariance_names=names
+    )
+    left = pk.without_effect(fitted, "resistance_curve")
+    assert left.covariance_names == ("Yv",)
+    assert left.covariance.tolist() == np.eye(len(left.Fn) or 1).tolist()
