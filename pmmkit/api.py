@@ -12,8 +12,8 @@ import numpy as np
 
 from pmmkit.base import MissingPartError
 from pmmkit.campaigns import open_water
-from pmmkit.conventions import ITSELF, Structure, bibtex, parse_derivative, structures
-from pmmkit.effects import PROPELLER, RUDDER_MMG, effect_of
+from pmmkit.conventions import ITSELF, STRUCTURES, Structure, bibtex, parse_derivative
+from pmmkit.effects import CATALOGUE, PROPELLER, RUDDER_MMG
 from pmmkit.models import (
     DERIVATIVE_PARTS,
     HULL_TERMS,
@@ -109,11 +109,11 @@ def citation(thing: Model | DerivativeTable | str | Path) -> str:
     ['@misc{pmmkit,', '@article{yasukawa_yoshimura_2015,']
     """
     if isinstance(thing, DerivativeTable):
-        known = structures().get(str(thing.provenance.get("structure")))
+        known = STRUCTURES.get(str(thing.provenance.get("structure")))
         return bibtex((ITSELF, *(known.sources if known else ())))
     model = thing if isinstance(thing, Model) else load_model(thing)
     values = [key for part in model.parts.values() for key in part.references]
-    forms = [key for name in model.parts for key in effect_of(name).sources]
+    forms = [key for name in model.parts for key in CATALOGUE[name].sources]
     return bibtex((ITSELF, *values, *forms))
 
 
@@ -278,8 +278,8 @@ def _not_shown(reduction: Reduction) -> list[str]:
     it is zero. Terms that the runs show and that were not asked for are left out, and told
     (`models.standing`).
     """
-    usual = structures()[_THIRD_ORDER].derivatives
-    chosen = structures().get(reduction.table.provenance["structure"])
+    usual = STRUCTURES[_THIRD_ORDER].derivatives
+    chosen = STRUCTURES.get(reduction.table.provenance["structure"])
     if chosen is None or not set(chosen.derivatives) < set(usual):
         return []
     lacking = [name for name in usual if name not in chosen.derivatives]

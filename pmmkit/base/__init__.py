@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pmmkit.base.executors.board import each
     from pmmkit.base.executors.places import ONE_THREAD, Workers, crew_of, opened
     from pmmkit.base.progress import Progress, shown
-    from pmmkit.base.registry import offered
+    from pmmkit.base.registry import Registry, did_you_mean, listed_in
     from pmmkit.base.version import __version__
 
 __all__ = [
@@ -42,6 +42,7 @@ __all__ = [
     "PmmkitError",
     "Problem",
     "Progress",
+    "Registry",
     "Remedy",
     "SimulationError",
     "TableError",
@@ -50,9 +51,10 @@ __all__ = [
     "Workers",
     "__version__",
     "crew_of",
+    "did_you_mean",
     "each",
     "lazy",
-    "offered",
+    "listed_in",
     "opened",
     "setting",
     "shown",

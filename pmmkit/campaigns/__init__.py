@@ -8,10 +8,11 @@ if TYPE_CHECKING:
     from pmmkit.campaigns.day import places_in_day, seconds_of, timed
     from pmmkit.campaigns.figures import left_by_the_fit
     from pmmkit.campaigns.file.campaign_file import FILE_NAME, PACKED, campaign_of, open_campaign
+    from pmmkit.campaigns.file.faults import Faults
     from pmmkit.campaigns.file.packed import is_packed_campaign
     from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
     from pmmkit.campaigns.file.rewriting import with_columns, with_correction, without_correction
-    from pmmkit.campaigns.file.schema import TABLES, Faults, read_entry
+    from pmmkit.campaigns.file.schema import TABLES, read_entry
     from pmmkit.campaigns.file.single_tables import ImoEntry
     from pmmkit.campaigns.motion.counted import (
         FITTED,
@@ -49,6 +50,17 @@ if TYPE_CHECKING:
     from pmmkit.campaigns.reach import FARTHEST, out_of_reach, within_reach
     from pmmkit.campaigns.repeated_runs import repeats
     from pmmkit.campaigns.run import FORCES, Campaign, Correction, Run
+    from pmmkit.campaigns.run_settings import (
+        OURS,
+        RUN_SETTINGS,
+        brought,
+        names_taken_unasked,
+        setting_key,
+        setting_units,
+        settings_by_key,
+        unit_of,
+        ways_to_state,
+    )
     from pmmkit.campaigns.samples.column_mapping import pick, required_channels
     from pmmkit.campaigns.samples.conversions import TURNED, Frame
     from pmmkit.campaigns.samples.corrections import OF_SAMPLES
@@ -72,7 +84,8 @@ if TYPE_CHECKING:
         usable,
         without_jumps,
     )
-    from pmmkit.campaigns.settings import Settings, setting_key
+    from pmmkit.campaigns.setting import RunSetting, Sensor
+    from pmmkit.campaigns.settings import Settings
     from pmmkit.campaigns.several import by_title, sailing
     from pmmkit.campaigns.store import load_campaign, save_campaign
     from pmmkit.campaigns.test_kinds.free_running import PULL_OUT, STOPPING, TURNING, ZIGZAG
@@ -92,14 +105,7 @@ if TYPE_CHECKING:
         PURE_YAW,
         YAW_DRIFT,
     )
-    from pmmkit.campaigns.test_kinds.registry import (
-        BUILT_IN,
-        captive_kinds,
-        held_too,
-        kind_of,
-        kind_with,
-        kinds,
-    )
+    from pmmkit.campaigns.test_kinds.registry import TEST_KINDS, captive_kinds, held_too, kind_with
     from pmmkit.campaigns.test_kinds.steady import (
         DRIFT_RUDDER,
         RESISTANCE,
@@ -112,7 +118,6 @@ if TYPE_CHECKING:
     from pmmkit.campaigns.water_depth import by_depth, depths, in_words, one_depth
 
 __all__ = [
-    "BUILT_IN",
     "DOUBTFUL",
     "DRIFT_RUDDER",
     "FARTHEST",
@@ -124,12 +129,14 @@ __all__ = [
     "HEADING_JUMP",
     "MAY_BE_ZERO",
     "OF_SAMPLES",
+    "OURS",
     "PACKED",
     "PULL_OUT",
     "PURE_SWAY",
     "PURE_YAW",
     "RESISTANCE",
     "RUDDER",
+    "RUN_SETTINGS",
     "STATABLE",
     "STATIC_DRIFT",
     "STATIC_HEEL",
@@ -137,6 +144,7 @@ __all__ = [
     "STOPPING",
     "SWAY",
     "TABLES",
+    "TEST_KINDS",
     "TURNED",
     "TURNING",
     "YAW",
@@ -156,6 +164,8 @@ __all__ = [
     "ReportEntry",
     "Rig",
     "Run",
+    "RunSetting",
+    "Sensor",
     "Settings",
     "Struts",
     "TestKind",
@@ -163,6 +173,7 @@ __all__ = [
     "as_read",
     "beside_motion",
     "bring",
+    "brought",
     "by_depth",
     "by_title",
     "campaign_of",
@@ -185,15 +196,14 @@ __all__ = [
     "inertia_inside",
     "is_packed_campaign",
     "jump_limit",
-    "kind_of",
     "kind_with",
-    "kinds",
     "left_by_the_fit",
     "load_campaign",
     "measured_motion",
     "moments_of_sway",
     "motion_at_phase",
     "move_motion",
+    "names_taken_unasked",
     "nominal_motion",
     "one_depth",
     "open_campaign",
@@ -213,13 +223,17 @@ __all__ = [
     "save_campaign",
     "seconds_of",
     "setting_key",
+    "setting_units",
+    "settings_by_key",
     "ship_axes",
     "stop_at_end",
     "timed",
     "travel_of",
     "true_wind",
+    "unit_of",
     "usable",
     "velocity",
+    "ways_to_state",
     "whole_series",
     "with_columns",
     "with_correction",

@@ -2,58 +2,41 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
 from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.run_settings import RUN_SETTINGS
+from pmmkit.campaigns.setting import ANGLE, LENGTH, RATE, Resolution, RunSetting
 from pmmkit.campaigns.settings import Settings
 from pmmkit.numerics import Array
 
-SPEED: Final = (0.003, 0.001)
-"""3 mm/s or 0.1 %, whichever is larger: what the ITTC (7.5-02-02-01) asks of a carriage. No
-programme has two speeds so close."""
-ANGLE: Final = (math.radians(0.1), 0.0)
-"""0.1°: turntables and steering gears are read to that; programmes step by more than twice."""
-LENGTH: Final = (0.001, 0.0)
-"""1 mm: to what a crank or a strut is set."""
-RATE: Final = (0.0, 0.005)
-"""0.5 %: what a drive holds of its revolutions, of a period and of a rate of turn; programmes step
-by a few per cent at least."""
-SEA: Final = (0.0, 0.02)
-"""2 %: to what a wave maker repeats a significant height."""
+_BESIDE: Final = {"turn_rate": RATE, "strut_spacing": LENGTH, "strut_centre": LENGTH}
 
-RESOLUTION: Final = {
-    "speed": SPEED,
-    "drift": ANGLE,
-    "heel": ANGLE,
-    "rudder": ANGLE,
-    "switch": ANGLE,
-    "yaw_amplitude": ANGLE,
-    "rudder_amplitude": ANGLE,
-    "waves_from": ANGLE,
-    "amplitude": LENGTH,
-    "depth": LENGTH,
-    "strut_spacing": LENGTH,
-    "strut_centre": LENGTH,
-    "propeller_rps": RATE,
-    "period": RATE,
-    "wave_period": RATE,
-    "turn_rate": RATE,
-    "wave_height": SEA,
-}
-"""How far two values of a setting may differ and still be the same one: absolute (SI, radians) and
-relative. The phase is not among them: it says when a record begins, not what was tested."""
+
+def resolution() -> Mapping[str, Resolution]:
+    """How far two values of a setting may differ and still be the same one.
+
+    Absolute (SI, radians) and relative. The phase is not among them: it says when a record begins,
+    not what was tested.
+    """
+    return RUN_SETTINGS.derived(_resolution)
+
+
+def _resolution(settings: Iterable[RunSetting]) -> Mapping[str, Resolution]:
+    found = {item.name: item.resolution for item in settings if item.resolution is not None}
+    return MappingProxyType(found | _BESIDE)
 
 
 def repeats(runs: Sequence[Run]) -> tuple[tuple[Run, ...], ...]:
     """Runs in groups that repeat each other.
 
     A run that states `repeat_of` belongs to that run, whatever its settings are; any other to the
-    first run of the same test that was set like it, within `RESOLUTION`. A setting that one of
+    first run of the same test that was set like it, within `resolution`. A setting that one of
     them does not state is another setting.
 
     Parameters
@@ -107,7 +90,7 @@ def _set_alike(runs: Sequence[Run]) -> dict[str, str]:
         equal.setdefault(key, []).append(run.id)
     kinds: dict[tuple[object, ...], list[tuple[str, Settings]]] = {}
     for test, settings in equal:
-        unstated = tuple(getattr(settings, name) is None for name in RESOLUTION)
+        unstated = tuple(settings.value(name) is None for name in resolution())
         kinds.setdefault((test, unstated), []).append((test, settings))
     found = {}
     for keys in kinds.values():
@@ -118,9 +101,10 @@ def _set_alike(runs: Sequence[Run]) -> dict[str, str]:
 
 def _first_alike(settings: Sequence[Settings]) -> list[int]:
     """Place of the first of settings that each is alike; all state the same ones."""
-    values = np.array([[getattr(s, name) or 0.0 for name in RESOLUTION] for s in settings])
-    allowed = np.array(list(RESOLUTION.values()))
-    angular = np.array([RESOLUTION[name] is ANGLE for name in RESOLUTION])
+    limits = resolution()
+    values = np.array([[s.value(name) or 0.0 for name in limits] for s in settings])
+    allowed = np.array(list(limits.values()))
+    angular = np.array([limit is ANGLE for limit in limits.values()])
     first = np.full(len(settings), -1)
     for place in range(len(settings)):
         if first[place] < 0:

@@ -9,12 +9,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from pmmkit.base import DataError, UnknownNameError
+from pmmkit.base import DataError, UnknownNameError, did_you_mean
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.kind import TestKind
-from pmmkit.campaigns.test_kinds.registry import kind_of
+from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, did_you_mean
+from pmmkit.conventions import CHANNEL_UNITS, Ship, Water
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class Run(Described):
     Parameters
     ----------
     id, test : str
-        Name of the run, name of the kind of test (`kind_of`).
+        Name of the run, name of the kind of test (`TEST_KINDS`).
     kind : {"history", "means", "harmonics"}
         A time history, or a row of a table of means or of harmonics.
     settings : Settings
@@ -112,7 +112,7 @@ class Run(Described):
     @property
     def kind_of_test(self) -> TestKind:
         """What there is to know of tests such as this one."""
-        return kind_of(self.test)
+        return TEST_KINDS[self.test]
 
     @property
     def dynamic(self) -> bool:
@@ -344,7 +344,7 @@ class Campaign(Described):
             If there is no such kind.
         """
         for name in {*tests} - {run.test for run in self.runs}:
-            kind_of(name)
+            TEST_KINDS[name]
         return replace(self, runs=tuple(run for run in self.runs if run.test in tests))
 
     def with_(self, **changes: Any) -> Campaign:

@@ -3,52 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Final, NamedTuple
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, Final, NamedTuple
 
-SETTING_KEYS: Final = {
-    "drift": "drift_deg",
-    "heel": "heel_deg",
-    "rudder": "rudder_deg",
-    "switch": "switch_deg",
-    "yaw_amplitude": "yaw_amplitude_deg",
-    "rudder_amplitude": "rudder_amplitude_deg",
-    "amplitude": "amplitude_m",
-    "phase": "phase_deg",
-    "waves_from": "waves_from_deg",
-}
-"""Keys of a campaign file that differ from the names in `Settings`, which are SI."""
-
-
-def setting_key(name: str) -> str:
-    """Key of a campaign file that states a setting.
-
-    Examples
-    --------
-    >>> setting_key("drift"), setting_key("period")
-    ('drift_deg', 'period')
-    """
-    return SETTING_KEYS.get(name, name)
-
-
-_TOLD: Final = (
-    ("drift", "β", "drift", "°", "+.3g"),
-    ("rudder", "δ", "rudder", "°", "+.3g"),
-    ("heel", "heel", "heel", "°", "+.3g"),
-    ("amplitude", "a", "sway", " m", ".4g"),
-    ("yaw_amplitude", "ψ", "yaw", "°", ".3g"),
-    ("rudder_amplitude", "δ0", "rudder swing", "°", ".3g"),
-    ("period", "T", "period", " s", ".4g"),
-    ("turn_rate", "r", "yaw rate", "°/s", "+.3g"),
-    ("switch", "switch", "switch", "°", ".3g"),
-    ("propeller_rps", "n", "propeller", "/s", ".4g"),
-    ("depth", "h", "depth", " m", ".4g"),
-    ("wave_height", "H", "waves", " m", ".3g"),
-    ("wave_period", "Tp", "waves of", " s", ".3g"),
-    ("waves_from", "waves from", "waves from", "°", ".3g"),
-)
-"""Settings in the order in which they are told: name, symbol, word, unit, and how a number is
-written beside the symbol."""
+from pmmkit.campaigns.run_settings import OURS, RUN_SETTINGS, told_settings
 
 
 class SettingInWords(NamedTuple):
@@ -101,6 +60,8 @@ class Settings:
         Direction it comes from, from north [rad].
     repeat_of : str, optional
         The run that this one repeats.
+    further : tuple of (str, float)
+        Settings that kinds of test bring along, by name.
     """
 
     speed: float
@@ -123,6 +84,40 @@ class Settings:
     wave_period: float | None = None
     waves_from: float | None = None
     repeat_of: str | None = None
+    further: tuple[tuple[str, float], ...] = field(default=(), repr=False)
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> Settings:
+        """Settings by name, those that kinds of test bring along among them.
+
+        Raises
+        ------
+        UnknownNameError
+            If a name is that of no setting.
+        """
+        plain = {name: value for name, value in given.items() if name in _OWN}
+        more = {name: value for name, value in given.items() if name not in _OWN}
+        further = tuple((RUN_SETTINGS[name].name, float(value)) for name, value in more.items())
+        return cls(**plain, further=further)
+
+    def with_(self, name: str, value: float) -> Settings:
+        """The same with another value of a setting."""
+        if name in _OWN:
+            changed: dict[str, Any] = {name: value}
+            return replace(self, **changed)
+        return replace(self, further=tuple({**dict(self.further), name: value}.items()))
+
+    def value(self, name: str) -> float | None:
+        """A setting by its name, or by a property such as `turn_rate`; None where unstated."""
+        if hasattr(self, name):
+            known: float | None = getattr(self, name)
+            return known
+        return dict(self.further).get(RUN_SETTINGS[name].name)
+
+    def plain(self) -> dict[str, Any]:
+        """All by name, for files."""
+        found = asdict(self)
+        return found | dict(found.pop("further"))
 
     @property
     def turn_rate(self) -> float:
@@ -146,12 +141,18 @@ class Settings:
         """What is set besides the speed and is not zero; a circle by its rate."""
         angles = {"°": math.degrees, "°/s": math.degrees}
         return tuple(
-            SettingInWords(symbol, word, angles.get(unit, float)(value), unit, form)
-            for name, symbol, word, unit, form in _TOLD
-            if (value := getattr(self, name))
+            SettingInWords(
+                told.symbol, told.word, angles.get(told.unit, float)(value), told.unit, told.form
+            )
+            for item in told_settings()
+            if (told := item.told) and (value := self.value(told.shown or item.name))
         )
 
     @property
     def omega(self) -> float | None:
         """Angular frequency 2π/period [rad/s]."""
         return None if self.period is None else 2 * math.pi / (self.period or math.inf)
+
+
+_OWN: Final = OURS | {"strut_spacing", "strut_centre", "repeat_of"}
+"""Names of fields of `Settings`; the others stand in `further`."""

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
 from pmmkit.base import CampaignError, DataError, Problem, __version__
 from pmmkit.campaigns.open_water_test import with_open_water
 from pmmkit.campaigns.run import Campaign, Correction, Run
+from pmmkit.campaigns.run_settings import brought
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Ship, Water
@@ -186,8 +187,16 @@ def _build(cls: type[T], entry: Mapping[str, Any], convert: Convert | None = Non
     return cls(**values)
 
 
+def _settings(value: Mapping[str, Any]) -> Settings:
+    """Settings, those that kinds of test bring along among them."""
+    more = {item.name for item in brought()}
+    further = tuple((name, float(number)) for name, number in value.items() if name in more)
+    plain = {name: number for name, number in value.items() if name not in more}
+    return replace(_build(Settings, plain), further=further)
+
+
 _RUN: Final[Convert] = {
-    "settings": lambda value: _build(Settings, value),
+    "settings": lambda value: _settings(value),
     "corrections": lambda value: tuple(_build(Correction, item, {"runs": tuple}) for item in value),
 }
 _CAMPAIGN: Final[Convert] = {
@@ -204,7 +213,9 @@ def _plain(item: Any, *, skip: Iterable[str] = ()) -> dict[str, Any]:
         field.name: getattr(item, field.name) for field in fields(item) if field.name not in skip
     }
     for name, value in plain.items():
-        if isinstance(value, (Settings, Ship, Water)):
+        if isinstance(value, Settings):
+            plain[name] = value.plain()
+        elif isinstance(value, (Ship, Water)):
             plain[name] = asdict(value)
         elif isinstance(value, tuple):
             plain[name] = [

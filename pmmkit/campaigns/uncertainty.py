@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final, Literal
 
-from pmmkit.base import DataError
-from pmmkit.campaigns.settings import setting_key
-from pmmkit.conventions import did_you_mean
+from pmmkit.base import DataError, Registry, did_you_mean
+from pmmkit.campaigns.run_settings import RUN_SETTINGS, setting_key
 
 Of = Literal["gauge", "cross-talk", "water", "rig", "hull", "setting"]
 
@@ -68,20 +66,6 @@ _KNOWN: Final[Mapping[Of, Mapping[str, tuple[str, ...]]]] = {
         "N_from_X": ("m", "cross-talk: N of X"),
         "N_from_Y": ("m", "cross-talk: N of Y"),
     },
-    "setting": {
-        "drift": ("deg", "drift angle", "alignment"),
-        "heel": ("deg", "heel", "zero"),
-        "rudder": ("deg", "rudder angle", "zero"),
-        "speed": ("m/s", "speed"),
-        "propeller_rps": ("1/s", "revolutions"),
-        "period": ("s", "period"),
-        "amplitude": ("m", "amplitude of surge or sway"),
-        "yaw_amplitude": ("deg", "amplitude of yaw"),
-        "rudder_amplitude": ("deg", "amplitude of the rudder"),
-        "phase": ("deg", "phase of the motion", "zero"),
-        "yaw_rate": ("rad/s", "yaw rate"),
-        "radius": ("m", "radius"),
-    },
     "water": {"rho": ("kg/m3", "density of the water")},
     "hull": {"L": ("m", "length of the model")},
     "rig": {
@@ -92,13 +76,21 @@ _KNOWN: Final[Mapping[Of, Mapping[str, tuple[str, ...]]]] = {
         "motion_reference_x": ("m", "point of the motion"),
     },
 }
-STATABLE: Final[Mapping[str, Statable]] = MappingProxyType(
-    {
-        name: Statable(name, words[0], of, *words[1:])
-        for of, known in _KNOWN.items()
-        for name, words in known.items()
-    }
-)
+
+
+def _statable() -> Iterator[Statable]:
+    """What can be stated, the settings after gauges and cross-talk."""
+    for of, known in _KNOWN.items():
+        if of == "water":
+            yield from (
+                Statable(item.name, item.unit, "setting", item.title or item.word, item.zero_error)
+                for item in RUN_SETTINGS.ordered("drift", "heel", "rudder")
+                if item.stated_std
+            )
+        yield from (Statable(name, words[0], of, *words[1:]) for name, words in known.items())
+
+
+STATABLE: Final = Registry(Statable, _statable, what="uncertainty")
 """By name. What each does to a run is said by `pmmkit.reduction.observations.stated`."""
 
 

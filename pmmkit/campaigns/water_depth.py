@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from pmmkit.base import CampaignError
-from pmmkit.campaigns.repeated_runs import LENGTH
 from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.setting import LENGTH
 
 
 def depths(campaign: Campaign) -> tuple[float | None, ...]:

@@ -41,10 +41,10 @@ def marked(outcome: Outcome, model: Model | str) -> Outcome:
     """What a command did with a model, or what was typed for one; where that was made by force,
     this stands above it. A structure has no force."""
     if isinstance(model, str):
-        from pmmkit.conventions import structures
+        from pmmkit.conventions import STRUCTURES
         from pmmkit.models import load_model
 
-        if model in structures():
+        if model in STRUCTURES:
             return outcome
         model = load_model(model)
     why = model.not_usable

@@ -149,11 +149,11 @@ class RecordOptions:
 
     def together(self) -> dict[str, Any]:
         """Settings of the records where several campaigns vote together."""
-        from pmmkit.effects import effect_of
+        from pmmkit.effects import CATALOGUE
 
         names = self.names
         return stated(
-            candidates=None if names is None else [effect_of(name) for name in names],
+            candidates=None if names is None else [CATALOGUE[name] for name in names],
             runs=patterns(self.runs),
             channels=None if self.channels is None else words(self.channels),
             sensors=sensors_of(self.sensors),

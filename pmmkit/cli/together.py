@@ -26,13 +26,13 @@ def together_outcome(
 ) -> Outcome:
     """The answer of several campaigns, printed and written."""
     from pmmkit.base import DataError
-    from pmmkit.conventions import structures
+    from pmmkit.conventions import STRUCTURES
     from pmmkit.diagnosis import joint_diagnosis
     from pmmkit.files import write_results
     from pmmkit.models import load_model, save_model
     from pmmkit.plotting import save
 
-    if name in structures():
+    if name in STRUCTURES:
         raise DataError(
             f"{name} is a structure: several campaigns are asked about a model. Give a model file "
             f"or a library ship; pmmkit reduce writes a model from captive tests."

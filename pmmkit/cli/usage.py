@@ -36,9 +36,9 @@ def _hints(error: Any, given: Sequence[str]) -> Iterator[str]:
 
 def _stray(given: Sequence[str]) -> Iterator[str]:
     """Manoeuvres that stand where a command or an argument is expected."""
-    from pmmkit.simulation import manoeuvres
+    from pmmkit.simulation import MANOEUVRES
 
     for ahead, word in zip(("", *given), given, strict=False):
         if not ahead.startswith("-") and not word.startswith("-"):
             plain = word.lower().replace("-", "_")
-            yield from get_close_matches(plain, manoeuvres(), n=1, cutoff=0.6)
+            yield from get_close_matches(plain, MANOEUVRES, n=1, cutoff=0.6)

@@ -10,16 +10,12 @@ if TYPE_CHECKING:
         DEGREE_CHANNELS,
         FORCE_CHANNELS,
         MOMENTS,
-        SETTING_UNITS,
         STRUT_CHANNELS,
         channel_of,
-        did_you_mean,
         factor_to,
         harmonic_part,
-        names_taken_unasked,
         split_unit,
         unit_in_name,
-        unit_of,
     )
     from pmmkit.conventions.derivatives import (
         CHANNELS,
@@ -56,7 +52,7 @@ if TYPE_CHECKING:
         second_overshoot_limit,
         told,
     )
-    from pmmkit.conventions.named_structures import Structure, structure_of, structures
+    from pmmkit.conventions.named_structures import STRUCTURES, Structure, structure_of
     from pmmkit.conventions.ship import Ship, Water, viscosity
     from pmmkit.conventions.sources import ITSELF, bibliography, bibtex, cite, reference
 
@@ -70,7 +66,7 @@ __all__ = [
     "ITSELF",
     "METRICS",
     "MOMENTS",
-    "SETTING_UNITS",
+    "STRUCTURES",
     "STRUT_CHANNELS",
     "SYSTEMS",
     "Convention",
@@ -88,7 +84,6 @@ __all__ = [
     "channel_of",
     "cite",
     "criteria",
-    "did_you_mean",
     "factor_to",
     "first_overshoot_limit",
     "force_unit",
@@ -104,18 +99,15 @@ __all__ = [
     "metric_of",
     "metric_unit",
     "metrics_named",
-    "names_taken_unasked",
     "parse_derivative",
     "reference",
     "second_overshoot_limit",
     "speed_unit",
     "split_unit",
     "structure_of",
-    "structures",
     "told",
     "unit_factor",
     "unit_in_name",
-    "unit_of",
     "viscosity",
 ]
 

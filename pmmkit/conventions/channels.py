@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
-from collections.abc import Iterable
 from functools import cache
 from typing import Final
 
@@ -72,35 +70,6 @@ DEGREE_CHANNELS: Final[dict[str, str]] = {
 }
 """Names of columns in degrees, and the channels that they become."""
 
-SETTING_UNITS: Final[dict[str, str]] = {
-    "speed": "m/s",
-    "drift_deg": "deg",
-    "heel_deg": "deg",
-    "rudder_deg": "deg",
-    "propeller_rps": "1/s",
-    "period": "s",
-    "frequency_hz": "1/s",
-    "amplitude_m": "m",
-    "yaw_amplitude_deg": "deg",
-    "rudder_amplitude_deg": "deg",
-    "path_amplitude_m": "m",
-    "strut_amplitude_m": "m",
-    "strut_phase_deg": "deg",
-    "phase_deg": "deg",
-    "yaw_rate": "rad/s",
-    "radius": "m",
-    "depth": "m",
-    "switch_deg": "deg",
-    "wave_height": "m",
-    "wave_period": "s",
-    "waves_from_deg": "deg",
-    "vdot_amplitude": "",
-    "v_amplitude": "",
-    "r_amplitude": "",
-    "rdot_amplitude": "",
-}
-"""Unit of each numeric setting of a run, as the campaign file states it."""
-
 _HARMONIC: Final = re.compile(
     rf"(?P<channel>{'|'.join(FORCE_CHANNELS)})_"
     r"(?:(?P<mean>mean)|(?P<std>std)|(?P<part>sin|cos|in|out)(?P<order>[1-9][0-9]?))"
@@ -108,7 +77,6 @@ _HARMONIC: Final = re.compile(
 _WITH_UNIT: Final = re.compile(
     r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))"
 )
-_TABLE_CHANNELS: Final = (*FORCE_CHANNELS, "n", "sinkage", "trim")
 
 
 def harmonic_part(name: str) -> tuple[str, str, int] | None:
@@ -188,37 +156,6 @@ def channel_of(name: str) -> str:
     return name if found is None else found[0]
 
 
-def unit_of(name: str, *, table: bool) -> str | None:
-    """SI unit, or the one in the name, of a column of that name; None if the name is not known.
-
-    Parameters
-    ----------
-    name : str
-        Name of a channel, and for tables of a setting, of a mean or of a harmonic.
-    table : bool
-        Whether the file is a table whose rows are runs.
-    """
-    if table:
-        if name in SETTING_UNITS:
-            return SETTING_UNITS[name]
-        part = harmonic_part(name)
-        if part is not None:
-            return CHANNEL_UNITS[part[0]]
-    if name in CHANNEL_UNITS:
-        return CHANNEL_UNITS[name]
-    found = unit_in_name(name)
-    return None if found is None else found[1]
-
-
-def names_taken_unasked(*, table: bool) -> frozenset[str] | None:
-    """Header names that are taken without being mapped; None stands for every known name.
-
-    In a table a column ``r`` or ``v`` is too often a non-dimensional amplitude: velocities are
-    taken there only where the campaign file maps them.
-    """
-    return frozenset((*_TABLE_CHANNELS, *SETTING_UNITS)) if table else None
-
-
 def factor_to(unit: str, target: str) -> float | None:
     """Factor from a unit to a target unit; None if they measure different things.
 
@@ -241,21 +178,3 @@ def factor_to(unit: str, target: str) -> float | None:
     if have == "1/s" and want == "rad/s" and unit.strip().lower() == "1/s":
         return 1.0
     return None
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """``; did you mean 'x'?`` with the nearest known name, or nothing.
-
-    Examples
-    --------
-    >>> did_you_mean("drift_dge", ["drift_deg", "speed"]), did_you_mean("KVLCC", ["kvlcc2"])
-    ("; did you mean 'drift_deg'?", "; did you mean 'kvlcc2'?")
-    """
-    listed = list(known)
-    folded = {item.lower(): item for item in listed}
-    if name.lower() in folded:
-        return f"; did you mean {folded[name.lower()]!r}?"
-    near = difflib.get_close_matches(name, listed, n=1, cutoff=0.6) or [
-        folded[item] for item in difflib.get_close_matches(name.lower(), folded, n=1, cutoff=0.6)
-    ]
-    return f"; did you mean {near[0]!r}?" if near else ""

@@ -8,7 +8,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Final, Literal
 
-from pmmkit.base import UnknownNameError
+from pmmkit.base import Registry, UnknownNameError
 
 HARD_OVER: Final = 35.0
 """Rudder of the turning circle of the standard, where the ship permits as much [deg]."""
@@ -210,7 +210,7 @@ def _metric(
 
 
 _OF_A_TURN: Final[tuple[Place, ...]] = ("turn", "comparison", "trial")
-METRICS: Final = (
+_METRICS: Final = (
     _metric("advance", "x090", "advance", "m", *_turning("advance", 4.5), told=_OF_A_TURN),
     _metric("transfer", "y090", "transfer", "m", told=_OF_A_TURN),
     _metric(
@@ -292,10 +292,14 @@ METRICS: Final = (
     _metric("time_shift", "t", "time of the shift of the rudder", "s"),
     _metric("time_ease", "t", "time of rudder amidships", "s"),
 )
+METRICS: Final = Registry(
+    Metric, lambda: _METRICS, what="metric", contract="pmmkit.testing.manoeuvres:check_metric"
+)
+"""All metrics by name; one of which there are several has a number in it, see `metric_of`."""
 
 
 @cache
-def metric_of(name: str, known: tuple[Metric, ...] = METRICS) -> Metric:
+def metric_of(name: str, known: tuple[Metric, ...] = _METRICS) -> Metric:
     """The metric of a number, by the name that the number has.
 
     Parameters
@@ -319,16 +323,10 @@ def metric_of(name: str, known: tuple[Metric, ...] = METRICS) -> Metric:
     for metric in known:
         if metric.count(bare) is not None and (bare == name or metric.length):
             return metric
-    from pmmkit.conventions.channels import did_you_mean
-
-    names = [metric.name for metric in known]
-    raise UnknownNameError(
-        f"There is no metric {name!r}{did_you_mean(name, names) or '.'} There are: "
-        f"{', '.join(names)}."
-    )
+    raise UnknownNameError(Registry(Metric, lambda: known, what="metric").unknown(name))
 
 
-def metric_unit(name: str, known: tuple[Metric, ...] = METRICS, *, lengths: str = "L") -> str:
+def metric_unit(name: str, known: tuple[Metric, ...] = _METRICS, *, lengths: str = "L") -> str:
     """Unit of a number, by the name that the number has.
 
     Parameters
@@ -355,8 +353,7 @@ def metrics_named(*names: str) -> tuple[Metric, ...]:
     >>> [metric.unit for metric in metrics_named("advance", "time_90")]
     ['m', 's']
     """
-    by_name = {metric.name: metric for metric in METRICS}
-    return tuple(by_name[name] for name in names)
+    return tuple(METRICS[name] for name in names)
 
 
 def in_both(L: float, values: Mapping[str, float], known: tuple[Metric, ...]) -> dict[str, float]:
@@ -373,7 +370,7 @@ def in_both(L: float, values: Mapping[str, float], known: tuple[Metric, ...]) ->
 
     Examples
     --------
-    >>> in_both(100.0, {"advance": 310.0, "time_90": 51.0}, METRICS)
+    >>> in_both(100.0, {"advance": 310.0, "time_90": 51.0}, tuple(METRICS.values()))
     {'advance': 310.0, 'advance_L': 3.1, 'time_90': 51.0}
     """
     found: dict[str, float] = {}
@@ -464,10 +461,10 @@ def criteria() -> tuple[tuple[Metric, Criterion], ...]:
     >>> [criterion.name for _, criterion in criteria()][:3]
     ['advance', 'tactical_diameter', 'initial_turning']
     """
-    return tuple((metric, item) for metric in METRICS for item in metric.criteria)
+    return tuple((metric, item) for metric in METRICS.values() for item in metric.criteria)
 
 
-def limits_in_lengths(metrics: Iterable[Metric] = METRICS) -> dict[str, float]:
+def limits_in_lengths(metrics: Iterable[Metric] = _METRICS) -> dict[str, float]:
     """Limits of lengths, by the name of the number in ship lengths.
 
     Examples

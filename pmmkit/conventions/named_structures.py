@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
-from types import MappingProxyType
 from typing import Final, Literal
 
-from pmmkit.base import UnknownNameError, offered
-from pmmkit.conventions.channels import did_you_mean
+from pmmkit.base import Registry, UnknownNameError, did_you_mean
 from pmmkit.conventions.derivatives import CHANNELS, canonical, parse_derivative
 from pmmkit.conventions.sources import cite
 
@@ -122,17 +119,14 @@ _OURS: Final = (
 )
 
 
-@cache
-def structures() -> Mapping[str, Structure]:
-    """All structures by name: pmmkit's, then those of other installed packages.
-
-    Examples
-    --------
-    >>> structures()["modulus"].source
-    'Fedyaevsky and Sobolev 1964; Norrbin 1971'
-    """
-    ours = {structure.name: structure for structure in _OURS}
-    return MappingProxyType(ours | offered(GROUP, Structure, taken=ours))
+STRUCTURES: Final = Registry(
+    Structure,
+    lambda: _OURS,
+    what="structure",
+    group=GROUP,
+    contract="pmmkit.testing.structures:check_structure",
+)
+"""All structures by name: pmmkit's, then those of other installed packages."""
 
 
 def structure_of(choice: str | Iterable[str] | Structure) -> Structure:
@@ -158,16 +152,16 @@ def structure_of(choice: str | Iterable[str] | Structure) -> Structure:
     """
     if isinstance(choice, Structure):
         return choice
-    if isinstance(choice, str) and choice in structures():
-        return structures()[choice]
+    if isinstance(choice, str) and choice in STRUCTURES:
+        return STRUCTURES[choice]
     names = choice.replace(",", " ").split() if isinstance(choice, str) else list(choice)
     try:
         if not names:
             raise UnknownNameError("the list is empty.")
         return Structure(name="custom", derivatives=_ordered(names))
     except UnknownNameError as error:
-        known = ", ".join(structures())
-        guess = did_you_mean(choice, structures()) if isinstance(choice, str) else ""
+        known = ", ".join(STRUCTURES)
+        guess = did_you_mean(choice, STRUCTURES) if isinstance(choice, str) else ""
         raise UnknownNameError(
             f"{choice!r} is neither a structure ({known}) nor a list of derivatives{guess or ':'} "
             f"{error}"

@@ -8,7 +8,7 @@ from typing import Any
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import Structure, structures
+from pmmkit.conventions import STRUCTURES, Structure
 from pmmkit.diagnosis.captive.diagnose import derivatives_of, diagnose_captive
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
@@ -59,7 +59,7 @@ def complete_model(model: Model | str | Path | Sequence[str] | Structure) -> Mod
     DataError
         If it is a structure or a list of derivatives.
     """
-    if isinstance(model, (str, Path)) and model not in structures():
+    if isinstance(model, (str, Path)) and model not in STRUCTURES:
         model = load_model(model)
     if not isinstance(model, Model):
         raise DataError(

@@ -8,11 +8,10 @@ if TYPE_CHECKING:
     from pmmkit.effects.added_mass import INERTIA, dimensional, resolve, unknown_places
     from pmmkit.effects.definition import BY_SPEED, KINDS, Effect, Parameter, Role, unit_is_known
     from pmmkit.effects.entries import (
+        CATALOGUE,
         arguments_of,
         catalogue,
-        edition_of,
         effect,
-        effect_of,
         is_fault,
         register_effect,
     )
@@ -61,6 +60,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ANTENNA",
     "BY_SPEED",
+    "CATALOGUE",
     "CLOCK_LAG",
     "CURRENT",
     "EXCITES",
@@ -100,9 +100,7 @@ __all__ = [
     "arguments_of",
     "catalogue",
     "dimensional",
-    "edition_of",
     "effect",
-    "effect_of",
     "factors",
     "function_of_text",
     "in_channel",

@@ -9,8 +9,8 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Any, Final, Literal, get_args
 
-from pmmkit.base import UnknownNameError
-from pmmkit.conventions import cite, did_you_mean, parse_derivative
+from pmmkit.base import UnknownNameError, did_you_mean
+from pmmkit.conventions import cite, parse_derivative
 from pmmkit.effects.seen import Acts, Move, Vessel
 from pmmkit.effects.suspect import Suspect
 from pmmkit.presentation import Described, Grid, Group, Section

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from inspect import signature
-from types import MappingProxyType
 from typing import Any, Final
 
-import pmmkit.effects as folder
-from pmmkit.base import ModelError, UnknownNameError, offered
-from pmmkit.conventions import did_you_mean
+from pmmkit.base import Registry, listed_in
 from pmmkit.effects.definition import Effect
 
 GROUP: Final = "pmmkit.effects"
 """Entry points under which installed packages offer an effect, or a sequence of them."""
-_registered: Final[dict[str, Effect]] = {}
-_editions: Final[dict[str, int]] = {}
+CATALOGUE: Final = Registry(
+    Effect,
+    listed_in("pmmkit.effects", "EFFECTS"),
+    what="effect",
+    group=GROUP,
+    contract="pmmkit.testing.effects:check_effect",
+)
+"""All effects by name: those of pmmkit in the order of their files, then those of others."""
 
 
 def catalogue() -> Mapping[str, Effect]:
@@ -29,30 +30,7 @@ def catalogue() -> Mapping[str, Effect]:
     >>> catalogue()["propeller"].family
     'propeller'
     """
-    return MappingProxyType({**_installed(), **_registered})
-
-
-def effect_of(name: str) -> Effect:
-    """The effect of a name.
-
-    Raises
-    ------
-    UnknownNameError
-        With the names there are.
-
-    Examples
-    --------
-    >>> effect_of("added_mass").kind
-    'mass'
-    """
-    known = _registered.get(name) or _installed().get(name)
-    if known is None:
-        every = catalogue()
-        raise UnknownNameError(
-            f"There is no effect {name!r}{did_you_mean(name, every) or '.'} "
-            f"There are: {', '.join(every)}."
-        )
-    return known
+    return CATALOGUE
 
 
 def register_effect(effect: Effect) -> Effect:
@@ -75,19 +53,8 @@ def register_effect(effect: Effect) -> Effect:
     ModelError
         If the name is one of pmmkit's own, or no name.
     """
-    if effect.name in _installed():
-        raise ModelError(f"There is an effect {effect.name!r} already: choose another name.")
-    if not effect.name.isidentifier():
-        raise ModelError(f"{effect.name!r} is no name: take letters, digits and _.")
-    if _registered.get(effect.name) is not effect:
-        _editions[effect.name] = edition_of(effect.name) + 1
-    _registered[effect.name] = effect
+    CATALOGUE.register(effect)
     return effect
-
-
-def edition_of(name: str) -> int:
-    """How often an effect of a name was registered in this session; 0 for those of pmmkit."""
-    return _editions.get(name, 0)
 
 
 def effect(**declared: Any) -> Callable[[Callable[..., Any]], Effect]:
@@ -126,12 +93,6 @@ def effect(**declared: Any) -> Callable[[Callable[..., Any]], Effect]:
     return made
 
 
-def forget_effect(name: str) -> None:
-    """Take a registered effect out of the catalogue again; nothing where there is none."""
-    if _registered.pop(name, None) is not None:
-        _editions[name] = edition_of(name) + 1  # what a package offers under its name is another
-
-
 def arguments_of(effect: Effect) -> tuple[str, ...]:
     """What the force of an effect asks for, by name; nothing where it has none."""
     return _arguments(effect.force) if effect.force is not None else ()
@@ -142,22 +103,6 @@ def _arguments(function: Callable[..., Any]) -> tuple[str, ...]:
     return tuple(signature(function).parameters)
 
 
-@cache
-def _installed() -> Mapping[str, Effect]:
-    found: dict[str, Effect] = {}
-    for module in sorted(_modules()):
-        for item in getattr(importlib.import_module(module), "EFFECTS", ()):
-            found[item.name] = item
-    found |= offered(GROUP, Effect, found)
-    return MappingProxyType(found)
-
-
-def _modules() -> Iterator[str]:
-    for module in pkgutil.walk_packages(folder.__path__, f"{folder.__name__}."):
-        if module.name != __name__:
-            yield module.name
-
-
 def is_fault(name: str) -> bool:
     """Whether a name is that of a fault of the measurement.
 
@@ -166,5 +111,5 @@ def is_fault(name: str) -> bool:
     >>> is_fault("fault_gauge_zero"), is_fault("memory")
     (True, False)
     """
-    known = _registered.get(name) or _installed().get(name)
+    known = CATALOGUE.get(name)
     return known is not None and known.faulty

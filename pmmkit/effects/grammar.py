@@ -14,7 +14,7 @@ from typing import Any, Final, NoReturn
 from pmmkit.base import DataError, Problem, UnknownNameError
 from pmmkit.conventions import CHANNELS, bare, canonical, parse_derivative
 from pmmkit.effects.definition import Effect, Parameter
-from pmmkit.effects.entries import catalogue
+from pmmkit.effects.entries import CATALOGUE
 from pmmkit.effects.expressions import (
     MOST,
     NotUnderstood,
@@ -92,8 +92,8 @@ def own_effect(
     >>> own_effect("fins", "Y: v*|v|*r; N: v*v*r; Nvvr ~ -0.04").typical
     mappingproxy({'Yv|v|r': 0.01..., 'Nvvr': -0.04})
     """
-    if not _NAME.fullmatch(name) or name in catalogue():
-        known = "it is one of the catalogue" if name in catalogue() else "use a to z, 0 to 9, _"
+    if not _NAME.fullmatch(name) or name in CATALOGUE:
+        known = "it is one of the catalogue" if name in CATALOGUE else "use a to z, 0 to 9, _"
         raise DataError(f"{name!r:.40} cannot be the name of an own effect: {known}.")
     if not isinstance(text, str):
         raise DataError(f"The terms of {name} must be a text such as 'Y: v*|v|*r'.")

@@ -8,34 +8,15 @@ from datetime import datetime
 from typing import Any, Final
 
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import OF_SAMPLES, Campaign, Run, Struts, TypeB
+from pmmkit.campaigns import OF_SAMPLES, RUN_SETTINGS, Campaign, Run, Struts, TypeB
 from pmmkit.exports.text import written_by
 from pmmkit.files import toml_text
 from pmmkit.presentation import comment
 
-_DEGREES: Final = {
-    "drift": "drift_deg",
-    "heel": "heel_deg",
-    "rudder": "rudder_deg",
-    "phase": "phase_deg",
-}
-"""Settings that are zero where nothing is stated."""
-_OPTIONAL: Final = {
-    "yaw_amplitude": ("yaw_amplitude_deg", True),
-    "rudder_amplitude": ("rudder_amplitude_deg", True),
-    "switch": ("switch_deg", True),
-    "amplitude": ("amplitude_m", False),
-    "period": ("period", False),
-    "propeller_rps": ("propeller_rps", False),
-    "yaw_rate": ("yaw_rate", False),
-    "radius": ("radius", False),
-    "depth": ("depth", False),
-    "wave_height": ("wave_height", False),
-    "wave_period": ("wave_period", False),
-    "waves_from": ("waves_from_deg", True),
-    "repeat_of": ("repeat_of", False),
-}
-"""Settings that may be absent: their keys, and whether those are in degrees."""
+_ZERO: Final = ("drift", "heel", "rudder", "phase")
+"""Settings that are zero where nothing is stated, and are written first."""
+_NEXT: Final = ("yaw_amplitude", "rudder_amplitude", "switch", "amplitude", "period")
+"""Those that are written next; the others follow in the order of their keys."""
 _SHIP: Final = {
     "name": "name",
     "L": "L",
@@ -127,14 +108,16 @@ def settings_of(run: Run) -> dict[str, Any]:
     """The settings of a run as a campaign file states them."""
     given, stated = run.settings, run.stated
     found: dict[str, Any] = {"speed": given.speed}
-    for name, key in _DEGREES.items():
-        value = getattr(given, name)
-        if value or key in stated or (not stated and name != "phase"):
-            found[key] = _before(math.radians, value, math.degrees(value))
-    for name, (key, angle) in _OPTIONAL.items():
-        value = getattr(given, name)
-        if value is not None:
-            found[key] = _before(math.radians, value, math.degrees(value)) if angle else value
+    for item in RUN_SETTINGS.ordered(*_ZERO, *_NEXT):
+        value = given.value(item.name) if item.kept and item.name != "speed" else None
+        key, zero = item.in_file, item.name in _ZERO
+        if value is None or (
+            zero and not (value or key in stated or (not stated and item.name != "phase"))
+        ):
+            continue
+        found[key] = _before(item.to_si, value, item.to_file(value)) if item.angle else value
+    if given.repeat_of is not None:
+        found["repeat_of"] = given.repeat_of
     if given.strut_spacing is not None:
         for key in ("amplitude_m", "yaw_amplitude_deg"):
             found.pop(key, None)

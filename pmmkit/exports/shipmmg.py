@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from pmmkit.base import ModelError, TableError
-from pmmkit.effects import HULL, INERTIA, effect_of
+from pmmkit.effects import CATALOGUE, HULL, INERTIA
 from pmmkit.exports.text import WHICH_SPEED, written_by
 from pmmkit.models import Model, converted, from_values
 from pmmkit.presentation import PYTHON_FIRST, comment, plain
@@ -120,7 +120,7 @@ def _check_parts(model: Model) -> None:
 
 def _derivatives(model: Model, effect: str, Fn: float) -> dict[str, Any]:
     values = model.values(effect, Fn if model.Fn else None)
-    known = effect_of(effect)
+    known = CATALOGUE[effect]
     return {name: value for name, value in values.items() if known.parameter(name) is None}
 
 

@@ -12,12 +12,12 @@ import numpy as np
 from pmmkit.campaigns import Campaign, Run
 from pmmkit.effects import (
     ANTENNA,
+    CATALOGUE,
     CLOCK_LAG,
     CURRENT,
     HEADING_OFFSET,
     LOG_GAIN,
     RUDDER_ZERO,
-    catalogue,
 )
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model, Sailing, faults_of, moves_of
@@ -76,7 +76,7 @@ def offsets(model: Model, campaign: str) -> dict[str, float]:
     found: dict[str, float] = {}
     for name, step in faults_of(model.steps, campaign).items():
         known = {label: float(x) for label, x in step.coefficients.items()}  # type: ignore[arg-type]
-        for label, move in moves_of(catalogue()[name], Sailing(model, 1.0)).items():
+        for label, move in moves_of(CATALOGUE[name], Sailing(model, 1.0)).items():
             for place, share in move.values.items() if label in known else ():
                 found[place] = found.get(place, 0.0) + share * known[label]
     return found

@@ -7,9 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
-from pmmkit.base import DataError, Problem, UnknownNameError
+from pmmkit.base import DataError, Problem, UnknownNameError, did_you_mean
 from pmmkit.campaigns import Campaign, Cut, Run, usable
-from pmmkit.conventions import did_you_mean
 from pmmkit.identification.as_tested import offsets, without
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.record import FreeRecord

@@ -9,9 +9,8 @@ from typing import Final, Literal
 
 import numpy as np
 
-from pmmkit.base import DataError
+from pmmkit.base import DataError, did_you_mean
 from pmmkit.campaigns import GAP, Run, half_window, true_wind, usable, velocity
-from pmmkit.conventions import did_you_mean
 from pmmkit.identification.record import CHANNELS, FreeRecord, rate_limited
 from pmmkit.models import Model
 from pmmkit.numerics import Array

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pmmkit.base import DataError, UnknownNameError
-from pmmkit.conventions import canonical, did_you_mean
+from pmmkit.base import DataError, UnknownNameError, did_you_mean
+from pmmkit.conventions import canonical
 from pmmkit.effects import CURRENT, HULL
 from pmmkit.identification.binding import places
 from pmmkit.identification.prior import Prior, prior_of

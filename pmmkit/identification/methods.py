@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from pmmkit.base import DataError, ModelError, Progress, UnknownNameError
+from pmmkit.base import DataError, ModelError, Progress, Registry
 from pmmkit.effects import CURRENT
 from pmmkit.identification.binding import places, with_parameters
-from pmmkit.identification.forces import fit_to_forces
+from pmmkit.identification.forces import ForceRecord, fit_to_forces
 from pmmkit.identification.prior import Prior, asked_names, prior_of
 from pmmkit.identification.record import FreeRecord, title_of
 from pmmkit.identification.restarts import filtered
@@ -34,9 +34,6 @@ POINTED_AT: Final = 3.0
 """The same of a report."""
 WHITE: Final = 1.5
 """Variance of the residuals over that of white ones up to which they count as white."""
-METHODS: Final = ("ekf", "ukf", "trajectory", "regression", "sindy", "posterior")
-SECONDS: Final = METHODS[:-1]
-"""Those that take seconds and are set side by side where nothing else is asked for."""
 UNSEEN: Final = 0.9
 """A standard deviation above this share of the prior's: the records say nothing of a value."""
 
@@ -244,8 +241,7 @@ def identify(
     >>> found.values.round(3)
     array([-0.137, -0.049])
     """
-    if method not in METHODS:
-        raise UnknownNameError(f"There is no method {method!r}; there are: {', '.join(METHODS)}.")
+    chosen = METHODS[method]
     if not records:
         raise DataError("There is no record to identify from.")
     given = [record.name for record in records]
@@ -256,60 +252,154 @@ def identify(
     speed = records[0].speed
     asked = asked_names(model, names)
     before = prior or prior_of(model, asked, speed, spread=spread, extrapolate=extrapolate)
-    shared: dict[str, Any] = {"sensors": sensors, "extrapolate": extrapolate}
-    found: Any
-    if method in ("ekf", "ukf"):
-        found, tried = filtered(
-            model,
-            records,
-            before,
-            method=method,  # type: ignore[arg-type]
-            progress=progress,
-            **shared,
-            **settings,
-        )
-        notes: tuple[str, ...] = (
+    shared: dict[str, Any] = {"sensors": sensors, "extrapolate": extrapolate, "progress": progress}
+    if chosen.selects:
+        shared["library"] = [name for name in asked if "." not in name and name not in CURRENT]
+    found, notes = chosen.fit(model, records, before, **shared, **settings)
+    if chosen.selects:
+        return _sparse(found, before, started)
+    seconds = time.perf_counter() - started
+    return _told(model, method, before, found, notes, seconds, title_of(records))
+
+
+MethodResult = tuple[Any, tuple[str, ...]]
+"""The result of a method, and what it has to say."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdentificationMethod:
+    """A way to identify a model from records.
+
+    `fit`: given the model, the records, the prior, and by name ``sensors``, ``extrapolate``,
+    ``progress`` and its own settings. `seconds`: whether it takes seconds, and not minutes.
+    `selects`: whether it chooses among the terms of a library.
+    """
+
+    name: str
+    fit: Callable[..., MethodResult]
+    seconds: bool = True
+    selects: bool = False
+
+
+def _by_filter(method: Literal["ekf", "ukf"]) -> Callable[..., MethodResult]:
+    """A Kalman filter."""
+
+    def fit(
+        model: Model, records: Sequence[FreeRecord], prior: Prior, **settings: Any
+    ) -> MethodResult:
+        found, tried = filtered(model, records, prior, method=method, **settings)
+        return found, (
             f"{found.iterations} passes, {'settled' if found.converged else 'NOT settled'}",
             f"process noise {found.roughness:g} U²/L over the root of L/U",
             *_lost(tried),
         )
-    elif method == "trajectory":
-        found = fit_trajectories(model, records, before, progress=progress, **shared, **settings)
-        notes = (
-            f"{found.windows} windows, {found.iterations} steps, "
-            f"{'settled' if found.converged else 'NOT settled'}",
-            f"variance widened {found.inflation:.3g} times: residuals are not white"
-            if found.inflation > WHITE
-            else "residuals as white as the sensors'",
-            *_lost(found.tried),
-        )
-    elif method == "posterior":
-        from pmmkit.identification.posterior.posterior import sample_posterior
 
-        found = sample_posterior(model, records, before, progress=progress, **shared, **settings)
-        notes = (*found.notes(), *_lost(found.tried))
-    else:
-        memory = {"memory": settings["memory"]} if "memory" in settings else {}
-        forces = []
-        for number, record in enumerate(records):
-            if progress is not None:
-                progress(number, len(records), f"forces that {record.name} implies")
-            kept = smooth(model, record, **shared, **memory)
-            forces.append(implied_forces(model, kept, **memory))
-        rest = {name: x for name, x in settings.items() if name != "memory"}
-        if method == "sindy":
-            from pmmkit.identification.sparse.regression import sparse_regression
+    return fit
 
-            library = [name for name in asked if "." not in name and name not in CURRENT]
-            return _sparse(
-                sparse_regression(model, forces, library=library, **rest), before, started
-            )
-        found = fit_to_forces(
-            model, forces, before.names, prior=before, extrapolate=extrapolate, progress=progress
-        )
-        notes = ("forces implied by the smoother",)
-    seconds = time.perf_counter() - started
-    return _told(model, method, before, found, notes, seconds, title_of(records))
+
+def _by_trajectories(
+    model: Model, records: Sequence[FreeRecord], prior: Prior, **settings: Any
+) -> MethodResult:
+    """A fit through the simulator."""
+    found = fit_trajectories(model, records, prior, **settings)
+    return found, (
+        f"{found.windows} windows, {found.iterations} steps, "
+        f"{'settled' if found.converged else 'NOT settled'}",
+        f"variance widened {found.inflation:.3g} times: residuals are not white"
+        if found.inflation > WHITE
+        else "residuals as white as the sensors'",
+        *_lost(found.tried),
+    )
+
+
+def _by_draws(
+    model: Model, records: Sequence[FreeRecord], prior: Prior, **settings: Any
+) -> MethodResult:
+    """Draws from the posterior."""
+    from pmmkit.identification.posterior.posterior import sample_posterior
+
+    found = sample_posterior(model, records, prior, **settings)
+    return found, (*found.notes(), *_lost(found.tried))
+
+
+def _implied(
+    model: Model,
+    records: Sequence[FreeRecord],
+    *,
+    progress: Progress | None,
+    memory: Mapping[str, Any],
+    **shared: Any,
+) -> list[ForceRecord]:
+    """The forces that the smoother implies, of each record."""
+    forces = []
+    for number, record in enumerate(records):
+        if progress is not None:
+            progress(number, len(records), f"forces that {record.name} implies")
+        kept = smooth(model, record, **shared, **memory)
+        forces.append(implied_forces(model, kept, **memory))
+    return forces
+
+
+def _by_regression(
+    model: Model,
+    records: Sequence[FreeRecord],
+    prior: Prior,
+    *,
+    sensors: Mapping[str, float] | None,
+    extrapolate: bool,
+    progress: Progress | None,
+    **settings: Any,
+) -> MethodResult:
+    """A regression of the forces that the smoother implies."""
+    memory, _ = _with_memory(settings)
+    shared: dict[str, Any] = {"sensors": sensors, "extrapolate": extrapolate}
+    forces = _implied(model, records, progress=progress, memory=memory, **shared)
+    found = fit_to_forces(
+        model, forces, prior.names, prior=prior, extrapolate=extrapolate, progress=progress
+    )
+    return found, ("forces implied by the smoother",)
+
+
+def _by_selection(
+    model: Model,
+    records: Sequence[FreeRecord],
+    _prior: Prior,
+    *,
+    sensors: Mapping[str, float] | None,
+    extrapolate: bool,
+    progress: Progress | None,
+    **settings: Any,
+) -> MethodResult:
+    """The same with terms left out that the records do not need."""
+    from pmmkit.identification.sparse.regression import sparse_regression
+
+    memory, rest = _with_memory(settings)
+    shared: dict[str, Any] = {"sensors": sensors, "extrapolate": extrapolate}
+    forces = _implied(model, records, progress=progress, memory=memory, **shared)
+    return sparse_regression(model, forces, **rest), ()
+
+
+def _with_memory(settings: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The memory of the smoother, where it is given, and the other settings."""
+    memory = {name: value for name, value in settings.items() if name == "memory"}
+    return memory, {name: value for name, value in settings.items() if name != "memory"}
+
+
+METHODS: Final = Registry(
+    IdentificationMethod,
+    lambda: (
+        IdentificationMethod(name="ekf", fit=_by_filter("ekf")),
+        IdentificationMethod(name="ukf", fit=_by_filter("ukf")),
+        IdentificationMethod(name="trajectory", fit=_by_trajectories),
+        IdentificationMethod(name="regression", fit=_by_regression),
+        IdentificationMethod(name="sindy", fit=_by_selection, selects=True),
+        IdentificationMethod(name="posterior", fit=_by_draws, seconds=False),
+    ),
+    what="method",
+    unknown="There is no method {name!r}; there are: {names}.",
+)
+SECONDS: Final = tuple(method.name for method in METHODS.values() if method.seconds)
+"""Those that take seconds and are set side by side where nothing else is asked for."""
 
 
 def _lost(tried: Sequence[str]) -> tuple[str, ...]:

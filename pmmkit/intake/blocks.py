@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import SWAY, YAW, kind_with
-from pmmkit.conventions import CHANNEL_UNITS, SETTING_UNITS, factor_to
+from pmmkit.campaigns import SWAY, YAW, kind_with, setting_units
+from pmmkit.conventions import CHANNEL_UNITS, factor_to
 from pmmkit.intake.seen import Blocks, ColumnLook, SheetBlock, What
 from pmmkit.numerics import Array
 from pmmkit.presentation import meanings
@@ -194,8 +194,8 @@ def _values(cells: Cells, rows: Sequence[int], column: ColumnLook | None) -> Arr
     if column is None or column.suggestion is None:
         return np.zeros(0)
     name = column.suggestion.name
-    unit = column.suggestion.unit or column.unit or SETTING_UNITS.get(name)
-    target = "rad" if name in SETTING_UNITS else CHANNEL_UNITS.get(name, "")
+    unit = column.suggestion.unit or column.unit or setting_units().get(name)
+    target = "rad" if name in setting_units() else CHANNEL_UNITS.get(name, "")
     try:
         factor = (factor_to(unit, target) if unit else 1.0) or 1.0
     except DataError:

@@ -10,14 +10,14 @@ import numpy as np
 from pmmkit.intake.guessing import Suggestion, rates_of, suggest, wrong_unit
 from pmmkit.intake.seen import Clock, ColumnLook, FileLook, concerns, doubt_in, without_doubt
 from pmmkit.numerics import Array
-from pmmkit.readers import reader_of
+from pmmkit.readers import READERS
 
 
 def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = ()) -> FileLook:
     """A look with what the columns probably are, their numbers, the clock and the kind of file."""
     headers = [without_doubt(column.header) for column in look.columns]
     units = [column.unit for column in look.columns]
-    usual = reader_of(look.format).usual(headers)
+    usual = READERS[look.format].usual(headers)
     found = suggest(headers, units, values, usual=usual)
     kind = _kind(headers, found, values, look.columns)
     if kind in ("table", "open water"):

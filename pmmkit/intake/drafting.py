@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any, Final, get_args
 
 from pmmkit.base import CampaignError, DataError, Problem
-from pmmkit.campaigns import FILE_NAME, TABLES, campaign_of, kinds, with_columns
+from pmmkit.campaigns import FILE_NAME, TABLES, TEST_KINDS, campaign_of, with_columns
 from pmmkit.intake.drafts.choosing import ColumnChoice, signed, with_choices
 from pmmkit.intake.drafts.columns import their_column
 from pmmkit.intake.drafts.draft import draft_of
@@ -356,7 +356,7 @@ def _options(table: str, key: str, text: str) -> tuple[str, ...]:
     """What a key may be, where that is one of some words."""
     if key == "test" and table in ("runs", "tables"):
         free = 'kind = "free-running"' in text
-        return tuple(name for name, kind in kinds().items() if kind.free_running == free)
+        return tuple(name for name, kind in TEST_KINDS.items() if kind.free_running == free)
     model = TABLES.get(table)
     known = None if model is None else model.model_fields.get(key)
     options = () if known is None else get_args(known.annotation)

@@ -18,6 +18,7 @@ from pmmkit.intake.seen import ColumnLook, FileLook
 from pmmkit.intake.values import values_of
 from pmmkit.readers import (
     HEAD,
+    READERS,
     DelimitedText,
     Options,
     Request,
@@ -25,8 +26,6 @@ from pmmkit.readers import (
     head_of,
     layout_of,
     mostly_numbers,
-    reader_of,
-    readers,
     recognise,
     text_of,
 )
@@ -144,7 +143,7 @@ def not_recognised(request: Request, head: bytes) -> Problem:
     what = "rows of numbers in columns" if decoded else "text, nor any of the binary formats read"
     return request.problem(
         f"the layout is not known: there are no {what}. Expected: one of "
-        f"{', '.join(readers())}, text files with at least two rows of numbers between commas, "
+        f"{', '.join(READERS)}, text files with at least two rows of numbers between commas, "
         f"semicolons, tabs or blanks. It begins:{begins}",
         remedy="\n  If it is text of columns, state skip_rows, delimiter and decimal in [source].",
     )
@@ -209,7 +208,7 @@ def _total(rows: int, sample: Sample) -> int:
 
 
 def _sheets(look: FileLook, numbers: bool) -> tuple[FileLook, ...]:
-    names = reader_of(look.format).sheets(look.request)
+    names = READERS[look.format].sheets(look.request)
     return tuple(
         _sheet(replace(look, options=replace(look.options, sheet=name)), len(names), numbers)
         for name in names
@@ -222,7 +221,7 @@ def _sheet(look: FileLook, count: int, numbers: bool) -> FileLook:
     options = replace(look.options, sheet=None if count == 1 else look.options.sheet)
     look = replace(look, shown=shown, options=options)
     try:
-        cells = reader_of(look.format).cells(look.request)
+        cells = READERS[look.format].cells(look.request)
     except CampaignError as error:
         return replace(look, problems=error.problems)
     numeric = [
@@ -241,7 +240,7 @@ def _sheet(look: FileLook, count: int, numbers: bool) -> FileLook:
 
 def _other(look: FileLook, numbers: bool) -> FileLook:
     """A file of a format whose reader tells its headers."""
-    headers = reader_of(look.format).names(look.request)
+    headers = READERS[look.format].names(look.request)
     columns = _columns(headers, ("",) * len(headers), (True,) * len(headers))
     look = replace(look, columns=columns)
     return with_numbers(look) if numbers else judged(look, {})

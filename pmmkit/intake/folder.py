@@ -15,7 +15,7 @@ from pmmkit.campaigns import FILE_NAME, PACKED, is_packed_campaign, open_campaig
 from pmmkit.files import as_url, shown_url
 from pmmkit.intake.file import look_at, with_numbers
 from pmmkit.intake.seen import FileLook
-from pmmkit.readers import reader_of, readers, recognise
+from pmmkit.readers import READERS, recognise
 
 MOST_FILES: Final = 2000
 """Files of a folder that are looked at; of more it is only said how many there are."""
@@ -297,7 +297,7 @@ def _walk(folder: Path, depth: int) -> Iterator[Path]:
 def _is_one_run(folder: Path) -> bool:
     """Whether a folder is one measurement: of a format of folders, its files parts of one run."""
     name = recognise(folder)
-    return name is not None and reader_of(name).is_one_run(folder)
+    return name is not None and READERS[name].is_one_run(folder)
 
 
 def _campaign(path: Path, shown: str) -> CampaignLook:
@@ -325,6 +325,6 @@ def _nothing(folder: Path, others: Mapping[str, int], problems: list[Problem]) -
     main = Problem(
         message=f"there are no measurements in this folder. {said}",
         file=str(folder),
-        remedy=f"Expected: files of the formats {', '.join(readers())}.",
+        remedy=f"Expected: files of the formats {', '.join(READERS)}.",
     )
     return CampaignError([main, *problems])

@@ -6,23 +6,28 @@ A suggestion is for a person to confirm: nothing is read by it.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
 
 from pmmkit.base import DataError
+from pmmkit.campaigns import (
+    RUN_SETTINGS,
+    RunSetting,
+    brought,
+    names_taken_unasked,
+    setting_units,
+    unit_of,
+)
 from pmmkit.conventions import (
     CHANNEL_UNITS,
     DEGREE_CHANNELS,
-    SETTING_UNITS,
     channel_of,
     harmonic_part,
-    names_taken_unasked,
     split_unit,
     unit_factor,
-    unit_of,
 )
 from pmmkit.numerics import Array
 from pmmkit.presentation import meanings, same
@@ -155,7 +160,7 @@ def _each_once(found: Sequence[Suggestion | None], *, table: bool) -> tuple[Sugg
         if item is None:
             continue
         # what a table says was set stands beside what was measured
-        name = item.name if table and item.name in SETTING_UNITS else channel_of(item.name)
+        name = item.name if table and item.name in setting_units() else channel_of(item.name)
         holder = found[best[name]] if name in best else None
         if holder is None or _RANK[item.certainty] < _RANK[holder.certainty]:
             best[name] = position
@@ -205,7 +210,7 @@ def _by_name(
     own = _SUFFIX_UNITS.get(words[-1]) if unit is None and len(words) > 1 else None
     folded = " ".join(words[:-1] if own else words).lower()
     unit = unit or own
-    for name, pattern in (*(_TABLE_NAMES if table else ()), *_NAMES):
+    for name, pattern in (*(RUN_SETTINGS.derived(_table_names) if table else ()), *_NAMES):
         found = pattern.fullmatch(folded) or pattern.search(folded)
         if not found or not _fits(name, unit, table=table):
             continue
@@ -225,7 +230,8 @@ def _by_name(
 
 def _in_other_words(header: str, unit: str | None, *, table: bool) -> Suggestion | None:
     """By a word of another language; surer where it is all of the header."""
-    found = [*meanings("setting", header)] if table else []
+    more = {item.in_file: item.words for item in brought() if item.words}
+    found = [*meanings("setting", header, more)] if table else []
     for channel, word in meanings("channel", header):
         held = _SETTINGS_OF.get(channel) if table else None
         found.append((held or channel, word))
@@ -399,7 +405,7 @@ _NAMES: Final = tuple(
 )
 
 _SEEN: Final = "measured|actual|mean"
-_TABLE_NAMES: Final = tuple(
+_BEFORE: Final = tuple(
     (name, _pattern(words))
     for name, words in {
         "n": f"prop(?:eller)? (?:{_SEEN})",
@@ -407,24 +413,24 @@ _TABLE_NAMES: Final = tuple(
         "FX_rudder": "r ?x|rudder x",
         "FY_rudder": "r ?y|rudder y",
         "Q": "prop(?:eller)? q",
-        "drift_deg": "beta|β|drift(?: angle)?",
-        "rudder_deg": "delta|δ|rudder(?: angle)?",
-        "heel_deg": "phi|φ|heel(?: angle)?",
-        "propeller_rps": "rps|rpm|n|prop(?:eller)? (?:rps|rev(?:olution)?s?|given|ordered|nominal)",
-        "frequency_hz": "freq|frequency|f",
-        "period": "period",
-        "yaw_amplitude_deg": "(?:yaw|heading|psi)(?: angle)? ampl?(?:itude)?|psi ?[a0]|ψ ?[a0]",
-        "rudder_amplitude_deg": "(?:rudder|delta|δ)(?: angle)? ampl?(?:itude)?",
-        "amplitude_m": "(?:sway |motion |y )?ampl?(?:itude)?|y ?[a0]",
-        "vdot_amplitude": "vdot|v dot",
-        "rdot_amplitude": "rdot|r dot",
-        "v_amplitude": "v",
-        "r_amplitude": "r",
-        "speed": "speed(?: m s)?|v|u|(?:towing )?carriage speed|towing speed|v ?carriage|u ?c",
-        "T": "t ?x|thrust",
-        "X": "resistance(?: n)?",
     }.items()
 )
+_AFTER: Final = (("T", _pattern("t ?x|thrust")), ("X", _pattern("resistance(?: n)?")))
+_LATE: Final = (
+    *("drift", "rudder", "heel", "propeller_rps", "frequency_hz", "period", "yaw_amplitude"),
+    *("rudder_amplitude", "amplitude", "vdot_amplitude", "rdot_amplitude", "v_amplitude"),
+    *("r_amplitude", "speed"),
+)
+"""Settings by their headers, the more special ones first; those of single letters last."""
+
+
+def _table_names(settings: Iterable[RunSetting]) -> tuple[tuple[str, re.Pattern[str]], ...]:
+    """Headers of tables whose rows are runs; what kinds of test bring along is the most special."""
+    by_name = {item.name: item for item in settings if item.header}
+    first = [name for name in by_name if name not in _LATE]
+    ordered = [by_name[name] for name in (*first, *_LATE)]
+    return (*_BEFORE, *((item.in_file, _pattern(item.header)) for item in ordered), *_AFTER)
+
 
 _SETTINGS_OF: Final = {
     "U_carriage": "speed",

@@ -13,7 +13,7 @@ from pmmkit.base import DataError, Problem
 from pmmkit.conventions import unit_factor
 from pmmkit.intake.guessing import Suggestion
 from pmmkit.presentation import meanings
-from pmmkit.readers import Options, Request, TextLayout, reader_of
+from pmmkit.readers import READERS, Options, Request, TextLayout
 
 # Columns of which their header says that they are not to be believed.
 
@@ -267,12 +267,12 @@ class FileLook:
     @property
     def is_campaign(self) -> bool:
         """Whether it is a campaign of its own, with ship and runs."""
-        return bool(self.format) and reader_of(self.format).campaign
+        return bool(self.format) and READERS[self.format].campaign
 
     @property
     def has_sheets(self) -> bool:
         """Whether it is a workbook, or a sheet of one."""
-        return bool(self.format) and "sheet" in reader_of(self.format).keys
+        return bool(self.format) and "sheet" in READERS[self.format].keys
 
     @property
     def titles(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 from pmmkit.base import CampaignError, Problem
 from pmmkit.intake.seen import FileLook
 from pmmkit.numerics import ABSURD, Array
-from pmmkit.readers import Request, TextLayout, numbers_of, reader_of, to_number
+from pmmkit.readers import READERS, Request, TextLayout, numbers_of, to_number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +34,7 @@ def values_of(look: FileLook, positions: Sequence[int] | None = None) -> Values:
     """
     wanted = tuple(positions if positions is not None else _numeric(look))
     request = look.request
-    reader = reader_of(look.format)
+    reader = READERS[look.format]
     if look.blocks.mixed:
         return _of_runs(look, wanted)
     try:
@@ -46,7 +46,7 @@ def values_of(look: FileLook, positions: Sequence[int] | None = None) -> Values:
 
 def _of_runs(look: FileLook, positions: Sequence[int]) -> Values:
     """The numbers of the rows that are runs or samples of them; the others are no damage."""
-    cells = reader_of(look.format).cells(look.request)
+    cells = READERS[look.format].cells(look.request)
     taken = {line for block in look.blocks.runs for line in block.lines}
     kept = [place for place, line in enumerate(cells.lines) if line in taken]
     own = replace(
@@ -78,7 +78,7 @@ def _few(problems: Sequence[Problem], request: Request) -> tuple[Problem, ...]:
 def _lenient(look: FileLook, positions: Sequence[int]) -> dict[int, Array]:
     """Columns of a damaged text file or sheet, NaN where there is no number; else nothing."""
     if look.has_sheets:
-        cells = reader_of(look.format).cells(look.request)
+        cells = READERS[look.format].cells(look.request)
         found = {
             place: np.array([to_number(row[place]) for row in cells.rows], dtype=float)
             for place in positions

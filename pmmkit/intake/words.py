@@ -11,7 +11,7 @@ from pmmkit.base import Problem
 from pmmkit.intake.folder import MOST_COUNTED, FileGroup, Look
 from pmmkit.intake.seen import Clock, ColumnLook, FileLook, SheetBlock
 from pmmkit.presentation import counted
-from pmmkit.readers import reader_of
+from pmmkit.readers import READERS
 
 _DELIMITERS: Final = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks", "|": "bars"}
 _KINDS: Final = {
@@ -83,7 +83,7 @@ def block_words(block: SheetBlock) -> str:
 
 def file_words(look: FileLook) -> str:
     """Format, layout and size of a file in words."""
-    words = [reader_of(look.format).words, _KINDS[look.kind]]
+    words = [READERS[look.format].words, _KINDS[look.kind]]
     layout = look.layout
     if layout is not None:
         sign = "comma" if layout.decimal == "," else "point"

@@ -7,9 +7,9 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Literal, Protocol
 
-from pmmkit.base import ModelError, Problem, Remedy, UnknownNameError, Way
-from pmmkit.conventions import canonical, did_you_mean
-from pmmkit.effects import BY_SPEED, Effect, Move, Parameter, catalogue, effect_of
+from pmmkit.base import ModelError, Problem, Remedy, UnknownNameError, Way, did_you_mean
+from pmmkit.conventions import canonical
+from pmmkit.effects import BY_SPEED, CATALOGUE, Effect, Move, Parameter
 from pmmkit.models.changes import before_of, restored, without_values
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Before, Step, Value
@@ -175,12 +175,12 @@ def _asked(
     given: Mapping[str, float] | None = None
     named = isinstance(effect, Effect | str)
     if isinstance(effect, Effect | str):
-        entry = effect if isinstance(effect, Effect) else effect_of(effect)
+        entry = effect if isinstance(effect, Effect) else CATALOGUE[effect]
         asked_here = entry.kind == "terms" and entry.moves is not None
     else:
         given = effect.coefficients
         value = effect.value if value is None else value
-        entry = effect_of(effect.effect) if effect.effect in catalogue() else _found(effect)
+        entry = CATALOGUE[effect.effect] if effect.effect in CATALOGUE else _found(effect)
         asked_here = effect.beside
     _refuse(entry)
     own: Mapping[str, Move] = {}

@@ -3,16 +3,39 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, fields
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.base import ModelError, Problem, UnknownNameError
-from pmmkit.conventions import Ship, Water, did_you_mean
+from pmmkit.base import ModelError, Problem, Registry
+from pmmkit.conventions import Ship, Water
 from pmmkit.files import datasets_folder, read_toml
 
 _POSITIVE: Final = frozenset({"L", "B", "d", "volume", "mass", "Izz", "Ixx", "rho", "g", "nu"})
+
+
+@dataclass(frozen=True)
+class LibraryShip:
+    """A ship of the library: its name, and the model file that holds its particulars."""
+
+    name: str
+    file: Path
+
+
+def _of_the_library() -> Iterator[LibraryShip]:
+    for path in sorted((datasets_folder() / "ships").glob("*.toml"), key=lambda path: path.stem):
+        yield LibraryShip(path.stem, path)
+
+
+SHIPS: Final = Registry(
+    LibraryShip,
+    _of_the_library,
+    what="ship",
+    unknown="The library has no ship {name!r}{guess} It has {names}. For a file of your own write "
+    "its path with the ending .toml.",
+)
+"""The ships of the library by name."""
 
 
 def ships() -> list[str]:
@@ -23,17 +46,7 @@ def ships() -> list[str]:
     >>> "s175" in ships()
     True
     """
-    return sorted(path.stem for path in (datasets_folder() / "ships").glob("*.toml"))
-
-
-def ship_file(name: str) -> Path:
-    """The model file of a library ship."""
-    if name not in ships():
-        raise UnknownNameError(
-            f"The library has no ship {name!r}{did_you_mean(name, ships()) or '.'} It has "
-            f"{', '.join(ships())}. For a file of your own write its path with the ending .toml."
-        )
-    return datasets_folder() / "ships" / f"{name}.toml"
+    return list(SHIPS)
 
 
 def load_ship(name: str) -> Ship:
@@ -59,7 +72,7 @@ def load_ship(name: str) -> Ship:
     >>> ship.L, ship.B, round(ship.block, 4)
     (175.0, 25.4, 0.5617)
     """
-    path = ship_file(name)
+    path = SHIPS[name].file
     problems: list[Problem] = []
     ship = read_ship(read_toml(path), str(path), problems)
     if ship is None:

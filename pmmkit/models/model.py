@@ -22,13 +22,12 @@ from pmmkit.base import (
 )
 from pmmkit.conventions import Convention, Derivative, Ship, Water, canonical, parse_derivative
 from pmmkit.effects import (
+    CATALOGUE,
     HULL,
     INERTIA,
     ROLL_PART,
     RUDDER_POLYNOMIAL,
     Effect,
-    catalogue,
-    effect_of,
     unknown_places,
     written_effect,
 )
@@ -96,7 +95,7 @@ class Part:
     @property
     def known(self) -> Effect:
         """What the catalogue, or the user's text, says of the effect."""
-        return written_effect(self.effect, self.text) if self.text else effect_of(self.effect)
+        return written_effect(self.effect, self.text) if self.text else CATALOGUE[self.effect]
 
     def source_of(self, name: str) -> str:
         """Where one value comes from."""
@@ -430,8 +429,8 @@ def problems(model: Model) -> list[str]:
 
 
 def _part_problems(part: Part, rows: int) -> list[str]:
-    if not part.text and part.effect not in catalogue():
-        return [f"There is no effect {part.effect!r}; there are: {', '.join(catalogue())}."]
+    if not part.text and part.effect not in CATALOGUE:
+        return [f"There is no effect {part.effect!r}; there are: {', '.join(CATALOGUE)}."]
     known = part.known
     found = known.problems(part.values, part.options)
     if part.effect == INERTIA and (lost := unknown_places(part.values)):

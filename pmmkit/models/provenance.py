@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.conventions import parse_derivative
-from pmmkit.effects import HULL, Effect, Role, catalogue
+from pmmkit.effects import CATALOGUE, HULL, Effect, Role
 from pmmkit.models.model import FN_TOLERANCE, Model, Part
 from pmmkit.presentation import listed
 
@@ -51,7 +51,7 @@ def lacking(model: Model) -> tuple[Role, ...]:
 
 def in_role(role: Role) -> tuple[str, ...]:
     """All effects of the catalogue that have a role."""
-    return tuple(effect.name for effect in catalogue().values() if role in effect.roles)
+    return tuple(effect.name for effect in CATALOGUE.values() if role in effect.roles)
 
 
 def serves(effect: Effect, role: Role) -> bool:

@@ -17,8 +17,7 @@ from typing import (
     get_type_hints,
 )
 
-from pmmkit.base import ModelError, Problem
-from pmmkit.conventions import did_you_mean
+from pmmkit.base import ModelError, Problem, did_you_mean
 from pmmkit.models.library import number
 from pmmkit.models.step import Value
 

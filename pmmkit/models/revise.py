@@ -7,8 +7,8 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
 
-from pmmkit.base import ModelError, UnknownNameError
-from pmmkit.conventions import canonical, did_you_mean
+from pmmkit.base import ModelError, UnknownNameError, did_you_mean
+from pmmkit.conventions import canonical
 from pmmkit.effects import PROPELLER, RUDDER_MMG
 from pmmkit.models.changes import before_of, covariance_of
 from pmmkit.models.model import DERIVATIVE_PARTS, Model, Part, place_name

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-from pmmkit.conventions import did_you_mean
+from pmmkit.base import did_you_mean
 from pmmkit.effects import PROPELLER, RUDDER_MMG, Effect, Parameter
 
 SECTIONS: Final[Mapping[str, Effect]] = MappingProxyType(

@@ -16,7 +16,7 @@ from pmmkit.base import DataError, ModelError, Problem, UnknownNameError
 from pmmkit.conventions import Convention
 from pmmkit.effects import is_fault
 from pmmkit.files import CAMPAIGN, MODEL, read_toml, refuse_other, toml_text, write_text
-from pmmkit.models.library import read_ship, read_water, ship_file, ships
+from pmmkit.models.library import SHIPS, read_ship, read_water, ships
 from pmmkit.models.model import Model, Part
 from pmmkit.models.records import FileReader, entries
 from pmmkit.models.step import Step, Value
@@ -143,7 +143,7 @@ def load_model(name_or_path: str | Path) -> Model:
     )
     if Path(text).is_dir() and not (is_name and text in ships()):
         raise _folder(Path(text))
-    path = ship_file(text) if is_name else Path(name_or_path)
+    path = SHIPS[text].file if is_name else Path(name_or_path)
     content = read_toml(path)
     refuse_other(content, MODEL, str(path), ModelError)
     return model_from(content, str(path))

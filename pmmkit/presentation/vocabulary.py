@@ -51,7 +51,9 @@ def letters() -> frozenset[str]:
     )
 
 
-def meanings(subject: Subject, text: str) -> tuple[tuple[str, str], ...]:
+def meanings(
+    subject: Subject, text: str, also: Mapping[str, tuple[str, ...]] | None = None
+) -> tuple[tuple[str, str], ...]:
     """Our names for what a text says, each with the word it was told by, the longest first.
 
     Parameters
@@ -60,6 +62,8 @@ def meanings(subject: Subject, text: str) -> tuple[tuple[str, str], ...]:
         What is asked for.
     text : str
         A header or the name of a file.
+    also : mapping of str to tuple of str, optional
+        More names with their words.
 
     Examples
     --------
@@ -71,15 +75,22 @@ def meanings(subject: Subject, text: str) -> tuple[tuple[str, str], ...]:
     (('amplitude_m', 'amplitude'), ('yaw_amplitude_deg', 'amplitude'))
     """
     plain = _folded(text)
-    found = [(name, word) for name, word, pattern in _patterns(subject) if pattern.search(plain)]
+    patterns = (*_patterns(subject), *_compiled(subject, also or {}))
+    found = [(name, word) for name, word, pattern in patterns if pattern.search(plain)]
     return tuple(sorted(found, key=lambda item: -len(item[1])))
 
 
 @cache
 def _patterns(subject: Subject) -> tuple[tuple[str, str, re.Pattern[str]], ...]:
+    return _compiled(subject, vocabulary()[subject])
+
+
+def _compiled(
+    subject: Subject, names: Mapping[str, tuple[str, ...]]
+) -> tuple[tuple[str, str, re.Pattern[str]], ...]:
     return tuple(
         (name, word, _pattern(word, whole=subject != "test"))
-        for name, words in vocabulary()[subject].items()
+        for name, words in names.items()
         for word in words
     )
 

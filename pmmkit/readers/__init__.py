@@ -25,14 +25,7 @@ if TYPE_CHECKING:
     )
     from pmmkit.readers.hdf5.datasets import SIGNATURE, declared_bytes, is_saved_campaign, open_hdf5
     from pmmkit.readers.reader import Reader
-    from pmmkit.readers.registry import (
-        files_of,
-        format_of,
-        reader_for,
-        reader_of,
-        readers,
-        recognise,
-    )
+    from pmmkit.readers.registry import READERS, files_of, format_of, reader_for, recognise
     from pmmkit.readers.rows import as_text, filled_in, matching_rows, no_column
     from pmmkit.readers.saved import SavedCampaign
     from pmmkit.readers.saved.file import FORMAT, SCHEMA, checksum, loader_of, opened, read_index
@@ -44,6 +37,7 @@ if TYPE_CHECKING:
 __all__ = [
     "FORMAT",
     "HEAD",
+    "READERS",
     "SCHEMA",
     "SIGNATURE",
     "Cell",
@@ -80,8 +74,6 @@ __all__ = [
     "opened",
     "read_index",
     "reader_for",
-    "reader_of",
-    "readers",
     "recognise",
     "safe_names",
     "text_of",

@@ -9,19 +9,17 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
-from collections.abc import Iterable, Iterator, Mapping
-from functools import cache
+from collections.abc import Iterable, Iterator
 from pathlib import Path, PurePath
-from types import MappingProxyType
 from typing import Final, Literal
 
-from pmmkit.base import UnknownNameError, offered
-from pmmkit.conventions import did_you_mean
+from pmmkit.base import Registry
 from pmmkit.readers.base import Cells, Choose, Columns, Options, Request, columns_of, head_of
 from pmmkit.readers.reader import Reader
 
 __all__ = [
     "GROUP",
+    "READERS",
     "Cells",
     "Choose",
     "Columns",
@@ -32,8 +30,6 @@ __all__ = [
     "files_of",
     "format_of",
     "reader_for",
-    "reader_of",
-    "readers",
     "recognise",
 ]
 
@@ -41,25 +37,9 @@ GROUP: Final = "pmmkit.readers"
 """Entry point group by which other packages bring readers."""
 
 
-@cache
-def readers() -> Mapping[str, Reader]:
-    """All readers by name: those of this folder, then those of other installed packages.
-
-    A reader of another package that cannot be imported, or whose name is taken, is left out with a
-    warning.
-
-    Examples
-    --------
-    >>> readers()["tdms"].words, ".nc" in readers()["hdf5"].suffixes
-    ('TDMS (LabVIEW)', True)
-    """
-    found = {reader.name: reader for reader in sorted(_ours(), key=lambda item: item.name)}
-    brought = offered(GROUP, Reader, found)  # type: ignore[type-abstract]
-    return MappingProxyType(found | brought)
-
-
 def _ours() -> Iterator[Reader]:
-    """A reader of each class that the modules and packages of this folder define."""
+    """A reader of each class that the modules and packages of this folder define, by name."""
+    made = []
     for item in pkgutil.iter_modules(importlib.import_module("pmmkit.readers").__path__):
         module = importlib.import_module(f"pmmkit.readers.{item.name}")
         for thing in vars(module).values():
@@ -69,33 +49,19 @@ def _ours() -> Iterator[Reader]:
                 and thing.__module__ == module.__name__
                 and not inspect.isabstract(thing)
             ):
-                yield thing()
+                made.append(thing())
+    yield from sorted(made, key=lambda reader: reader.name)
 
 
-def reader_of(name: str) -> Reader:
-    """The reader of a format.
-
-    Parameters
-    ----------
-    name : str
-        Of the format.
-
-    Raises
-    ------
-    UnknownNameError
-        If the format is not known.
-
-    Examples
-    --------
-    >>> reader_of("openfoam").computed
-    True
-    """
-    if name not in readers():
-        guess = did_you_mean(name, readers()) or "."
-        raise UnknownNameError(
-            f"Format {name!r} is not known{guess} Known: {', '.join(readers())}."
-        )
-    return readers()[name]
+READERS: Final = Registry(
+    Reader,  # type: ignore[type-abstract]
+    _ours,
+    what="format",
+    group=GROUP,
+    unknown="Format {name!r} is not known{guess} Known: {names}.",
+    contract="pmmkit.testing.readers:check_reader",
+)
+"""All readers by name: those of this folder, then those of other installed packages."""
 
 
 def format_of(file: str, options: Options, path: Path | None = None) -> str:
@@ -119,7 +85,7 @@ def format_of(file: str, options: Options, path: Path | None = None) -> str:
     if options.format:
         return options.format
     suffix = PurePath(file).suffix.lower()
-    named = next((reader for reader in readers().values() if suffix in reader.suffixes), None)
+    named = next((reader for reader in READERS.values() if suffix in reader.suffixes), None)
     otherwise = named.name if named is not None else _fallback("file")
     if path is None:
         return otherwise
@@ -127,13 +93,13 @@ def format_of(file: str, options: Options, path: Path | None = None) -> str:
         return recognise(path) or _fallback("folder")
     if named is not None and not named.container:
         return named.name
-    told = [name for name in _ordered() if readers()[name].fallback != "file"]
+    told = [name for name in _ordered() if READERS[name].fallback != "file"]
     return recognise(path, told) or otherwise
 
 
 def _fallback(kind: Literal["file", "folder"]) -> str:
     """The format of a file or folder of which nothing tells it."""
-    return next(reader.name for reader in readers().values() if reader.fallback == kind)
+    return next(reader.name for reader in READERS.values() if reader.fallback == kind)
 
 
 def recognise(path: Path, formats: Iterable[str] | None = None) -> str | None:
@@ -160,12 +126,12 @@ def recognise(path: Path, formats: Iterable[str] | None = None) -> str | None:
     except OSError:
         return None
     tried = _ordered() if formats is None else formats
-    return next((name for name in tried if readers()[name].recognises(path, head)), None)
+    return next((name for name in tried if READERS[name].recognises(path, head)), None)
 
 
 def _ordered() -> list[str]:
     """All formats, special ones first, text last."""
-    return sorted(readers(), key=lambda name: (readers()[name].general, not readers()[name].binary))
+    return sorted(READERS, key=lambda name: (READERS[name].general, not READERS[name].binary))
 
 
 def reader_for(request: Request) -> Reader:
@@ -181,7 +147,7 @@ def reader_for(request: Request) -> Reader:
     UnknownNameError
         If the format is not known.
     """
-    return reader_of(format_of(request.shown, request.options, request.path))
+    return READERS[format_of(request.shown, request.options, request.path)]
 
 
 def files_of(request: Request) -> dict[str, Path]:

@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from pmmkit.base import Problem
-from pmmkit.conventions import did_you_mean, split_unit
+from pmmkit.base import Problem, did_you_mean
+from pmmkit.conventions import split_unit
 from pmmkit.readers.base import Cell, Cells, Request, to_number
 
 Plain = str | float | int | bool

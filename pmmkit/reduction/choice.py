@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.base import CampaignError
-from pmmkit.conventions import CHANNELS, Structure, parse_derivative, structures
+from pmmkit.conventions import CHANNELS, STRUCTURES, Structure, parse_derivative
 from pmmkit.presentation import counted, listed
 from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.solve import Solution
@@ -40,7 +40,7 @@ def candidates(measured: Collection[str]) -> tuple[Structure, ...]:
     """
     plain = [
         each
-        for each in structures().values()
+        for each in STRUCTURES.values()
         if (each.system, each.surge) == ("prime", "u") and ("K" in measured or not each.of("K"))
     ]
     return tuple(sorted(plain, key=lambda each: -len(each.derivatives)))

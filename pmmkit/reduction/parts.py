@@ -358,9 +358,9 @@ def rudder_amidships(
     parts: Parts, state: State, L: float, rho: float, revolutions: float
 ) -> dict[str, Array]:
     """X, Y [N] and N [N m] of the rudder at zero angle behind its propeller, over histories."""
-    from pmmkit.effects import catalogue, propeller_force
+    from pmmkit.effects import CATALOGUE, propeller_force
 
-    screw, blade = catalogue()["propeller"], catalogue()["rudder_mmg"]
+    screw, blade = CATALOGUE["propeller"], CATALOGUE["rudder_mmg"]
     motion: dict[str, Any] = {
         "u": state.u,
         "v": state.v,

@@ -73,7 +73,7 @@ if TYPE_CHECKING:
         verdict_sections,
         what_follows,
     )
-    from pmmkit.simulation.kinds.catalogue import manoeuvre_of, manoeuvres
+    from pmmkit.simulation.kinds.catalogue import MANOEUVRES, manoeuvre_of
     from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting
     from pmmkit.simulation.kinds.turning import LENGTHS
     from pmmkit.simulation.kinds.zigzag import executed_at
@@ -108,6 +108,7 @@ __all__ = [
     "LENGTHS",
     "LOADED",
     "LONGEST_STEP",
+    "MANOEUVRES",
     "NO_SEA",
     "POLYNOMIALS",
     "RTOL",
@@ -158,7 +159,6 @@ __all__ = [
     "length_condition",
     "manoeuvre_of",
     "manoeuvre_words",
-    "manoeuvres",
     "measured_astern",
     "measures_over_froude",
     "metrics_of",

@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.effects import FOUR_QUADRANT_PROPELLER, HULL, SHAFT, catalogue
+from pmmkit.effects import CATALOGUE, FOUR_QUADRANT_PROPELLER, HULL, SHAFT
 from pmmkit.models import (
     ASSUMED,
     DEDUCTION,
@@ -370,7 +370,7 @@ def torque_of(model: Model, speed: float, **settings: Any) -> float:
 
 
 def _unknown_torque(model: Model) -> DataError:
-    knowing = [item.name for item in catalogue().values() if "torque" in item.outputs]
+    knowing = [item.name for item in CATALOGUE.values() if "torque" in item.outputs]
     return DataError(
         f"Model {model.name!r} does not know the torque of its propulsion, so it cannot be "
         f"limited. Leave the limit out, or give a part {' or '.join(knowing)} with its torque."

@@ -134,7 +134,7 @@ class Plan:
     revolutions_rate: float | None = None
     bucket_rate: float | None = None
     name: str = ""
-    metrics: tuple[Metric, ...] = METRICS
+    metrics: tuple[Metric, ...] = tuple(METRICS.values())
 
     def metrics_of(self, results: ProbeResults) -> dict[str, Any]:
         """The metrics by name, each length also in ship lengths."""

@@ -10,8 +10,17 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.base import DataError, Problem, Remedy, UnknownNameError, Workers, opened, setting
-from pmmkit.conventions import did_you_mean, in_lengths, main_of, metric_unit
+from pmmkit.base import (
+    DataError,
+    Problem,
+    Remedy,
+    UnknownNameError,
+    Workers,
+    did_you_mean,
+    opened,
+    setting,
+)
+from pmmkit.conventions import in_lengths, main_of, metric_unit
 from pmmkit.inference import Propagated, differences, displaced
 from pmmkit.models import Model, place_name
 from pmmkit.numerics import Array

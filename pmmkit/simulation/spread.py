@@ -9,7 +9,7 @@ from typing import Final, overload
 import numpy as np
 
 from pmmkit.base import DataError, ModelError, Problem, Remedy, setting
-from pmmkit.effects import effect_of
+from pmmkit.effects import CATALOGUE
 from pmmkit.inference import root
 from pmmkit.models import DERIVATIVE_PARTS, TOGETHER, Model, place_name
 from pmmkit.numerics import Array
@@ -237,7 +237,7 @@ def spread_of(
             name
             for effect in DERIVATIVE_PARTS
             for name in values[0].get(effect, {})
-            if effect_of(effect).parameter(name) is None
+            if CATALOGUE[effect].parameter(name) is None
         )
         means = np.array([[own[name] for name in names] for own in given])
         asked = Spread(

@@ -224,7 +224,7 @@ class Track(Described):
 
     def _metrics(self) -> Grid:
         known = self._known()
-        entries = known.metrics if known else METRICS
+        entries = known.metrics if known else tuple(METRICS.values())
         rows = []
         for name, value in self.metrics.items():
             bare = name.removesuffix(IN_LENGTHS)

@@ -19,12 +19,12 @@ from pmmkit.diagnosis import free_candidate_of as free_candidate
 from pmmkit.diagnosis import standard_tests
 from pmmkit.effects import (
     BY_SPEED,
+    CATALOGUE,
     EXCITES,
     KINDS,
     OUTSIDE,
     Effect,
     arguments_of,
-    catalogue,
     over_arrays,
     unit_is_known,
 )
@@ -173,8 +173,8 @@ def check_effect(effect: Effect, model: Model | None = None) -> None:
 
     Examples
     --------
-    >>> from pmmkit.effects import effect_of
-    >>> check_effect(effect_of("modulus_sway_drag"))
+    >>> from pmmkit.effects import CATALOGUE
+    >>> check_effect(CATALOGUE["modulus_sway_drag"])
     >>> check_effect(Effect(name="Keel", family="own", kind="terms", summary="A keel"))
     Traceback (most recent call last):
     AssertionError: Effect 'Keel':
@@ -298,7 +298,7 @@ def _of_terms(effect: Effect) -> Iterator[str]:
 
 
 def _of_freed(effect: Effect) -> Iterator[str]:
-    part = catalogue().get(effect.frees)
+    part = CATALOGUE.get(effect.frees)
     if part is None or not part.enters:
         yield f"it frees values of {effect.frees!r}, which is no part of a model"
     elif effect.moves is None:
@@ -322,7 +322,7 @@ _OF_KIND: Final[Mapping[str, Callable[[Effect], Iterator[str]]]] = {
 def _arguments(case: _Case) -> Iterator[str]:
     effect = case.effect
     own = {*(item.name for item in effect.parameters), *effect.options, *effect.states}
-    signals = {x for item in catalogue().values() for x in (*item.outputs, *item.states)}
+    signals = {x for item in CATALOGUE.values() for x in (*item.outputs, *item.states)}
     lost = [x for x in arguments_of(effect) if x not in own | GIVEN | signals]
     if lost:
         yield f"nobody gives the force {', '.join(lost)}"

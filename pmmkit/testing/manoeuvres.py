@@ -11,7 +11,7 @@ import numpy as np
 
 from pmmkit.base import DataError, PmmkitError
 from pmmkit.conventions import IN_LENGTHS, METRICS, Metric, metric_of
-from pmmkit.simulation import CHANNELS, Manoeuvre, Setting, Track, manoeuvres, simulate
+from pmmkit.simulation import CHANNELS, MANOEUVRES, Manoeuvre, Setting, Track, simulate
 
 UNITS: Final = {"m": "", "s": "", "-": "", "m/s": "", "deg": "_deg", "deg/s": "_deg_s"}
 """Units of metrics, and what then stands in their names."""
@@ -114,7 +114,7 @@ def _faults_of_metric(metric: Metric) -> Iterator[str]:
         yield f"its name does not say its unit: {UNITS[metric.unit]}"
     if not (metric.symbol and metric.title):
         yield "it has no symbol or no title"
-    for known in METRICS:
+    for known in METRICS.values():
         if known.name == metric.name and known.unit != metric.unit:
             yield f"it is in {metric.unit}; the metric of that name is in {known.unit}"
     for item in metric.criteria:
@@ -123,7 +123,7 @@ def _faults_of_metric(metric: Metric) -> Iterator[str]:
             yield f"the limit of {item.name} is not positive"
         if not item.paragraph:
             yield f"{item.name} names no paragraph"
-        sailed = manoeuvres().get(item.manoeuvre)
+        sailed = MANOEUVRES.get(item.manoeuvre)
         if sailed is None:
             yield f"{item.name} is judged by {item.manoeuvre!r}, which is no manoeuvre"
             continue

@@ -18,7 +18,7 @@ from pmmkit.base import CampaignError, PmmkitError
 from pmmkit.conventions import CHANNEL_UNITS, split_unit
 from pmmkit.files import sha256
 from pmmkit.numerics import Array
-from pmmkit.readers import Choose, Columns, Options, Reader, Request, head_of, readers, to_number
+from pmmkit.readers import READERS, Choose, Columns, Options, Reader, Request, head_of, to_number
 
 _CUTS: Final = 24
 """Places at which a file is cut short."""
@@ -133,8 +133,8 @@ def check_reader(
     >>> file = Path(tempfile.mkdtemp()) / "run.csv"
     >>> rows = [f"{place / 8:.3f},{place / 4:.3f}" for place in range(20)]
     >>> _ = file.write_text("\\n".join(["t,X [N]", *rows, ""]))
-    >>> check_reader(readers()["csv"], file, {"t": np.arange(20) / 8, "X": np.arange(20) / 4})
-    >>> check_reader(readers()["csv"], file, {"X": np.arange(20) / 5})
+    >>> check_reader(READERS["csv"], file, {"t": np.arange(20) / 8, "X": np.arange(20) / 4})
+    >>> check_reader(READERS["csv"], file, {"X": np.arange(20) / 5})
     Traceback (most recent call last):
     AssertionError: Reader 'csv':
     - nothing is lost: column 'X' is not as stated: 0.25 is read for 0.2 in row 2
@@ -188,7 +188,7 @@ def _declared(reader: Reader) -> Iterator[str]:
         text = getattr(reader, said, None)
         if not isinstance(text, str) or text != text.strip() or not text:
             yield f"{said} is {text!r}, not a text"
-    others = [other for other in readers().values() if type(other) is not kind]
+    others = [other for other in READERS.values() if type(other) is not kind]
     if getattr(reader, "name", None) in [other.name for other in others]:
         yield f"the name {reader.name!r} is taken"
     for suffix in reader.suffixes:

@@ -37,8 +37,8 @@ def check_structure(structure: Structure) -> None:
 
     Examples
     --------
-    >>> from pmmkit.conventions import structures
-    >>> check_structure(structures()["mmg"])
+    >>> from pmmkit.conventions import STRUCTURES
+    >>> check_structure(STRUCTURES["mmg"])
     >>> check_structure(Structure(name="My hull", derivatives=("Yvrv", "Nvvr", "Nrvv")))
     Traceback (most recent call last):
     AssertionError: Structure 'My hull':

@@ -5,25 +5,24 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
-from typing import Any, Final, get_args, get_type_hints
+from typing import Final, get_args, get_type_hints
 
 import numpy as np
 
-from pmmkit.campaigns import MAY_BE_ZERO, NominalMotion, Settings, TestKind, kinds, ship_axes
+from pmmkit.campaigns import (
+    MAY_BE_ZERO,
+    OURS,
+    RUN_SETTINGS,
+    TEST_KINDS,
+    NominalMotion,
+    RunSetting,
+    Settings,
+    TestKind,
+    ship_axes,
+)
+from pmmkit.conventions import is_unit
 from pmmkit.numerics import Array
 
-SIZES: Final = {
-    "drift": 0.15,
-    "heel": 0.1,
-    "rudder": 0.3,
-    "switch": 0.17,
-    "period": 8.0,
-    "amplitude": 0.3,
-    "yaw_amplitude": 0.2,
-    "rudder_amplitude": 0.2,
-    "yaw_rate": 0.1,
-}
-"""Settings that the contract tries, SI and radians."""
 SPEED: Final = 1.5
 _ANGLES: Final = ("drift", "heel", "rudder")
 _VARIABLES: Final = ("u", *MAY_BE_ZERO, "rps")
@@ -80,12 +79,77 @@ def check_test_kind(kind: TestKind) -> None:
         raise AssertionError("\n- ".join([f"Kind of test {kind.name!r}:", *found]))
 
 
+def check_run_setting(setting: RunSetting) -> None:
+    """Whether a setting of a run can stand beside those of pmmkit.
+
+    Its key says its unit and is no other's, its words are there, its patterns are regular
+    expressions that find it, and its usual value lies within its bounds and is told.
+
+    Parameters
+    ----------
+    setting : RunSetting
+        An entry, yours or pmmkit's.
+
+    Raises
+    ------
+    AssertionError
+        With everything that does not hold.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> check_run_setting(RUN_SETTINGS["drift"])
+    >>> check_run_setting(replace(RUN_SETTINGS["drift"], key="drift", word=""))
+    Traceback (most recent call last):
+    AssertionError: Setting 'drift':
+    - its key 'drift' is in degrees and does not end in _deg
+    - its uncertainty can be stated, and it has no word
+    """
+    if found := list(_faults(setting)):
+        raise AssertionError("\n- ".join([f"Setting {setting.name!r}:", *found]))
+
+
+def _faults(setting: RunSetting) -> Iterator[str]:
+    """What is wrong with a setting."""
+    for name in {setting.name, setting.in_file}:
+        if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name):
+            yield f"{name!r} is not of small letters, digits and underscores"
+    if setting.angle != setting.in_file.endswith("_deg"):
+        are = "is in degrees and does not end" if setting.angle else "is not in degrees and ends"
+        yield f"its key {setting.in_file!r} {are} in _deg"
+    others = (item for item in RUN_SETTINGS.values() if item.name != setting.name)
+    yield from (f"its key is that of {x.name}" for x in others if x.in_file == setting.in_file)
+    if setting.unit and not is_unit(setting.unit):
+        yield f"its unit {setting.unit!r} is not known"
+    if not setting.meaning:
+        yield "what its key means is not said"
+    if setting.stated_std and not setting.word:
+        yield "its uncertainty can be stated, and it has no word"
+    yield from (f"it states {x}, which is no setting" for x in setting.states if x not in OURS)
+    try:
+        re.compile(setting.header)
+        for pattern, _ in setting.in_names:
+            if "#" not in pattern:
+                yield f"{pattern!r} has no # for the number in a name"
+            re.compile(pattern.replace("#", "([0-9]+)"))
+    except re.error as error:
+        yield f"a pattern is no regular expression: {error}"
+    bounds, value = setting.bounds, setting.to_file(setting.typical or 0.0)
+    if setting.typical is not None and not (
+        (bounds.above is None or value > bounds.above)
+        and (bounds.least is None or value >= bounds.least)
+        and (bounds.below is None or value < bounds.below)
+        and (bounds.most is None or value <= bounds.most)
+    ):
+        yield f"its usual value {value:g} {setting.unit} is not within its bounds"
+
+
 def _words(kind: TestKind) -> Iterator[str]:
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", kind.name):
         yield "its name is not of small letters, digits and underscores"
     if not kind.title or "_" in kind.title:
         yield f"its title {kind.title!r} is not one for people"
-    other = kinds().get(kind.name)
+    other = TEST_KINDS.get(kind.name)
     if other is not None and other.motion != kind.motion:
         yield "another kind of test has its name"
     for code in kind.codes:
@@ -93,7 +157,7 @@ def _words(kind: TestKind) -> Iterator[str]:
             yield f"its code {code!r} is not of two or three capital letters"
         yield from (
             f"its code {code!r} is one of {item.name}"
-            for item in kinds().values()
+            for item in TEST_KINDS.values()
             if code in item.codes and item.name != kind.name
         )
     plain = " ".join(re.findall("[A-Za-z]+", kind.title)).lower()
@@ -108,11 +172,11 @@ def _settings(kind: TestKind) -> Iterator[str]:
     """What is wrong with what it says of its settings and parts."""
     if kind.family not in get_args(get_type_hints(TestKind)["family"]):
         yield f"its family is {kind.family!r}"
-    known = {*SIZES, *(item.name for item in fields(Settings))}
+    known = {*RUN_SETTINGS, *(item.name for item in fields(Settings))}
     for name in (*kind.needs, *kind.takes):
         if name not in known:
             yield f"{name} is no setting"
-        elif name not in SIZES:
+        elif name not in RUN_SETTINGS or RUN_SETTINGS[name].typical is None:
             yield f"{name} goes without saying, or stands for another setting"
     if len({*kind.needs, *kind.takes}) < len((*kind.needs, *kind.takes)):
         yield "a setting comes twice"
@@ -124,9 +188,8 @@ def _settings(kind: TestKind) -> Iterator[str]:
         yield "it is not of the oscillating family and has swings"
     if kind.oscillates and not swung <= set(kind.needs):
         yield f"it needs {', '.join(sorted(swung - set(kind.needs)))}, and does not say so"
-    if not kind.oscillates and {"period", "amplitude", "yaw_amplitude", "rudder_amplitude"} & set(
-        kind.needs
-    ):
+    amplitudes = {item.name for item in RUN_SETTINGS.values() if item.swings}
+    if not kind.oscillates and {"period", *amplitudes} & set(kind.needs):
         yield "it needs the settings of an oscillation and is none"
     planned = {*_ANGLES, "amplitude", "yaw_amplitude"} & set(kind.needs)
     for name, shares in (kind.shares or {}).items():
@@ -137,7 +200,7 @@ def _settings(kind: TestKind) -> Iterator[str]:
     if kind.shares is not None and not set(kind.held) <= set(kind.shares):
         yield f"its shares leave out {', '.join(set(kind.held) - set(kind.shares))}"
     if kind.fit is not None:
-        unknown = set(kind.fit.beside) - set(kinds())
+        unknown = set(kind.fit.beside) - set(TEST_KINDS)
         yield from (f"its fit takes in {name}, which is no kind of test" for name in unknown)
     if not kind.quasi_steady > 0:
         yield "the frequency up to which it is quasi-steady is not positive"
@@ -156,13 +219,14 @@ def _example(
     kind: TestKind, size: float = 1.0, *, length: float = 1.0, time: float = 1.0
 ) -> Settings:
     """A test of the kind, its angles and amplitudes scaled, or all of it by length and time."""
-    powers = {"period": (0, 1), "amplitude": (1, 0), "yaw_rate": (0, -1)}
-    given: dict[str, Any] = {}
-    for name in (*kind.needs, *kind.takes):
-        along, during = powers.get(name, (0, 0))
-        share = 1.0 if name == "period" else size
-        given[name] = share * SIZES[name] * length**along * time**during
-    return Settings(speed=SPEED * (0.5 + 0.5 * size) * length / time, phase=0.4, **given)
+    powers = {"s": (0, 1), "m": (1, 0), "m/s": (1, -1), "rad/s": (0, -1), "1/s": (0, -1)}
+    speed = SPEED * (0.5 + 0.5 * size) * length / time
+    given: dict[str, float] = {"speed": speed, "phase": 0.4}
+    for item in (RUN_SETTINGS[name] for name in (*kind.needs, *kind.takes)):
+        along, during = powers.get(item.unit, (0, 0))
+        share = 1.0 if item.name == "period" else size
+        given[item.name] = share * (item.typical or 0.0) * length**along * time**during
+    return Settings.of(given)
 
 
 def _nominal(kind: TestKind, settings: Settings, theta: Array) -> dict[str, Array]:
@@ -204,13 +268,20 @@ def _rates(kind: TestKind, settings: Settings, theta: Array) -> Iterator[str]:
     for name in ("u", "v", "r"):
         if _differs(here[f"{name}dot"], _slope(before[name], after[name], settings), size):
             yield f"{name}dot is not the rate of change of {name}"
+    roll, behind, ahead = (kind.nominal(settings, theta + x) for x in (0.0, -_STEP, _STEP))
+    for name, rate in (("phi", "p"), ("p", "pdot")):
+        slope = _slope(
+            np.asarray(behind.get(name, 0.0)), np.asarray(ahead.get(name, 0.0)), settings
+        )
+        if _differs(np.asarray(roll.get(rate, 0.0)), slope, size):
+            yield f"{rate} is not the rate of change of {name}"
     later = _nominal(kind, settings, theta + 2 * np.pi)
     if any(_differs(later[name], here[name], size) for name in _MOTION):
         yield "its motion does not come back after a period"
     if kind.motion.tank is None:
         return
     tank, back, on = (kind.in_tank(settings, theta + x) for x in (0.0, -_STEP, _STEP))
-    kind.in_tank(Settings(speed=SPEED, period=SIZES["period"]), theta)
+    kind.in_tank(Settings(speed=SPEED, period=RUN_SETTINGS["period"].typical), theta)
     for name, rate in (("psi", "r"), ("r", "rdot"), ("xdot", "xddot"), ("ydot", "yddot")):
         slope = _slope(getattr(back, name), getattr(on, name), settings)
         if _differs(getattr(tank, rate), slope, size):
@@ -258,9 +329,11 @@ def _phases(
     if kind.motion.place is not None:
         place = kind.motion.place(settings, theta)
         seen |= {name: _fundamental(place[axis], theta) for axis, name in enumerate("xy")}
+    if "phi" in (nominal := kind.nominal(settings, theta)):
+        seen["phi"] = _fundamental(np.broadcast_to(nominal["phi"], theta.shape), theta)
     for swing in kind.swings:
-        found = abs(seen.get(swing.displacement, complex(getattr(settings, swing.amplitude))))
-        stated = getattr(settings, swing.amplitude)
+        stated = settings.value(swing.amplitude) or 0.0
+        found = abs(seen.get(swing.displacement, complex(stated)))
         if abs(found / stated - 1.0) > _TOLERANCE:
             yield f"{swing.displacement} swings by {found:.4g}, stated are {stated:.4g}"
     for told in kind.phase_channels:

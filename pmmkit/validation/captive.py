@@ -11,7 +11,7 @@ import numpy as np
 from pmmkit.base import DataError, ExtrapolationError, Progress
 from pmmkit.campaigns import Campaign, Rig, TypeB, force_of_water, rig_of
 from pmmkit.conventions import CHANNELS
-from pmmkit.effects import catalogue, slopes
+from pmmkit.effects import CATALOGUE, slopes
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Model, Step, faults_of
 from pmmkit.numerics import Array
@@ -39,7 +39,7 @@ def sizes_told(steps: Mapping[str, Step]) -> dict[str, tuple[float, ...]]:
     """Sizes of the faults that steps tell, as the coefficients of the effects stand."""
     sizes = {}
     for name, step in steps.items():
-        effect = catalogue()[name]
+        effect = CATALOGUE[name]
         labels = [item.name for item in effect.coefficients]
         if effect.acts is not None and not effect.each_run and set(labels) <= {*step.coefficients}:
             sizes[name] = tuple(float(step.coefficients[x]) for x in labels)  # type: ignore[arg-type]
@@ -51,7 +51,7 @@ def shown_too_much(view: View, predictor: Predictor, steps: Mapping[str, Step]) 
     seen = RunView(view, predictor)
     beside: dict[str, Array] = {}
     for name, sizes in sizes_told(steps).items():
-        effect = catalogue()[name]
+        effect = CATALOGUE[name]
         at = {effect.nonlinear.name: steps[name].value or 0.0} if effect.nonlinear else {}
         shown = slopes(effect, seen, at, list(effect.typical))
         for channel, columns in shown.items():

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from pmmkit.base import DataError, Progress, UnknownNameError
-from pmmkit.campaigns import Campaign, Rig, Run, kind_of, rig_of
+from pmmkit.campaigns import TEST_KINDS, Campaign, Rig, Run, rig_of
 from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, in_metres, in_words, told
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Model, load_model
@@ -139,7 +139,7 @@ class Comparison(Described):
             return trajectory([item.trial.ordered, item.track.ordered], names)
         if self.captive:
             found = self.cells()
-            titles = {cell.test: kind_of(cell.test).title for cell in found}
+            titles = {cell.test: TEST_KINDS[cell.test].title for cell in found}
             return misfit_map(found, titles, order_words)
         worst = self.worst_record()
         title = f"{worst.run.kind_of_test.title} {worst.name}"
@@ -194,7 +194,7 @@ class Comparison(Described):
             told = together(group)
             rows.append(
                 [
-                    f"{channel} [{unit}], {kind_of(test).title}",
+                    f"{channel} [{unit}], {TEST_KINDS[test].title}",
                     str(len(group)),
                     *(number(told[item.name], 3) for item in STATISTICS),
                     percent(told["relative"], signed=False),
@@ -516,7 +516,7 @@ def _record_statements(
     ]
     return [
         Statement(
-            text=f"{in_words(row['channel'])}, {kind_of(row['test']).title}, "
+            text=f"{in_words(row['channel'])}, {TEST_KINDS[row['test']].title}, "
             f"{row['speed']:.3g} m/s: {row['ratio']:.1f} times the uncertainty, {_size(row)}",
             channel=row["channel"],
             runs=tuple(
@@ -557,7 +557,7 @@ def _measure_statements(
             continue
         share = 100.0 * float(np.mean([row["relative"] for row in rows]))
         text = (
-            f"{in_words(measure)}, {kind_of(test).title}, "
+            f"{in_words(measure)}, {TEST_KINDS[test].title}, "
             f"{'all' if len(rows) > 1 else 'the'} {len(rows) if len(rows) > 1 else 'one'} "
             f"run{'s' if len(rows) > 1 else ''}: predicted {abs(share):.0f} % "
             f"{'more' if share > 0 else 'less'} than measured"

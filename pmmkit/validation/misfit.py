@@ -10,7 +10,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from pmmkit.campaigns import kind_of
+from pmmkit.campaigns import TEST_KINDS
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.numerics import Array, rms
 from pmmkit.presentation import listed
@@ -134,7 +134,7 @@ class Standout:
     def __str__(self) -> str:
         size = f"{self.size}, " if self.size else ""
         return (
-            f"{self.channel}, {kind_of(self.test).title}, {order_words(self.harmonic)}, "
+            f"{self.channel}, {TEST_KINDS[self.test].title}, {order_words(self.harmonic)}, "
             f"{self.where}: {size}{self.weight}"
         )
 
@@ -201,10 +201,10 @@ def _sentence(own: Sequence[Standout]) -> str:
     alike = len({item.where for item in own}) == 1
     parts = []
     for item in own:
-        what = order_words(item.harmonic) if one_test else kind_of(item.test).title
+        what = order_words(item.harmonic) if one_test else TEST_KINDS[item.test].title
         where = "" if alike else f", {item.where},"
         parts.append(f"{what}{where} {item.size} ({item.weight})")
-    common = kind_of(first.test).title if one_test else order_words(first.harmonic)
+    common = TEST_KINDS[first.test].title if one_test else order_words(first.harmonic)
     head = [first.channel, common, *([first.where] if alike else [])]
     return f"{', '.join(head)}: {', '.join(parts)}"
 

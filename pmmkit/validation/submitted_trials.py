@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from pmmkit.base import DataError, PmmkitError
-from pmmkit.campaigns import Campaign, Run, kind_of
+from pmmkit.campaigns import TEST_KINDS, Campaign, Run
 from pmmkit.identification import JUDGED, evaluate
 from pmmkit.validation.manoeuvre import ManoeuvreComparison
 
@@ -67,8 +67,8 @@ def _counterpart(run: Run, ours: Campaign, theirs: Campaign) -> Run | None:
 def _orders(run: Run) -> tuple[float, float]:
     """Rudder and heading of execute [rad], 0 where a test has none."""
     given = run.settings
-    if not kind_of(run.test).turns_rudder:
+    if not TEST_KINDS[run.test].turns_rudder:
         return 0.0, 0.0
     rudder = given.rudder
     switch = abs(rudder) if given.switch is None else abs(given.switch)
-    return rudder, switch if kind_of(run.test).switches else 0.0
+    return rudder, switch if TEST_KINDS[run.test].switches else 0.0

@@ -6,7 +6,7 @@ import shlex
 from pathlib import Path
 from typing import Final
 
-from pmmkit.conventions import structures
+from pmmkit.conventions import STRUCTURES
 from pmmkit.models import Step, load_model
 from pmmkit.workbench.saved import OWN, STEPS, WorkbenchState, model_file
 
@@ -22,7 +22,7 @@ def command_lines(state: WorkbenchState, folder: Path, structure: str) -> list[d
     told = own + "".join(f" --{name} {value:g}" for name, value in state.settings.items())
     found: list[dict[str, str]] = []
     model = shlex.quote(state.model)
-    if not state.model or state.model in structures():
+    if not state.model or state.model in STRUCTURES:
         base = folder / "reduced"
         lent = f" --parts {shlex.quote(state.parts)}" if state.parts else ""
         lent += " --force" if _by_force(model_file(folder, ())) else ""

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from pmmkit.base import DataError, PmmkitError, __version__
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import HARD_OVER, structures
+from pmmkit.conventions import HARD_OVER, STRUCTURES
 from pmmkit.diagnosis import read_session
 from pmmkit.effects import own_effect
 from pmmkit.files import datasets_folder
@@ -122,7 +122,7 @@ class Desk:
             "job": job.to_dict(),
             "demonstration": str(datasets_folder() / DEMONSTRATION[0]),
             "opened": False,
-            "structures": sorted(structures()),
+            "structures": sorted(STRUCTURES),
             "ships": sorted(ships()),
             "revision": -1,
         }
@@ -309,13 +309,13 @@ class Desk:
             if len(set(places)) < len(places):
                 raise DataError("A campaign is named twice: name another one of the same ship.")
             for name in (model, asked.parts):
-                if name and name not in structures() and name not in ships():
+                if name and name not in STRUCTURES and name not in ships():
                     self.named(name)
-            if asked.parts and model and model not in structures():
+            if asked.parts and model and model not in STRUCTURES:
                 raise DataError(f"{model} has its own parts: {asked.parts} lends to a structure.")
             if _lent(places[0]) and not model:
                 model = DEMONSTRATION[1]
-            reduced = not model or model in structures()
+            reduced = not model or model in STRUCTURES
             lent = asked.parts or (_lent(places[0]) if reduced else "")
             revision = -1 if self._state is None else self._state.revision
             state = replace(asked, model=model, parts=lent, revision=revision + 1, steps=())
@@ -409,7 +409,7 @@ class Desk:
 
     def reduce(self, structure: str, of: int = 0) -> Job:
         """Derivatives of a campaign by a structure."""
-        if structure not in structures():
+        if structure not in STRUCTURES:
             raise DataError(f"There is no structure {structure!r}.")
         with self._changing:
             state = self._opened()

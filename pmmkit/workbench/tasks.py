@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign, by_title, open_campaign
-from pmmkit.conventions import structures
+from pmmkit.conventions import STRUCTURES
 from pmmkit.diagnosis import Session, SeveralCampaigns, Together, begin, carried
 from pmmkit.intake import CheckFinding, examine, refuse
 from pmmkit.models import Model, load_model, save_model
@@ -206,7 +206,7 @@ class Tasks:
         return by_title([self._campaign(path, data) for path in paths])
 
     def _base(self, tests: Mapping[str, Campaign], model: str, parts: str | None) -> Model:
-        if model and model not in structures():
+        if model and model not in STRUCTURES:
             return load_model(model)
         captive = [item for item in tests.values() if item.kind == "captive"]
         if not captive:

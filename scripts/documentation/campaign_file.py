@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from pmmkit.campaigns import BUILT_IN, GaugeEntry, ImoEntry, ReportEntry, TestKind, setting_key
+from pmmkit.campaigns import TEST_KINDS, GaugeEntry, ImoEntry, ReportEntry, TestKind, setting_key
 from pmmkit.campaigns.file.schema import (
     CorrectionEntry,
     DefaultsEntry,
@@ -34,6 +34,7 @@ from pmmkit.campaigns.file.single_tables import (
 )
 from pmmkit.models import OPEN_WATER, SECTIONS, numbers_of, words_of
 from pmmkit.models.stated_parts import GEOMETRY
+from pmmkit.readers import READERS
 from scripts.documentation.fences import table
 
 LETTERS = {
@@ -58,7 +59,23 @@ def _row(kind: TestKind) -> tuple[str, ...]:
 def test_table() -> str:
     """The kinds of test with their settings."""
     head = ("test", "", "", "settings besides `speed`", "varies")
-    return table(head, map(_row, BUILT_IN.values()))
+    return table(head, map(_row, TEST_KINDS.own.values()))
+
+
+def format_table() -> str:
+    """The formats of measured files."""
+    head = ("`format`", "reads", "suffixes", "keys of `[source]` that count")
+    return table(
+        head,
+        (
+            (
+                f"`{reader.name}`",
+                reader.reads,
+                *(", ".join(f"`{x}`" for x in listed) for listed in (reader.suffixes, reader.keys)),
+            )
+            for reader in READERS.own.values()
+        ),
+    )
 
 
 def stated_table(section: str) -> str:
@@ -149,6 +166,7 @@ TABLES = {
     "formats.md": {
         **{f"keys of {name}": partial(keys_table, *models) for name, models in KEYS.items()},
         "tests": test_table,
+        "formats": format_table,
         **{section: partial(stated_table, section) for section in SECTIONS},
     }
 }

@@ -16,7 +16,7 @@ from pathlib import Path
 import pmmkit as pk
 from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.captive.signature import FROUDE, LENGTH, Signature, signatures
-from pmmkit.effects import Effect, catalogue
+from pmmkit.effects import CATALOGUE, Effect
 from pmmkit.files import datasets_folder, write_text
 from pmmkit.intake.checks import CHECKS
 from pmmkit.models import load_model
@@ -204,14 +204,14 @@ def effects_page() -> str:
     found = known_signatures()
     sections = [
         f"## {title}\n\n"
-        + "\n\n".join(effect_page(x, found.get(x.name)) for x in catalogue().values() if chosen(x))
+        + "\n\n".join(effect_page(x, found.get(x.name)) for x in CATALOGUE.values() if chosen(x))
         for title, chosen in SECTIONS.items()
     ]
     return f"{EFFECTS_HEAD}\n" + "\n\n".join([*sections, without_entry()]) + "\n"
 
 
 def pages() -> dict[str, str]:
-    checks = "\n".join(f"| {check.name} | {check.description} |" for check in CHECKS)
+    checks = "\n".join(f"| {check.name} | {check.description} |" for check in CHECKS.values())
     return {
         "effects.md": effects_page(),
         "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pmmkit.conventions import METRICS, Criterion, Metric, criteria
-from pmmkit.simulation import Setting, manoeuvres
+from pmmkit.simulation import MANOEUVRES, Setting
 from scripts.documentation.fences import table
 
 
@@ -11,7 +11,7 @@ def manoeuvre_table() -> str:
     """The manoeuvres with their settings."""
     rows = [
         (f"`{item.name}`", item.title, ", ".join(setting_words(one) for one in item.settings))
-        for item in manoeuvres().values()
+        for item in MANOEUVRES.values()
     ]
     return table(("`--manoeuvre`", "", "settings, with their defaults"), rows)
 
@@ -29,7 +29,7 @@ def metric_table() -> str:
         ("metric", "symbol", "what it is", "unit", "manoeuvres"),
         (
             (f"`{metric.name.format('N')}`", metric.symbol, words(metric), metric.unit, of(metric))
-            for metric in METRICS
+            for metric in METRICS.values()
         ),
     )
 
@@ -44,7 +44,7 @@ def of(metric: Metric) -> str:
     """The manoeuvres that give a metric."""
     given = [
         f"`{item.name}`"
-        for item in manoeuvres().values()
+        for item in MANOEUVRES.values()
         if any(one.name == metric.name for one in item.metrics)
     ]
     return ", ".join(given) or "sea trials alone"

@@ -12,10 +12,10 @@ from scripts.golden.job import SPEEDS, Job, empty_folder, masked
 def sailed(ship: str) -> dict[str, Any]:
     """A ship in every manoeuvre, with the settings that are usual."""
     import pmmkit as pk
-    from pmmkit.simulation import manoeuvres
+    from pmmkit.simulation import MANOEUVRES
 
     found: dict[str, Any] = {}
-    for name in sorted(manoeuvres()):
+    for name in sorted(MANOEUVRES):
         try:
             track = pk.simulate(pk.load_model(ship), name, speed=SPEEDS[ship])
         except pk.PmmkitError as error:

@@ -35,6 +35,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.base import listed_in
 from scripts.datasets.campaign_text import S175
 
 ROWS = 400
@@ -213,6 +214,7 @@ FOAM = "postProcessing/forces/0/"
 FORMATS = {
     item.name: item
     for item in (
+        *listed_in("scripts.studies.formats", "FORMATS")(),
         Format(name="csv", file="a.csv", entry="", write=_csv, text=True),
         Format(name="csv, decimal commas", file="a.txt", entry="", write=_german, text=True),
         Format(name="blanks", file="a.dat", entry="", write=_blanks, text=True),

@@ -37,7 +37,7 @@ from typing import Any
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.effects import catalogue
+from pmmkit.effects import CATALOGUE
 from pmmkit.intake import examine
 from pmmkit.presentation import aligned
 from scripts.studies.workers import add_workers, as_done, crew
@@ -229,7 +229,7 @@ def _counted(answers: Sequence[Answer], counts: Mapping[str, int]) -> list[str]:
 
 def unknown(jobs: Sequence[Job]) -> list[str]:
     """Cases of whose accepted names the catalogue knows none."""
-    known = set(catalogue())
+    known = set(CATALOGUE)
     return [
         f"{case}: {' or '.join(names)}"
         for case, names in dict.fromkeys(

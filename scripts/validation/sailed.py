@@ -11,7 +11,7 @@ from pmmkit.models import Model
 from pmmkit.simulation import simulate
 from scripts.validation.published import Published, Values, table
 
-TITLES: Final = {item.name: item.title for item in METRICS}
+TITLES: Final = {item.name: item.title for item in METRICS.values()}
 Turns = Mapping[tuple[float, str], float]
 """Rudder [deg] and metric to the published value."""
 Zigzags = Mapping[tuple[float, float], tuple[float, ...]]

@@ -14,7 +14,7 @@ from pmmkit.base import DataError
 from pmmkit.cli import main
 from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.effects import effect_of
+from pmmkit.effects import CATALOGUE
 from pmmkit.identification import prior_of
 from pmmkit.intake import examine
 from pmmkit.reduction import views_of
@@ -90,7 +90,7 @@ def test_what_checks_and_diagnosis_see_of_captive_tests(folder, threads):
 
 @pytest.mark.slow
 def test_a_diagnosis_of_captive_tests(folder, threads):
-    few = [effect_of("modulus_sway_drag"), effect_of("asymmetry")]
+    few = [CATALOGUE["modulus_sway_drag"], CATALOGUE["asymmetry"]]
     here, there = (
         pk.diagnose("linear", pk.open_campaign(folder), candidates=few, executor=who)
         for who in (None, threads)

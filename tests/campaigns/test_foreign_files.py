@@ -10,7 +10,7 @@ import pytest
 
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError
-from pmmkit.readers import readers
+from pmmkit.readers import READERS
 
 SECRET = "root:x:0:0:root:/root:/bin/sh\ntoken = hunter2,abc;def 99\nuser pass\n"
 WORDS = ("root", "hunter2", "token", "99", "pass")
@@ -45,7 +45,7 @@ def secret(tmp_path) -> Path:
     return tmp_path / "secret.txt"
 
 
-@pytest.mark.parametrize("name", [None, *readers()])
+@pytest.mark.parametrize("name", [None, *READERS])
 @pytest.mark.parametrize("absolute", [False, True])
 def test_nothing_of_a_file_elsewhere_is_quoted(name, absolute, secret, tmp_path):
     source = f'source.format = "{name}"\n' if name else ""

@@ -15,6 +15,7 @@ from pmmkit import Run
 from pmmkit.base import CampaignError
 from pmmkit.campaigns import (
     Settings,
+    brought,
     captive_kinds,
     displacement_phase,
     measured_motion,
@@ -37,10 +38,10 @@ def run_of(test: str, **changes: object) -> Run:
         "yaw_amplitude": YAW,
         "rudder_amplitude": RUDDER,
         "phase": PHASE,
+        **{item.name: item.typical for item in brought() if item.typical is not None},
     } | changes
-    return Run(
-        id=f"{test}_1", test=test, kind="history", settings=Settings(**given_), loader=lambda: None
-    )
+    settings = Settings.of(given_)
+    return Run(id=f"{test}_1", test=test, kind="history", settings=settings, loader=lambda: None)
 
 
 def path(test: str, t: np.ndarray, drift: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

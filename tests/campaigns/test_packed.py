@@ -187,4 +187,4 @@ def test_the_reader_of_archives_keeps_its_word(tmp_path):
         comments="",
     )
     path = packed(tmp_path / "one.zip", {"pmm/run.csv": room.getvalue()})
-    check_reader(pk.readers.readers()["zip"], path, damage.truth())
+    check_reader(pk.readers.READERS["zip"], path, damage.truth())

@@ -6,8 +6,8 @@ from dataclasses import fields
 
 import pytest
 
-from pmmkit.campaigns import Run, Settings, repeats
-from pmmkit.campaigns.repeated_runs import RESOLUTION
+from pmmkit.campaigns import Run, Settings, brought, repeats
+from pmmkit.campaigns.repeated_runs import resolution
 
 DEG = 0.017453292519943295
 
@@ -120,5 +120,6 @@ def test_small_steps_do_not_make_a_chain() -> None:
 
 def test_every_setting_is_weighed() -> None:
     """But when the record begins; rate of turn and radius are one."""
-    left = {"phase", "repeat_of", "yaw_rate", "radius"}
-    assert set(RESOLUTION) == {item.name for item in fields(Settings)} - left | {"turn_rate"}
+    left = {"phase", "repeat_of", "yaw_rate", "radius", "further"}
+    weighed = {*(item.name for item in fields(Settings)), *(item.name for item in brought())}
+    assert set(resolution()) == weighed - left | {"turn_rate"}

@@ -10,7 +10,7 @@ from pmmkit import Run
 from pmmkit.campaigns import Settings
 from pmmkit.diagnosis.captive.held_out import conditions
 
-SIZES = {"phase", "strut_spacing", "strut_centre", "repeat_of", "speed"}
+SIZES = {"phase", "strut_spacing", "strut_centre", "repeat_of", "speed", "further"}
 """Of the record, of the mechanism and of the programme: they are told elsewhere."""
 
 

@@ -13,7 +13,7 @@ from own_tank import HEAD, U, record, sway, write
 
 import pmmkit as pk
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import kind_of, measured_motion, motion_at_phase, nominal_motion
+from pmmkit.campaigns import TEST_KINDS, measured_motion, motion_at_phase, nominal_motion
 
 B, OMEGA = 1.8, 2 * math.pi / 9.0
 NAMES = ("u", "v", "r", "udot", "vdot", "rdot")
@@ -241,7 +241,7 @@ def test_struts_survive_being_saved_and_exported(tmp_path):
 def test_the_hull_is_where_its_struts_put_it(tmp_path):
     """The place from rest, which forces in earth axes need."""
     run = opened(tmp_path / "c", stated("sway_yaw", 0.3, 0.9)).runs[0]
-    place = kind_of("sway_yaw").place(run.settings, OMEGA * T)
+    place = TEST_KINDS["sway_yaw"].place(run.settings, OMEGA * T)
     forward = 0.3 * np.sin(OMEGA * T + 0.45)
     psi = np.arctan2(forward - 0.3 * np.sin(OMEGA * T - 0.45), B)
     np.testing.assert_allclose(place[0], 0.5 * B * (1 - np.cos(psi)), atol=1e-12)

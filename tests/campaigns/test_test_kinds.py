@@ -15,18 +15,16 @@ import pmmkit as pk
 from pmmkit import Campaign, Run, next_runs, reduce_campaign
 from pmmkit.base import CampaignError, UnknownNameError
 from pmmkit.campaigns import (
-    BUILT_IN,
     MAY_BE_ZERO,
     PURE_SWAY,
     PURE_YAW,
     STATIC_DRIFT,
+    TEST_KINDS,
     NominalMotion,
     Settings,
     TestKind,
     held_too,
-    kind_of,
     kind_with,
-    kinds,
     nominal_motion,
 )
 from pmmkit.campaigns.test_kinds.kind import SURGE
@@ -37,15 +35,15 @@ from pmmkit.diagnosis import limits_of, read_plan_file
 from pmmkit.diagnosis.planning.options import options_of
 from pmmkit.intake.drafts.names import facts_of
 from pmmkit.intake.drafts.settle import asked_of
-from pmmkit.simulation import manoeuvres
+from pmmkit.simulation import MANOEUVRES
 from pmmkit.testing.test_kinds import check_test_kind
 
 SUPPORT = Path(__file__).parents[1] / "support"
 
 
-@pytest.mark.parametrize("name", BUILT_IN)
+@pytest.mark.parametrize("name", TEST_KINDS.own)
 def test_every_kind_holds_the_contract(name: str) -> None:
-    check_test_kind(kind_of(name))
+    check_test_kind(TEST_KINDS[name])
 
 
 def wrong_sway(settings, theta):
@@ -130,28 +128,28 @@ def test_wrong_kinds_are_caught(kind: TestKind, message: str | None) -> None:
 
 def test_a_name_that_is_not_known_is_answered_with_the_nearest() -> None:
     with pytest.raises(UnknownNameError, match="did you mean 'zigzag'"):
-        kind_of("zigzak")
+        TEST_KINDS["zigzak"]
 
 
 def test_kinds_are_found_by_what_moves_and_what_is_held() -> None:
-    for kind in BUILT_IN.values():
+    for kind in TEST_KINDS.own.values():
         if kind.captive and not kind.straight_ahead:
             swings = {swing.velocity for swing in kind.swings}
             held = [name for name in kind.held if name != "yaw_rate"]
             assert kind_with(swings=swings, held=held, turning=kind.circles) is kind
-    assert kind_with(held={"heel", "drift"}) is None
+    assert kind_with(held={"heel", "switch"}) is None
     assert held_too(PURE_YAW, "drift").drifts
 
 
 def test_what_is_zero_is_all_that_does_not_vary() -> None:
-    for kind in BUILT_IN.values():
+    for kind in TEST_KINDS.own.values():
         wanted = set(MAY_BE_ZERO) - set(kind.varies) if kind.captive else set()
         assert set(kind.zero) == wanted
 
 
 def test_manoeuvres_that_are_sailed_have_the_names_of_those_that_are_simulated() -> None:
-    sailed = {name for name, kind in BUILT_IN.items() if kind.free_running}
-    assert sailed - {"random"} <= set(manoeuvres())
+    sailed = {name for name, kind in TEST_KINDS.own.items() if kind.free_running}
+    assert sailed - {"random"} <= set(MANOEUVRES)
 
 
 @pytest.fixture
@@ -164,9 +162,9 @@ def installed(tmp_path, monkeypatch):
     (info / "entry_points.txt").write_text("[pmmkit.test_kinds]\nown = our_tank:KIND\n")
     (package / "our_tank.py").write_text((SUPPORT / "double_sway.py").read_text("utf-8"), "utf-8")
     monkeypatch.syspath_prepend(str(package))
-    kinds.cache_clear()
-    yield kind_of("double_sway")
-    kinds.cache_clear()
+    TEST_KINDS.reload()
+    yield TEST_KINDS["double_sway"]
+    TEST_KINDS.reload()
     sys.modules.pop("our_tank", None)
 
 
@@ -210,7 +208,7 @@ def folder(tmp_path, installed):
 
 
 def test_a_kind_of_another_package_holds_the_contract(installed) -> None:
-    assert list(kinds())[-1] == "double_sway"
+    assert list(TEST_KINDS)[-1] == "double_sway"
     check_test_kind(installed)
 
 

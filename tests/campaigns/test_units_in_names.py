@@ -9,7 +9,8 @@ import pytest
 from small_campaign import write_campaign
 
 import pmmkit as pk
-from pmmkit.conventions import CHANNEL_UNITS, DEGREE_CHANNELS, channel_of, unit_in_name, unit_of
+from pmmkit.campaigns import unit_of
+from pmmkit.conventions import CHANNEL_UNITS, DEGREE_CHANNELS, channel_of, unit_in_name
 
 KNOT = 1852 / 3600
 

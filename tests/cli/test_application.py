@@ -18,7 +18,7 @@ from pmmkit.cli.output import Outcome
 from pmmkit.exports import ENDINGS
 from pmmkit.identification.methods import METHODS
 from pmmkit.models import write_table
-from pmmkit.simulation import manoeuvres
+from pmmkit.simulation import MANOEUVRES
 
 NAMES = sorted(
     file.stem for file in Path(commands.__path__[0]).glob("*.py") if file.stem != "__init__"
@@ -91,7 +91,7 @@ def test_what_an_option_offers_is_what_there_is(tmp_path):
     assert {item.value for item in export.Format} == set(ENDINGS)
     offered = options.Manoeuvre.__metadata__[0].help
     named = offered.rstrip(".").replace(" or ", ", ").split(", ")
-    assert set(named) == set(manoeuvres())
+    assert set(named) == set(MANOEUVRES)
     endings = {f".{item.value}" for item in convert.Format}
     told = inspect.getdoc(write_table)
     assert all(f"``{ending}``" in told for ending in endings)

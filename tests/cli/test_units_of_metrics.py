@@ -8,7 +8,7 @@ import pytest
 
 from pmmkit.cli import main
 from pmmkit.conventions import METRICS, in_lengths, metric_unit
-from pmmkit.simulation import manoeuvre_of, manoeuvres
+from pmmkit.simulation import MANOEUVRES, manoeuvre_of
 
 CASES = {"turning": (), "zigzag": ("--rudder-deg", "10"), "pull_out": ("--rudder-deg", "20")}
 
@@ -56,7 +56,7 @@ def test_what_decides_a_metric_is_said_with_its_unit(tmp_path, capsys):
 
 
 def test_every_metric_there_is_has_a_unit():
-    for manoeuvre in manoeuvres().values():
+    for manoeuvre in MANOEUVRES.values():
         names = in_lengths(metric.name for metric in manoeuvre.metrics)
         assert all(metric_unit(name, manoeuvre.metrics) for name in names)
-    assert all(metric.unit for metric in METRICS)
+    assert all(metric.unit for metric in METRICS.values())

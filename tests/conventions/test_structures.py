@@ -8,8 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from pmmkit.base import UnknownNameError
-from pmmkit.base import registry as plugins
-from pmmkit.conventions import Structure, canonical, structure_of, structures
+from pmmkit.conventions import STRUCTURES, Structure, canonical, structure_of
 from pmmkit.conventions.named_structures import GROUP, terms
 from pmmkit.testing.structures import check_structure
 
@@ -18,14 +17,14 @@ def words(text: str) -> set[str]:
     return set(text.split())
 
 
-@pytest.mark.parametrize("name", structures())
+@pytest.mark.parametrize("name", STRUCTURES)
 def test_every_structure_holds_the_contract(name):
-    assert structures()[name].name == name
-    check_structure(structures()[name])
+    assert STRUCTURES[name].name == name
+    check_structure(STRUCTURES[name])
 
 
 def changed(**fields):
-    return replace(structures()["cubic"], **fields)
+    return replace(STRUCTURES["cubic"], **fields)
 
 
 @pytest.mark.parametrize(
@@ -55,19 +54,21 @@ def test_another_package_brings_a_structure(monkeypatch):
         SimpleNamespace(name="b", dist=None, load=lambda: [other]),
         SimpleNamespace(name="c", dist=None, load=lambda: ["no structure"]),
     ]
-    monkeypatch.setattr(plugins, "entry_points", lambda group: points if group == GROUP else [])
-    structures.cache_clear()
+    monkeypatch.setattr(
+        "importlib.metadata.entry_points", lambda group: points if group == GROUP else []
+    )
+    STRUCTURES.reload()
     try:
         with pytest.warns(UserWarning, match="is left out") as warned:
-            assert structures()["mine"] is mine
+            assert STRUCTURES["mine"] is mine
         assert structure_of("mine").of("Y") == ("Yv",)
-        assert structures()["cubic"].of("Y") != ("Yv",)
+        assert STRUCTURES["cubic"].of("Y") != ("Yv",)
         assert [str(item.message) for item in warned] == [
             "pmmkit.structures 'b' of a package is left out: the name 'cubic' is taken",
             "pmmkit.structures 'c' of a package is left out: 'no structure' is no Structure",
         ]
     finally:
-        structures.cache_clear()
+        STRUCTURES.reload()
 
 
 @pytest.mark.parametrize(
@@ -75,12 +76,12 @@ def test_another_package_brings_a_structure(monkeypatch):
     [("linear", 13), ("cubic", 17), ("abkowitz3", 21), ("modulus", 21), ("mmg", 22)],
 )
 def test_how_many_derivatives(name, count):
-    assert len(structures()[name].derivatives) == count
+    assert len(STRUCTURES[name].derivatives) == count
 
 
 def test_the_cubic_hull_of_abkowitz():
-    assert set(structures()["abkowitz3"].of("N")) == words("Nv Nr Nvvv Nrrr Nvvr Nvrr Nvdot Nrdot")
-    assert set(structures()["modulus"].of("Y")) == words("Yv Yr Yv|v| Yr|r| Yvvr Yvrr Yvdot Yrdot")
+    assert set(STRUCTURES["abkowitz3"].of("N")) == words("Nv Nr Nvvv Nrrr Nvvr Nvrr Nvdot Nrdot")
+    assert set(STRUCTURES["modulus"].of("Y")) == words("Yv Yr Yv|v| Yr|r| Yvvr Yvrr Yvdot Yrdot")
 
 
 def test_son_and_nomoto_list_every_published_coefficient():
@@ -89,7 +90,7 @@ def test_son_and_nomoto_list_every_published_coefficient():
         "Yrphiphi Nv Nr Np Nphi Nvvv Nrrr Nvvr Nvrr Nvvphi Nvphiphi Nrrphi Nrphiphi Kv Kr Kp Kphi "
         "Kvvv Krrr Kvvr Kvrr Kvvphi Kvphiphi Krrphi Krphiphi"
     )
-    assert published <= set(structures()["son-nomoto"].derivatives)
+    assert published <= set(STRUCTURES["son-nomoto"].derivatives)
 
 
 def test_the_mariner_lists_every_published_coefficient():
@@ -98,20 +99,20 @@ def test_the_mariner_lists_every_published_coefficient():
         "Nvu Xudd Yru Nru Xrv Yd Nd Xvd Yddd Nddd Xuvd Yud Nud Yuud Nuud Yvdd Nvdd Yvvd Nvvd Y0 N0 "
         "Y0u N0u Y0uu N0uu"
     )
-    mariner = structures()["mariner"]
+    mariner = STRUCTURES["mariner"]
     assert {canonical(name) for name in published} == set(mariner.derivatives)
     assert mariner.surge == "delta-u"
 
 
 def test_the_mmg_standard_has_the_fourth_order_in_drift_and_the_draught_in_its_unit():
-    assert "Xvvvv" in structures()["mmg"].of("X")
-    assert structures()["mmg"].system == "prime-d"
+    assert "Xvvvv" in STRUCTURES["mmg"].of("X")
+    assert STRUCTURES["mmg"].system == "prime-d"
 
 
 def test_more_terms_come_into_their_channel_once():
-    more = structures()["linear"].with_("Yd", "Xrv", "Nd", "Yd")
+    more = STRUCTURES["linear"].with_("Yd", "Xrv", "Nd", "Yd")
     assert more.of("Y")[-1] == "Yd"
-    assert more.of("X") == structures()["linear"].of("X")
+    assert more.of("X") == STRUCTURES["linear"].of("X")
     assert len(more.derivatives) == 15
 
 

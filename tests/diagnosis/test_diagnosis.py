@@ -14,7 +14,7 @@ import pytest
 from hidden_effects import BASE, hidden_campaign
 
 from pmmkit.base import DataError
-from pmmkit.conventions import structures
+from pmmkit.conventions import STRUCTURES
 from pmmkit.diagnosis import diagnose
 from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
 from pmmkit.models import load_model, odds
@@ -195,7 +195,7 @@ def test_something_outside_the_catalogue_is_not_given_a_bare_name():
 @pytest.mark.slow
 def test_a_model_a_structure_and_a_list_are_the_same_base():
     campaign = hidden_campaign("small", {"yaw_sway_coupling": 1.0}, seed=4)
-    answers = [diagnose(base, campaign) for base in ("cubic", structures()["cubic"].derivatives)]
+    answers = [diagnose(base, campaign) for base in ("cubic", STRUCTURES["cubic"].derivatives)]
     made = load_model("s175-3dof")
     hull = {
         name: x

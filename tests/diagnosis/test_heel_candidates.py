@@ -7,7 +7,7 @@ import pytest
 
 from pmmkit import FreeRecord
 from pmmkit.diagnosis.free_running.candidates import candidates_for, excited
-from pmmkit.effects import HULL, INERTIA, effect_of
+from pmmkit.effects import CATALOGUE, HULL, INERTIA
 from pmmkit.identification import bound
 from pmmkit.models import knows_heel, load_model
 
@@ -61,7 +61,7 @@ def test_sailing_shows_more_of_heel_than_captive_tests():
     )
     rolling = {item.name: item for item in candidates_for(ship, [HEELED])}
     assert set(rolling["heel_coupling"].values) == hull
-    assert len(effect_of("heel_coupling").coefficients) == 6
+    assert len(CATALOGUE["heel_coupling"].coefficients) == 6
 
 
 def test_the_damping_of_roll_needs_a_ship_that_rolls():

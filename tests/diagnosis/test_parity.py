@@ -11,7 +11,7 @@ from pmmkit.diagnosis import candidate_of
 from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.parity import floor_places, mirrored, parities
 from pmmkit.diagnosis.captive.system import FEATURES, floor_features
-from pmmkit.effects import effect_of
+from pmmkit.effects import CATALOGUE
 
 
 @pytest.fixture(scope="module")
@@ -82,12 +82,12 @@ def test_an_asymmetry_is_no_error_of_form_of_what_is_odd():
 
 
 def test_the_linear_terms_of_a_large_block_compete_alone():
-    whole, part = candidate_of(effect_of("heel_coupling")).forms
+    whole, part = candidate_of(CATALOGUE["heel_coupling"]).forms
     assert whole.size == 6
     assert part.coefficients == ("Yphi", "Nphi")
     assert (whole.partial, part.partial) == (False, True)
-    assert candidate_of(effect_of("yaw_sway_coupling")).linear == ()
-    assert candidate_of(effect_of("even_hull_terms")).linear == ()
+    assert candidate_of(CATALOGUE["yaw_sway_coupling"]).linear == ()
+    assert candidate_of(CATALOGUE["even_hull_terms"]).linear == ()
 
 
 @pytest.mark.slow

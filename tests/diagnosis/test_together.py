@@ -21,7 +21,7 @@ from pmmkit.diagnosis.joint.belongs import LaboratoryValues, log_shared, owner, 
 from pmmkit.diagnosis.joint.captive_vote import captive_vote
 from pmmkit.diagnosis.joint.result import Belonging
 from pmmkit.diagnosis.joint.scatter import FLAT, Groups, Learned, next_laboratory, scatter_of_base
-from pmmkit.effects import effect_of, is_fault
+from pmmkit.effects import CATALOGUE, is_fault
 from tests.support.zigzags import SENSORS, SHIP, sailed
 
 
@@ -210,7 +210,7 @@ def test_records_of_two_basins_vote_together():
         SHIP,
         {"one": sailed(ship, 0), "two": sailed(ship, 5)},
         free={
-            "candidates": [effect_of("asymmetry"), effect_of("fault_rudder_zero")],
+            "candidates": [CATALOGUE["asymmetry"], CATALOGUE["fault_rudder_zero"]],
             "most": 1,
             "sensors": SENSORS,
             "spread": 0.03,

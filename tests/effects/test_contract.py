@@ -10,9 +10,8 @@ from unittest import mock
 import pytest
 
 from pmmkit import Effect, Parameter, catalogue, effect, own_effect, register_effect
-from pmmkit.effects import Move, Suspect, effect_of
-from pmmkit.effects import entries as registry
-from pmmkit.effects.entries import forget_effect
+from pmmkit.effects import CATALOGUE, Move, Suspect
+from pmmkit.effects.entries import GROUP
 from pmmkit.effects.primitives import fabs, maximum
 from pmmkit.models import Part, load_model
 from pmmkit.simulation import Prepared
@@ -47,7 +46,7 @@ MODELS = {
 
 @pytest.mark.parametrize("name", list(catalogue()))
 def test_every_effect_of_the_catalogue(name):
-    check_effect(effect_of(name), MODELS[name]() if name in MODELS else None)
+    check_effect(CATALOGUE[name], MODELS[name]() if name in MODELS else None)
 
 
 # Effects of a user
@@ -80,7 +79,7 @@ def registered(entry):
     try:
         yield entry
     finally:
-        forget_effect(entry.name)
+        CATALOGUE.forget(entry.name)
 
 
 def test_an_effect_by_the_decorator():
@@ -94,7 +93,7 @@ def test_an_effect_by_the_decorator():
         )(keel)
         check_effect(made)
     finally:
-        forget_effect("keel_of_a_test")
+        CATALOGUE.forget("keel_of_a_test")
 
 
 def test_an_effect_by_text():
@@ -110,16 +109,15 @@ def test_an_effect_by_text():
 
 def test_an_effect_of_an_installed_package():
     offered = [SimpleNamespace(name="keels", value="keels:KEEL", load=lambda: (KEEL,))]
-    registry._installed.cache_clear()
+    CATALOGUE.reload()
     try:
         with mock.patch(
-            "pmmkit.base.registry.entry_points",
-            lambda group: offered if group == registry.GROUP else [],
+            "importlib.metadata.entry_points", lambda group: offered if group == GROUP else []
         ):
-            assert effect_of(KEEL.name) is KEEL
+            assert CATALOGUE[KEEL.name] is KEEL
             check_effect(KEEL)
     finally:
-        registry._installed.cache_clear()
+        CATALOGUE.reload()
 
 
 @pytest.mark.slow
@@ -328,13 +326,13 @@ def test_what_does_not_hold_is_noticed(rule):
 def test_compiled_equations_that_are_others_are_noticed():
     wrong = mock.patch.object(Prepared, "rates", lambda self, y, *controls: [1.0] * len(y))
     with wrong, pytest.raises(AssertionError, match="not those that are interpreted"):
-        check_effect(effect_of("memory"))
+        check_effect(CATALOGUE["memory"])
 
 
 def test_an_effect_that_does_not_come_out_again_is_noticed():
     wrong = mock.patch.object(contract, "without_effect", lambda model, name: model)
     with wrong, pytest.raises(AssertionError, match="taken out again"):
-        check_effect(effect_of("memory"))
+        check_effect(CATALOGUE["memory"])
 
 
 def test_all_faults_are_told_at_once():

@@ -13,11 +13,11 @@ from polynomials import polynomial_forces
 
 from pmmkit import catalogue
 from pmmkit.base import UnknownNameError
-from pmmkit.conventions import Convention, Ship, Water, structures
+from pmmkit.conventions import STRUCTURES, Convention, Ship, Water
 from pmmkit.effects import (
+    CATALOGUE,
     State,
     added_mass,
-    effect_of,
     over_arrays,
     propeller,
     regressors,
@@ -49,7 +49,7 @@ NAMES = [
     name
     for name in dict.fromkeys(
         [
-            *(name for structure in structures().values() for name in structure.derivatives),
+            *(name for structure in STRUCTURES.values() for name in structure.derivatives),
             *("Yur", "Yv|v|", "Nr|r|", "X0", "Yd", "Nddd", "Kp|p|"),
         ]
     )
@@ -397,11 +397,11 @@ def test_catalogue_describes_every_effect():
 
 def test_an_unknown_effect_is_answered_with_those_there_are():
     with pytest.raises(UnknownNameError, match="hull_polynomial"):
-        effect_of("hull")
+        CATALOGUE["hull"]
 
 
 def test_an_effect_names_all_that_is_wrong_with_its_values():
-    effect = effect_of("propeller")
+    effect = CATALOGUE["propeller"]
     complete = {"D": 6.5, "t": 0.2, "kt0": 0.5, "kt1": -0.4, "wp": 0.2}
     assert effect.problems(complete, {}) == []
     found = effect.problems({"D": 6.5, "pitch": 1.0}, {"wake": "mmg"})
@@ -409,5 +409,5 @@ def test_an_effect_names_all_that_is_wrong_with_its_values():
     assert "pitch" in found[0]
     assert all(name in found[1] for name in ("kt0", "C1", "C2_positive"))
     assert "mmg" in effect.problems({}, {"wake": "mgm"})[0]
-    assert not effect_of("added_mass").accepts("Yvvvdot")
-    assert not effect_of("hull_polynomial").accepts("Yvdot")
+    assert not CATALOGUE["added_mass"].accepts("Yvvvdot")
+    assert not CATALOGUE["hull_polynomial"].accepts("Yvdot")

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from pmmkit.effects import effect_of, four_quadrant, over_arrays, shaft, waterjet
+from pmmkit.effects import CATALOGUE, four_quadrant, over_arrays, shaft, waterjet
 from pmmkit.effects.cross_flow import strip
 from pmmkit.effects.four_quadrant import b4_70, estimate
 from pmmkit.effects.primitives import interpolate
@@ -36,7 +36,7 @@ S175_SCREW = {
 
 def answer(name: str, **given: Any) -> dict[str, Any]:
     """Outputs of an effect by name; what is not given is its default, or zero."""
-    effect = effect_of(name)
+    effect = CATALOGUE[name]
     assert effect.force is not None
     words = effect.chosen({k: v for k, v in given.items() if k in effect.options})
     known = {item.name: item.default for item in effect.parameters if item.default is not None}
@@ -441,7 +441,7 @@ RANGES = {
 @given(data=st.data())
 def test_one_instant_and_whole_histories_agree(name, data):
     """The same function on floats and over arrays, with every option."""
-    effect = effect_of(name)
+    effect = CATALOGUE[name]
     words = {key: data.draw(st.sampled_from(choice)) for key, choice in effect.options.items()}
     limits = {
         "u": (-4, 9), "v": (-3, 3), "r": (-0.05, 0.05), "n": (-2, 2), "n_order": (-2, 2),

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.columns import columns_of
-from pmmkit.effects import effect_of, shown_by
+from pmmkit.effects import CATALOGUE, shown_by
 from pmmkit.effects.faults.rig import strokes
 from pmmkit.reduction import RunView, views_of
 from tests.support.by_hand import BY_HAND, behind_a_filter, forces, longer_strokes
@@ -67,7 +67,7 @@ def by_hand(make, view, size):
 def test_columns_are_the_slopes_of_what_a_faulty_laboratory_writes_down(name, views):
     size = SMALL[name]
     for view in views:
-        columns = columns_of(effect_of(name))(view, BASE, 0.0)
+        columns = columns_of(CATALOGUE[name])(view, BASE, 0.0)
         true = by_hand(BY_HAND[name], view, size)
         scale = {channel: np.abs(x).max() for channel, x in BASE.expected(view).items()}
         largest = max(np.abs(x).max() / scale[channel] for channel, x in true.items())
@@ -81,7 +81,7 @@ def test_columns_are_the_slopes_of_what_a_faulty_laboratory_writes_down(name, vi
 @pytest.mark.parametrize("name", BY_HAND)
 def test_actions_are_exact_at_any_size(name, views):
     size = 30.0 * SMALL[name] if SMALL[name] < 0.02 else SMALL[name]
-    effect = effect_of(name)
+    effect = CATALOGUE[name]
     label = effect.coefficients[0].name
     for view in views:
         run = RunView(view, BASE)
@@ -95,7 +95,7 @@ def test_actions_are_exact_at_any_size(name, views):
 def test_a_whole_filter_is_one_of_its_corner(views):
     for view in views:
         at = {"share": 1.0, "corner": 1 / (2 * np.pi * 0.08)}
-        shown = shown_by(effect_of("fault_filter_lag"), RunView(view, BASE), at)
+        shown = shown_by(CATALOGUE["fault_filter_lag"], RunView(view, BASE), at)
         for channel, expected in by_hand(behind_a_filter, view, 0.08).items():
             found = shown[channel] - RunView(view, BASE).forces[channel]
             scale = np.abs(RunView(view, BASE).forces[channel]).max()
@@ -123,7 +123,7 @@ def test_a_mass_on_the_balance_that_is_not_the_ship_s_is_what_is_left_in(views):
     view = next(view for view in views if view.run.test == "sway_yaw")
     m = motion_of(PLANS[view.run.id], view.t)
     shown = shown_by(
-        effect_of("fault_inertia"), RunView(view, replace(BASE, ship=ship)), {"mass share": 0.1}
+        CATALOGUE["fault_inertia"], RunView(view, replace(BASE, ship=ship)), {"mass share": 0.1}
     )
     mass, x = 0.05 * SHIP.mass, 0.1 * SHIP.L
     read = {

@@ -17,7 +17,7 @@ from pmmkit.diagnosis.captive.diagnose import diagnose_captive
 from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.captive.signature import signatures
 from pmmkit.diagnosis.free_running.candidates import candidates_for
-from pmmkit.effects import entries as registry
+from pmmkit.effects import CATALOGUE
 from pmmkit.identification import fit_to_forces
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import load_model, scaled
@@ -71,10 +71,10 @@ def skeg(tmp_path_factory):
     (folder / f"{NAME}.py").write_text(FILE, encoding="utf-8")
     package = importlib.import_module("pmmkit.effects")
     with mock.patch.object(package, "__path__", [*package.__path__, str(folder)]):
-        registry._installed.cache_clear()
+        CATALOGUE.reload()
         yield pk.catalogue()[NAME]
     sys.modules.pop(f"pmmkit.effects.{NAME}", None)
-    registry._installed.cache_clear()
+    CATALOGUE.reload()
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from pmmkit.base import DataError
 from pmmkit.effects.waves import drift
 from pmmkit.models import Part, load_model
-from pmmkit.models.library import ship_file
+from pmmkit.models.library import SHIPS
 from pmmkit.seakeeping import Sea, frequencies, in_waves, load_hull, rao
 from pmmkit.seakeeping.second_order.mean_drift import drift_table
 from pmmkit.simulation import simulate
@@ -141,7 +141,7 @@ DN_rest = [0.0, -0.001, 0.0]
 
 def test_an_older_file_with_tables_at_rest_apart_is_read(tmp_path):
     file = tmp_path / "old.toml"
-    file.write_text(ship_file("s175-3dof").read_text(encoding="utf-8") + OLD, encoding="utf-8")
+    file.write_text(SHIPS["s175-3dof"].file.read_text(encoding="utf-8") + OLD, encoding="utf-8")
     found = load_model(file).values("wave_drift")
     rows = over_speeds({0.0: RESTING, 8.0: TABLES})
     assert {name: found[name] for name in rows} == rows

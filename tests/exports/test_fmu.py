@@ -25,7 +25,7 @@ import pmmkit as pk
 from pmmkit import Effect, Parameter, register_effect
 from pmmkit.base import DataError, ModelError
 from pmmkit.cli import main
-from pmmkit.effects.entries import forget_effect
+from pmmkit.effects import CATALOGUE
 from pmmkit.exports.fmu.unit import model_to_fmu
 from pmmkit.exports.fmu.variables import LAG, table_of
 from pmmkit.models import Part, ships
@@ -382,7 +382,7 @@ def test_what_cannot_be_written_is_named():
         with pytest.raises(ModelError, match="odd_drag: it is written with"):
             model_to_fmu(plain.with_(parts={**plain.parts, "odd_drag": odd}))
     finally:
-        forget_effect("odd_drag")
+        CATALOGUE.forget("odd_drag")
 
 
 @pytest.mark.slow

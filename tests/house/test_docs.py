@@ -10,7 +10,7 @@ import pytest
 
 from pmmkit import catalogue
 from pmmkit.campaigns.file import schema
-from pmmkit.effects.entries import forget_effect
+from pmmkit.effects import CATALOGUE
 from scripts.documentation import campaign_file, make_docs
 
 ROOT = Path(__file__).parents[2]
@@ -44,7 +44,7 @@ def test_python_examples_run_and_say_what_the_page_shows(page, tmp_path, monkeyp
             exec(compile(code, f"{page.name}, example {number}", "exec"), names)
     finally:
         for name in set(catalogue()) - known:
-            forget_effect(name)
+            CATALOGUE.forget(name)
     printed = set(capsys.readouterr().out.splitlines())
     shown = [line for text in blocks(page, "text") for line in text.splitlines()]
     assert [line for line in shown if line not in printed] == []

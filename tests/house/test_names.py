@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from pmmkit import catalogue
-from pmmkit.campaigns import BUILT_IN
+from pmmkit.campaigns import TEST_KINDS
 
 ROOT = Path(__file__).parents[2]
 
@@ -23,10 +23,8 @@ OF_ROLES = "the role of a part, which is called propulsion too"
 OF_MANOEUVRES = "a manoeuvre of the simulator, which has the same name"
 REGISTRIES: Mapping[str, tuple[Collection[str], Mapping[str, str]]] = {
     "captive kinds of test": (
-        [name for name, kind in BUILT_IN.items() if kind.captive],
+        [name for name, kind in TEST_KINDS.own.items() if kind.captive],
         {
-            "campaigns/test_kinds/steady.py": "their place",
-            "campaigns/test_kinds/oscillating.py": "their place",
             "effects/definition.py": OF_ROLES,
             "effects/four_quadrant.py": OF_ROLES,
             "effects/propeller.py": OF_ROLES,
@@ -37,9 +35,8 @@ REGISTRIES: Mapping[str, tuple[Collection[str], Mapping[str, str]]] = {
         },
     ),
     "free-running kinds of test": (
-        [name for name, kind in BUILT_IN.items() if kind.free_running],
+        [name for name, kind in TEST_KINDS.own.items() if kind.free_running],
         {
-            "campaigns/test_kinds/free_running.py": "their place",
             "cli/commands/add.py": OF_MANOEUVRES,
             "cli/commands/estimate.py": OF_MANOEUVRES,
             "cli/commands/simulate.py": OF_MANOEUVRES,
@@ -71,9 +68,14 @@ REGISTRIES: Mapping[str, tuple[Collection[str], Mapping[str, str]]] = {
 OTHER_WORDS = "not the part: a word of files, options or columns that is spelled like it"
 BY_NAME = "the part itself, for its own numbers"
 EVERY = catalogue().values()
-HOMES = frozenset(
-    path.relative_to(ROOT / "pmmkit").as_posix() for path in (ROOT / "pmmkit/effects").rglob("*.py")
-)
+
+
+def files_in(folder: str) -> frozenset[str]:
+    """The modules of a folder of the package."""
+    paths = (ROOT / "pmmkit" / folder).rglob("*.py")
+    return frozenset(path.relative_to(ROOT / "pmmkit").as_posix() for path in paths)
+
+
 OF_EFFECTS = ("effects and faults that a diagnosis asks for", "parts of models")
 REGISTRIES = {
     **REGISTRIES,
@@ -97,8 +99,7 @@ REGISTRIES = {
             "campaigns/file/particulars.py": OTHER_WORDS,
             "campaigns/file/schema.py": OTHER_WORDS,
             "campaigns/file/single_tables.py": OTHER_WORDS,
-            "campaigns/settings.py": OTHER_WORDS,
-            "intake/checks/copies.py": OTHER_WORDS,
+            "campaigns/run_settings.py": OTHER_WORDS,
             "diagnosis/captive/base.py": "what runs hold: roll",
             "diagnosis/free_running/candidates.py": "what records hold: roll",
             "simulation/equations/code_generation.py": "a variable of that name",
@@ -161,7 +162,7 @@ def astray(
 @pytest.mark.parametrize("registry", REGISTRIES)
 def test_names_stand_where_they_may(registry: str) -> None:
     names, allowed = REGISTRIES[registry]
-    homes = HOMES if registry in OF_EFFECTS else ()
+    homes = files_in("effects" if registry in OF_EFFECTS else "campaigns/test_kinds")
     assert astray(ROOT / "pmmkit", names, allowed, homes) == []
 
 

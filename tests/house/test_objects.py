@@ -19,7 +19,7 @@ import pmmkit.diagnosis
 from pmmkit.diagnosis import Fall
 from pmmkit.diagnosis.loop.fall import FallRow
 from pmmkit.diagnosis.loop.records import TOLD
-from pmmkit.effects import effect_of
+from pmmkit.effects import CATALOGUE
 from pmmkit.identification import Trial
 from pmmkit.identification.trials.table import Wind
 from pmmkit.models import Part, Step
@@ -240,7 +240,7 @@ def joint_fall():
 
 
 MADE = {
-    "Effect": lambda: effect_of("crossflow_drag"),
+    "Effect": lambda: CATALOGUE["crossflow_drag"],
     "Trial": trial,
     "Parts": parts,
     "DerivativeTable": cache(lambda: reduction().table),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 import shutil
@@ -15,7 +16,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 RECIPES = dict(re.findall(r"^## (Add .*?)\n(.*?)(?=^## |\Z)", PAGE, re.S | re.M))
-FILE = re.compile(r"^```\w+ file=(\S+)\n(.*?)^```", re.S | re.M)
+FILE = re.compile(r"^```\w+ file=(\S+)[^\n]*\n(.*?)^```", re.S | re.M)
+OWN = re.compile(r"^```python file=\S+ own=(\S+)\n(.*?)^```", re.S | re.M)
+END = re.compile(r"^```python own-end\n(.*?)^```", re.S | re.M)
+TEST = re.compile(r"^```python test=(\S+)\n(.*?)^```", re.S | re.M)
+CHANGES = re.compile(r"It changes\s+`(docs/[a-z_.]+)`")
 CODE = re.compile(r"^```python\n(.*?)^```", re.S | re.M)
 COMMAND = re.compile(r"^    pmmkit (.*)$", re.M)
 TYPED = """
@@ -103,3 +108,106 @@ def test_there_is_a_recipe_for_every_group_of_entry_points():
         for group in re.findall(r'^\[project\.entry-points\."(.*)"\]$', text, re.M)
     }
     assert declared == used
+
+
+# The same in pmmkit itself: in a copy, each recipe's own file is all that a person adds.
+
+ADDED = {
+    "Add an effect": ("effects/test_contract.py::test_every_effect_of_the_catalogue[skeg]",),
+    "Add a reader": (
+        "readers/test_reader_contract.py::test_every_reader_keeps_its_word[harbour-logger]",
+        "readers/test_reader_contract.py::test_no_reader_is_left_out",
+        "readers/test_reader_contract.py::test_the_documentation_lists_all_formats",
+        "readers/test_reader_contract.py::"
+        "test_a_format_that_is_not_there_is_refused_with_those_that_are",
+    ),
+    "Add a manoeuvre": (
+        "simulation/test_manoeuvre_contract.py::test_every_manoeuvre_holds_its_contract[kick]",
+    ),
+    "Add a kind of test": (
+        "campaigns/test_test_kinds.py::test_every_kind_holds_the_contract[heeled_drift]",
+    ),
+    "Add a kind of test with a setting of its own": (
+        "campaigns/test_test_kinds.py::test_every_kind_holds_the_contract[forced_roll]",
+        "campaigns/test_run_settings.py",
+        "campaigns/test_settings_in_words.py",
+        "campaigns/test_repeats.py",
+    ),
+}
+"""Tests over the registry of each recipe, which must hold with the entry in it."""
+OF_ALL = (
+    "house/test_docs.py::"
+    "test_every_key_of_the_campaign_file_says_what_it_means_and_stands_in_its_page",
+    "house/test_names.py",
+)
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """A copy of the repository to which every recipe has added its file, and what changed in it."""
+    place = tmp_path_factory.mktemp("copy")
+    for name in ("pmmkit", "tests", "docs", "scripts", "datasets"):
+        without = shutil.ignore_patterns("__pycache__", "kept", "images")
+        shutil.copytree(ROOT / name, place / name, ignore=without)
+    for name in ("pyproject.toml", "README.md", "CONTRIBUTING.md"):
+        shutil.copy(ROOT / name, place / name)
+    before = digests(place)
+    for recipe in ADDED:
+        for name, content in own_files(RECIPES[recipe]).items():
+            assert not (place / name).exists()
+            (place / name).write_text(content, encoding="utf-8")
+    run(place, "-c", PAGES)
+    after = digests(place)
+    return place, {name for name, digest in after.items() if before.get(name) != digest}
+
+
+PAGES = """
+from scripts.documentation.make_docs import DOCS, pages
+for name, text in pages().items():
+    (DOCS / name).write_text(text, encoding="utf-8")
+"""
+
+
+def own_files(text: str) -> dict[str, str]:
+    """The files that a recipe adds to pmmkit itself: its own, and its test where it shows one."""
+    ((name, content),) = OWN.findall(text)
+    return {name: content + "".join(f"\n\n{end}" for end in END.findall(text))} | dict(
+        TEST.findall(text)
+    )
+
+
+def digests(folder: Path) -> dict[str, str]:
+    return {
+        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in folder.rglob("*")
+        if path.is_file() and path.suffix not in (".pyc", ".nbi", ".nbc")
+    }
+
+
+def run(place: Path, *command: str) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(
+        [sys.executable, *command],
+        cwd=place,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+
+
+@pytest.mark.slow
+def test_an_entry_of_pmmkit_is_one_file(copy):
+    _, changed = copy
+    followed = [RECIPES[recipe] for recipe in ADDED]
+    files = {name for text in followed for name in own_files(text)}
+    assert changed == files | {page for text in followed for page in CHANGES.findall(text)}
+
+
+@pytest.mark.slow
+def test_the_contracts_hold_with_the_entries_of_all_recipes(copy):
+    place, _ = copy
+    chosen = dict.fromkeys(name for names in (*ADDED.values(), OF_ALL) for name in names)
+    quiet = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=short")
+    run(place, "-m", "pytest", *quiet, *(f"tests/{name}" for name in chosen))

@@ -307,8 +307,8 @@ def test_summaries_made_before_give_the_same_findings_without_reading():
 
 
 def test_every_finding_names_a_check_of_the_list():
-    names = {check.name for check in CHECKS}
+    names = {check.name for check in CHECKS.values()}
     runs = programme(speeds=(1.5,), inside=True, change=scaled(Y=-9.8))
     assert {finding.check for finding in examine(campaign_of(runs))} <= names
     assert len(names) == len(CHECKS)
-    assert all(check.description for check in CHECKS)
+    assert all(check.description for check in CHECKS.values())

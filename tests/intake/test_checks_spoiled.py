@@ -150,7 +150,7 @@ def test_suspects_are_what_the_faults_of_the_catalogue_declare():
     assert all(item.effect.faulty for item in asked)
     assert {"fault_misalignment", "fault_time_lag", "slip_sign"} <= {x.effect.name for x in asked}
     assert set(MAIN) <= set(SPREAD)
-    assert {"gauges", "agreement"} <= {check.name for check in CHECKS}
+    assert {"gauges", "agreement"} <= {check.name for check in CHECKS.values()}
 
 
 def test_holds_are_told_from_few_digits():

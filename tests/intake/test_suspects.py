@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from pmmkit import Effect, Parameter, register_effect
-from pmmkit.effects import Suspect, catalogue
-from pmmkit.effects.entries import forget_effect
+from pmmkit.effects import CATALOGUE, Suspect
 from pmmkit.intake import examine, summarise
 from pmmkit.intake.checks.agreement.asking import suspects
 from pmmkit.intake.checks.agreement.records import Records
@@ -162,8 +161,8 @@ def test_a_fault_of_one_s_own_is_found_by_the_checks_without_being_told():
         assert not [item for item in examine(clean) if item.severity != "info"]
         (finding,) = [item for item in examine(campaign) if item.check == "agreement"]
     finally:
-        forget_effect(OWN.name)
-    assert OWN.name not in catalogue()
+        CATALOGUE.forget(OWN.name)
+    assert OWN.name not in CATALOGUE
     assert finding.runs == tuple(run.id for run in chosen)
     assert finding.cause == OWN.name
     assert "the gauge of Y feels" in finding.message

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pmmkit.campaigns import kinds
+from pmmkit.campaigns import TEST_KINDS, setting_units
 from pmmkit.cli import main
-from pmmkit.conventions import CHANNEL_UNITS, SETTING_UNITS
+from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.intake import look
 from pmmkit.intake.drafts.names import facts_of
 from pmmkit.presentation import meanings
@@ -70,8 +70,8 @@ def test_every_word_tells_its_encoding_where_it_can_be_written(encoding):
 
 def test_words_stand_for_names_that_there_are():
     assert set(vocabulary()["channel"]) <= set(CHANNEL_UNITS)
-    assert set(vocabulary()["setting"]) <= set(SETTING_UNITS)
-    assert set(vocabulary()["test"]) <= set(kinds())
+    assert set(vocabulary()["setting"]) <= set(setting_units())
+    assert set(vocabulary()["test"]) <= set(TEST_KINDS)
     for subject in ("channel", "test"):
         for name, words in vocabulary()[subject].items():
             for word in words:

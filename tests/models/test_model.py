@@ -24,7 +24,7 @@ from pmmkit.base import (
 from pmmkit.conventions import Convention, Water
 from pmmkit.files import toml_text
 from pmmkit.models import Part, from_values, load_model, model_text, save_model, scaled, to_model
-from pmmkit.models.library import ship_file
+from pmmkit.models.library import SHIPS
 
 MODEL_SCALE = 36.0
 GRID = (0.145, 0.217, 0.290)
@@ -121,7 +121,7 @@ def test_the_file_is_written_the_same_every_time(tmp_path):
     assert len(texts) == 1
 
 
-LIBRARY_TEXT = ship_file("s175").read_text(encoding="utf-8")
+LIBRARY_TEXT = SHIPS["s175"].file.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

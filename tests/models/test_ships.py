@@ -7,7 +7,7 @@ import pytest
 from pmmkit.base import ModelError, UnknownNameError
 from pmmkit.files import read_toml
 from pmmkit.models import lacking, load_model, load_ship, model_text, ships
-from pmmkit.models.library import ship_file
+from pmmkit.models.library import SHIPS
 from pmmkit.simulation import prepare, simulate
 
 RHO, L = 1025.0, 175.0
@@ -21,7 +21,7 @@ def test_every_library_ship_is_a_model_and_can_be_simulated(name):
     assert model.scale
     assert lacking(model) == ()
     assert all(part.source for part in model.parts.values())
-    assert ship_file(name).read_text(encoding="utf-8").startswith("#")
+    assert SHIPS[name].file.read_text(encoding="utf-8").startswith("#")
     speed = model.ship.speed(0.15)
     c = prepare(model, speed)
     n = c.self_propulsion()

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pmmkit.base import TableError
-from pmmkit.conventions import Convention, Ship, Water, structures
+from pmmkit.conventions import STRUCTURES, Convention, Ship, Water
 from pmmkit.effects import State, regressors
 from pmmkit.models import DerivativeTable, converted, from_values
 from pmmkit.models.tables.compare import identical
@@ -54,7 +54,7 @@ def random_table(
 ) -> DerivativeTable:
     """Values of order one and a full covariance over derivatives and Froude numbers."""
     rng = np.random.default_rng(seed)
-    names = structures()[structure].with_(*more).derivatives
+    names = STRUCTURES[structure].with_(*more).derivatives
     n = len(names)
     root = rng.normal(size=(rows * n, rows * n)) * 0.01
     table = from_values(

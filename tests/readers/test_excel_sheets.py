@@ -28,7 +28,7 @@ from container_files import (
 
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError
-from pmmkit.readers import reader_of
+from pmmkit.readers import READERS
 
 COUNT = 30
 HEADER = ["t", "X", "Y", "N"]
@@ -282,12 +282,12 @@ def test_recognised_by_content(path, tmp_path):
     workbook(path, [HEADER, *rows()])
     ods(tmp_path / "run.ods", ods_row(["a"]))
     for file in (path, tmp_path / "run.ods"):
-        assert reader_of("excel").recognises(file, file.read_bytes()[:65536])
+        assert READERS["excel"].recognises(file, file.read_bytes()[:65536])
     other = io.BytesIO()
     with zipfile.ZipFile(other, "w") as archive:
         archive.writestr("run.csv", "t,X\n")
     for head in (b"", b"t,X\n", other.getvalue()):
-        assert not reader_of("excel").recognises(path, head)
+        assert not READERS["excel"].recognises(path, head)
 
 
 def refused(path: Path, word: str) -> None:

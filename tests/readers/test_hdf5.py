@@ -27,7 +27,7 @@ from scipy.io import netcdf_file
 
 from pmmkit import open_campaign, save_campaign
 from pmmkit.base import CampaignError, PmmkitError
-from pmmkit.readers import reader_for, reader_of
+from pmmkit.readers import READERS, reader_for
 from pmmkit.readers.hdf5 import datasets as hdf5_guard
 
 COUNT = 40
@@ -93,10 +93,10 @@ def test_every_kind_reads_with_its_units(every_kind):
 
 def test_every_kind_is_recognised_by_content(every_kind, tmp_path):
     head = every_kind.read_bytes()[:65536]
-    assert reader_of("hdf5").recognises(every_kind, head)
-    assert not reader_of("pmmkit").recognises(every_kind, head)
+    assert READERS["hdf5"].recognises(every_kind, head)
+    assert not READERS["pmmkit"].recognises(every_kind, head)
     for other in (b"", b"CDF text", b"t,X\n", head[4:]):
-        assert not reader_of("hdf5").recognises(tmp_path / "other", other)
+        assert not READERS["hdf5"].recognises(tmp_path / "other", other)
 
 
 def test_saved_campaigns_keep_their_own_reader(tmp_path):
@@ -105,7 +105,7 @@ def test_saved_campaigns_keep_their_own_reader(tmp_path):
     whole = tmp_path / "all.h5"
     save_campaign(open_campaign(tmp_path), whole)
     assert reader_for(request_of(whole)).name == "pmmkit"
-    assert reader_of("pmmkit").recognises(whole, whole.read_bytes()[:65536])
+    assert READERS["pmmkit"].recognises(whole, whole.read_bytes()[:65536])
     assert np.array_equal(values(whole, "X", group="SD")["X"], series(COUNT)["X"] * 1000.0)
     assert reader_for(request_of(tmp_path / "run.h5")).name == "hdf5"
 

@@ -30,7 +30,7 @@ from hypothesis.extra import numpy as hnp
 from scipy.io import loadmat, savemat
 
 from pmmkit.base import CampaignError
-from pmmkit.readers import reader_of
+from pmmkit.readers import READERS
 
 COUNT = 40
 
@@ -65,9 +65,9 @@ def test_vectors_are_columns_in_every_version(every_version):
 
 def test_every_version_is_recognised_by_content(every_version, tmp_path):
     head = every_version.read_bytes()[:65536]
-    assert reader_of("matlab").recognises(every_version, head)
+    assert READERS["matlab"].recognises(every_version, head)
     for other in (b"", b"t,X,Y,N\n0,1,2,3\n", bytes(200), head[512:], b"\x89HDF\r\n\x1a\n"):
-        assert not reader_of("matlab").recognises(tmp_path / "other", other)
+        assert not READERS["matlab"].recognises(tmp_path / "other", other)
 
 
 def test_a_run_of_a_campaign(every_version):

@@ -28,7 +28,7 @@ from pmmkit import open_campaign
 from pmmkit.base import CampaignError
 from pmmkit.campaigns import file_hashes
 from pmmkit.intake import examine
-from pmmkit.readers import reader_of
+from pmmkit.readers import READERS
 from pmmkit.readers.openfoam.case import density_doubt, entries_of, number_in, parsed
 from pmmkit.readers.openfoam.header import layout_of
 from scripts.datasets.campaign_text import S175
@@ -169,10 +169,8 @@ def test_the_motion_of_a_body(degrees, tmp_path):
 def test_the_header_decides_and_not_the_name(tmp_path):
     written(tmp_path, {"hull v11.txt": foundation(T, PARTS), "0/forces.dat": "t,X\n1,2\n"})
     assert "Mz [N m]" in every(tmp_path / "hull v11.txt")
-    assert reader_of("openfoam").recognises(
-        tmp_path / "hull v11.txt", foundation(T, PARTS).encode()
-    )
-    assert not reader_of("openfoam").recognises(tmp_path / "forces.dat", b"t,X\n1,2\n")
+    assert READERS["openfoam"].recognises(tmp_path / "hull v11.txt", foundation(T, PARTS).encode())
+    assert not READERS["openfoam"].recognises(tmp_path / "forces.dat", b"t,X\n1,2\n")
     with pytest.raises(CampaignError, match="header is not one of OpenFOAM"):
         every(tmp_path / "0/forces.dat")
 
@@ -181,7 +179,7 @@ def test_the_header_decides_and_not_the_name(tmp_path):
 @settings(max_examples=150, deadline=None)
 def test_no_header_is_too_odd(head):
     layout_of(b"# Force\n# Time\ttotal_x" + head)
-    assert reader_of("openfoam").recognises(Path("x.dat"), head + b"\n") in (True, False)
+    assert READERS["openfoam"].recognises(Path("x.dat"), head + b"\n") in (True, False)
 
 
 # ---------------------------------------------------------------- folders and restarts

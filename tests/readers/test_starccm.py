@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError, DataError
 from pmmkit.campaigns import file_hashes
-from pmmkit.readers import Options, Request, reader_of
+from pmmkit.readers import READERS, Options, Request
 from pmmkit.readers.starccm import reader as starccm
 from scripts.datasets.campaign_text import S175
 
@@ -386,14 +386,14 @@ def test_exports_are_recognised_by_content(tmp_path):
     ]
     for headers in yes:
         for bom in (False, True):
-            assert reader_of("star-ccm+").recognises(
+            assert READERS["star-ccm+"].recognises(
                 tmp_path / "a.csv", export(headers, T, X, bom=bom)
             )
     for head in (b"", b"t,X\n0,1\n", b'"t","X"\n0,1\n', b"\x00\xff", b"Fx Monitor: Force (N)"):
-        assert not reader_of("star-ccm+").recognises(tmp_path / "a.csv", head)
-    assert not reader_of("star-ccm+").recognises(tmp_path, b"")
+        assert not READERS["star-ccm+"].recognises(tmp_path / "a.csv", head)
+    assert not READERS["star-ccm+"].recognises(tmp_path, b"")
     (tmp_path / "a.CSV").write_bytes(export(yes[0], T, X))
-    assert reader_of("star-ccm+").recognises(tmp_path, b"")
+    assert READERS["star-ccm+"].recognises(tmp_path, b"")
 
 
 # Damage
@@ -559,5 +559,5 @@ def test_an_export_is_no_table(tmp_path):
     (tmp_path / "a.csv").write_bytes(GOOD)
     request = Request(path=tmp_path / "a.csv", shown="a.csv", options=Options())
     with pytest.raises(CampaignError, match="not a table of rows"):
-        reader_of("star-ccm+").cells(request)
+        READERS["star-ccm+"].cells(request)
     assert headers_of(tmp_path / "a.csv") == ("Physical Time [s]", "Fx [N]", "Fy [N]", "Mz [N m]")

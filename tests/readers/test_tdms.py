@@ -22,7 +22,7 @@ from container_files import (
 from nptdms import ChannelObject, GroupObject, RootObject, TdmsWriter
 
 from pmmkit.base import CampaignError
-from pmmkit.readers import reader_for, reader_of
+from pmmkit.readers import READERS, reader_for
 from pmmkit.readers.tdms.reader import LEAD_IN
 
 COUNT = 40
@@ -66,9 +66,9 @@ def test_channels_have_units_and_time_from_the_increment(run):
 
 
 def test_it_is_recognised_by_content(run, tmp_path):
-    assert reader_of("tdms").recognises(run, run.read_bytes()[:65536])
+    assert READERS["tdms"].recognises(run, run.read_bytes()[:65536])
     assert reader_for(request_of(run)).name == "tdms"
-    assert not reader_of("tdms").recognises(tmp_path / "run.tdms", b"t,X,Y,N\n")
+    assert not READERS["tdms"].recognises(tmp_path / "run.tdms", b"t,X,Y,N\n")
 
 
 def test_a_start_that_is_not_stated_is_zero_and_one_that_is_counts(tmp_path):

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from pmmkit import catalogue
 from pmmkit.base import MissingPartError, ModelError
-from pmmkit.effects import entries as catalogue_module
+from pmmkit.effects import CATALOGUE
 from pmmkit.files import cache_folder
 from pmmkit.identification import fit_to_forces
 from pmmkit.identification.forces import ForceRecord
@@ -304,7 +304,7 @@ def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_
     (tmp_path / "sea_anchor.py").write_text(MADE_UP, encoding="utf-8")
     package = importlib.import_module("pmmkit.effects")
     monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
-    catalogue_module._installed.cache_clear()
+    CATALOGUE.reload()
     try:
         assert "sea_anchor" in catalogue()
         braked = TANKER.with_(
@@ -327,7 +327,7 @@ def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_
         assert "force over ½ρLdu²" in effect_page(catalogue()["sea_anchor"])
     finally:
         sys.modules.pop("pmmkit.effects.sea_anchor", None)
-        catalogue_module._installed.cache_clear()
+        CATALOGUE.reload()
 
 
 def test_added_mass_that_depends_on_the_motion_is_solved_for(tmp_path, monkeypatch):
@@ -341,7 +341,7 @@ def test_added_mass_that_depends_on_the_motion_is_solved_for(tmp_path, monkeypat
     (tmp_path / "extra_mass.py").write_text(text, encoding="utf-8")
     package = importlib.import_module("pmmkit.effects")
     monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
-    catalogue_module._installed.cache_clear()
+    CATALOGUE.reload()
     try:
         for name in ("kvlcc2-l7", "s175"):
             model = load_model(name)
@@ -362,7 +362,7 @@ def test_added_mass_that_depends_on_the_motion_is_solved_for(tmp_path, monkeypat
             assert one == pytest.approx(other, rel=1e-9, abs=1e-12)
     finally:
         sys.modules.pop("pmmkit.effects.extra_mass", None)
-        catalogue_module._installed.cache_clear()
+        CATALOGUE.reload()
 
 
 # The cache

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from pmmkit.base import DataError, UnknownNameError
-from pmmkit.base import registry as plugins
 from pmmkit.conventions import (
     METRICS,
     Criterion,
@@ -24,6 +23,7 @@ from pmmkit.conventions import (
     metrics_named,
 )
 from pmmkit.simulation import (
+    MANOEUVRES,
     Manoeuvre,
     Setting,
     manoeuvre_of,
@@ -33,7 +33,6 @@ from pmmkit.simulation import (
     sweep,
 )
 from pmmkit.simulation.equations.layouts import Ask, End
-from pmmkit.simulation.kinds import catalogue
 from pmmkit.simulation.kinds.manoeuvre import rudder_setting
 from pmmkit.simulation.plan import Phase, Plan, Probe
 from pmmkit.testing.manoeuvres import check_manoeuvre, check_metric
@@ -43,22 +42,22 @@ SMALLER = {"spiral": {"rudder_deg": 10.0, "step_deg": 5.0}}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", catalogue.manoeuvres())
+@pytest.mark.parametrize("name", MANOEUVRES)
 def test_every_manoeuvre_holds_its_contract(name):
     check_manoeuvre(manoeuvre_of(name), **SMALLER.get(name, {}))
 
 
-@pytest.mark.parametrize("metric", METRICS, ids=lambda metric: metric.name)
+@pytest.mark.parametrize("metric", METRICS.values(), ids=lambda metric: metric.name)
 def test_every_metric_holds_its_contract(metric):
     check_metric(metric)
 
 
 def test_no_number_has_two_meanings():
-    names = [metric.name for metric in METRICS]
+    names = [metric.name for metric in METRICS.values()]
     assert len(set(names)) == len(names)
-    for metric in METRICS:
+    for metric in METRICS.values():
         assert metric_of(metric.name.format(2)) is metric
-    ours = {metric.name for item in catalogue.manoeuvres().values() for metric in item.metrics}
+    ours = {metric.name for item in MANOEUVRES.values() for metric in item.metrics}
     assert set(names) - ours == {"speed_loss"}  # trials alone measure it
 
 
@@ -172,15 +171,15 @@ def installed(monkeypatch):
     """Another package that brings the manoeuvre."""
     point = EntryPoint("easing", f"{__name__}:EASING", "pmmkit.manoeuvres")
     monkeypatch.setattr(
-        plugins, "entry_points", lambda group: EntryPoints([point]).select(group=group)
+        "importlib.metadata.entry_points", lambda group: EntryPoints([point]).select(group=group)
     )
-    catalogue.manoeuvres.cache_clear()
+    MANOEUVRES.reload()
     yield
-    catalogue.manoeuvres.cache_clear()
+    MANOEUVRES.reload()
 
 
 def test_an_installed_package_brings_a_manoeuvre(installed):
-    assert [*catalogue.manoeuvres()][-1] == "easing"
+    assert [*MANOEUVRES][-1] == "easing"
     track = simulate("s175-3dof", "easing", speed=8.0, ease_deg=30.0, compiled=False)
     assert track.metrics["time_ease"] > 0.0
 
@@ -322,7 +321,7 @@ def option(command, name):
 @pytest.mark.parametrize("command", ["simulate", "sweep", "uncertainty"])
 def test_the_command_line_names_every_manoeuvre(command):
     said = option(command, "manoeuvre").help
-    assert all(name in said for name in catalogue.manoeuvres())
+    assert all(name in said for name in MANOEUVRES)
 
 
 def test_any_setting_can_be_given_on_the_command_line(tmp_path, capsys):

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from pmmkit.base import DataError, PmmkitError, UnknownNameError
 from pmmkit.models import Part, load_model, scaled
-from pmmkit.simulation import manoeuvres, prepare, simulate, spiral_curve, stability
+from pmmkit.simulation import MANOEUVRES, prepare, simulate, spiral_curve, stability
 from pmmkit.simulation.machinery import as_it_reverses
 
 SHIP = load_model("s175-3dof")
@@ -645,7 +645,7 @@ def test_air_and_water_that_move_together_are_calm():
     "manoeuvre",  # one that is held straight has a structure of its own: 10 s to compile
     sorted(
         name
-        for name, item in manoeuvres().items()
+        for name, item in MANOEUVRES.items()
         if name not in ("turning", "zigzag") and not item.held_straight
     ),
 )
@@ -660,7 +660,7 @@ def test_interpreted_and_compiled_agree(name, manoeuvre):
         assert slow.metrics[key] == pytest.approx(value, rel=1e-8, abs=1e-6), key
 
 
-@pytest.mark.parametrize("manoeuvre", sorted(manoeuvres()))
+@pytest.mark.parametrize("manoeuvre", sorted(MANOEUVRES))
 def test_positions_are_integrals_of_the_velocities(manoeuvre):
     given = {"rudder_deg": 5.0, "step_deg": 5.0} if manoeuvre == "spiral" else {}
     track = simulate("kvlcc2-l7", manoeuvre, speed=1.179, dt=0.1, rtol=1e-10, **given)
@@ -672,7 +672,7 @@ def test_positions_are_integrals_of_the_velocities(manoeuvre):
         assert np.max(np.abs(getattr(track, channel) - integral)) < 3e-5 * span
 
 
-@pytest.mark.parametrize("manoeuvre", sorted(manoeuvres()))
+@pytest.mark.parametrize("manoeuvre", sorted(MANOEUVRES))
 def test_the_rudder_never_turns_faster_than_its_gear(manoeuvre):
     given = {"rudder_deg": 5.0, "step_deg": 5.0} if manoeuvre == "spiral" else {}
     track = simulate(SHIP, manoeuvre, speed=9.0, dt=0.5, rudder_rate_deg=1.5, **given)
@@ -729,7 +729,7 @@ def test_all_wrong_settings_are_named_at_once():
 def test_the_manoeuvres_there_are_are_listed():
     with pytest.raises(UnknownNameError) as caught:
         simulate(SHIP, "zig-zag", speed=9.0)
-    for name in manoeuvres():
+    for name in MANOEUVRES:
         assert name in str(caught.value)
 
 

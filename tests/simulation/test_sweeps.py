@@ -11,7 +11,7 @@ import pytest
 from pmmkit import sweep
 from pmmkit.base import DataError
 from pmmkit.models import Part, load_model, save_model, scaled
-from pmmkit.simulation import froude_sweep, manoeuvres, monte_carlo, simulate
+from pmmkit.simulation import MANOEUVRES, froude_sweep, monte_carlo, simulate
 
 CONTAINER = load_model("s175-3dof")
 TANKER = load_model("kvlcc2-l7")
@@ -172,7 +172,7 @@ FROUDE = {"m": 1.0, "s": 0.5, "m/s": 0.5, "deg/s": -0.5, "deg": 0.0, "-": 0.0}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("manoeuvre", manoeuvres())
+@pytest.mark.parametrize("manoeuvre", MANOEUVRES)
 def test_units_of_the_metrics_are_those_by_which_they_scale(manoeuvre):
     """A ship 25 times the model: metres times 25, seconds times 5, angles the same (Froude)."""
     small, large = (

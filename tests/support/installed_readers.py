@@ -7,9 +7,7 @@ from contextlib import contextmanager
 from types import SimpleNamespace
 from unittest import mock
 
-from pmmkit.base import registry as plugins
-from pmmkit.readers import Reader
-from pmmkit.readers import registry as readers
+from pmmkit.readers import READERS, Reader
 
 
 @contextmanager
@@ -21,7 +19,7 @@ def installed(*classes: type[Reader]) -> Iterator[None]:
         )
         for one in classes
     ]
-    readers.readers.cache_clear()
-    with mock.patch.object(plugins, "entry_points", return_value=entries):
+    READERS.reload()
+    with mock.patch("importlib.metadata.entry_points", return_value=entries):
         yield
-    readers.readers.cache_clear()
+    READERS.reload()

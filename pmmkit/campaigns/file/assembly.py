@@ -9,19 +9,20 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from pmmkit.base import DataError
-from pmmkit.campaigns.file.schema import Faults
+from pmmkit.campaigns.file.faults import Faults
 from pmmkit.campaigns.file.search import Search
 from pmmkit.campaigns.file.settings import missing_settings, settings_of
 from pmmkit.campaigns.file.struts import on_struts
 from pmmkit.campaigns.motion.solver_axes import Solver
 from pmmkit.campaigns.run import Correction, Run
+from pmmkit.campaigns.run_settings import setting_units
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import Frame
 from pmmkit.campaigns.samples.loading import Context, HistoryLoader, at_hand
 from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.test_kinds.registry import kind_of
+from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 from pmmkit.campaigns.test_kinds.struts import Struts
-from pmmkit.conventions import SETTING_UNITS, STRUT_CHANNELS, Ship, Water
+from pmmkit.conventions import STRUT_CHANNELS, Ship, Water
 from pmmkit.readers import Cells, Options, Request, reader_for
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ def specs_of(entry: FileEntry | None, base: Mapping[str, ColumnSpec]) -> dict[st
 
 def request_of(entry: FileEntry, label: str, setup: Setup, out: Assembled) -> Request | None:
     """What is read for an entry; None with a problem where its file is not there."""
-    free = kind_of(entry.test).free_running
+    free = TEST_KINDS[entry.test].free_running
     if free != (setup.kind == "free-running"):
         out.report(
             f"test {entry.test!r} is a {'free-running' if free else 'captive'} test, "
@@ -316,5 +317,5 @@ def said(run: Run, corrections: Sequence[Correction], setup: Setup) -> Run:
 def numbers_in(given: Mapping[str, Any]) -> Mapping[str, float]:
     """The settings of a mapping that are numbers."""
     return MappingProxyType(
-        {name: float(value) for name, value in given.items() if name in SETTING_UNITS}
+        {name: float(value) for name, value in given.items() if name in setting_units()}
     )

@@ -10,10 +10,9 @@ from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.base import CampaignError
+from pmmkit.base import CampaignError, did_you_mean
 from pmmkit.campaigns.file.search import InArchive, Search, folder_name, folder_of, origin_of
 from pmmkit.campaigns.run import Campaign
-from pmmkit.conventions import did_you_mean
 from pmmkit.files import CAMPAIGN, Origin, check_numbers, datasets_folder, local_copy, refuse_other
 from pmmkit.presentation import quoted
 from pmmkit.readers import SIGNATURE

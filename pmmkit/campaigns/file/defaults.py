@@ -6,27 +6,15 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from pmmkit.campaigns.file.schema import DefaultsEntry, Faults, read_entry
+from pmmkit.campaigns.file.faults import Faults
+from pmmkit.campaigns.file.schema import DefaultsEntry, read_entry
+from pmmkit.campaigns.run_settings import settings_by_key, ways_to_state
+from pmmkit.campaigns.setting import ANY
 from pmmkit.campaigns.test_kinds.kind import TestKind
-from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
+from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 
 _NESTED: Final = ("source", "columns", "cfd")
 _NO_KINDS: Final = (*_NESTED, "tare")
-_ALTERNATIVES: Final = (
-    frozenset({"period", "frequency_hz"}),
-    frozenset({"yaw_rate", "radius"}),
-    frozenset({"amplitude_m", "strut_amplitude_m", "v_amplitude", "vdot_amplitude"}),
-    frozenset(
-        {
-            "yaw_amplitude_deg",
-            "path_amplitude_m",
-            "strut_amplitude_m",
-            "r_amplitude",
-            "rdot_amplitude",
-        }
-    ),
-)
-"""Settings of which one stands for the others: a run that states one takes none by default."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,8 +39,8 @@ def read_defaults(raw: Any, out: Faults) -> Defaults:
         if isinstance(item, Mapping) and name not in _NO_KINDS
     }
     for name in tables:
-        if name not in kinds():
-            out.report(not_a_kind(name), f"[defaults.{name}]")
+        if name not in TEST_KINDS:
+            out.report(TEST_KINDS.unknown(name), f"[defaults.{name}]")
     return Defaults(
         every=_valid(
             {name: item for name, item in raw.items() if name not in tables}, "[defaults]", out
@@ -60,7 +48,7 @@ def read_defaults(raw: Any, out: Faults) -> Defaults:
         of_kind={
             name: _valid(item, f"[defaults.{name}]", out)
             for name, item in tables.items()
-            if name in kinds()
+            if name in TEST_KINDS
         },
     )
 
@@ -94,9 +82,9 @@ def with_defaults(
     {'test': 'pure_sway', 'frequency_hz': 0.1, 'speed': 1.5}
     """
     test = raw.get("test") if isinstance(raw, Mapping) else None
-    if not isinstance(test, str) or test not in kinds():
+    if not isinstance(test, str) or test not in TEST_KINDS:
         return raw
-    kind = kinds()[test]
+    kind = TEST_KINDS[test]
     found = dict(raw)
     rows = "row" in raw or not histories
     used = {name: item for name, item in defaults.every.items() if _uses(kind, name)}
@@ -114,23 +102,23 @@ def with_defaults(
 
 
 def _others(name: str) -> frozenset[str]:
-    return frozenset().union(*(group for group in _ALTERNATIVES if name in group)) - {name}
+    """Settings of which one stands for the others: a run that states one takes none by default."""
+    item = settings_by_key().get(name)
+    if item is None:
+        return frozenset()
+    ways = (ways_to_state(stated) for stated in (item.name, *item.states))
+    return frozenset().union(*ways) - {name}
 
 
 def _uses(kind: TestKind, name: str) -> bool:
     """Whether a setting means anything in tests of a kind."""
-    if name in ("period", "frequency_hz", "phase_deg"):
+    item = settings_by_key().get(name)
+    if item is None:
+        return True
+    if item.of_swing == ANY:
         return kind.oscillates
-    if name in ("amplitude_m", "v_amplitude", "vdot_amplitude"):
-        return kind.sways or kind.surges
-    if name in ("yaw_amplitude_deg", "r_amplitude", "rdot_amplitude"):
-        return kind.yaws
-    if name == "rudder_amplitude_deg":
-        return kind.swings_rudder
-    if name in ("strut_amplitude_m", "strut_phase_deg"):
-        return kind.yaws or (kind.sways and name == "strut_amplitude_m")
-    if name == "path_amplitude_m":
-        return kind.yaws and not kind.sways
-    if name in ("yaw_rate", "radius"):
-        return kind.circles
-    return name != "switch_deg" or "switch" in kind.needs
+    swung = {swing.velocity or swing.displacement for swing in kind.swings}
+    if item.of_swing:
+        return bool(swung & set(item.of_swing)) and not swung & set(item.without)
+    needed = {item.name, *item.states} & {*kind.needs, *kind.takes}
+    return bool(needed) or not item.where_needed

@@ -9,10 +9,10 @@ from typing import Any, Final
 from pmmkit.base import DataError, Problem
 from pmmkit.campaigns.file.assembly import Assembled, Setup
 from pmmkit.campaigns.file.schema import MatrixEntry
+from pmmkit.campaigns.run_settings import setting_units
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.loading import at_hand
-from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
-from pmmkit.conventions import SETTING_UNITS
+from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 from pmmkit.readers import (
     Cells,
     Options,
@@ -60,7 +60,7 @@ def entries_of(
     if problems:
         out.incomplete = True
         return
-    settings = [column for column in picked if column.name in SETTING_UNITS]
+    settings = [column for column in picked if column.name in setting_units()]
     for index in chosen:
         line = cells.lines[index]
         if line not in matrix.skip:
@@ -85,7 +85,7 @@ def _entry(
     entry: dict[str, Any] = {"id": filled(matrix.id), "file": filled(matrix.run)}
     word = filled(matrix.test)
     test = matrix.tests.get(word, word)
-    if test not in kinds():
+    if test not in TEST_KINDS:
         out.problems.append(_unknown(word, test, line, request))
         out.incomplete = True
     else:
@@ -107,7 +107,7 @@ def _entry(
 
 
 def _unknown(word: str, test: str, line: int, request: Request) -> Problem:
-    known = f'tests = {{ "{word}" = "static_drift" }}' if word == test else not_a_kind(test)
+    known = f'tests = {{ "{word}" = "static_drift" }}' if word == test else TEST_KINDS.unknown(test)
     return request.problem(
         f"{test!r} is no kind of test.",
         row=line,

@@ -8,9 +8,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns.settings import setting_key
-from pmmkit.campaigns.test_kinds.kind import RUDDER, YAW, Swing
-from pmmkit.campaigns.test_kinds.registry import kind_of
+from pmmkit.campaigns.run_settings import RUN_SETTINGS, setting_key
+from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 from pmmkit.numerics import Array
 
 _PERIOD: Final = ("period", "frequency_hz")
@@ -47,14 +46,14 @@ def settings_measured(
     """
     found = {} if "speed" in stated else speed_measured(values)
     notes: tuple[str, ...] = ("speed from u and v",) if found else ()
-    for swing in kind_of(test).swings:
+    for swing in TEST_KINDS[test].swings:
         size = _rms(values, swing.displacement)
         rate = _rms(values, swing.velocity)
         if not size:
             continue
         key = setting_key(swing.amplitude)
         if key not in stated:
-            found[key] = _amplitude(swing, size)
+            found[key] = RUN_SETTINGS[swing.amplitude].to_file(math.sqrt(2.0) * size)  # of a sine
         if rate and not {*_PERIOD} & {*stated, *found}:
             found["period"] = 2 * math.pi * size / rate
             notes = (*notes, f"period from {swing.velocity} over {swing.displacement}")
@@ -64,9 +63,3 @@ def settings_measured(
 def _rms(values: Mapping[str, Array], name: str) -> float:
     """Root mean square of a channel about its mean; zero where it is not there."""
     return float(np.std(values[name])) if name in values else 0.0
-
-
-def _amplitude(swing: Swing, size: float) -> float:
-    """Amplitude of a sine of that root mean square; of a heading or a rudder in degrees."""
-    value = math.sqrt(2.0) * size
-    return math.degrees(value) if swing in (YAW, RUDDER) else value

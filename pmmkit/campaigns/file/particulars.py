@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
 
-from pmmkit.base import DataError, PmmkitError
+from pmmkit.base import DataError, PmmkitError, did_you_mean
 from pmmkit.campaigns.file.assembly import Setup
+from pmmkit.campaigns.file.faults import Faults
 from pmmkit.campaigns.file.remote_files import names_in
 from pmmkit.campaigns.file.report_entry import ReportEntry
-from pmmkit.campaigns.file.schema import (
-    CorrectionEntry,
-    Faults,
-    known_columns,
-    read_entry,
-    read_named,
-)
+from pmmkit.campaigns.file.schema import CorrectionEntry, known_columns, read_entry, read_named
 from pmmkit.campaigns.file.search import Search, with_curve
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
@@ -41,13 +36,12 @@ from pmmkit.campaigns.samples.conversions import Frame
 from pmmkit.campaigns.samples.corrections import shift_in_si
 from pmmkit.campaigns.test_kinds.struts import Struts
 from pmmkit.campaigns.uncertainty import CENTRE_STD, STATABLE, Statable, TypeB
-from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, did_you_mean, factor_to
+from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, factor_to
 from pmmkit.readers import Options
 
 _NEUTRAL_SHIP: Final = Ship(name="", L=1.0, B=1.0, d=1.0, volume=1.0, mass=1.0, Izz=1.0)
 """Stands in where the particulars are wrong, so that all other problems are still found."""
 
-_STATABLE: Final = {item.key: item for item in STATABLE.values()}
 """By key under ``[uncertainty]``."""
 
 
@@ -268,22 +262,27 @@ def _stated_part(name: str, raw: Mapping[str, Any], out: Faults) -> dict[str, An
     return dict(table)
 
 
+def _by_key(known: Iterable[Statable]) -> dict[str, Statable]:
+    return {item.key: item for item in known}
+
+
 def _uncertainty(raw: Mapping[str, Any], out: Faults) -> tuple[TypeB, ...]:
     table = raw.get("uncertainty", {})
     if not isinstance(table, Mapping):
         out.report("must be a table.", "[uncertainty]")
         return ()
+    statable = STATABLE.derived(_by_key)
     found: list[TypeB] = []
     for name, value in table.items():
         entry = f"[uncertainty], key {name!r}"
-        if name not in _STATABLE:
-            out.report(f"not known{did_you_mean(name, _STATABLE) or '.'}", entry)
+        if name not in statable:
+            out.report(f"not known{did_you_mean(name, statable) or '.'}", entry)
             continue
         for item in value if isinstance(value, list) else [value]:
             number = isinstance(item, (int, float)) and not isinstance(item, bool)
             stated = read_entry(UncertainEntry, {"std": item} if number else item, entry, out)
             if stated is not None:
-                found += _type_b(_STATABLE[name], stated, entry, out)
+                found += _type_b(statable[name], stated, entry, out)
     return tuple(found)
 
 

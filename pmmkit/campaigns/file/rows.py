@@ -27,11 +27,12 @@ from pmmkit.campaigns.file.assembly import (
 from pmmkit.campaigns.file.measured import settings_measured, speed_measured
 from pmmkit.campaigns.file.settings import missing_settings
 from pmmkit.campaigns.run import Kind, Run
+from pmmkit.campaigns.run_settings import setting_units
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import in_phase_parts
 from pmmkit.campaigns.samples.loading import RowLoader, at_hand, check_rows
-from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.conventions import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
+from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
+from pmmkit.conventions import FORCE_CHANNELS, harmonic_part
 from pmmkit.numerics import Array
 from pmmkit.readers import Cells, Request, fault, reader_for, to_number
 
@@ -122,7 +123,7 @@ def add_row(
     if numbers is None:
         return
     corrections = corrections_of(run_id, setup)
-    from_cells = {name: value for name, value in numbers.items() if name in SETTING_UNITS}
+    from_cells = {name: value for name, value in numbers.items() if name in setting_units()}
     stated = {**entry.settings(), **from_cells}
     given = {**stated, **set_by(corrections)}
     if given.get("speed") == 0:
@@ -130,7 +131,7 @@ def add_row(
         return
     kind, values, dimensional = _contents(numbers, picked, request.options.in_phase_with)
     given = {**(speed_measured(values) if kind == "means" else {}), **given}
-    dynamic = kind_of(entry.test).oscillates
+    dynamic = TEST_KINDS[entry.test].oscillates
     if dynamic != (kind == "harmonics"):
         out.problems.append(
             request.problem(
@@ -201,7 +202,7 @@ def _contents(
     numbers: Mapping[str, float], picked: Sequence[Picked], phase: str | None
 ) -> tuple[Kind, dict[str, float], frozenset[str]]:
     """Kind of a row, its channels under the names of that kind, and those with a stated unit."""
-    names = [name for name in numbers if name not in SETTING_UNITS]
+    names = [name for name in numbers if name not in setting_units()]
     parts = [found for name in names if (found := harmonic_part(name))]
     harmonics = any(way not in ("mean", "std") for _, way, _ in parts)
     values: dict[str, float] = {}
@@ -241,7 +242,7 @@ def add_samples(
     columns = {
         name: float(np.mean([numbers[name] for numbers in whole]))
         for name in whole[0]
-        if name in SETTING_UNITS
+        if name in setting_units()
     }
     stated = {**columns, **entry.settings()}
     measured, notes = settings_measured(entry.test, kept, stated)
@@ -284,7 +285,7 @@ def _channels(
     rows: Sequence[Mapping[str, float]], picked: Sequence[Picked]
 ) -> tuple[dict[str, Array], frozenset[str]]:
     """The channels of rows that are samples, and those whose unit was stated."""
-    names = [name for name in rows[0] if name not in SETTING_UNITS]
+    names = [name for name in rows[0] if name not in setting_units()]
     values = {
         name.removesuffix("_mean"): np.array([numbers[name] for numbers in rows]) for name in names
     }
@@ -303,7 +304,7 @@ def _not_sampled(
         return "" if "t" in values else "samples in time need a column t."
     if count < FEWEST:
         return f"a cycle of {count} samples is too short: {FEWEST} are needed."
-    if not kind_of(entry.test).oscillates:
+    if not TEST_KINDS[entry.test].oscillates:
         return f"a {entry.test} test has no cycle; its rows are samples in time, or runs."
     if not {"period", "frequency_hz"} & set(given):
         return "the samples of a cycle need its period, or displacement and velocity measured."

@@ -6,14 +6,21 @@ Ship, Run and Campaign. The module is imported only when a campaign file is read
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 from datetime import datetime
-from typing import Annotated, Any, Final, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeVar
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    ValidationError,
+    create_model,
+    field_validator,
+    model_validator,
+)
 
-from pmmkit.base import DataError, Problem, Remedy
+from pmmkit.base import DataError, did_you_mean
+from pmmkit.campaigns.file.faults import Faults, fault_words, shown
 from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
@@ -21,105 +28,23 @@ from pmmkit.campaigns.file.single_tables import (
     CfdEntry,
     ColumnEntry,
     ComputedEntry,
-    Degrees,
     EndEntry,
     ImoEntry,
     Listed,
     NumericalEntry,
     Plain,
-    Positive,
     ShipEntry,
     SourceEntry,
-    Steep,
     StrictTable,
     StrutsEntry,
     TrialEntry,
     WaterEntry,
     said,
 )
-from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
-from pmmkit.conventions import (
-    CHANNEL_UNITS,
-    CHANNELS,
-    DEGREE_CHANNELS,
-    FORCE_CHANNELS,
-    SETTING_UNITS,
-    did_you_mean,
-    unit_of,
-)
-
-# What is wrong with a key of a campaign file, in words.
-
-
-@dataclass
-class Faults:
-    """What is wrong with a file, as it is found.
-
-    Parameters
-    ----------
-    file : str
-        Its name, for messages.
-    problems : list of Problem
-        What was found.
-    """
-
-    file: str
-    problems: list[Problem] = field(default_factory=list)
-
-    def report(
-        self, message: str, entry: str | None = None, remedy: str | Remedy | None = None
-    ) -> None:
-        """Note a problem of an entry, such as ``[ship], key 'L'``."""
-        self.problems.append(Problem(message=message, file=self.file, entry=entry, remedy=remedy))
-
-
-def fault_words(found: Mapping[str, Any], key: str, known: Sequence[str]) -> str:
-    """What is wrong with a key, from an error of pydantic."""
-    kind, given, extra = found["type"], found.get("input"), found.get("ctx", {})
-    if kind == "extra_forbidden":
-        return f"not known{did_you_mean(key, known) or '.'}"
-    if kind == "missing":
-        return "is missing."
-    if kind == "literal_error":
-        listed = extra["expected"].replace(" or ", ", ").split(", ")
-        options = [option.strip("'") for option in listed]
-        guess = did_you_mean(given, options) if isinstance(given, str) else ""
-        return f"{shown(given)} is not one of {', '.join(options)}{guess or '.'}"
-    if kind in ("value_error", "assertion_error"):
-        return str(extra.get("error", found["msg"])).rstrip(".") + "."
-    bounds = {
-        "greater_than": "greater than",
-        "greater_than_equal": "at least",
-        "less_than": "less than",
-        "less_than_equal": "at most",
-    }
-    if kind in bounds:
-        limit = next(iter(extra.values()))
-        return f"must be {bounds[kind]} {limit:g}, it is {shown(given)}."
-    plain = {
-        "float_type": "a number",
-        "int_type": "a whole number",
-        "string_type": "text in quotes",
-        "bool_type": "true or false",
-        "list_type": "a list",
-        "dict_type": "a table",
-        "model_type": "a table",
-        "model_attributes_type": "a table",
-        "finite_number": "a finite number",
-        "int_from_float": "a whole number",
-        "string_too_short": "not empty",
-    }
-    if kind in plain:
-        return f"must be {plain[kind]}, it is {shown(given)}."
-    return f"{found['msg'].rstrip('.')}: {shown(given)}."
-
-
-def shown(value: Any) -> str:
-    """A value of a file in a sentence, as TOML writes it, cut where it is long."""
-    text = {True: "true", False: "false"}.get(value, "") if isinstance(value, bool) else ""
-    text = text or repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
-
+from pmmkit.campaigns.run_settings import setting_units, settings_by_key, unit_of
+from pmmkit.campaigns.setting import RunSetting
+from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
+from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, DEGREE_CHANNELS, FORCE_CHANNELS
 
 ACTIONS: Final = (
     "exclude",
@@ -141,50 +66,8 @@ Where = dict[str, Plain | list[Plain]]
 M = TypeVar("M", bound="StrictTable")
 
 
-class SettingsEntry(StrictTable):
+class _StatedSettings(StrictTable):
     """What a test was set to; keys of a run, of a table and of a correction that sets."""
-
-    speed: Positive | None = said("of the carriage, or of the approach [m/s]", None)
-    drift_deg: Degrees | None = said("drift angle, signed as `drift_positive` says", None)
-    heel_deg: Steep | None = said("heel, positive to starboard", None)
-    rudder_deg: Degrees | None = said("rudder angle, signed as `rudder_positive` says", None)
-    propeller_rps: float | None = said("revolutions [1/s]", None)
-    period: Positive | None = said("of an oscillation [s]", None)
-    frequency_hz: Positive | None = said("its inverse [Hz]", None)
-    amplitude_m: Positive | None = said("of surge or sway [m]", None)
-    yaw_amplitude_deg: Annotated[float, Field(gt=0, lt=90)] | None = said("of the heading", None)
-    rudder_amplitude_deg: Annotated[float, Field(gt=0, lt=90)] | None = said(
-        "of a rudder that swings, about `rudder_deg`", None
-    )
-    path_amplitude_m: Positive | None = said(
-        "of the path of a pure yaw test instead [m]: the heading is atan(aω/U)", None
-    )
-    strut_amplitude_m: Positive | None = said("of each of two struts [m]", None)
-    strut_phase_deg: Degrees | None = said("by which the forward strut leads", None)
-    phase_deg: float | None = said("of the displacement at t = 0", None)
-    yaw_rate: float | None = said("of a circle [rad/s]", None)
-    radius: float | None = said("of a circle instead [m]", None)
-    depth: Positive | None = said("of the water, where it is not that of [water] [m]", None)
-    switch_deg: Degrees | None = said("heading at which a zigzag puts the rudder over", None)
-    wave_height: Annotated[float, Field(ge=0)] | None = said(
-        "significant height of the sea, of a free-running test [m]", None
-    )
-    wave_period: Positive | None = said("its peak period [s]", None)
-    waves_from_deg: Annotated[float, Field(ge=-360, le=360)] | None = said(
-        "where it comes from, clockwise from where the heading is zero", None
-    )
-    vdot_amplitude: float | None = said("v̇' of pure sway, instead of the amplitude", None)
-    v_amplitude: float | None = said("v' of pure sway, instead of it", None)
-    r_amplitude: float | None = said("r' of pure yaw, instead of the heading", None)
-    rdot_amplitude: float | None = said("ṙ' of pure yaw, instead of it", None)
-    repeat_of: str | None = said("id of the run that this one repeats", None)
-
-    @field_validator("radius", "vdot_amplitude", "v_amplitude", "r_amplitude", "rdot_amplitude")
-    @classmethod
-    def _not_zero(cls, value: float | None) -> float | None:
-        if value == 0:
-            raise ValueError("must not be 0")
-        return value
 
     def settings(self) -> dict[str, Any]:
         """The settings that are given, by key."""
@@ -193,6 +76,36 @@ class SettingsEntry(StrictTable):
             for name in SettingsEntry.model_fields
             if getattr(self, name) is not None
         }
+
+
+def _not_zero(value: float) -> float:
+    if value == 0:
+        raise ValueError("must not be 0")
+    return value
+
+
+def _number_of(setting: RunSetting) -> Any:
+    """The type of a setting in a file, with its bounds."""
+    bounds = setting.bounds
+    limits = {"gt": bounds.above, "ge": bounds.least, "lt": bounds.below, "le": bounds.most}
+    given: dict[str, Any] = {name: limit for name, limit in limits.items() if limit is not None}
+    number: Any = Annotated[float, Field(**given)] if given else float
+    return number if bounds.zero else Annotated[number, AfterValidator(_not_zero)]
+
+
+if TYPE_CHECKING:
+    SettingsEntry = _StatedSettings
+else:
+    SettingsEntry = create_model(
+        "SettingsEntry",
+        __base__=_StatedSettings,
+        __doc__=_StatedSettings.__doc__,
+        **{
+            key: (_number_of(item) | None, said(item.meaning, None))
+            for key, item in settings_by_key().items()
+        },
+        repeat_of=(str | None, said("id of the run that this one repeats", None)),
+    )
 
 
 class TareEntry(StrictTable):
@@ -249,8 +162,8 @@ class FileEntry(DefaultsEntry):
     @field_validator("test")
     @classmethod
     def _known_test(cls, value: str) -> str:
-        if value not in kinds():
-            raise ValueError(not_a_kind(value))
+        if value not in TEST_KINDS:
+            raise ValueError(TEST_KINDS.unknown(value))
         return value
 
 
@@ -322,11 +235,11 @@ class MatrixEntry(SettingsEntry):
     @field_validator("columns")
     @classmethod
     def _names(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
-        wrong = [name for name in value if name not in SETTING_UNITS]
+        wrong = [name for name in value if name not in setting_units()]
         if wrong:
             raise ValueError(
                 "; ".join(
-                    f"{name!r} is no setting of a test{did_you_mean(name, SETTING_UNITS)}"
+                    f"{name!r} is no setting of a test{did_you_mean(name, setting_units())}"
                     for name in wrong
                 )
             )
@@ -391,7 +304,7 @@ class CorrectionEntry(SettingsEntry):
 
 def known_columns(value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
     """The ``[columns]`` with only names that a history or a table can have."""
-    known = [*CHANNEL_UNITS, *DEGREE_CHANNELS, *SETTING_UNITS]
+    known = [*CHANNEL_UNITS, *DEGREE_CHANNELS, *setting_units()]
     parts = [
         f"{channel}_{part}"
         for channel in FORCE_CHANNELS

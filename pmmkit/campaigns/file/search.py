@@ -9,8 +9,8 @@ from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
 from pmmkit.base import CampaignError, DataError, Problem, Remedy, setting
+from pmmkit.campaigns.file.faults import Faults
 from pmmkit.campaigns.file.remote_files import RemoteFiles
-from pmmkit.campaigns.file.schema import Faults
 from pmmkit.campaigns.samples.loading import at_hand
 from pmmkit.files import (
     CAMPAIGN,

@@ -4,40 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from typing import Any, Final
+from typing import Any
 
+from pmmkit.campaigns.run_settings import RUN_SETTINGS, brought, setting_key, ways_to_state
 from pmmkit.campaigns.samples.conversions import Frame
-from pmmkit.campaigns.settings import Settings, setting_key
+from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.kind import RUDDER
-from pmmkit.campaigns.test_kinds.registry import kind_of
-
-_MEASURED_BY: Final = {"drift": "v", "heel": "phi", "rudder": "delta"}
-"""Channel that tells a setting where the file measures it."""
-_AMPLITUDES: Final = {
-    "amplitude": {"amplitude_m", "strut_amplitude_m", "vdot_amplitude", "v_amplitude"},
-    "yaw_amplitude": {
-        "yaw_amplitude_deg",
-        "path_amplitude_m",
-        "strut_amplitude_m",
-        "r_amplitude",
-        "rdot_amplitude",
-    },
-    "rudder_amplitude": {"rudder_amplitude_deg"},
-}
-"""Keys, any of which gives the amplitude of an oscillation."""
-
-_WORDS: Final[dict[str, str]] = {
-    "speed": "the carriage speed, speed [m/s]",
-    "drift_deg": "the drift angle, drift_deg",
-    "heel_deg": "the heel, heel_deg",
-    "rudder_deg": "the rudder angle, rudder_deg",
-    "switch_deg": "the heading of the switch, switch_deg",
-    "period": "the period [s] (or frequency_hz)",
-    "amplitude_m": "the amplitude, amplitude_m",
-    "yaw_amplitude_deg": "the amplitude of the heading, yaw_amplitude_deg (or of the path, "
-    "path_amplitude_m)",
-    "rudder_amplitude_deg": "the amplitude of the rudder, rudder_amplitude_deg",
-}
+from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 
 
 def missing_settings(
@@ -54,39 +27,39 @@ def missing_settings(
     >>> missing_settings("pure_sway", {"speed": 1.0, "period": 12.5}, measured={"y", "psi"})
     []
     """
-    kind = kind_of(test)
+    kind = TEST_KINDS[test]
     missing = [] if "speed" in given else ["speed"]
     missing += [
-        setting_key(name)
+        name
         for name in kind.held
         if name != "yaw_rate"
         and setting_key(name) not in given
-        and _MEASURED_BY.get(name) not in measured
+        and RUN_SETTINGS[name].measured_by not in measured
     ]
     swings = [swing for swing in kind.swings if swing.velocity not in measured]
     if swings and not _frequency_known(given):
         missing.append("period")
     missing += [
-        setting_key(swing.amplitude)
+        swing.amplitude
         for swing in swings
         # That of a rudder decides which derivatives are asked for, before a record is read.
         if (swing is RUDDER or not kind.places <= set(measured))
-        and not _AMPLITUDES[swing.amplitude] & set(given)
+        and not ways_to_state(swing.amplitude) & set(given)
     ]
-    words = [_WORDS[name] for name in missing]
+    words = [RUN_SETTINGS[name].lack for name in missing]
     if kind.sways and kind.yaws and "strut_amplitude_m" in given and "strut_phase_deg" not in given:
         words.append("the lead of the forward strut, strut_phase_deg")
     if kind.circles and "r" not in measured:
         turning = [name for name in ("yaw_rate", "radius") if name in given]
         if not turning:
-            words.append("yaw_rate [rad/s] or radius [m]")
+            words.append(RUN_SETTINGS["yaw_rate"].lack)
         elif len(turning) == 2:
             words.append("only one of yaw_rate and radius, not both")
     return words
 
 
 def _frequency_known(given: Mapping[str, Any]) -> bool:
-    return bool({"period", "frequency_hz"} & set(given)) or any(
+    return bool(ways_to_state("period") & set(given)) or any(
         {top, bottom} <= set(given)
         for top, bottom in (("rdot_amplitude", "r_amplitude"), ("vdot_amplitude", "v_amplitude"))
     )
@@ -118,7 +91,7 @@ def settings_of(
         elif amplitude is None and "v_amplitude" in given:
             amplitude = abs(given["v_amplitude"]) * speed / omega
             notes.append("amplitude from the primed velocity: |v'| U/ω")
-        if yaw is None and "path_amplitude_m" in given and not kind_of(test).sways:
+        if yaw is None and "path_amplitude_m" in given and not TEST_KINDS[test].sways:
             yaw = math.atan(given["path_amplitude_m"] * omega / speed)
             notes.append("yaw amplitude from that of the path: atan(a ω/U)")
         elif yaw is None and "r_amplitude" in given:
@@ -131,7 +104,7 @@ def settings_of(
     if turn_phase and frame.motion_sign(test) < 0:
         phase += math.pi
         notes.append("phase of the motion turned by 180° because the axis points the other way")
-    kind = kind_of(test)
+    kind = TEST_KINDS[test]
     if yaw is not None and kind.sways and kind.yaws and frame.sign("r") != frame.sign("v"):
         yaw = -yaw
     drift, rudder = _radians(given, "drift_deg") or 0.0, _radians(given, "rudder_deg") or 0.0
@@ -169,6 +142,11 @@ def settings_of(
             wave_period=given.get("wave_period"),
             waves_from=_radians(given, "waves_from_deg"),
             repeat_of=given.get("repeat_of"),
+            further=tuple(
+                (item.name, item.to_si(float(given[item.in_file])))
+                for item in brought()
+                if item.in_file in given
+            ),
         ),
         tuple(notes),
     )

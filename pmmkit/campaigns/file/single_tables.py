@@ -19,7 +19,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError, PydanticUndefined
 
 from pmmkit.conventions import SYSTEMS
-from pmmkit.readers import readers
+from pmmkit.readers import READERS
 
 
 def said(text: str, default: Any = PydanticUndefined) -> Any:
@@ -34,10 +34,10 @@ def _as_tuple(value: Any) -> Any:
 
 def _known_format(name: Any) -> Any:
     """A format that is read, asked when a file is read: readers of other packages count."""
-    if name in tuple(readers()):
+    if name in tuple(READERS):
         return name
     raise PydanticCustomError(
-        "literal_error", "Input should be {expected}", {"expected": ", ".join(readers())}
+        "literal_error", "Input should be {expected}", {"expected": ", ".join(READERS)}
     )
 
 

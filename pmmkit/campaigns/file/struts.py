@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from pmmkit.campaigns.samples.conversions import Frame
 from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.test_kinds.registry import kind_of
+from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 from pmmkit.campaigns.test_kinds.struts import Struts
 
 SWAYS: Final = 0.02
@@ -28,7 +28,7 @@ def on_struts(
     stated = [name for name in _KEYS if name in given]
     if not stated:
         return settings, ()
-    kind = kind_of(test)
+    kind = TEST_KINDS[test]
     if not (kind.sways or kind.yaws):
         raise ValueError(f"a {test} test is not made by two struts: leave {stated[0]} out")
     if struts is None:

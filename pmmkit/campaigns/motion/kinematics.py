@@ -200,7 +200,7 @@ def _displacement(
         if not math.hypot(cosine, sine) > _CLEAR * series.standard_error:
             continue
         lead = math.atan2(-sine, cosine) if told.with_cosine else math.atan2(cosine, sine)
-        lead += math.pi if (getattr(run.settings, told.amplitude) or 0.0) < 0 else 0.0
+        lead += math.pi if (run.settings.value(told.amplitude) or 0.0) < 0 else 0.0
         return nominal.ahead(math.remainder(lead, 2 * math.pi))
     return nominal
 

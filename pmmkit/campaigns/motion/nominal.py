@@ -128,7 +128,7 @@ def _wrong_settings(run: Run, needed: Sequence[str]) -> list[str]:
     wrong = [
         f"a {run.test} test needs the setting {name}."
         for name in needed
-        if name != "yaw_rate" and getattr(settings, name) is None
+        if name != "yaw_rate" and settings.value(name) is None
     ]
     if settings.period is not None and not 0 < settings.period < math.inf and "period" in needed:
         wrong.append(f"the period must be positive, not {settings.period:g} s.")

@@ -8,20 +8,17 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from pmmkit.base import DataError, Problem
+from pmmkit.base import DataError, Problem, did_you_mean
+from pmmkit.campaigns.run_settings import names_taken_unasked, setting_units, unit_of
 from pmmkit.conventions import (
     CHANNEL_UNITS,
     DEGREE_CHANNELS,
     FORCE_CHANNELS,
-    SETTING_UNITS,
     channel_of,
-    did_you_mean,
     factor_to,
     harmonic_part,
-    names_taken_unasked,
     split_unit,
     unit_in_name,
-    unit_of,
 )
 from pmmkit.numerics import Array
 from pmmkit.readers import Request
@@ -125,7 +122,7 @@ def pick(
         known = unit_of(name, table=table) is not None
         part = harmonic_part(name) if table else None
         taken = allowed is None or name in allowed or (part is not None and part[1] != "in")
-        channel = name if table and name in SETTING_UNITS else channel_of(name)
+        channel = name if table and name in setting_units() else channel_of(name)
         doubled = channel != name and name not in DEGREE_CHANNELS and channel in {*plain, *picked}
         free = position not in claimed and not {name, channel} & asked
         if known and taken and free and not doubled:
@@ -196,7 +193,7 @@ def _add(
     table: bool,
 ) -> None:
     title = headers[position] or str(position + 1)
-    channel = name if table and name in SETTING_UNITS else channel_of(name)
+    channel = name if table and name in setting_units() else channel_of(name)
     if channel in picked:
         problems.append(
             request.problem(
@@ -211,7 +208,9 @@ def _add(
     if unit is None and name not in DEGREE_CHANNELS and unit_in_name(name) is not None:
         unit = own  # it is stated, whatever the file is without dimension
     part = harmonic_part(channel)
-    target = own if table and name in SETTING_UNITS else CHANNEL_UNITS[part[0] if part else channel]
+    target = (
+        own if table and name in setting_units() else CHANNEL_UNITS[part[0] if part else channel]
+    )
     try:
         factor = factor_to(unit if unit is not None else own, target)
     except DataError as error:

@@ -8,7 +8,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from pmmkit.campaigns.test_kinds.registry import kind_of
+from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 from pmmkit.conventions import FORCE_CHANNELS, MOMENTS, Ship, Water, force_unit, harmonic_part
 from pmmkit.numerics import Array
 
@@ -107,7 +107,7 @@ class Frame:
 
     def motion_sign(self, test: str) -> int:
         """-1 if the displacement of an oscillating test changes sign in our axes."""
-        leading = kind_of(test).leading
+        leading = TEST_KINDS[test].leading
         return 1 if leading is None else self.sign(leading.displacement)
 
 

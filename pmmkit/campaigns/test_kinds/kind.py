@@ -36,7 +36,8 @@ class TankMotion:
 
 
 ShipMotion = Mapping[str, float | Array]
-"""Of ``u, v, r, udot, vdot, rdot``; those that are absent are zero."""
+"""Of ``u, v, r, udot, vdot, rdot``, and ``phi, p, pdot`` of a model that is rolled; those that are
+absent are zero, and the heel is that which is held."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,11 +151,11 @@ class TestKind:
 
     Examples
     --------
-    >>> from pmmkit.campaigns.test_kinds.registry import kind_of
-    >>> kind = kind_of("yaw_drift")
+    >>> from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
+    >>> kind = TEST_KINDS["yaw_drift"]
     >>> kind.title, kind.family, kind.needs
     ('yaw with drift', 'oscillating', ('period', 'yaw_amplitude', 'drift'))
-    >>> kind.yaws, kind.sways, kind.drifts, kind_of("pure_yaw").zero
+    >>> kind.yaws, kind.sways, kind.drifts, TEST_KINDS["pure_yaw"].zero
     (True, False, True, ('v', 'vdot', 'phi', 'delta'))
     """
 

@@ -295,7 +295,7 @@ def _next(
     model: str, campaign: Path, found: Diagnosis, given: Sequence[str], *, data: str, options: str
 ) -> list[str]:
     """The command that puts the findings into the model, or plans the run that decides."""
-    from pmmkit.conventions import structures
+    from pmmkit.conventions import STRUCTURES
     from pmmkit.files import first_free, free_folder
 
     base, tests = quoted(Path(model)), quoted(campaign)
@@ -306,7 +306,7 @@ def _next(
     names = " ".join([*given, *(item.effect for item in found.proposed)])
     better = first_free(Path(f"model{number}.toml") for number in count(2))
     fit = f"--fit {tests}{data}{options} -o {better}"
-    if model not in structures():
+    if model not in STRUCTURES:
         return [f"Next: pmmkit add {base} {names} {fit}", *told_apart]
     reduced = free_folder(Path(f"{stem(campaign)}-reduced"))
     into = f"--structure {model} --fn pooled{data} --out {quoted(reduced)}"

@@ -22,10 +22,10 @@ def effects(
     ] = None,
 ) -> Outcome:
     """The catalogue of effects that models are made of."""
-    from pmmkit.effects import catalogue
+    from pmmkit.effects import CATALOGUE
 
     asked = list(dict.fromkeys(x for name in names or [""] for x in _named(name)))
-    found = [catalogue()[name] for name in asked]
+    found = [CATALOGUE[name] for name in asked]
     whole = names and len(found) <= len(names)
     return Outcome(
         content={"effects": [_content(item) for item in found]},
@@ -35,11 +35,11 @@ def effects(
 
 def _named(text: str) -> list[str]:
     """The effect of a name, else those whose names hold it."""
-    from pmmkit.effects import catalogue, effect_of
+    from pmmkit.effects import CATALOGUE
 
-    every = catalogue()
+    every = CATALOGUE
     word = text.lower()
-    return [word] if word in every else [x for x in every if word in x] or [effect_of(text).name]
+    return [word] if word in every else [x for x in every if word in x] or [CATALOGUE[text].name]
 
 
 def _each(found: Iterable[Effect]) -> list[str]:

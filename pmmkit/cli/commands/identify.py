@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from pmmkit.base import did_you_mean
 from pmmkit.cli.options import (
     Campaign,
     Data,
@@ -23,7 +24,6 @@ from pmmkit.cli.options import (
 )
 from pmmkit.cli.output import Outcome, marked, warned
 from pmmkit.cli.outputs import Force, Out, results_folder
-from pmmkit.conventions import did_you_mean
 
 if TYPE_CHECKING:
     from pmmkit.identification import Chosen, MethodComparison, Smoothed

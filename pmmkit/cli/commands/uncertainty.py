@@ -8,6 +8,7 @@ from typing import Annotated, Final
 
 import typer
 
+from pmmkit.base import did_you_mean
 from pmmkit.cli.options import (
     Depth,
     Extrapolate,
@@ -27,7 +28,6 @@ from pmmkit.cli.options import (
 from pmmkit.cli.output import Outcome, marked
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import Speed, approach
-from pmmkit.conventions import did_you_mean
 from pmmkit.presentation import number, text_of
 
 CURVED: Final = 0.2

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
-from pmmkit.base import Problem, Remedy, UnknownNameError, Way
-from pmmkit.conventions import did_you_mean, parse_derivative
+from pmmkit.base import Problem, Remedy, UnknownNameError, Way, did_you_mean
+from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.columns import (
     Columns,
@@ -147,8 +147,8 @@ def candidate_of(effect: Effect, speeds: Sequence[float] = ()) -> Candidate:
 
     Examples
     --------
-    >>> from pmmkit.effects import effect_of
-    >>> candidate_of(effect_of("memory")).coefficients
+    >>> from pmmkit.effects import CATALOGUE
+    >>> candidate_of(CATALOGUE["memory"]).coefficients
     ('Yv_late', 'Nv_late')
     """
     inner, sizes = effect.nonlinear, effect.coefficients

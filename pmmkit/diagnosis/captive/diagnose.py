@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from pmmkit.base import DataError, Problem, Workers
 from pmmkit.campaigns import Campaign, within_reach
-from pmmkit.conventions import Convention, Structure, parse_derivative, structure_of, structures
+from pmmkit.conventions import STRUCTURES, Convention, Structure, parse_derivative, structure_of
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
@@ -20,7 +20,7 @@ from pmmkit.diagnosis.captive.refit import effects_of, eligible
 from pmmkit.diagnosis.captive.system import LEAST, System, scale_of
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.effects import Effect, catalogue, effect_of
+from pmmkit.effects import CATALOGUE, Effect
 from pmmkit.models import DERIVATIVE_PARTS, Model, load_model
 from pmmkit.reduction import FLOOR, View, columns_of, views_of
 
@@ -34,7 +34,7 @@ def derivatives_of(
     Model | str | tuple[str, ...] | Structure, str | tuple[str, ...] | Structure, tuple[str, ...]
 ]:
     """What a model, a structure or a list of derivatives gives as base of a diagnosis."""
-    if isinstance(model, Structure) or (isinstance(model, str) and model in structures()):
+    if isinstance(model, Structure) or (isinstance(model, str) and model in STRUCTURES):
         return model, model, ()
     if isinstance(model, (str, Path)):
         model = load_model(model)
@@ -45,7 +45,7 @@ def derivatives_of(
         for effect in DERIVATIVE_PARTS
         if effect in model.parts
         for name in model.parts[effect].values
-        if effect_of(effect).parameter(name) is None
+        if CATALOGUE[effect].parameter(name) is None
     )
     return model, names, effects_of(model)
 
@@ -130,7 +130,7 @@ def standing(
     system: System, names: Sequence[str], own: Sequence[Effect] = ()
 ) -> tuple[System, tuple[str, ...]]:
     """A system about its base as a model stands that was written with some effects."""
-    known = {**catalogue(), **{item.name: item for item in own}}
+    known = {**CATALOGUE, **{item.name: item for item in own}}
     brought = [known[x] for x in dict.fromkeys(names) if x in known and derivatives_in(known[x])]
     taken = {effect.name for effect in brought}
     rest = tuple(x for x in dict.fromkeys(names) if x not in taken)

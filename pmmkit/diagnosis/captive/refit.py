@@ -16,7 +16,7 @@ from pmmkit.diagnosis.captive.joint_fit import JointFit
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.system import CandidateColumns
 from pmmkit.diagnosis.refit import put_back
-from pmmkit.effects import BY_SPEED, HULL, RUDDER_POLYNOMIAL, Effect, catalogue
+from pmmkit.effects import BY_SPEED, CATALOGUE, HULL, RUDDER_POLYNOMIAL, Effect
 from pmmkit.models import (
     DerivativeTable,
     Model,
@@ -44,7 +44,7 @@ def captive_candidates(
     >>> "memory" in [item.name for item in captive_candidates()]
     True
     """
-    every = {item.name: item for item in (*catalogue().values(), *own)}
+    every = {item.name: item for item in (*CATALOGUE.values(), *own)}
     asked = (candidate_of(item, speeds) for item in every.values() if item.asked_in_captive)
     return tuple(item for item in asked if item.grid)
 
@@ -128,7 +128,7 @@ def _is_derivative(name: str) -> bool:
 
 def _entry(name: str, own: Sequence[Effect]) -> Effect | None:
     """An effect of the user or of the catalogue; None for a candidate that is neither."""
-    return next((item for item in own if item.name == name), catalogue().get(name))
+    return next((item for item in own if item.name == name), CATALOGUE.get(name))
 
 
 def refitted(
@@ -308,7 +308,7 @@ def effects_of(model: Model) -> tuple[str, ...]:
     parts = [name for name, part in model.parts.items() if part.known.asked_in_captive]
     varying = [
         effect.name
-        for effect in catalogue().values()
+        for effect in CATALOGUE.values()
         if any(_varies(model, name) for name in effect.varies_with_speed)
     ]
     faults = [step.effect for step in model.steps if step.action == "fault_corrected"]

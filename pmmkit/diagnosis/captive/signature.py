@@ -23,7 +23,7 @@ from pmmkit.campaigns import (
     Settings,
     nominal_motion,
 )
-from pmmkit.conventions import Convention, structures
+from pmmkit.conventions import STRUCTURES, Convention
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.evidence import MIMICS
@@ -72,8 +72,8 @@ def signatures(candidates: Sequence[Candidate]) -> tuple[Signature, ...]:
     Examples
     --------
     >>> from pmmkit.diagnosis.captive.candidate import candidate_of
-    >>> from pmmkit.effects import effect_of
-    >>> (found,) = signatures([candidate_of(effect_of("modulus_sway_drag"))])
+    >>> from pmmkit.effects import CATALOGUE
+    >>> (found,) = signatures([candidate_of(CATALOGUE["modulus_sway_drag"])])
     >>> sway = found.acts["pure_sway"]["Y"]
     >>> sorted(sway), round(sway["C3"] / sway["C1"], 2)
     (['C1', 'C3'], 0.2)
@@ -197,7 +197,7 @@ def standard_tests() -> tuple[tuple[View, ...], CaptiveBase]:
     """Standard tests of the S175, and its published cubic hull as base."""
     model = scaled(load_model("s175-3dof"), LENGTH)
     values = {**model.values(HULL), **model.values(INERTIA)}
-    names = (*structures()["cubic"].derivatives, "Yd", "Nd", "Xdd")
+    names = (*STRUCTURES["cubic"].derivatives, "Yd", "Nd", "Xdd")
     known = {"Yd": -0.0026, "Nd": 0.00126, "Xdd": -0.0015}
     table = from_values(
         {name: x for name, x in values.items() if name[0] in CHANNELS},

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.effects import catalogue, effect_of
+from pmmkit.effects import CATALOGUE
 from pmmkit.identification import Prior, prior_of
 from pmmkit.models import DERIVATIVE_PARTS, Model, Part, Sailing, moves_of
 from pmmkit.numerics import Array
@@ -78,7 +78,7 @@ def movable(model: Model) -> tuple[str, ...]:
         for part in DERIVATIVE_PARTS
         if part in model.parts
         for name in model.parts[part].values
-        if effect_of(part).parameter(name) is None
+        if CATALOGUE[part].parameter(name) is None
     ]
     others = [
         f"{part.effect}.{item.name}"
@@ -135,7 +135,7 @@ def usual_sizes(model: Model, speed: float) -> dict[str, float]:
     """
     vessel = Sailing(model, speed)
     sizes: dict[str, float] = {}
-    for effect in catalogue().values():
+    for effect in CATALOGUE.values():
         asked = effect.kind in ("terms", "freed") and effect.frees in ("", *model.parts)
         if not asked or effect.varies_with_speed:
             continue

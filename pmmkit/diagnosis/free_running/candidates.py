@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 from pmmkit.base import DataError
-from pmmkit.effects import EXCITES, HULL, INERTIA, OUTSIDE, Effect, catalogue
+from pmmkit.effects import CATALOGUE, EXCITES, HULL, INERTIA, OUTSIDE, Effect
 from pmmkit.identification import ONE_SEA, FreeRecord
 from pmmkit.models import DERIVATIVE_PARTS, Model, Part, Sailing, moves_of, parts_of, told
 
@@ -135,7 +135,7 @@ def candidates_for(
     vessel = Sailing(model, sum(speeds) / len(speeds) if speeds else 1.0)
     held = excited(model, records)
     given = {} if windage is None else {"AF": windage[0], "AL": windage[1]}
-    every = {item.name: item for item in (*catalogue().values(), *own)}
+    every = {item.name: item for item in (*CATALOGUE.values(), *own)}
     candidates = [
         free_candidate_of(effect, vessel, given)
         for effect in every.values()

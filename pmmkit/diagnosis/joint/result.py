@@ -13,7 +13,7 @@ from pmmkit.diagnosis.evidence import PRICE, Visible
 from pmmkit.diagnosis.findings import AS_LIKELY, VERDICTS, Diagnosis, Verdict
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues, Owner, Third
 from pmmkit.diagnosis.joint.captive_vote import Ballot, Names, of_ship
-from pmmkit.effects import effect_of
+from pmmkit.effects import CATALOGUE
 from pmmkit.models import Model, odds
 from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
 
@@ -247,7 +247,7 @@ class Together(Described):
             [
                 {
                     "effect": item.names[0],
-                    "family": effect_of(item.names[0]).family,
+                    "family": CATALOGUE[item.names[0]].family,
                     **{
                         name: item.ballots[name].log_evidence if name in item.ballots else math.nan
                         for name in self.names

@@ -25,7 +25,7 @@ from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.joint.result import Together
 from pmmkit.diagnosis.loop.fall import ALL, BASE, ErrorWords, Fall, FallRow
 from pmmkit.diagnosis.refit import stepped
-from pmmkit.effects import Effect, catalogue
+from pmmkit.effects import CATALOGUE, Effect
 from pmmkit.models import Model, Step
 from pmmkit.presentation import counted
 
@@ -296,7 +296,7 @@ def _at_its_parameter(step: Step, block: CandidateColumns) -> Step:
 def _coefficients(block: CandidateColumns, fit: JointFit) -> dict[str, float]:
     """Coefficients of an effect by a fit, those of a fault as the catalogue names them."""
     c = block.candidate
-    known = catalogue().get(c.name)
+    known = CATALOGUE.get(c.name)
     names = list(known.typical) if c.kind == "fault" and known else c.coefficients
     return dict(zip(names, coefficients_of(block, fit)[0], strict=True))
 

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
-from pmmkit.campaigns import kind_of
+from pmmkit.campaigns import TEST_KINDS
 from pmmkit.models import Step
 from pmmkit.presentation import Described, Grid, Group, Section, counted
 
@@ -404,7 +404,7 @@ class Fall(Described):
 
 
 def _column(group: str, quantity: str) -> str:
-    return quantity.replace("_", " ") if group == ALL else kind_of(group).title
+    return quantity.replace("_", " ") if group == ALL else TEST_KINDS[group].title
 
 
 def _written(value: float, unit: str) -> str:

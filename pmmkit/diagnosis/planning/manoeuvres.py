@@ -23,7 +23,7 @@ from pmmkit.diagnosis.planning.ground import Asked, ground_of
 from pmmkit.diagnosis.planning.options import Limits, Option
 from pmmkit.diagnosis.planning.programme import TestPlan, plan, sights
 from pmmkit.diagnosis.planning.ranking import apart, apart_at_usual_size, shown
-from pmmkit.effects import CURRENT, catalogue
+from pmmkit.effects import CATALOGUE, CURRENT
 from pmmkit.identification import FreeRecord, known_faults
 from pmmkit.models import Model, scaled
 from pmmkit.presentation import counted
@@ -213,7 +213,7 @@ def _with_captive_tests(advice: Advice, model: Model, limits: Limits) -> Advice:
 
     Faults of the records' own instruments are no matter of captive tests.
     """
-    every = catalogue()
+    every = CATALOGUE
     asked = [
         name
         for name in advice.wanted

@@ -8,7 +8,16 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Final
 
 from pmmkit.base import CampaignError, Problem
-from pmmkit.campaigns import BUILT_IN, Campaign, Run, Settings, TestKind, captive_kinds, kind_of
+from pmmkit.campaigns import (
+    RUN_SETTINGS,
+    TEST_KINDS,
+    Campaign,
+    Run,
+    Settings,
+    TestKind,
+    brought,
+    captive_kinds,
+)
 from pmmkit.conventions import Ship, Water
 
 BREAKING: Final = 0.25
@@ -19,9 +28,11 @@ FEWEST: Final = 3
 """Whole cycles, the first included, without which an oscillating run tells too little."""
 SPEEDS: Final = 5
 """Speeds that are offered of a campaign with more."""
+_UNWRITTEN: Final = ("speed", "yaw_rate", "radius")
+"""Settings that are not among those by which an entry tells a planned run."""
 USUAL: Final = tuple(
     kind.name
-    for kind in sorted(BUILT_IN.values(), key=lambda kind: kind.turns_rudder)
+    for kind in sorted(TEST_KINDS.own.values(), key=lambda kind: kind.turns_rudder)
     if kind.usual and kind.shares is not None
 )
 """Tests of every planar motion mechanism that are planned, those of the hull before the rudder."""
@@ -61,7 +72,7 @@ class Option:
     def id(self) -> str:
         """A name from the settings, such as ``SD_1.5_b+06``."""
         s = self.settings
-        parts = [kind_of(self.test).code, f"{s.speed:.4g}"]
+        parts = [TEST_KINDS[self.test].code, f"{s.speed:.4g}"]
         for letter, angle in (("b", s.drift), ("d", s.rudder), ("h", s.heel)):
             if angle:
                 parts.append(f"{letter}{math.degrees(angle):+.3g}")
@@ -75,6 +86,9 @@ class Option:
             parts.append(f"y{math.degrees(s.yaw_amplitude):.3g}")
         if s.rudder_amplitude is not None:
             parts.append(f"da{math.degrees(s.rudder_amplitude):.3g}")
+        for item in brought():
+            if item.code and (value := s.value(item.name)) is not None:
+                parts.append(f"{item.code}{item.to_file(value):.3g}")
         if s.repeat_of is not None:
             parts.append("again")
         return "_".join(parts)
@@ -97,6 +111,9 @@ class Option:
                 parts.append(f"{name} {math.degrees(angle):+.3g}°")
         if s.switch is not None:
             parts.append(f"reversed at {math.degrees(s.switch):.3g}°")
+        for item in brought():
+            if (value := s.value(item.name)) is not None:
+                parts.append(f"{item.word} {item.to_file(value):.3g} {item.unit}".rstrip())
         return ", ".join(parts)
 
     @property
@@ -105,23 +122,15 @@ class Option:
         s = self.settings
         given: dict[str, Any] = {"id": self.id, "test": self.test, "file": f"runs/{self.id}.csv"}
         given["speed"] = round(s.speed, 6)
-        for name, angle in (
-            ("drift_deg", s.drift),
-            ("heel_deg", s.heel),
-            ("rudder_deg", s.rudder),
-            ("yaw_amplitude_deg", s.yaw_amplitude),
-            ("rudder_amplitude_deg", s.rudder_amplitude),
-            ("switch_deg", s.switch),
-        ):
-            if angle:
-                given[name] = round(math.degrees(angle), 4)
-        for name, value in (
-            ("period", s.period),
-            ("amplitude_m", s.amplitude),
-            ("propeller_rps", s.propeller_rps),
-        ):
-            if value is not None:
-                given[name] = round(value, 4)
+        planned = [
+            item
+            for item in RUN_SETTINGS.values()
+            if item.kept and not item.surroundings and item.name not in _UNWRITTEN
+        ]
+        for item in sorted(planned, key=lambda x: (not x.angle, x.name == "propeller_rps")):
+            value = s.value(item.name)
+            if value if item.angle else value is not None:
+                given[item.in_file] = round(item.to_file(value or 0.0), 4)
         if s.repeat_of is not None:
             given["repeat_of"] = s.repeat_of
         return given
@@ -278,7 +287,7 @@ def options_of(limits: Limits, ship: Ship, water: Water) -> tuple[Option, ...]:
     made: dict[str, Option] = {}
     for speed in limits.speeds:
         for test in limits.tests:
-            for given in _grid(kind_of(test), limits, ship, speed):
+            for given in _grid(TEST_KINDS[test], limits, ship, speed):
                 settings = Settings(speed=speed, propeller_rps=limits.propeller_rps, **given)
                 option = timed(test, settings, limits, ship)
                 if option is not None and _possible(option, limits, ship, water):
@@ -289,7 +298,7 @@ def options_of(limits: Limits, ship: Ship, water: Water) -> tuple[Option, ...]:
 def timed(test: str, settings: Settings, limits: Limits, ship: Ship) -> Option | None:
     """A run with the time it takes; None where the tank is too short for it."""
     length = limits.tank_length
-    if settings.period is None or not kind_of(test).oscillates:
+    if settings.period is None or not TEST_KINDS[test].oscillates:
         record, cycles = min(LENGTHS * ship.L, length) / settings.speed, 0
     else:
         room = length / settings.speed / settings.period
@@ -311,7 +320,7 @@ def _possible(option: Option, limits: Limits, ship: Ship, water: Water) -> bool:
     if abs(s.yaw_amplitude or 0.0) > limits.yaw * 1.001:
         return False
     across = s.amplitude or 0.0
-    if s.yaw_amplitude and omega and not kind_of(option.test).sways:
+    if s.yaw_amplitude and omega and not TEST_KINDS[option.test].sways:
         across = s.speed * abs(s.yaw_amplitude) / omega
     return across + 1.5 * ship.B <= limits.tank_width / 2.0
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.base import CampaignError, Problem
-from pmmkit.campaigns import Settings, captive_kinds, require_settings
+from pmmkit.campaigns import RUN_SETTINGS, RunSetting, Settings, captive_kinds, require_settings
 from pmmkit.conventions import Ship
 from pmmkit.diagnosis.planning.options import Limits, Option, timed
 from pmmkit.files import check_numbers
@@ -34,21 +34,8 @@ LIMITS: Final = {
 }
 """Keys of ``[limits]``: the limit and its unit."""
 _LISTS: Final = ("speeds", "frequencies", "tests")
-_ANGLES: Final = (
-    "drift_deg",
-    "heel_deg",
-    "rudder_deg",
-    "yaw_amplitude_deg",
-    "rudder_amplitude_deg",
-)
-_PLAIN: Final = {
-    "speed": "speed",
-    "period": "period",
-    "amplitude_m": "amplitude",
-    "propeller_rps": "propeller_rps",
-    "yaw_rate": "yaw_rate",
-    "radius": "radius",
-}
+_UNLISTED: Final = ("phase", "switch")
+"""Settings that no captive run to choose from needs to state."""
 _NAMES: Final = ("id", "file", "test", "repeat_of")
 
 
@@ -157,10 +144,22 @@ def _kind(name: str) -> str:
     return "a whole number" if name == "cycles" else "a number"
 
 
+def _plannable() -> dict[str, RunSetting]:
+    """Settings that a run to choose from may state, by key: angles first."""
+    first = ("drift", "heel", "rudder", "yaw_amplitude", "rudder_amplitude", "speed", "period")
+    ordered = RUN_SETTINGS.ordered(*first, "amplitude")
+    return {
+        item.in_file: item
+        for item in ordered
+        if item.kept and not item.surroundings and item.name not in _UNLISTED
+    }
+
+
 def _listed(entry: Any, limits: Limits, ship: Ship) -> Option:
     if not isinstance(entry, dict):
         raise CampaignError("is no table.")
-    allowed = (*_ANGLES, *_PLAIN, *_NAMES)
+    keys = _plannable()
+    allowed = (*keys, *_NAMES)
     test = entry.get("test")
     wrong = [
         f"{name!r} is no setting of a run: {', '.join(allowed)}."
@@ -171,18 +170,15 @@ def _listed(entry: Any, limits: Limits, ship: Ship) -> Option:
         wrong.append(f"test = {test!r} is no captive test.")
     wrong += [
         f"{name} = {entry[name]!r} is no number."
-        for name in (*_ANGLES, *_PLAIN)
+        for name in keys
         if name in entry and not _number(entry[name])
     ]
     if not wrong and not entry.get("speed", 0.0) > 0:
         wrong.append("speed must be there, and positive.")
     if wrong:
         raise CampaignError(wrong)
-    given: dict[str, Any] = {
-        name.removesuffix("_deg"): math.radians(entry[name]) for name in _ANGLES if name in entry
-    }
-    given |= {_PLAIN[name]: float(entry[name]) for name in _PLAIN if name in entry}
-    settings = Settings(**given)
+    given = {keys[key].name: keys[key].to_si(float(entry[key])) for key in keys if key in entry}
+    settings = Settings.of(given)
     known = Option(test=str(test), settings=settings, cycles=0, record=0.0, hours=0.0)
     require_settings(known.run())
     option = timed(str(test), settings, limits, ship)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from pmmkit.effects import INERTIA, effect_of
+from pmmkit.effects import CATALOGUE, INERTIA
 from pmmkit.exports.matlab.hull import variable as spelled
 from pmmkit.models import Model
 from pmmkit.simulation import (
@@ -279,7 +279,7 @@ def _numbers(ready: Prepared, values: Numbers) -> Iterator[tuple[str, str]]:
     """Effect and name of every single number that the constants are linear in."""
     for effect in (*POLYNOMIALS, INERTIA):
         for name in values.get(effect, {}):
-            if effect_of(effect).parameter(name) is None:
+            if CATALOGUE[effect].parameter(name) is None:
                 yield effect, name
     for item in ready.structure.used:
         tables, options = dict(item.tables), dict(item.options)

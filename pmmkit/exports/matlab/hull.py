@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import Any, Final
 
 from pmmkit.conventions import CHANNELS, Convention, Derivative, parse_derivative
-from pmmkit.effects import effect_of
+from pmmkit.effects import CATALOGUE
 from pmmkit.exports.matlab.transcribe import MatlabLine, line
 from pmmkit.simulation import POLYNOMIALS
 from pmmkit.syntax import Number
@@ -56,7 +56,7 @@ def hull_lines(values: Values, convention: Convention, *, rolls: bool) -> list[M
     terms: dict[str, float] = {}
     for effect in POLYNOMIALS:
         for name, value in values.get(effect, {}).items():
-            if effect_of(effect).parameter(name) is None:
+            if CATALOGUE[effect].parameter(name) is None:
                 terms[name] = terms.get(name, 0.0) + value
     bis = convention.system == "bis"
     reference, square = ("sqrt(g*L)", "1") if bis else ("U", "U**2")

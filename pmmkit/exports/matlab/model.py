@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from pmmkit.base import ModelError, Problem
-from pmmkit.effects import INERTIA, effect_of, function_of_text
+from pmmkit.effects import CATALOGUE, INERTIA, function_of_text
 from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
 from pmmkit.exports.matlab.printed import COLUMN, printed
 from pmmkit.exports.matlab.transcribe import MatlabLine, line, needed, transcribe
@@ -255,7 +255,7 @@ def _with_sources(
         for effect in effects
         if effect in model.parts
         for name, source in model.parts[effect].sources.items()
-        if effect_of(effect).parameter(name) is None
+        if CATALOGUE[effect].parameter(name) is None
     }
     return [
         replace(line, note="; ".join(filter(None, (line.note, own[line.target]))))
@@ -318,7 +318,7 @@ def _ship(model: Model) -> _Section:
 
 
 def _levers(added: Mapping[str, float]) -> list[MatlabLine]:
-    known = effect_of(INERTIA).parameter("lx")
+    known = CATALOGUE[INERTIA].parameter("lx")
     assert known is not None
     given = added.get("lx", 0.0)
     return [MatlabLine(target="lx", value=Number(float(given)), note=known.text)]

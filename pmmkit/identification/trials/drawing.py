@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import STOPPING, TURNING, kind_of
+from pmmkit.campaigns import STOPPING, TEST_KINDS, TURNING
 from pmmkit.plotting import (
     REFERENCE,
     TrackLike,
@@ -71,7 +71,7 @@ def trial_figure(trial: _Trial) -> Figure:
     -------
     Figure
     """
-    return trial_zigzag(trial) if kind_of(trial.manoeuvre).switches else trial_path(trial)
+    return trial_zigzag(trial) if TEST_KINDS[trial.manoeuvre].switches else trial_path(trial)
 
 
 def trial_path(trial: _Trial) -> Figure:

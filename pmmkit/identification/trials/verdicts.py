@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
-from pmmkit.campaigns import STOPPING, TURNING, kind_of
+from pmmkit.campaigns import STOPPING, TEST_KINDS, TURNING
 from pmmkit.conventions import Criterion, criteria
 from pmmkit.simulation import (
     LARGE,
@@ -45,7 +45,7 @@ def verdicts_of(
     size = abs(rudder_deg)
     asked = [pair for pair in criteria() if _applies(pair[1], test, size, switch_deg)]
     own_first = sorted(asked, key=lambda pair: pair[1].manoeuvre != test)
-    kind = kind_of(test)
+    kind = TEST_KINDS[test]
     if kind is TURNING:
         conditions = turning_conditions(rudder_deg, conditions, ".1f")
     elif kind is STOPPING:
@@ -75,7 +75,7 @@ def _applies(criterion: Criterion, test: str, rudder: float, switch: float) -> b
     """Whether a run is the test of a criterion: the manoeuvre, and its angles within reach."""
     if test not in (criterion.manoeuvre, *criterion.shown_by):
         return False
-    if not kind_of(test).switches:
+    if not TEST_KINDS[test].switches:
         return True
     settings = criterion.settings
     heading = settings.get("switch_deg", settings.get("heading_deg", math.nan))

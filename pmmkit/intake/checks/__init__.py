@@ -10,33 +10,19 @@ from typing import Final
 
 from threadpoolctl import threadpool_limits
 
-from pmmkit.base import CampaignError, DataError, Problem, Workers, each, opened
-from pmmkit.campaigns import Campaign, Run, bring, by_depth, in_words, requests_of
-from pmmkit.effects import catalogue
-from pmmkit.intake.checks import (
-    carriage,
-    clock,
-    copies,
-    density,
-    free_running,
-    frequency,
-    gauges,
-    inertia,
-    motion,
-    particulars,
-    positions,
-    reach,
-    record,
-    reference,
-    rest,
-    scales,
-    signs,
-    stated,
-    static,
-    whole_files,
-    zeros,
+from pmmkit.base import (
+    CampaignError,
+    DataError,
+    Problem,
+    Registry,
+    Workers,
+    each,
+    listed_in,
+    opened,
 )
-from pmmkit.intake.checks.agreement import examine as agreement
+from pmmkit.campaigns import Campaign, Run, bring, by_depth, in_words, requests_of
+from pmmkit.effects import CATALOGUE
+from pmmkit.intake.checks import gauges, particulars, record
 from pmmkit.intake.checks.finding import Check, CheckFinding, accepted, loudest_first, refuse
 from pmmkit.intake.checks.reading import KnownHistory, summarise
 from pmmkit.intake.checks.summary import Summary
@@ -53,31 +39,22 @@ __all__ = [
     "summarise",
 ]
 
-CHECKS: Final[tuple[Check, ...]] = (
-    *inertia.CHECKS,
-    *signs.CHECKS,
-    *reference.CHECKS,
-    *scales.CHECKS,
-    *copies.CHECKS,
-    *motion.CHECKS,
-    *carriage.CHECKS,
-    *stated.CHECKS,
-    *clock.CHECKS,
-    *gauges.CHECKS,
-    *agreement.CHECKS,
-    *record.CHECKS,
-    *particulars.CHECKS,
-    *frequency.CHECKS,
-    *static.CHECKS,
-    *rest.CHECKS,
-    *zeros.CHECKS,
-    *positions.CHECKS,
-    *free_running.CHECKS,
-    *density.CHECKS,
-    *whole_files.CHECKS,
-    *reach.CHECKS,
+CHECKS: Final = Registry(
+    Check,
+    listed_in(
+        "pmmkit.intake.checks",
+        "CHECKS",
+        first=(
+            *("inertia", "signs", "reference", "scales", "copies", "motion", "carriage", "stated"),
+            *("clock", "gauges", "agreement.examine", "record", "particulars", "frequency"),
+            *("static", "rest", "zeros", "positions", "free_running", "density", "whole_files"),
+            "reach",
+        ),
+    ),
+    what="check",
 )
-"""All checks, each with its name and a line on what it looks for."""
+"""All checks by name, each with a line on what it looks for, in the order of their findings; those
+of a new file come last."""
 RECORDS: Final[tuple[Check, ...]] = (*gauges.CHECKS, *record.SATURATION)
 """Checks of single channels of single records; what they find at fault the others do not see."""
 
@@ -152,7 +129,7 @@ def _examined(campaign: Campaign, summaries: Sequence[Summary]) -> list[CheckFin
     consistent = not any(x.check == "particulars" and x.severity == "error" for x in ship)
     gauges_first = [x for check in RECORDS for x in check.examine(campaign, summaries)]
     sound = without_channels(summaries, gauges_first)
-    others = [check for check in CHECKS if check not in (*RECORDS, *particulars.CHECKS)]
+    others = [check for check in CHECKS.values() if check not in (*RECORDS, *particulars.CHECKS)]
     made = [check for check in others if consistent or not check.by_particulars]
     rest = [x for check in made for x in check.examine(campaign, sound)]
     found = [accepted(campaign, x) for x in settled([*gauges_first, *rest])]
@@ -175,18 +152,17 @@ def _not_made(checks: Sequence[Check]) -> list[CheckFinding]:
 
 def _known_checks(campaign: Campaign) -> None:
     """Raise where the campaign file accepts a check that there is not."""
-    names = [check.name for check in CHECKS]
     asked = {
         str(item.values.get("check"))
         for run in campaign.runs
         for item in run.corrections
         if item.action == "accept"
     }
-    wrong = sorted(asked - set(names))
+    wrong = sorted(asked - set(CHECKS))
     if wrong:
         raise CampaignError(
             f"A correction accepts the check {wrong[0]!r}, which there is not. The checks are "
-            f"{', '.join(names)}."
+            f"{', '.join(CHECKS)}."
         )
 
 
@@ -211,7 +187,7 @@ def settled(findings: Sequence[CheckFinding]) -> list[CheckFinding]:
     """
     causes = {item.cause for item in findings if item.cause}
     slips = {x.cause for x in findings if x.severity == "error" and x.cause and len(x.runs) > 1}
-    known = catalogue()
+    known = CATALOGUE
     own = {check for cause in causes if cause in known for check in known[cause].own_checks}
     gone = set()
     if causes and "moment reference" not in own:

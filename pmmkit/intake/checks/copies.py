@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.campaigns import RUN_SETTINGS
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure
 
 if TYPE_CHECKING:
@@ -17,20 +18,6 @@ if TYPE_CHECKING:
 
 NEARLY: Final = 1e-4
 _BLOCK: Final = 256
-_SETTINGS: Final = (
-    ("speed", "speed", "m/s", 1.0),
-    ("drift", "drift angle", "°", 180 / math.pi),
-    ("heel", "heel", "°", 180 / math.pi),
-    ("rudder", "rudder angle", "°", 180 / math.pi),
-    ("propeller_rps", "propeller", "1/s", 1.0),
-    ("period", "period", "s", 1.0),
-    ("amplitude", "amplitude", "m", 1.0),
-    ("yaw_amplitude", "yaw amplitude", "°", 180 / math.pi),
-    ("rudder_amplitude", "rudder amplitude", "°", 180 / math.pi),
-    ("phase", "phase", "°", 180 / math.pi),
-    ("yaw_rate", "yaw rate", "rad/s", 1.0),
-    ("radius", "radius", "m", 1.0),
-)
 
 
 def examine_copies(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
@@ -133,13 +120,16 @@ def _pair(one: Summary, other: Summary) -> Iterator[CheckFinding]:
 def _differences(settings: Sequence[Settings]) -> str:
     """The settings that differ, with their values, in words."""
     words = []
-    for name, title, unit, factor in _SETTINGS:
-        values = [getattr(item, name) for item in settings]
+    for setting in RUN_SETTINGS.values():
+        if not setting.word:
+            continue
+        unit, factor = ("°", 180 / math.pi) if setting.angle else (setting.unit, 1.0)
+        values = [item.value(setting.name) for item in settings]
         if any(_unlike(one, other) for one, other in combinations(values, 2)):
             shown = " and ".join(
                 dict.fromkeys("none" if v is None else f"{v * factor:.4g} {unit}" for v in values)
             )
-            words.append(f"{title} ({shown})")
+            words.append(f"{setting.word} ({shown})")
     return ", ".join(words)
 
 

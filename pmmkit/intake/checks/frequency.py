@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns import kind_of
+from pmmkit.campaigns import TEST_KINDS
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def examine_frequencies(campaign: Campaign, summaries: Sequence[Summary]) -> Ite
     if quick:
         top = max(value for _, value in quick)
         limits = ", ".join(
-            f"{kind_of(test).quasi_steady:.0f} in {test}"
+            f"{TEST_KINDS[test].quasi_steady:.0f} in {test}"
             for test in sorted({item.run.test for item, _ in quick})
         )
         yield CheckFinding(

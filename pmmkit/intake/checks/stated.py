@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns import HARMONIC_RUDDER
+from pmmkit.campaigns import HARMONIC_RUDDER, RUN_SETTINGS, RunSetting, Sensor, TestKind, brought
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure, share_of
 from pmmkit.numerics import Array
 
@@ -43,81 +43,22 @@ _SLIPS: Final = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class _Pair:
-    """A setting and its column."""
+    """A setting and a column that measures it."""
 
-    setting: str
-    column: str
-    unit: str
-    factor: float
-    allowed: float
-    share: float
-    remedy: str
+    setting: RunSetting
+    sensor: Sensor
+
+    @property
+    def unit(self) -> str:
+        return "°" if self.setting.angle else self.setting.unit
 
 
-_PAIRS: Final = (
-    _Pair(
-        setting="rudder",
-        column="delta",
-        unit="°",
-        factor=180 / math.pi,
-        allowed=math.radians(1.5),
-        share=0.05,
-        remedy="A rudder that moves lags behind its order: set rudder_deg from the measured "
-        "column. Else look at its zero and its unit.",
-    ),
-    _Pair(
-        setting="rudder_amplitude",
-        column="delta swing",
-        unit="°",
-        factor=180 / math.pi,
-        allowed=math.radians(1.5),
-        share=0.05,
-        remedy="The reduction takes the measured rudder. Set rudder_amplitude_deg from it, or look "
-        "at its unit.",
-    ),
-    _Pair(
-        setting="drift",
-        column="psi",
-        unit="°",
-        factor=180 / math.pi,
-        allowed=math.radians(0.5),
-        share=0.0,
-        remedy="One of them is wrong: look at the name of the test. If the heading is right, take "
-        "the drift from it in the table of these runs, columns = { drift_deg = their heading, "
-        "psi = false, speed = their u, u = false, v = false }; else set drift_deg, or leave these "
-        "runs out.",
-    ),
-    _Pair(
-        setting="propeller_rps",
-        column="n",
-        unit="1/s",
-        factor=1.0,
-        allowed=0.05,
-        share=0.03,
-        remedy="Look at the unit of the revolutions, or which of the two was held.",
-    ),
-    _Pair(
-        setting="speed",
-        column="hull speed",
-        unit="m/s",
-        factor=1.0,
-        allowed=0.005,
-        share=0.02,
-        remedy="Correct speed of these runs, or the units of u and v.",
-    ),
-    _Pair(
-        setting="speed",
-        column="x over time",
-        unit="m/s",
-        factor=1.0,
-        allowed=0.005,
-        share=0.02,
-        remedy="Look at the period (of a cycle without times), at the clock and at the unit of x: "
-        "the motion is taken from x.",
-    ),
-)
+def _pairs() -> list[_Pair]:
+    """All pairs, those of angles and revolutions before those of the speed."""
+    ordered = RUN_SETTINGS.ordered("rudder", "rudder_amplitude", "drift", "propeller_rps", "speed")
+    return [_Pair(item, sensor) for item in ordered for sensor in item.sensors]
 
 
 def set_facts(run: Run, data: xr.Dataset) -> dict[str, float]:
@@ -140,9 +81,22 @@ def set_facts(run: Run, data: xr.Dataset) -> dict[str, float]:
         way = _way(np.asarray(data["t"].values, float), np.asarray(data["x"].values, float))
         # x may count from the carriage: then it hardly moves
         found |= {"set_x over time": way} if abs(way) > ALONG * run.settings.speed else {}
+    found |= _brought(kind, data)
     if row and {"u", "v"} <= set(data):
         speed = math.hypot(float(data["u"]), float(data["v"]))
         found |= {"set_hull speed": speed} if math.isfinite(speed) else {}
+    return found
+
+
+def _brought(kind: TestKind, data: xr.Dataset) -> dict[str, float]:
+    """The same of settings that kinds of test bring along: means, and amplitudes of swings."""
+    found = {}
+    for item in brought():
+        for column in (sensor.column for sensor in item.sensors if sensor.column in data):
+            values = np.atleast_1d(data[column].values)
+            if item.name in (*kind.needs, *kind.takes) and np.all(np.isfinite(values)):
+                size = _swing(values)[0] if item.swings else float(np.mean(values))
+                found[f"set_{column}"] = size
     return found
 
 
@@ -169,16 +123,16 @@ def examine_set(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[C
     A rudder that swings in a steady test is an error: its forces would count as those of one angle.
     """
     yield from _swung(summaries)
-    for pair in _PAIRS:
+    for pair in _pairs():
         items = [
             item
             for item in summaries
-            if f"set_{pair.column}" in item.facts
-            and getattr(item.run.settings, pair.setting) is not None
+            if f"set_{pair.sensor.column}" in item.facts
+            and item.run.settings.value(pair.setting.name) is not None
         ]
         if items:
-            stated = np.array([getattr(item.run.settings, pair.setting) for item in items], float)
-            seen = np.array([item.facts[f"set_{pair.column}"] for item in items])
+            stated = np.array([item.run.settings.value(pair.setting.name) for item in items], float)
+            seen = np.array([item.facts[f"set_{pair.sensor.column}"] for item in items])
             factor = _factor(stated, seen)
             if factor is None:
                 yield from _apart(pair, items, stated, seen)
@@ -226,8 +180,8 @@ def _slip(pair: _Pair, items: Sequence[Summary], factor: float) -> CheckFinding:
     return CheckFinding(
         check="set and measured",
         severity="warning",
-        message=f"{pair.column} is {figure(factor)} times {pair.setting} in {len(items)} runs (1 "
-        f"expected){likely}.",
+        message=f"{pair.sensor.column} is {figure(factor)} times {pair.setting.name} in "
+        f"{len(items)} runs (1 expected){likely}.",
         runs=tuple(item.run.id for item in items),
         remedy="State units and signs of both under [columns].",
         numbers={"factor": factor},
@@ -239,22 +193,23 @@ def _apart(
 ) -> Iterator[CheckFinding]:
     """Runs in which setting and column differ; a heading may be counted from anywhere."""
     apart = seen - stated
-    if pair.column == "psi":
+    if pair.sensor.column == "psi":
         apart = np.remainder(apart - np.median(apart) + np.pi, 2 * np.pi) - np.pi
-    allowed = pair.allowed + pair.share * np.abs(stated)
+    allowed = pair.sensor.allowed + pair.sensor.share * np.abs(stated)
     off = np.flatnonzero(np.abs(apart) > allowed)
     if not len(off):
         return
     worst = max(map(int, off), key=lambda place: abs(float(apart[place])))
-    shown = [figure(x[worst] * pair.factor) for x in (stated, stated + apart)]
+    factor = 180 / math.pi if pair.setting.angle else 1.0
+    shown = [figure(x[worst] * factor) for x in (stated, stated + apart)]
     yield CheckFinding(
         check="set and measured",
         severity="warning",
-        message=f"{pair.setting} is not what {pair.column} says in {len(off)} of {len(items)} "
-        f"runs: in {items[worst].run.id} {shown[0]} {pair.unit} is stated, {shown[1]} "
+        message=f"{pair.setting.name} is not what {pair.sensor.column} says in {len(off)} of "
+        f"{len(items)} runs: in {items[worst].run.id} {shown[0]} {pair.unit} is stated, {shown[1]} "
         f"{pair.unit} is measured.",
         runs=tuple(items[int(place)].run.id for place in off),
-        remedy=pair.remedy,
+        remedy=pair.sensor.remedy,
         numbers={"stated": float(stated[worst]), "measured": float(stated[worst] + apart[worst])},
     )
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from pmmkit.base import DataError
-from pmmkit.conventions import did_you_mean, factor_to, unit_of
+from pmmkit.base import DataError, did_you_mean
+from pmmkit.campaigns import unit_of
+from pmmkit.conventions import factor_to
 from pmmkit.intake.columns import clock_of
 from pmmkit.intake.folder import FileGroup, Look
 from pmmkit.intake.guessing import Suggestion

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from pmmkit.campaigns import kinds
+from pmmkit.campaigns import TEST_KINDS
 from pmmkit.intake.drafts.columns import Todo, aligned, commented, toml
 from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.draft import RunDraft
@@ -85,7 +85,7 @@ def cfd_lines(
     """``[cfd]``: what is known of the computation, and what is asked."""
     known = {key for run in runs for key in run.computation}
     along = proposal is not None and proposal.along_tank is not None
-    oscillates = any(run.test is not None and kinds()[run.test].oscillates for run in runs)
+    oscillates = any(run.test is not None and TEST_KINDS[run.test].oscillates for run in runs)
     turned = "forces_in" in known if oscillates else along
     asked = "" if turned else "whether forces are along the hull, "
     todo.add(f"[cfd] the point of the moments, {asked}the start-up, half or whole ship.")
@@ -115,7 +115,7 @@ def cfd_lines(
 def _steady(runs: Sequence[RunDraft]) -> str:
     """Kinds of test with a constant drift angle, in words."""
     tests = dict.fromkeys(run.test for run in runs if run.test is not None)
-    return ", ".join(test for test in tests if kinds()[test].steady)
+    return ", ".join(test for test in tests if TEST_KINDS[test].steady)
 
 
 def _density(rho_inf: float | None, todo: Todo) -> list[str]:

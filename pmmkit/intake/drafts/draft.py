@@ -19,8 +19,8 @@ from pmmkit.campaigns import (
     RESISTANCE,
     RUDDER,
     STATIC_DRIFT,
+    TEST_KINDS,
     Campaign,
-    kind_of,
     kind_with,
     open_campaign,
     setting_key,
@@ -50,7 +50,7 @@ from pmmkit.intake.folder import FileGroup, Look, look
 from pmmkit.intake.seen import ColumnLook, FileLook
 from pmmkit.intake.values import values_of
 from pmmkit.numerics import Array
-from pmmkit.readers import reader_of
+from pmmkit.readers import READERS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,7 +205,7 @@ def draft_of(
     listing = [(matrix.look.path, matrix.look.options) for matrix in matrices]
     kind = _kind(runs, tables, saved[0][1].kind if saved else None)
     apart = [
-        run.test is not None and kind_of(run.test).free_running != (kind == "free-running")
+        run.test is not None and TEST_KINDS[run.test].free_running != (kind == "free-running")
         for run in runs
     ]
     kept = [run for run, other in zip(runs, apart, strict=True) if not other]
@@ -346,7 +346,7 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
                 settings=tuple(x for x in settings if motion is None or "amplitude" not in x.key),
                 problems=problems,
                 motion=motion,
-                notes=reader_of(item.format).prescribed(item.request)[1],
+                notes=READERS[item.format].prescribed(item.request)[1],
                 computation=_computation(item, test),
             )
         )
@@ -355,7 +355,7 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
 
 def _told(item: FileLook, test: str | None) -> Moved:
     """What the path says that the hull was told to follow, where one lies beside the file."""
-    path, _ = reader_of(item.format).prescribed(item.request)
+    path, _ = READERS[item.format].prescribed(item.request)
     if not path:
         return Moved()
     found = motion_facts(path["t"], {name: path[name] for name in ("y", "psi")}, test)
@@ -379,8 +379,8 @@ _AT_REST: Final = 0.01
 
 def _computation(item: FileLook, test: str | None) -> dict[str, Any]:
     """What is known of the computation; of a hull that oscillates the mesh moves."""
-    reader = reader_of(item.format)
-    moves = test is not None and kind_of(test).captive and kind_of(test).oscillates
+    reader = READERS[item.format]
+    moves = test is not None and TEST_KINDS[test].captive and TEST_KINDS[test].oscillates
     return {**(reader.of_moving_mesh if moves else {}), **reader.computation(item.request)}
 
 
@@ -518,7 +518,8 @@ def _kind(runs: Sequence[RunDraft], tables: Sequence[RunDraft], saved: str | Non
     if saved is not None:
         return saved
     counted = Counter(
-        (run.test is not None and kind_of(run.test).free_running) or _is_track(run) for run in runs
+        (run.test is not None and TEST_KINDS[run.test].free_running) or _is_track(run)
+        for run in runs
     )
     return "free-running" if counted[True] > counted[False] + len(tables) else "captive"
 

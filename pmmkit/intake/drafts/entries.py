@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import Run, kinds
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Run, settings_by_key
 from pmmkit.intake.drafts.columns import (
     Todo,
     aligned,
@@ -20,11 +19,11 @@ from pmmkit.intake.drafts.columns import (
 from pmmkit.intake.drafts.computed import Computed
 from pmmkit.intake.drafts.draft import RunDraft
 from pmmkit.intake.drafts.matrix import MatrixDraft
-from pmmkit.intake.drafts.settle import WORDS, RunKey, asked_of
+from pmmkit.intake.drafts.settle import RunKey, asked_of
 from pmmkit.intake.drafts.sheets import where_line
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import toml_comment, toml_string
-from pmmkit.readers import filled_in, reader_of
+from pmmkit.readers import READERS, filled_in
 
 # What the runs of a draft have in common, to be stated once.
 
@@ -157,7 +156,7 @@ def matrix_lines(matrix: MatrixDraft, todo: Todo) -> list[str]:
     for word, test in matrix.tests.items():
         if test is None:
             lines.append(
-                aligned(f"# {toml_string(word)} = ...", f"TODO one of {', '.join(kinds())}")
+                aligned(f"# {toml_string(word)} = ...", f"TODO one of {', '.join(TEST_KINDS)}")
             )
             todo.add(f"[matrix.tests] which kind of test is {word!r}?")
         elif test != word:
@@ -189,7 +188,7 @@ def entry_lines(
     lines += [f"id = {toml(identity)}"]
     if entry.test is None:
         free = kind == "free-running"
-        usual = ", ".join(name for name, item in kinds().items() if item.free_running == free)
+        usual = ", ".join(name for name, item in TEST_KINDS.items() if item.free_running == free)
         lines.append(f"# test = ...   # TODO one of {usual}")
         todo.of_run("test", entry.id)
     else:
@@ -267,7 +266,7 @@ _ASKED_OF_TABLES: Final = {
 def _told_apart(template: str, look: FileLook) -> str:
     """An id for the rows of a table, with further settings where rows would share one."""
     try:
-        cells = reader_of(look.format).cells(look.request)
+        cells = READERS[look.format].cells(look.request)
     except DataError:
         return template
     told = [column.title for column in look.known.values() if not column.constant]
@@ -308,8 +307,9 @@ def _line(setting: RunKey) -> str:
 
 def _question(setting: RunKey) -> str:
     """What is asked about a setting, the same for all runs."""
+    known = settings_by_key().get(setting.key)
     if setting.value is None:
-        return f"{setting.key}: {WORDS.get(setting.key, 'its value')}"
+        return f"{setting.key}: {(known and known.asked) or 'its value'}"
     if not setting.active:
         return f"{setting.key}, a number in the name: is it that?"
     return f"{setting.key}, to be checked"
@@ -318,25 +318,14 @@ def _question(setting: RunKey) -> str:
 def saved_run_lines(file: str, run: Run) -> list[str]:
     """A run of a saved campaign, SI and our signs."""
     found = run.settings
-    degrees = {
-        "drift_deg": found.drift,
-        "heel_deg": found.heel,
-        "rudder_deg": found.rudder,
-        "yaw_amplitude_deg": found.yaw_amplitude,
-        "rudder_amplitude_deg": found.rudder_amplitude,
-        "phase_deg": found.phase,
-        "switch_deg": found.switch,
-    }
-    plain = {
-        "period": found.period,
-        "amplitude_m": found.amplitude,
-        "yaw_rate": found.yaw_rate,
-        "radius": found.radius,
-        "propeller_rps": found.propeller_rps,
-    }
+    kept = [item for item in RUN_SETTINGS.values() if item.kept and not item.surroundings]
     values = {"speed": found.speed}
-    values |= {key: float(f"{math.degrees(value):.9g}") for key, value in degrees.items() if value}
-    values |= {key: value for key, value in plain.items() if value is not None}
+    for item in (item for item in kept if item.angle and found.value(item.name)):
+        values[item.in_file] = float(f"{item.to_file(found.value(item.name) or 0.0):.9g}")
+    for item in sorted(kept, key=lambda item: item.name == "propeller_rps"):
+        value = found.value(item.name)
+        if value is not None and not item.angle:
+            values[item.in_file] = value
     for key in asked_of(run.test):
         if key.endswith("_deg"):
             values.setdefault(key, 0.0)

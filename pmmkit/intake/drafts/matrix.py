@@ -9,12 +9,11 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import kinds
-from pmmkit.conventions import SETTING_UNITS
+from pmmkit.campaigns import TEST_KINDS, setting_units
 from pmmkit.intake.drafts.names import test_named
 from pmmkit.intake.guessing import suggest
 from pmmkit.intake.seen import FileLook
-from pmmkit.readers import Cells, as_text, filled_in, reader_of, to_number
+from pmmkit.readers import READERS, Cells, as_text, filled_in, to_number
 
 _MOST_ROWS: Final = 5000
 _TRIED: Final = 5
@@ -70,7 +69,7 @@ def _cells(look: FileLook) -> Iterator[Cells]:
     if look.rows > _MOST_ROWS:
         return
     try:
-        cells = reader_of(look.format).cells(look.request)
+        cells = READERS[look.format].cells(look.request)
     except CampaignError:
         return
     if all(cells.headers) and len(cells.rows) <= _MOST_ROWS:
@@ -95,7 +94,7 @@ def _drafted(
     columns = tuple(
         replace(
             item,
-            suggestion=guess if guess and guess.name in SETTING_UNITS else None,
+            suggestion=guess if guess and guess.name in setting_units() else None,
             numbers=any(_is_number(cells, row, item.position) for row in listed),
         )
         for item, guess in zip(look.columns, known, strict=True)
@@ -186,7 +185,7 @@ def _test_column(
         if header == besides:
             continue
         words = [as_text(cells.rows[row][position]) for row in listed]
-        tests = {word: word if word in kinds() else test_named(word) for word in words}
+        tests = {word: word if word in TEST_KINDS else test_named(word) for word in words}
         count = sum(tests[word] is not None for word in words)
         if count > most:
             best, most = (header, tests), count

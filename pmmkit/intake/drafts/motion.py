@@ -14,13 +14,13 @@ from pmmkit.base import DataError
 from pmmkit.campaigns import (
     HARMONIC_RUDDER,
     PULL_OUT,
-    RUDDER,
+    RUN_SETTINGS,
+    TEST_KINDS,
     TURNING,
     YAW,
     ZIGZAG,
     TestKind,
     held_too,
-    kind_of,
     kind_with,
     setting_key,
 )
@@ -62,7 +62,7 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> M
     """
     if len(t) < 20 or not np.all(np.diff(t) > 0):
         return Moved()
-    kind = None if test is None else kind_of(test)
+    kind = None if test is None else TEST_KINDS[test]
     if (kind is not None and kind.free_running) or (
         kind is None
         and {"x", "y", "psi"} <= set(channels)
@@ -88,7 +88,7 @@ def sharper(test: str | None, moved: Moved) -> str | None:
     """
     if test is None or moved.test is None:
         return test
-    named, seen = kind_of(test), kind_of(moved.test)
+    named, seen = TEST_KINDS[test], TEST_KINDS[moved.test]
     more = (
         named.steady
         if seen is HARMONIC_RUDDER
@@ -193,7 +193,7 @@ def _oscillating(
         for name in (swing.velocity, swing.displacement):
             if name in first:
                 size = abs(first[name]) / (omega if name == swing.velocity else 1.0)
-                size = math.degrees(size) if swing in (YAW, RUDDER) else size
+                size = RUN_SETTINGS[swing.amplitude].to_file(size)
                 settings.setdefault(
                     setting_key(swing.amplitude), (_rounded(size, 4), f"recorded {name}")
                 )

@@ -12,7 +12,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.campaigns import SWAY, YAW, ZIGZAG, TestKind, held_too, kind_of, kinds
+from pmmkit.campaigns import (
+    RUN_SETTINGS,
+    SWAY,
+    TEST_KINDS,
+    YAW,
+    ZIGZAG,
+    RunSetting,
+    TestKind,
+    brought,
+    held_too,
+)
 from pmmkit.presentation import meanings
 
 
@@ -32,35 +42,41 @@ class NameMeaning:
 
 _NUMBER: Final = r"([+-]?\d+(?:[.p]\d+)?)"
 
-_SETTINGS: Final = tuple(
-    (key, re.compile(pattern.replace("#", _NUMBER)))
-    for key, pattern in (
-        ("speed", r"(?:U|Uc|Uo|U0|[Ss]peed|[Vv]el)#(?:m/s|ms|mps)?"),
-        ("speed", r"V?#(?:mps|ms|m/s)"),
-        ("knots", r"[VvUu]?#(?:kn|kts|knots)"),
-        ("froude", r"(?:[Ff][nr]|FN|FR|[Ff]roude)#"),
-        ("drift_deg", r"(?:[Bb]eta|BETA|[Dd]rift|DRIFT|β|b)#(?:deg|d|°)?"),
-        ("rudder_deg", r"(?:[Dd]elta|DELTA|[Rr]udder|RUDDER|[Rr]ud|δ)#(?:deg|°)?"),
-        ("rudder_deg", r"d(?=[+-])#(?:deg|°)?"),
-        ("heel_deg", r"(?:[Hh]eel|[Pp]hi|φ)#(?:deg|°)?"),
-        ("period", r"(?:T|Tp|[Pp]eriod|[Pp]er)#(?:s|sec)?"),
-        ("frequency_hz", r"(?:f|F|[Ff]req)?#(?:Hz|hz|HZ)"),
-        ("yaw_amplitude_deg", r"(?:[Pp]si|ψ)#(?:deg|°)?"),
-        ("amplitude_m", r"(?:a|A|[Aa]mp|y|ya)#(?:m)?"),
-        ("amplitude_mm", r"(?:a|A|[Aa]mp|y|ya)#mm"),
-        ("radius", r"(?:R|[Rr]ad(?:ius)?)#(?:m)?"),
-        ("propeller_rps", r"(?:n|N|rps)?#rps|rps#"),
-        ("propeller_rpm", r"(?:n|N|rpm)?#rpm|rpm#"),
-        ("hint v", r"v#"),
-        ("hint r", r"r#"),
-        ("hint p", r"p#"),
-    )
+_BESIDE: Final = (
+    ("froude", r"(?:[Ff][nr]|FN|FR|[Ff]roude)#"),
+    ("hint v", r"v#"),
+    ("hint r", r"r#"),
+    ("hint p", r"p#"),
 )
+"""What names hold besides settings: the Froude number, and letters that may mean several things."""
+
+
+@dataclass(frozen=True)
+class _Sign:
+    """What stands in a name for a key, and by what its number becomes the key's."""
+
+    key: str
+    pattern: re.Pattern[str]
+    factor: float = 1.0
+
+
+def _signs(settings: Iterable[RunSetting]) -> tuple[_Sign, ...]:
+    def compiled(pattern: str) -> re.Pattern[str]:
+        return re.compile(pattern.replace("#", _NUMBER))
+
+    return (
+        *(
+            _Sign(item.in_file, compiled(pattern), factor)
+            for item in settings
+            for pattern, factor in item.in_names
+        ),
+        *(_Sign(key, compiled(pattern)) for key, pattern in _BESIDE),
+    )
 
 
 def _codes() -> Mapping[str, str]:
     """Usual abbreviations, in capitals at the beginning of a part of the name."""
-    return {code: kind.name for kind in kinds().values() for code in kind.codes}
+    return {code: kind.name for kind in TEST_KINDS.values() for code in kind.codes}
 
 
 def _phrases() -> tuple[tuple[str, re.Pattern[str]], ...]:
@@ -69,7 +85,7 @@ def _phrases() -> tuple[tuple[str, re.Pattern[str]], ...]:
     Sway, yaw and surge name forces and moments too: of simple tests the steady ones come first.
     """
     ordered = sorted(
-        (kind for kind in kinds().values() if kind.phrase),
+        (kind for kind in TEST_KINDS.values() if kind.phrase),
         key=lambda kind: (-_motions(kind), kind.oscillates == (_motions(kind) == 1)),
     )
     return tuple((kind.name, re.compile(kind.phrase)) for kind in ordered)
@@ -121,21 +137,15 @@ def _tokens(part: str) -> list[str]:
 
 
 def _values(token: str) -> Iterable[tuple[str, float]]:
-    factors = {
-        "knots": ("speed", 1852 / 3600),
-        "amplitude_mm": ("amplitude_m", 1e-3),
-        "propeller_rpm": ("propeller_rps", 1 / 60),
-    }
-    for key, pattern in _SETTINGS:
-        found = pattern.fullmatch(token)
+    for sign in RUN_SETTINGS.derived(_signs):
+        found = sign.pattern.fullmatch(token)
         if found is None:
             continue
         text = next(group for group in found.groups() if group is not None)
         value = float(text.replace("p", "."))
-        if key == "froude" and re.fullmatch(r"0\d+", text):
+        if sign.key == "froude" and re.fullmatch(r"0\d+", text):
             value = float(f"0.{text[1:]}")
-        named, factor = factors.get(key, (key, 1.0))
-        yield named, value * factor
+        yield sign.key, value * sign.factor
         return
 
 
@@ -152,7 +162,7 @@ def test_named(part: str) -> str | None:
     for test, pattern in _phrases():
         if pattern.search(plain):
             return test
-    in_other_words = [test for test, _ in meanings("test", part) if test in kinds()]
+    in_other_words = [test for test, _ in meanings("test", part) if test in TEST_KINDS]
     if in_other_words:
         return in_other_words[0]
     codes = _codes()
@@ -180,7 +190,7 @@ def _zigzag(part: str) -> Iterable[tuple[str, tuple[float, str]]]:
 
 def _refined(test: str | None, settings: Mapping[str, tuple[float, str]]) -> str | None:
     """Yaw with a drift angle in its name is yaw with drift, and so on."""
-    kind = None if test is None else kind_of(test)
+    kind = None if test is None else TEST_KINDS[test]
     if kind is None or kind.free_running or not (kind.pure or kind.held):
         return test
     stated = {key.removesuffix("_deg") for key, (value, _) in settings.items() if value}
@@ -194,7 +204,7 @@ def _along_the_path(
     test: str | None, settings: Mapping[str, tuple[float, str]]
 ) -> dict[str, tuple[float, str]]:
     """An amplitude in metres of a test that only yaws is that of its path."""
-    kind = None if test is None else kind_of(test)
+    kind = None if test is None else TEST_KINDS[test]
     if kind is None or kind.swings != (YAW,):
         return dict(settings)
     value, token = settings.get("amplitude_m", (0.0, ""))
@@ -206,7 +216,7 @@ def _kept(
     test: str | None, settings: Mapping[str, tuple[float, str]]
 ) -> dict[str, tuple[float, str]]:
     """Settings that a test of that kind can have."""
-    kind = None if test is None else kind_of(test)
+    kind = None if test is None else TEST_KINDS[test]
     dropped: set[str] = set()
     if kind is None or kind.steady:
         dropped |= {"period", "frequency_hz", "yaw_amplitude_deg", "amplitude_m"}
@@ -216,6 +226,11 @@ def _kept(
         dropped |= {"period", "frequency_hz"}
     if kind is None or "yaw_rate" not in kind.held:
         dropped.add("radius")
+    dropped |= {
+        item.in_file
+        for item in brought()
+        if kind is None or item.name not in (*kind.needs, *kind.takes)
+    }
     return {key: item for key, item in settings.items() if key not in dropped}
 
 
@@ -223,7 +238,7 @@ def _hints(
     test: str | None, marks: Mapping[str, tuple[float, str]]
 ) -> dict[str, tuple[float, str]]:
     """Letters that may mean several things, as the likeliest of them."""
-    swings = () if test is None else kind_of(test).swings
+    swings = () if test is None else TEST_KINDS[test].swings
     yaw = swings == (YAW,)
     likely = {
         "hint v": ("v_amplitude", "the sway velocity over U", swings == (SWAY,)),

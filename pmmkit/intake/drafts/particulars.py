@@ -9,7 +9,7 @@ from typing import Final
 from pmmkit.base import CampaignError
 from pmmkit.conventions import split_unit
 from pmmkit.intake.seen import FileLook
-from pmmkit.readers import Cell, Cells, reader_of, to_number
+from pmmkit.readers import READERS, Cell, Cells, to_number
 
 Found = Mapping[str, tuple[float, str]]
 _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
@@ -38,7 +38,7 @@ def particulars_of(
     """Particulars of the model by key of the campaign file, each with where it stands."""
     for look in looks:
         try:
-            cells = reader_of(look.format).cells(look.request)
+            cells = READERS[look.format].cells(look.request)
         except CampaignError:
             continue
         found = dict(_model(_listed(cells), look.shown))

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from pmmkit.campaigns import Campaign, kind_of
+from pmmkit.campaigns import TEST_KINDS, Campaign
 from pmmkit.intake.checks.physics import AskedSign, along_tank, asked_signs, inertia_inside
 from pmmkit.intake.checks.summary import Summary
 from pmmkit.intake.drafts.conventions import Proposal, SourceConvention, ranked
@@ -19,7 +19,7 @@ from pmmkit.intake.drafts.trial import knows_speed, summaries_of, trial_campaign
 from pmmkit.intake.drafts.write import written
 from pmmkit.intake.guessing import Suggestion
 from pmmkit.intake.seen import FileLook
-from pmmkit.readers import reader_of
+from pmmkit.readers import READERS
 
 _RECORDED: Final = {"drift": {"v", "psi"}, "sway": {"v", "y"}, "yaw": {"r", "psi"}}
 """Channels by which a motion is known from the record."""
@@ -50,7 +50,7 @@ def proposed(draft: Draft, target: Path) -> Draft:
         return draft
     summaries = summaries_of(trial)
     recorded = _recorded(draft)
-    computed = any(reader_of(run.look.format).computed for run in draft.runs)
+    computed = any(READERS[run.look.format].computed for run in draft.runs)
     found = ranked(asked_signs(trial, summaries), recorded=recorded, computed=computed)
     known = Proposal(recorded=recorded)
     if computed:
@@ -100,7 +100,9 @@ def _further(
 
 def _timed(draft: Draft, text: str) -> bool:
     """Whether r u is known: the speed is, or the yaw follows from paths in metres."""
-    yawing = [run for run in draft.runs if run.test is not None and kind_of(run.test).pure == "r"]
+    yawing = [
+        run for run in draft.runs if run.test is not None and TEST_KINDS[run.test].pure == "r"
+    ]
     paths = all(any(x.key == "path_amplitude_m" for x in run.settings) for run in yawing)
     return knows_speed(text) or (bool(yawing) and paths)
 
@@ -173,7 +175,7 @@ def _opposite(item: Suggestion) -> Suggestion:
 
 def _begun(run: RunDraft, convention: SourceConvention) -> RunDraft:
     """A run whose oscillation begins half a period later, where that is proposed."""
-    pure = "" if run.test is None else kind_of(run.test).leading
+    pure = "" if run.test is None else TEST_KINDS[run.test].leading
     motion = {"v": "sway", "r": "yaw"}.get(getattr(pure, "velocity", ""), "")
     if motion not in convention.flips or any(x.key == "phase_deg" for x in run.settings):
         return run
@@ -185,11 +187,11 @@ def _begun(run: RunDraft, convention: SourceConvention) -> RunDraft:
 
 def _along(run: RunDraft) -> RunDraft:
     """A computation of a constant drift angle whose forces stay along the tank."""
-    kind = None if run.test is None else kind_of(run.test)
+    kind = None if run.test is None else TEST_KINDS[run.test]
     steady = kind is not None and kind.captive and kind.steady
-    if not steady or not reader_of(run.look.format).computed:
+    if not steady or not READERS[run.look.format].computed:
         return run
-    turned = {"forces_in": "earth", **reader_of(run.look.format).of_moving_mesh}
+    turned = {"forces_in": "earth", **READERS[run.look.format].of_moving_mesh}
     return replace(run, computation={**turned, **run.computation})
 
 

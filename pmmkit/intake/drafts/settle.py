@@ -7,23 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.campaigns import kind_of, setting_key
+from pmmkit.campaigns import TEST_KINDS, setting_key, settings_by_key, ways_to_state
 from pmmkit.intake.drafts.motion import Moved
 from pmmkit.intake.drafts.names import NameMeaning
 
 _ALSO: Final = ("drift_deg", "rudder_deg", "heel_deg", "phase_deg", "propeller_rps")
-WORDS: Final[dict[str, str]] = {
-    "speed": "speed of the carriage, or of the approach [m/s]",
-    "drift_deg": "drift angle [deg], positive with the bow to starboard of the track",
-    "heel_deg": "heel [deg]",
-    "rudder_deg": "rudder angle [deg]",
-    "yaw_rate": "yaw rate [rad/s], or radius = ... [m]",
-    "period": "period [s]",
-    "amplitude_m": "amplitude of the displacement [m]",
-    "yaw_amplitude_deg": "amplitude of the heading [deg]",
-    "rudder_amplitude_deg": "amplitude of the rudder [deg]",
-    "switch_deg": "heading at which the rudder is put over [deg]",
-}
 _CLOSE: Final = {"speed": 0.03, "period": 0.02, "propeller_rps": 0.03}
 """Relative difference up to which name and record agree; 6 % for others, angles 0.6°."""
 
@@ -53,7 +41,7 @@ def asked_of(test: str | None) -> tuple[str, ...]:
     """
     if test is None:
         return ()
-    kind = kind_of(test)
+    kind = TEST_KINDS[test]
     # A free-running record tells by itself what it may take besides.
     names = (*(kind.takes if kind.captive else ()), *kind.needs)
     return tuple(setting_key(name) for name in names)
@@ -67,10 +55,10 @@ def settled(
     length [m]; g [m/s²].
     """
     said = _with_speed(named.settings, length, g)
-    if test is not None and kind_of(test).swings_rudder and "rudder_deg" in said:
+    if test is not None and TEST_KINDS[test].swings_rudder and "rudder_deg" in said:
         said["rudder_amplitude_deg"] = said.pop("rudder_deg")
     wanted = ("speed", *asked_of(test))
-    free = test is not None and kind_of(test).free_running
+    free = test is not None and TEST_KINDS[test].free_running
     out = [
         _one(key, said, moved.settings, named, said.get("froude"), unsure=free) for key in wanted
     ]
@@ -121,6 +109,7 @@ def _one(
     if key in recorded:
         value, where = recorded[key]
         return RunKey(key=key, value=value, reason=where, todo="right?" if unsure else "")
+    known = settings_by_key().get(key)
     instead, meant = _INSTEAD.get(key, ("", ""))
     if instead in said:
         value, text = said[instead]
@@ -129,14 +118,14 @@ def _one(
         (
             (name, item)
             for name, item in named.hints.items()
-            if (name, key) in _STANDS_FOR or name == key
+            if name in ways_to_state(known.name if known else key)
         ),
         None,
     )
     if hint is not None:
         name, (value, why) = hint
         return RunKey(key=name, value=value, todo=f"{why}; else {key} = ...", active=False)
-    todo = WORDS.get(key, key)
+    todo = (known and known.asked) or key
     if key == "speed" and froude is not None:
         todo += f": Fn = {froude[0]:g} times the root of 9.81 L"
     return RunKey(key=key, value=None, todo=todo, active=False)
@@ -147,9 +136,6 @@ _INSTEAD: Final[dict[str, tuple[str, str]]] = {
     "yaw_rate": ("radius", "of the circle"),
 }
 """What a name may state instead of a key, and what that is."""
-_STANDS_FOR: Final = frozenset(
-    {("v_amplitude", "amplitude_m"), ("r_amplitude", "yaw_amplitude_deg")}
-)
 
 
 def _agree(key: str, value: float, other: float) -> bool:

@@ -17,7 +17,7 @@ from pmmkit.intake.folder import FileGroup, Look
 from pmmkit.intake.seen import Blocks, FileLook, SheetBlock
 from pmmkit.intake.words import block_words
 from pmmkit.numerics import Array
-from pmmkit.readers import reader_of, to_number
+from pmmkit.readers import READERS, to_number
 
 _FORCES: Final = ("X", "Y", "N", "K")
 _LISTED: Final = 8
@@ -160,7 +160,7 @@ def _deviations(look: FileLook) -> tuple[dict[str, Array], list[int]]:
     statistics = {line for block in look.blocks.of("statistics") for line in block.lines}
     if not statistics:
         return {}, []
-    cells = reader_of(look.format).cells(look.request)
+    cells = READERS[look.format].cells(look.request)
     rows = [
         index
         for index, line in enumerate(cells.lines)

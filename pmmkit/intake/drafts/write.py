@@ -20,7 +20,7 @@ from pmmkit.intake.drafts.entries import (
 from pmmkit.intake.drafts.sheets import scatter_lines
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import toml_comment
-from pmmkit.readers import SavedCampaign, reader_of
+from pmmkit.readers import READERS, SavedCampaign
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +56,7 @@ def written(draft: Draft) -> CampaignText:
         "",
         *_ship(draft, todo),
     ]
-    if any(reader_of(entry.look.format).computed for entry in draft.runs):
+    if any(READERS[entry.look.format].computed for entry in draft.runs):
         computed = computed_in(draft.runs)
         lines += axes_lines(draft.proposal, todo, computed=True)
         lines += ["", *cfd_lines(draft.runs, computed, draft.proposal, todo)]

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.base import TableError, UnknownNameError
-from pmmkit.conventions import CHANNELS, Convention, Ship, Water, canonical, did_you_mean
+from pmmkit.base import TableError, UnknownNameError, did_you_mean
+from pmmkit.conventions import CHANNELS, Convention, Ship, Water, canonical
 from pmmkit.models.tables.verdict import TableVerdict, kept_verdict
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import Described, Grid, Group, Section, counted, plus_minus

@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from pmmkit.base import CampaignError
-from pmmkit.conventions import did_you_mean
+from pmmkit.base import CampaignError, did_you_mean
 from pmmkit.readers.base import Request
 from pmmkit.readers.bounds import limit_of, too_large
 from pmmkit.readers.zipped import ZIP, check_length, content_of, damage_told, members_of

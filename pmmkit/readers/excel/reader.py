@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from pmmkit.conventions import did_you_mean
+from pmmkit.base import did_you_mean
 from pmmkit.readers.base import Cell, Cells, Choose, Columns, Request, columns_of, first_line
 from pmmkit.readers.excel.guard import check_workbook
 from pmmkit.readers.excel.sheet import layout_of

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.conventions import did_you_mean
+from pmmkit.base import did_you_mean
 from pmmkit.numerics import Array
 from pmmkit.readers.base import HEAD, Request
 from pmmkit.readers.bounds import Damaged

@@ -13,8 +13,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Final
 
-from pmmkit.base import CampaignError
-from pmmkit.conventions import did_you_mean
+from pmmkit.base import CampaignError, did_you_mean
 from pmmkit.readers.base import HEAD, Request
 from pmmkit.readers.bounds import Damaged
 from pmmkit.readers.hdf5.datasets import is_hdf5, opened

@@ -20,8 +20,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.base import CampaignError, PmmkitError
-from pmmkit.conventions import did_you_mean, split_unit
+from pmmkit.base import CampaignError, PmmkitError, did_you_mean
+from pmmkit.conventions import split_unit
 from pmmkit.numerics import Array
 from pmmkit.readers.base import Cells, Choose, Columns, Request, first_line
 from pmmkit.readers.bounds import limit_of, too_large

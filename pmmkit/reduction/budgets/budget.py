@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Final, Literal, cast
 
 import numpy as np
 
-from pmmkit.base import DataError, UnknownNameError
-from pmmkit.conventions import did_you_mean
+from pmmkit.base import DataError, UnknownNameError, did_you_mean
 from pmmkit.inference import Propagated
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, at_froude, counted, number

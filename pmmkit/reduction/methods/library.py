@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pmmkit.conventions import Structure, bare, parse_derivative, structure_of, structures
+from pmmkit.conventions import STRUCTURES, Structure, bare, parse_derivative, structure_of
 from pmmkit.reduction.derivatives import DerivativeNames
 
 
@@ -15,7 +15,7 @@ def library_of(
 
     Examples
     --------
-    >>> from pmmkit.conventions import structures
+    >>> from pmmkit.conventions import STRUCTURES
     >>> asked = DerivativeNames(required={"Y": ("Yv", "Yvvv")}, optional={"Y": ("Y0",)})
     >>> library_of(asked, structure_of("Yv Yvvv"), None)["Y"]
     ('Yv', 'Yvvv', 'Y0', 'Yv|v|')
@@ -24,7 +24,7 @@ def library_of(
         known = {factor for name in structure.derivatives for factor in _variables(name)}
         more = [
             name
-            for other in structures().values()
+            for other in STRUCTURES.values()
             if other.surge == structure.surge
             for name in other.derivatives
             if _variables(name) <= known

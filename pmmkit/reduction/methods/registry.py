@@ -5,10 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from types import MappingProxyType
 from typing import Final
 
-from pmmkit.base import UnknownNameError
+from pmmkit.base import Registry
 from pmmkit.reduction.methods.harmonics import by_harmonics
 from pmmkit.reduction.methods.kalman import by_filter
 from pmmkit.reduction.methods.method import Estimate, Method, MethodInputs
@@ -23,35 +22,35 @@ def by_regression(evidence: MethodInputs) -> Estimate:
     return Estimate(method="global regression", table=evidence.table)
 
 
-METHODS: Final = MappingProxyType(
-    {
-        method.name: method
-        for method in (
-            Method(
-                name="regression",
-                text="All runs of a Froude number together, weighted by noise and scatter.",
-                estimate=by_regression,
-            ),
-            Method(
-                name="harmonics",
-                text="Each derivative from the tests made for it, by curve fits and Fourier "
-                "coefficients.",
-                estimate=by_harmonics,
-            ),
-            Method(
-                name="sindy",
-                text="Terms chosen among a library by pysindy on the histories, in bags of runs.",
-                estimate=by_sparse_regression,
-                over_time=True,
-            ),
-            Method(
-                name="ekf",
-                text="A Kalman filter through the histories with the derivatives as states.",
-                estimate=by_filter,
-                over_time=True,
-            ),
-        )
-    }
+METHODS: Final = Registry(
+    Method,
+    lambda: (
+        Method(
+            name="regression",
+            text="All runs of a Froude number together, weighted by noise and scatter.",
+            estimate=by_regression,
+        ),
+        Method(
+            name="harmonics",
+            text="Each derivative from the tests made for it, by curve fits and Fourier "
+            "coefficients.",
+            estimate=by_harmonics,
+        ),
+        Method(
+            name="sindy",
+            text="Terms chosen among a library by pysindy on the histories, in bags of runs.",
+            estimate=by_sparse_regression,
+            over_time=True,
+        ),
+        Method(
+            name="ekf",
+            text="A Kalman filter through the histories with the derivatives as states.",
+            estimate=by_filter,
+            over_time=True,
+        ),
+    ),
+    what="method",
+    unknown=f"There is no method {{name!r}}; there are: {{names}}, {ALL}.",
 )
 """By name; the first is the default and the basis of the others."""
 
@@ -66,12 +65,8 @@ def methods_of(choice: str) -> tuple[Method, ...]:
     """
     if choice == ALL:
         return tuple(METHODS.values())
-    if choice not in METHODS:
-        raise UnknownNameError(
-            f"There is no method {choice!r}; there are: {', '.join((*METHODS, ALL))}."
-        )
-    basis = next(iter(METHODS.values()))
-    return tuple(dict.fromkeys((basis, METHODS[choice])))
+    asked = METHODS[choice]
+    return tuple(dict.fromkeys((next(iter(METHODS.values())), asked)))
 
 
 def estimates(methods: Sequence[Method], evidence: MethodInputs) -> dict[str, Estimate]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -62,7 +62,7 @@ def acts(source: TypeB, run: Run, channels: Collection[str]) -> bool:
     if source.kind.channels:
         return set(source.kind.channels) <= set(channels)
     if source.kind.of == "setting":
-        return getattr(run.settings, name) is not None
+        return run.settings.value(name) is not None
     if name == "moment_reference_x":
         return {"Y", "N"} <= set(channels)
     return name not in INERTIA or run.forces == "balance"
@@ -137,8 +137,8 @@ def altered(
     if source.kind.of == "hull":
         return Altered(run=run, rig=rig, other_hull=True)
     if source.kind.of == "setting":
-        changed: dict[str, Any] = {name: source.moved(getattr(run.settings, name))}
-        return Altered(run=run.with_(settings=replace(run.settings, **changed)), rig=rig)
+        moved_to = source.moved(run.settings.value(name) or 0.0)
+        return Altered(run=run.with_(settings=run.settings.with_(name, moved_to)), rig=rig)
     if name == "moment_reference_x":
         arm = source.std * (rig.moment_x if source.relative else 1.0)
         return Altered(run=run, rig=rig, force={"N": arm * np.nan_to_num(force["Y"])})

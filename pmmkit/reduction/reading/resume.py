@@ -14,7 +14,7 @@ import shutil
 import threading
 import uuid
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Final
 
@@ -137,7 +137,7 @@ def _plain(reading: Reading) -> dict[str, Any]:
     """A result as mappings, tuples and arrays, without what the campaign gives anew."""
     rows, result = reading.rows, reading.rows.result
     return {
-        "settings": asdict(result.run.settings),
+        "settings": result.run.settings.plain(),
         "result": _fields(result, "run"),
         "rows": _fields(rows, "result"),
         "sensitivities": [_fields(item, "source", "names") for item in reading.sensitivities],
@@ -153,7 +153,7 @@ def _fields(item: Any, *without: str) -> dict[str, Any]:
 
 
 def _restored(plain: Mapping[str, Any], run: Run, settings: ReductionSettings) -> Reading:
-    kept = run.with_(settings=Settings(**plain["settings"]))
+    kept = run.with_(settings=Settings.of(plain["settings"]))
     rows = Rows(result=RunResult(run=kept, **plain["result"]), **plain["rows"])
     return Reading(
         rows=rows,

@@ -8,8 +8,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.base import DataError, Problem, UnknownNameError
-from pmmkit.conventions import Ship, did_you_mean
+from pmmkit.base import DataError, Problem, UnknownNameError, did_you_mean
+from pmmkit.conventions import Ship
 from pmmkit.files import datasets_folder, read_toml
 from pmmkit.models import load_ship, number, ships
 from pmmkit.numerics import Array

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, Final
 
-from pmmkit.effects import FACTOR_PLACES, PRIMITIVES, effect_of, function_of_text, over_arrays
+from pmmkit.effects import FACTOR_PLACES, PRIMITIVES, catalogue, function_of_text, over_arrays
 from pmmkit.inference import FILTERS
 from pmmkit.simulation.equations import layouts
 from pmmkit.simulation.equations.layouts import (
@@ -147,8 +147,8 @@ def _taken_in(item: Used) -> list[str]:
         own = replace(function_of_text(item.effect, item.text), name=name)
         return [f"from {over_arrays.__module__} import {words}", *python_function(own), ""]
     return [
-        f"from {effect_of.__module__} import effect_of",
-        f"{name} = effect_of({item.effect!r}).force",
+        f"from {catalogue.__module__} import catalogue",
+        f"{name} = catalogue()[{item.effect!r}].force",
     ]
 
 

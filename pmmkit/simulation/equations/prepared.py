@@ -14,14 +14,13 @@ import numpy as np
 from pmmkit.base import DataError, MissingPartError, ModelError, Problem, Remedy, Way
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import (
+    CATALOGUE,
     HULL,
     INERTIA,
     ROLL_PART,
     SHALLOW_WATER,
     Monomial,
     apply,
-    edition_of,
-    effect_of,
     factors,
     polynomial,
     resolve,
@@ -335,7 +334,7 @@ def packed(
     added = resolve(values.get(INERTIA, {}), ship=ship, water=water, convention=convention)
     terms: dict[str, Any] = {}
     for effect in POLYNOMIALS:
-        known = effect_of(effect)
+        known = CATALOGUE[effect]
         for name, value in values.get(effect, {}).items():
             if known.parameter(name) is None:
                 terms[name] = terms.get(name, 0.0) + value
@@ -426,7 +425,7 @@ def structure_of(
                 for name in sorted(known.tables)
             ),
             text=part.text,
-            edition=edition_of(effect),
+            edition=CATALOGUE.edition(effect),
         )
     products = None
     if monomials is not None:

@@ -8,15 +8,7 @@ from functools import cached_property
 from typing import Final
 
 from pmmkit.base import MissingPartError, ModelError, Problem
-from pmmkit.effects import (
-    HULL,
-    RUDDER_POLYNOMIAL,
-    Effect,
-    arguments_of,
-    catalogue,
-    effect_of,
-    written_effect,
-)
+from pmmkit.effects import CATALOGUE, HULL, RUDDER_POLYNOMIAL, Effect, arguments_of, written_effect
 from pmmkit.models import TAKE_PARTS
 from pmmkit.simulation.equations.layouts import ROLLING, STATES, Constant
 
@@ -55,7 +47,7 @@ class Used:
     @property
     def known(self) -> Effect:
         """What the catalogue says of it."""
-        return written_effect(self.effect, self.text) if self.text else effect_of(self.effect)
+        return written_effect(self.effect, self.text) if self.text else CATALOGUE[self.effect]
 
     @property
     def arguments(self) -> tuple[str, ...]:
@@ -146,7 +138,7 @@ def in_order(used: Mapping[str, Used], name: str, conditions: frozenset[str]) ->
         if lost:
             givers = sorted(
                 other.name
-                for other in catalogue().values()
+                for other in CATALOGUE.values()
                 if any(signal in other.outputs for signal in lost)
             )
             raise MissingPartError(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import DataError
 from pmmkit.conventions import HARD_OVER, Criterion, Metric, criteria
-from pmmkit.effects import catalogue
+from pmmkit.effects import CATALOGUE
 from pmmkit.models import ESTIMATED, Model, as_it_stops, load_model, reversed_by_bucket, standing
 from pmmkit.simulation.imo.conditions import Condition, simulated_conditions
 from pmmkit.simulation.imo.verdict import (
@@ -255,7 +255,7 @@ def _stopping(
             manoeuvre="stopping, full astern",
             conditions=(
                 "Not judged: the model does not say what its propulsion does astern; the effects "
-                f"{', '.join(x.name for x in catalogue().values() if x.astern)} do, and it has no "
+                f"{', '.join(x.name for x in CATALOGUE.values() if x.astern)} do, and it has no "
                 "propeller from whose open water they could be estimated.",
             ),
             unsettled=standing(model, speed).unsettled,

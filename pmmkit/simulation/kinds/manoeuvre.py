@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from pmmkit.conventions import Metric, did_you_mean
+from pmmkit.base import did_you_mean
+from pmmkit.conventions import Metric
 from pmmkit.simulation.plan import Plan
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmmkit.base import UnknownNameError
 from pmmkit.conventions import Convention
-from pmmkit.effects import catalogue
+from pmmkit.effects import CATALOGUE
 from pmmkit.identification import parameter_symbol
 from pmmkit.inference import autocorrelation
 from pmmkit.plotting import (
@@ -302,7 +302,7 @@ def _one_after_another(records: Sequence[FreeRecord]) -> tuple[np.ndarray, list[
 def _unit(name: str) -> str:
     """Unit of a parameter: derivatives are non-dimensional."""
     effect, _, own = name.partition(".")
-    known = catalogue().get(effect)
+    known = CATALOGUE.get(effect)
     parameter = known.parameter(own) if known else None
     if parameter is not None:
         return parameter.unit

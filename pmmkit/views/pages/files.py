@@ -8,13 +8,8 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.conventions import (
-    CHANNEL_UNITS,
-    DEGREE_CHANNELS,
-    FORCE_CHANNELS,
-    SETTING_UNITS,
-    factor_to,
-)
+from pmmkit.campaigns import setting_units
+from pmmkit.conventions import CHANNEL_UNITS, DEGREE_CHANNELS, FORCE_CHANNELS, factor_to
 from pmmkit.intake import (
     LARGE,
     CampaignLook,
@@ -93,7 +88,7 @@ def vocabulary() -> dict[str, dict[str, list[str]]]:
     }
     return {
         "history": {name: _units(unit) for name, unit in names.items()},
-        "table": {name: _units(unit) for name, unit in {**SETTING_UNITS, **parts}.items()},
+        "table": {name: _units(unit) for name, unit in {**setting_units(), **parts}.items()},
     }
 
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns import Rig, kind_of
+from pmmkit.campaigns import TEST_KINDS, Rig
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.numerics import Array
 from pmmkit.validation import CaptiveRun, Comparison
@@ -30,7 +30,7 @@ def history_page(comparison: Comparison, name: str, buckets: int = BUCKETS) -> d
     return {
         "run": run.id,
         "test": run.test,
-        "title": kind_of(run.test).title,
+        "title": TEST_KINDS[run.test].title,
         "words": run.setting,
         "source": run.source,
         "steady": not view.omega,

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Final
 
 from pmmkit.diagnosis import Session, Together
-from pmmkit.effects import Effect, catalogue
+from pmmkit.effects import CATALOGUE, Effect
 from pmmkit.models import odds
 from pmmkit.views.pages.drawn import NUMBERS, drawn_over
 from pmmkit.views.pages.missing import candidate_page, coefficients_page
@@ -42,7 +42,7 @@ def joint_page(
         ``base`` is ``drawn`` here, a table for each campaign.
     """
     own = {item.name: item for item in session.evidence.own}
-    entries = {**catalogue(), **own}
+    entries = {**CATALOGUE, **own}
     named = [item for item in found.singles if item.names[0] in found.best]
     others = [item for item in found.singles if item.names[0] not in found.best][:SHOWN]
     sentences = {item.effect: item.sentence for item in found.belongs}

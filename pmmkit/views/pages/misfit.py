@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pmmkit.campaigns import Run, kind_of
+from pmmkit.campaigns import TEST_KINDS, Run, brought
 from pmmkit.validation import Comparison
 from pmmkit.views.pages.numbers import short
 
@@ -52,7 +52,7 @@ def misfit_page(comparison: Comparison) -> dict[str, Any]:
         ],
         "columns": [{"name": name, "unit": unit} for name, unit in columns.items()],
         "groups": [
-            {"test": test, "title": kind_of(test).title, "rows": _sorted(list(own.values()))}
+            {"test": test, "title": TEST_KINDS[test].title, "rows": _sorted(list(own.values()))}
             for test, own in groups.items()
         ],
         "sentences": [asdict(item) for item in leading],
@@ -77,7 +77,8 @@ def _order(run: Run) -> list[float]:
     """By speed, then by what the run was set to."""
     s = run.settings
     swings = (s.yaw_amplitude or 0.0, s.amplitude or 0.0, s.rudder_amplitude or 0.0)
-    return [s.speed, s.drift, s.heel, s.rudder, *swings, s.period or 0.0]
+    more = (s.value(item.name) or 0.0 for item in brought())
+    return [s.speed, s.drift, s.heel, s.rudder, *swings, s.period or 0.0, *more]
 
 
 def _sorted(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:

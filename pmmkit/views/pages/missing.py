@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from pmmkit.diagnosis import Diagnosis, Session
-from pmmkit.effects import Effect, catalogue, is_fault
+from pmmkit.effects import CATALOGUE, Effect, is_fault
 from pmmkit.models import odds
 from pmmkit.presentation import WIDE
 from pmmkit.views.pages.drawn import NUMBERS, drawn_over
@@ -104,7 +104,7 @@ def missing_page(
         if number < SHOWN or entry.names[0] in {*named, *findings, *own, *fitted}
     ]
     drawn = drawn_over(evidence, session.steps, chosen, heard, numbers=NUMBERS if overlays else 0)
-    entries = {**catalogue(), **own}
+    entries = {**CATALOGUE, **own}
     candidates = []
     for entry in chosen:
         name = entry.names[0]

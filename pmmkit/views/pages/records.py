@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns import kind_of
+from pmmkit.campaigns import TEST_KINDS
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.numerics import Array
 from pmmkit.validation import Comparison, FreeRun
@@ -45,7 +45,7 @@ def record_page(record: FreeRun, length: float, floor: float) -> dict[str, Any]:
         "kind": "free",
         "run": record.name,
         "test": record.run.test,
-        "title": kind_of(record.run.test).title,
+        "title": TEST_KINDS[record.run.test].title,
         "words": record.run.setting,
         "source": record.run.source,
         "t": short(record.t[kept]),

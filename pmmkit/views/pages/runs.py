@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import DataError, PmmkitError
-from pmmkit.campaigns import Campaign, Correction, HistoryLoader, Run, kind_of, usable
+from pmmkit.campaigns import TEST_KINDS, Campaign, Correction, HistoryLoader, Run, usable
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.intake import LARGE
 from pmmkit.numerics import Array
@@ -104,7 +104,7 @@ def _shown(
     own = [item for item in findings if run.id in item.get("runs", ())]
     page: dict[str, Any] = {
         "run": run.id,
-        "title": kind_of(run.test).title,
+        "title": TEST_KINDS[run.test].title,
         "words": run.setting,
         "source": run.source,
         "kind": run.kind,

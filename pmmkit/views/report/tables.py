@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns import Campaign, kinds
+from pmmkit.campaigns import TEST_KINDS, Campaign
 from pmmkit.conventions import Convention, Ship, Water, parse_derivative
 from pmmkit.intake import name_runs
 from pmmkit.models import DerivativeTable, ReferenceTable, compare
@@ -222,7 +222,7 @@ def runs(reduction: Reduction) -> Grid:
     """How many runs of each kind there are, and at which Froude numbers."""
     count = Counter((item.run.test, f"{item.froude:.3f}") for item in reduction.runs)
     rows: list[list[Cell]] = []
-    for test in kinds().values():
+    for test in TEST_KINDS.values():
         speeds = {
             froude: number for (kind, froude), number in sorted(count.items()) if kind == test.name
         }

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.campaigns import Run, has_nominal, motion_at_phase, move_motion
-from pmmkit.effects import Effect, Forces, Observed, Suspect, catalogue, shown_by, slopes, suspicion
+from pmmkit.effects import CATALOGUE, Effect, Forces, Observed, Suspect, shown_by, slopes, suspicion
 from pmmkit.inference import log_normal
 from pmmkit.intake.checks.agreement.posterior import Agreement, evidence
 from pmmkit.intake.checks.agreement.records import Records
@@ -68,10 +68,10 @@ def suspects(effects: Iterable[Effect] | None = None) -> tuple[Suspected, ...]:
 
     Examples
     --------
-    >>> [item.name for item in suspects([catalogue()["fault_misalignment"]])]
+    >>> [item.name for item in suspects([CATALOGUE["fault_misalignment"]])]
     ['drift', 'drift as set']
     """
-    every = catalogue().values() if effects is None else effects
+    every = CATALOGUE.values() if effects is None else effects
     return tuple(
         Suspected(**{part.name: getattr(form, part.name) for part in fields(Suspect)}, effect=own)
         for own in every

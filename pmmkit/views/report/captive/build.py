@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final
 
-from pmmkit.base import UnknownNameError
+from pmmkit.base import UnknownNameError, did_you_mean
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import did_you_mean, reference
+from pmmkit.conventions import reference
 from pmmkit.reduction import Reduction
 from pmmkit.views.report.captive import appendices, campaign_chapters, result_chapters
 from pmmkit.views.report.captive.document import Document, Item

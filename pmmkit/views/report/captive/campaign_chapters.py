@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from statistics import median
 
-from pmmkit.campaigns import FORCES, Campaign, Run, Settings, kinds, seconds_of
+from pmmkit.campaigns import (
+    FORCES,
+    RUN_SETTINGS,
+    TEST_KINDS,
+    Campaign,
+    Run,
+    RunSetting,
+    Settings,
+    seconds_of,
+)
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.models import SECTIONS
 from pmmkit.presentation import Cell, Grid, Group, Section, counted, number
@@ -43,7 +52,7 @@ def technique(reduction: Reduction) -> Chapter:
 
 
 def _kinds(campaign: Campaign) -> str:
-    count = {kind.title: len(campaign.select(kind.name).runs) for kind in kinds().values()}
+    count = {kind.title: len(campaign.select(kind.name).runs) for kind in TEST_KINDS.values()}
     return ", ".join(f"{title} ({counted(n, 'run')})" for title, n in count.items() if n)
 
 
@@ -173,37 +182,26 @@ def programme(reduction: Reduction) -> Chapter:
     )
 
 
-SETTINGS: Sequence[tuple[str, str, Callable[[Settings], float | None]]] = (
-    ("Speed", "m/s", lambda x: x.speed),
-    ("β", "°", lambda x: math.degrees(x.drift)),
-    ("δ", "°", lambda x: math.degrees(x.rudder)),
-    ("Heel", "°", lambda x: math.degrees(x.heel)),
-    ("Amplitude", "m", lambda x: x.amplitude),
-    ("ψ", "°", lambda x: None if x.yaw_amplitude is None else math.degrees(x.yaw_amplitude)),
-    ("δ swing", "°", lambda x: math.degrees(x.rudder_amplitude or 0.0) or None),
-    ("Period", "s", lambda x: x.period),
-    ("r", "rad/s", lambda x: x.turn_rate or None),
-    ("n", "1/s", lambda x: x.propeller_rps),
-    ("Depth", "m", lambda x: x.depth),
-)
-"""What a run is set to: sign, unit, and the value as it is told."""
+def _set_to(settings: Settings, item: RunSetting) -> float | None:
+    """What a run is set to, as a report tells it; a circle by its rate, which may not be zero."""
+    if item.told and item.told.shown:
+        return settings.value(item.told.shown) or None
+    value = settings.value(item.name)
+    return None if value is None else item.to_file(value)
 
 
 def _settings(campaign: Campaign) -> Grid:
     """The range of each setting, a row a kind of test; settings that no run has are left out."""
-    kept = [
-        (f"{sign} [{unit}]", give)
-        for sign, unit, give in SETTINGS
-        if any(give(run.settings) for run in campaign.runs)
-    ]
+    headed = sorted((x for x in RUN_SETTINGS.values() if x.head), key=lambda x: x.place)
+    kept = [item for item in headed if any(_set_to(run.settings, item) for run in campaign.runs)]
     rows: list[list[Cell]] = []
-    for kind in kinds().values():
+    for kind in TEST_KINDS.values():
         runs = campaign.select(kind.name).runs
         if runs:
-            values = ([give(run.settings) for run in runs] for _, give in kept)
+            values = ([_set_to(run.settings, item) for run in runs] for item in kept)
             rows.append([kind.title, *(_range(x for x in own if x is not None) for own in values)])
     return Grid(
-        head=["Test", *(head for head, _ in kept)],
+        head=["Test", *(f"{x.head} [{'°' if x.angle else x.unit}]" for x in kept)],
         groups=[Group(rows=rows)],
         caption="What the runs were set to, from the lowest to the highest.",
     )

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import kinds
+from pmmkit.campaigns import TEST_KINDS
 from pmmkit.conventions import Convention
 from pmmkit.intake import CheckFinding
 from pmmkit.presentation import Cell, Grid, Group, Section, at_froude
@@ -188,7 +188,7 @@ def _shares(budget: Budget, convention: Convention, caption: str) -> Grid:
 
 def _by_test(budget: Budget, convention: Convention, at: str) -> Grid:
     """The same budget with what single runs draw under their kind of test."""
-    by_test, names = budget.by_test(), kinds()
+    by_test, names = budget.by_test(), TEST_KINDS
     titled = [
         replace(item, title=names[item.title].title) if item.drawn else item
         for item in by_test.sources

@@ -1,0 +1,1 @@
+"""Good files of further formats, which `scripts.studies.damage` damages: a file a reader."""
