@@ -10,9 +10,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from pmmkit.actions import DONE, WRONG
 from pmmkit.base import ONE_THREAD, PmmkitError
 
-DONE, WRONG, USAGE, STOPPED = 0, 1, 2, 130
+USAGE, STOPPED = 2, 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,21 +1,19 @@
-"""The application: its commands, found in their folder, and how a command ends."""
+"""The application: its commands, made from actions, and how a command ends."""
 
 from __future__ import annotations
 
-import functools
 import inspect
 import os
-import pkgutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, redirect_stderr
-from importlib import import_module
+from functools import partial
 from typing import Annotated, Any, Final
 
 import typer
 
+from pmmkit.actions import Action, JobSetting, SettingError, about, action, names, say
 from pmmkit.base import __version__
-from pmmkit.cli import commands
-from pmmkit.cli.output import Outcome, say, tell
+from pmmkit.cli.output import tell
 
 Json = Annotated[
     bool,
@@ -37,6 +35,26 @@ LISTING: Final = ("--help", "--version")
 """First words after which no command runs."""
 
 
+class Command(typer.core.TyperCommand):
+    """A command whose help has the options of a group below each other, with a heading."""
+
+    def sections(self, ctx: Any) -> dict[str, list[tuple[str, str]]]:
+        """Arguments and options with what is told of them, by their headings."""
+        found: dict[str, list[tuple[str, str]]] = {}
+        for item in self.get_params(ctx):
+            plain = "Arguments" if item.param_type_name == "argument" else "Options"
+            if (told := item.get_help_record(ctx)) is not None:
+                heading = getattr(item, "rich_help_panel", None) or plain
+                found.setdefault(heading, []).append(told)
+        return found
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write them."""
+        for heading, rows in self.sections(ctx).items():
+            with formatter.section(heading):
+                formatter.write_dl(rows)
+
+
 def application(asked: str = "") -> typer.Typer:
     """The application with the command that is asked for, else with all of them."""
     app = typer.Typer(
@@ -47,46 +65,81 @@ def application(asked: str = "") -> typer.Typer:
         rich_markup_mode=None,
     )
     app.callback()(_options)
-    found = {
-        module.name.replace("_", "-"): module.name
-        for module in pkgutil.iter_modules(commands.__path__)
-    }
-    for name in [asked] if asked in found else found:
-        module = import_module(f"{commands.__name__}.{found[name]}")
-        whole = getattr(module, found[name])
-        command = _summary(whole) if asked in LISTING else _ending(whole)
-        app.command(name, epilog=f"Example: {module.EXAMPLE}")(command)
+    if asked in LISTING:
+        for name in names():
+            app.command(name, help=about(name))(_listed)
+        return app
+    for name in [asked] if asked in names() else names():
+        own = action(name)
+        made = app.command(name, cls=Command, help=own.about, epilog=f"Example: {own.example}")
+        made(_command(own))
     return app
 
 
-def _summary(command: Callable[..., Outcome]) -> Callable[[], None]:
-    """What a list of commands shows of one."""
-
-    def run() -> None:
-        raise NotImplementedError
-
-    run.__doc__ = command.__doc__
-    return run
+def _listed() -> None:
+    """A command of a list, which does not run."""
+    raise NotImplementedError
 
 
-def _ending(command: Callable[..., Outcome]) -> Callable[..., None]:
-    """A command with --quiet and --json that tells its outcome and ends with its status."""
+def _command(own: Action) -> Callable[..., None]:
+    """A command that does an action, tells its outcome and ends with its status."""
 
-    @functools.wraps(command)
-    def run(*, quiet: bool, json: bool, **options: Any) -> None:
+    def run(*, quiet: bool, json: bool, **given: Any) -> None:
         with _silence() if quiet else nullcontext():
-            outcome = command(**options)
+            try:
+                outcome = own.do(own.asked(_stated(own, given)))
+            except SettingError as error:
+                hint = error.option or None
+                raise typer.BadParameter(str(error), param_hint=hint) from error
             tell(outcome, as_json=json, quiet=quiet)
         if outcome.status:
             raise typer.Exit(outcome.status)
 
-    own = inspect.signature(command, eval_str=True)
-    asked = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=option)
-        for name, option in (("quiet", Quiet), ("json", Json))
-    ]
-    run.__signature__ = own.replace(parameters=[*own.parameters.values(), *asked])  # type: ignore[attr-defined]
+    parameters = [*map(_parameter, own.fields)]
+    for name, option in (("quiet", Quiet), ("json", Json)):
+        parameters.append(_keyword(name, option, False))
+    run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     return run
+
+
+def _stated(own: Action, given: Mapping[str, Any]) -> dict[str, Any]:
+    """What was typed, several values as they are kept; the rest is as if absent."""
+    several = {item.name for item in own.fields if item.several}
+    return {
+        name: tuple(value) if name in several else value
+        for name, value in given.items()
+        if value is not None
+    }
+
+
+def _parameter(item: JobSetting) -> inspect.Parameter:
+    """A setting as typer takes it."""
+    told = item.help
+    more: dict[str, Any] = {"help": told.text, "min": told.least, "max": told.most}
+    more |= {"metavar": told.metavar, "rich_help_panel": item.heading or None}
+    if told.read is not None:
+        more["parser"] = partial(_read, told.read)
+    made = typer.Argument(**more) if told.argument else typer.Option(*item.options, **more)
+    kind = list[item.bare] if item.several else item.type  # type: ignore[name-defined]
+    if item.several and not item.required:
+        kind = kind | None
+    default = None if item.several else item.default
+    return _keyword(
+        item.name, Annotated[kind, made], inspect.Parameter.empty if item.required else default
+    )
+
+
+def _keyword(name: str, annotation: Any, default: Any) -> inspect.Parameter:
+    kind = inspect.Parameter.KEYWORD_ONLY
+    return inspect.Parameter(name, kind, default=default, annotation=annotation)
+
+
+def _read(read: Callable[[str], Any], text: str) -> Any:
+    """A value out of its text; what cannot be read is told with the option."""
+    try:
+        return read(text)
+    except SettingError as error:
+        raise typer.BadParameter(str(error)) from error
 
 
 @contextmanager

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from typing import Any
 
-from pmmkit.cli.output import emit, say
+from pmmkit.actions import say
+from pmmkit.cli.output import emit
 from pmmkit.presentation import lines_of
 
 

@@ -92,17 +92,8 @@ def _asks_run(count: int, of: int, run: str) -> str:
 
 
 STATIC: Final = Path(str(files("pmmkit.views"))) / "static"
-SAILED: Final = {
-    "manoeuvre": str,
-    "speed": float,
-    "rudder_deg": float,
-    "switch_deg": float,
-    "wind_speed": float,
-    "wind_direction_deg": float,
-    "depth": float,
-    "band": bool,
-}
-"""What a manoeuvre may be asked with."""
+ORDERED: Final = ("orders", "conditions")
+"""Groups of settings with which a manoeuvre may be sailed."""
 
 
 def application(desk: Desk, token: str, port: int) -> Guard:
@@ -150,8 +141,14 @@ def _routes(desk: Desk) -> Starlette:
             read("turns", lambda _: desk.turns()),
             read("trials", lambda _: desk.trials()),
             read("range", lambda _: desk.range()),
+            read(
+                "settings",
+                lambda request: [
+                    item.to_dict() for item in desk.action(text_of(request, "of")).fields
+                ],
+            ),
             Route("/api/frozen", lambda _: _saved(desk), methods=["GET"]),
-            write("sail", lambda asked: desk.sail(_settings(asked))),
+            write("sail", lambda asked: desk.sail(_settings(desk, asked))),
             write(
                 "open",
                 lambda asked: desk.open(
@@ -242,21 +239,19 @@ def _content(body: bytes) -> dict[str, Any]:
     return found
 
 
-def _settings(asked: dict[str, Any]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+def _settings(desk: Desk, asked: dict[str, Any]) -> dict[str, Any]:
+    """What a manoeuvre may be asked with: its name, a speed, orders and conditions; a band."""
+    known = {item.name: item for item in desk.action("simulate").fields}
     for name, value in asked.items():
-        kind = SAILED.get(name)
-        right = isinstance(value, kind or str) if kind is not float else _number(value)
-        if kind is None or not right:
+        item = known.get(name)
+        sailed = item is not None and (item.name in ("manoeuvre", "speed") or item.group in ORDERED)
+        if name == "band" and isinstance(value, bool):
+            continue
+        if item is None or not sailed or not item.allows(value):
             raise DataError(f"{name} is no setting of a manoeuvre, or has no such value.")
-        found[name] = value
-    if "manoeuvre" not in found or "speed" not in found:
+    if "manoeuvre" not in asked or "speed" not in asked:
         raise DataError("A manoeuvre needs its name and a speed.")
-    return found
-
-
-def _number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+    return asked
 
 
 # Serving on loopback: a port that is free, a secret address, a browser.

@@ -32,6 +32,7 @@ from pmmkit.views import (
 from pmmkit.workbench.campaigns import OpenCampaigns
 from pmmkit.workbench.commands import command_lines
 from pmmkit.workbench.known import AnswerCache
+from pmmkit.workbench.offered import Actions
 from pmmkit.workbench.rivals import RESULT, find_rivals
 from pmmkit.workbench.saved import (
     OPENED,
@@ -46,7 +47,7 @@ from pmmkit.workbench.saved import (
     save_state,
     steps_of,
 )
-from pmmkit.workbench.tasks import STRUCTURE, tasks
+from pmmkit.workbench.tasks import Work, tasks
 from pmmkit.workbench.worker import Job, Worker
 
 DEMONSTRATION: Final = ("s175", "cubic", "s175-3dof")
@@ -66,10 +67,13 @@ class Desk:
         Of the workbench: state, steps, models and results.
     roots : sequence of Path
         Folders that were named: nothing else is read.
+    action : callable
+        The actions by their names: forms and command lines of the page are made from them.
     """
 
-    def __init__(self, folder: Path, roots: Sequence[Path]) -> None:
+    def __init__(self, folder: Path, roots: Sequence[Path], action: Actions) -> None:
         self.folder = folder
+        self.action = action
         self.roots = tuple(root.resolve() for root in roots)
         self._state = find_state(folder)
         self._changing = Lock()
@@ -81,6 +85,11 @@ class Desk:
     def state(self) -> WorkbenchState | None:
         """What was opened, and the steps."""
         return self._state
+
+    @property
+    def structure(self) -> str:
+        """To which tests are reduced where no model is named."""
+        return str(self.action("reduce").default("structure"))
 
     @property
     def job(self) -> Job:
@@ -134,7 +143,7 @@ class Desk:
             "revision": state.revision,
             "campaign": state.campaign,
             "also": list(state.also),
-            "model": state.model or STRUCTURE,
+            "model": state.model or self.structure,
             "folder": str(self.folder),
             "steps": [
                 {
@@ -145,7 +154,7 @@ class Desk:
                 }
                 for step in state.steps
             ],
-            "commands": command_lines(state, self.folder, STRUCTURE),
+            "commands": command_lines(state, self.folder, self.action),
         }
         return page | self._about(state) if ready else page
 
@@ -301,7 +310,7 @@ class Desk:
     def open(self, asked: WorkbenchState) -> Job:
         """Open tests and a base; a base that is a structure, or none, is reduced from the tests."""
         with self._changing:
-            model, data = asked.model, asked.data
+            model = asked.model
             places = [self.named(campaign) for campaign in asked.campaigns]
             for campaign, place in zip(asked.campaigns, places, strict=True):
                 if not place.exists():
@@ -319,16 +328,8 @@ class Desk:
             lent = asked.parts or (_lent(places[0]) if reduced else "")
             revision = -1 if self._state is None else self._state.revision
             state = replace(asked, model=model, parts=lent, revision=revision + 1, steps=())
-            job = self._worker.start(
-                "open",
-                {
-                    "folder": str(self.folder),
-                    "campaigns": [str(place) for place in places],
-                    "model": model,
-                    "data": data,
-                    "parts": lent or None,
-                },
-            )
+            more = {"model": model or self.structure, "parts": lent or None}
+            job = self._worker.start("open", self._asked(asked) | more)
             self.folder.mkdir(parents=True, exist_ok=True)
             for old in (*self.folder.glob("model_0*.toml"), *self.folder.glob("*_*.json")):
                 old.unlink(missing_ok=True)
@@ -359,7 +360,7 @@ class Desk:
         """Do anew what depends on the campaign file: the base, each step, the derivatives."""
         with self._changing:
             state = self._current(revision)
-            more = {"model": state.model, "parts": state.parts or None}
+            more = {"model": state.model or self.structure, "parts": state.parts or None}
             job = self._worker.start("again", self._asked(state) | more)
             self._change(replace(state, revision=state.revision + 1))
             return job
@@ -414,9 +415,8 @@ class Desk:
         with self._changing:
             state = self._opened()
             self._open.place(state, of)
-            asked = self._asked(state) | {"structure": structure, "of": of}
-            del asked["effects"], asked["settings"]
-            return self._worker.start("reduce", asked)
+            more = {"structure": structure, "of": of}
+            return self._worker.start("reduce", self._asked(state) | more)
 
     def add(self, revision: int, effect: str, why: str = "", campaign: str = "") -> Job:
         """Add an effect, or correct a fault, of several campaigns the one that has it."""
@@ -512,7 +512,7 @@ class Desk:
     def _finished(self, job: Job) -> None:
         if job.name == "add":
             with self._changing:
-                effects = (*job.asked["effects"], job.asked["effect"])
+                effects = (*job.asked["work"].effects, job.asked["effect"])
                 self._change(self._opened().with_steps(steps_of(self.folder, effects)))
         # After a step the page asks itself, the waterfall first.
         if job.name in ("open", "again"):
@@ -541,13 +541,14 @@ class Desk:
         return state
 
     def _asked(self, state: WorkbenchState) -> dict[str, Any]:
-        return {
-            "folder": str(self.folder),
-            "campaigns": [str(self.named(place)) for place in state.campaigns],
-            "data": state.data,
-            "settings": state.settings,
-            "effects": list(state.effects),
-        }
+        work = Work(
+            folder=self.folder,
+            campaigns=tuple(str(self.named(place)) for place in state.campaigns),
+            data=state.data,
+            settings=state.settings,
+            effects=state.effects,
+        )
+        return {"work": work}
 
     def _log_odds(self, effect: str, campaign: str) -> float | None:
         found = self.missing()

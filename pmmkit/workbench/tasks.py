@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -30,8 +31,6 @@ from pmmkit.workbench.worker import Tell
 if TYPE_CHECKING:
     from pmmkit.workbench.worker import Task
 
-STRUCTURE: Final = "abkowitz3"
-"""Structure of the base where no model is named."""
 WHOLE: Final = 100
 PARTS: Final = (30, 75)
 """How far of `WHOLE` a diagnosis is when tests are ready, and when the catalogue is weighed."""
@@ -49,6 +48,21 @@ def tasks() -> Mapping[str, Task]:
     }
 
 
+@dataclass(frozen=True, kw_only=True)
+class Work:
+    """What long work is about.
+
+    `campaigns`: paths of the tests. `data`: folder of their measurements, or nothing.
+    `settings`: noise and floor, where they were given. `effects`: what was added to the base.
+    """
+
+    folder: Path
+    campaigns: tuple[str, ...]
+    data: str = ""
+    settings: Mapping[str, float] = field(default_factory=dict)
+    effects: tuple[str, ...] = ()
+
+
 class Tasks:
     """What the process for long work does; it keeps the tests and the sessions that it has.
 
@@ -59,50 +73,30 @@ class Tasks:
         self._campaigns: dict[tuple[str, str], Campaign] = {}
         self._sessions: dict[tuple[Any, ...], Session[Any]] = {}
 
-    def open(
-        self,
-        folder: str,
-        campaigns: Sequence[str],
-        model: str,
-        data: str,
-        parts: str | None,
-        *,
-        tell: Tell,
-    ) -> None:
-        """Check the tests, and make the base where a structure or nothing is named."""
+    def open(self, work: Work, model: str, parts: str | None, *, tell: Tell) -> None:
+        """Check the tests, and make the base where a structure is named."""
         tell(0, 3, "reading the tests")
-        tests = self._tests(campaigns, data)
-        place = Path(folder)
+        tests = self._tests(work)
+        place = work.folder
         checked = _checked(tests)
         tell(1, 3, "the base")
         _save_base(place, tests, self._base(tests, model, parts))
         _save_checks(place, checked)
         save_result(place, OPENED, (), _stamps(tests))
 
-    def again(
-        self,
-        folder: str,
-        campaigns: Sequence[str],
-        data: str,
-        settings: Mapping[str, float],
-        effects: Sequence[str],
-        model: str,
-        parts: str | None,
-        *,
-        tell: Tell,
-    ) -> None:
+    def again(self, work: Work, model: str, parts: str | None, *, tell: Tell) -> None:
         """Base, steps and derivatives from campaign files that were changed meanwhile."""
-        place = Path(folder)
+        place = work.folder
         known = {
             of: found["structure"]
-            for of in range(len(campaigns))
+            for of in range(len(work.campaigns))
             if (found := find_result(place, of_campaign("derivatives", of), ()))
         }
-        steps = steps_of(place, effects)
+        steps = steps_of(place, work.effects)
         total = len(steps) + 2
         tell(0, total, "reading the tests")
         self._campaigns, self._sessions = {}, {}
-        tests = self._tests(campaigns, data)
+        tests = self._tests(work)
         checked = _checked(tests)
         tell(1, total, "the base")
         base = self._base(tests, model, parts)
@@ -110,7 +104,7 @@ class Tasks:
             old.unlink(missing_ok=True)
         save_result(place, OPENED, (), "")
         _save_base(place, tests, base)
-        session = self._session(folder, campaigns, data, settings, (), tell) if steps else None
+        session = self._session(replace(work, effects=()), tell) if steps else None
         for number, step in enumerate(steps, start=1):
             tell(number + 1, total, f"fitting with {step.effect}")
             assert session is not None
@@ -122,21 +116,12 @@ class Tasks:
             session.save(place / STEPS)
         _save_checks(place, checked)
         for of, structure in known.items():
-            self.reduce(folder, campaigns, data, structure, of, tell=tell)
+            self.reduce(work, structure, of, tell=tell)
         save_result(place, OPENED, (), _stamps(tests))
 
-    def diagnose(
-        self,
-        folder: str,
-        campaigns: Sequence[str],
-        data: str,
-        settings: Mapping[str, float],
-        effects: Sequence[str],
-        *,
-        tell: Tell,
-    ) -> None:
+    def diagnose(self, work: Work, *, tell: Tell) -> None:
         """What the base with these steps still lacks."""
-        session = self._session(folder, campaigns, data, settings, effects, tell)
+        session = self._session(work, tell)
         tell(PARTS[0], WHOLE, "weighing the effects of the catalogue")
         found = session.diagnose()
 
@@ -146,28 +131,17 @@ class Tasks:
 
         page_of = joint_page if isinstance(found, Together) else missing_page
         page = page_of(session, found, heard)
-        save_rivals(Path(folder), session, found)
-        save_result(Path(folder), "missing", tuple(effects), page)
+        save_rivals(work.folder, session, found)
+        save_result(work.folder, "missing", work.effects, page)
 
     def add(
-        self,
-        folder: str,
-        campaigns: Sequence[str],
-        data: str,
-        settings: Mapping[str, float],
-        effects: Sequence[str],
-        effect: str,
-        why: str,
-        of: str,
-        log_odds: float | None,
-        *,
-        tell: Tell,
+        self, work: Work, effect: str, why: str, of: str, log_odds: float | None, *, tell: Tell
     ) -> None:
         """One effect more: the model, its errors and the steps, written to the folder."""
-        session = self._session(folder, campaigns, data, settings, effects, tell)
+        session = self._session(work, tell)
         tell(PARTS[0], WHOLE, f"fitting with {effect}")
         session = session.add(effect, why, campaign=of, log_odds=log_odds)
-        place, now = Path(folder), tuple(step.effect for step in session.steps)
+        place, now = work.folder, tuple(step.effect for step in session.steps)
         if of:
             # What is kept is told by the names of the steps: another campaign had this fault.
             for old in place.glob(f"*_{len(now)}.json"):
@@ -177,36 +151,27 @@ class Tasks:
         save_result(place, "fall", now, fall_page(session.fall()))
         session.save(place / STEPS)
 
-    def reduce(
-        self,
-        folder: str,
-        campaigns: Sequence[str],
-        data: str,
-        structure: str,
-        of: int,
-        *,
-        tell: Tell,
-    ) -> None:
+    def reduce(self, work: Work, structure: str, of: int, *, tell: Tell) -> None:
         """Derivatives of a campaign, a set per Froude number, and what determines them."""
         from pmmkit.reduction import reduce_campaign
         from pmmkit.views import derivatives_page
 
-        tests = self._campaign(campaigns[of], data)
+        tests = self._campaign(work.campaigns[of], work.data)
         reduction = reduce_campaign(tests, structure=structure, progress=tell, executor=1)
         name = of_campaign("derivatives", of)
-        save_result(Path(folder), name, (), derivatives_page(reduction))
+        save_result(work.folder, name, (), derivatives_page(reduction))
 
     def _campaign(self, path: str, data: str) -> Campaign:
         if (path, data) not in self._campaigns:
             self._campaigns[path, data] = open_campaign(path, data=data or None)
         return self._campaigns[path, data]
 
-    def _tests(self, paths: Sequence[str], data: str) -> dict[str, Campaign]:
+    def _tests(self, work: Work) -> dict[str, Campaign]:
         """The campaigns by their titles."""
-        return by_title([self._campaign(path, data) for path in paths])
+        return by_title([self._campaign(path, work.data) for path in work.campaigns])
 
     def _base(self, tests: Mapping[str, Campaign], model: str, parts: str | None) -> Model:
-        if model and model not in STRUCTURES:
+        if model not in STRUCTURES:
             return load_model(model)
         captive = [item for item in tests.values() if item.kind == "captive"]
         if not captive:
@@ -214,38 +179,29 @@ class Tasks:
         from pmmkit.api import model_of
         from pmmkit.reduction import reduce_campaign
 
-        reduction = reduce_campaign(captive[0], structure=model or STRUCTURE, fn="pooled")
+        reduction = reduce_campaign(captive[0], structure=model, fn="pooled")
         # Whoever opens it asks what is wrong: a model by force says so wherever it sails.
         return model_of(reduction, parts, force=True)
 
-    def _session(
-        self,
-        folder: str,
-        campaigns: Sequence[str],
-        data: str,
-        settings: Mapping[str, float],
-        effects: Sequence[str],
-        tell: Tell,
-    ) -> Session[Any]:
+    def _session(self, work: Work, tell: Tell) -> Session[Any]:
         """The session of these steps; the tests are looked at once."""
-        base = model_file(Path(folder), ())
-        own = own_of(Path(folder))
+        base = model_file(work.folder, ())
+        own = own_of(work.folder)
         texts = [(item.name, item.text) for item in own]
-        stamp = f"{base}:{base.stat().st_mtime_ns}:{sorted(settings.items())}:{texts}"
-        paths = tuple(campaigns)
-        key = (paths, data, stamp, tuple(effects))
+        stamp = f"{base}:{base.stat().st_mtime_ns}:{sorted(work.settings.items())}:{texts}"
+        key = (work.campaigns, work.data, stamp, work.effects)
         if key not in self._sessions:
-            first = (paths, data, stamp, ())
+            first = (*key[:-1], ())
             if first not in self._sessions:
                 tell(0, WHOLE, "reading the tests")
-                tests = self._tests(campaigns, data)
+                tests = self._tests(work)
                 free = any(item.kind == "free-running" for item in tests.values())
                 heard = {"progress": partial(_heard, tell)} if free or len(tests) > 1 else {}
-                given: dict[str, Any] = {**settings, **heard}
+                given: dict[str, Any] = {**work.settings, **heard}
                 asked = tests if len(tests) > 1 else next(iter(tests.values()))
                 self._sessions[first] = begin(load_model(base), asked, own=own, **given)
             session = self._sessions[first]
-            for step in steps_of(Path(folder), effects):
+            for step in steps_of(work.folder, work.effects):
                 session = session.add(step, step.note)
             self._sessions[key] = session
         return self._sessions[key]

@@ -17,6 +17,7 @@ import time
 from pathlib import Path
 from typing import Any, Final
 
+from pmmkit.actions import action
 from pmmkit.campaigns import save_campaign
 from pmmkit.files import datasets_folder
 from pmmkit.workbench import Desk, WorkbenchState, frozen_page
@@ -117,7 +118,7 @@ def measured(runs: int, rounds: int, browser: str, place: Path) -> None:
     if runs != DATASET_RUNS:
         tests = place / "tests.h5"
         save_campaign(campaign(runs), tests)
-    desk = Desk(place / "workbench", [place])
+    desk = Desk(place / "workbench", [place], action)
     print(f"{runs} runs", flush=True)
     begun = time.perf_counter()
     worked(desk, "opening", desk.open(WorkbenchState(campaign=str(tests), model="cubic")), begun)

@@ -22,7 +22,7 @@ from pmmkit.intake.checks import CHECKS
 from pmmkit.models import load_model
 from pmmkit.plotting import style, trajectory
 from pmmkit.views.figures.derivatives import derivatives_over_froude
-from scripts.documentation import campaign_file, figures, manoeuvres, rooms
+from scripts.documentation import actions, campaign_file, figures, manoeuvres, rooms
 from scripts.documentation.fences import page
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -210,16 +210,16 @@ def effects_page() -> str:
     return f"{EFFECTS_HEAD}\n" + "\n\n".join([*sections, without_entry()]) + "\n"
 
 
+TABLES = actions.TABLES | campaign_file.TABLES | manoeuvres.TABLES | figures.TABLES
+
+
 def pages() -> dict[str, str]:
     checks = "\n".join(f"| {check.name} | {check.description} |" for check in CHECKS.values())
     return {
         "effects.md": effects_page(),
         "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}",
         "architecture.md": rooms.page(),
-        **{
-            name: page(name, made)
-            for name, made in (campaign_file.TABLES | manoeuvres.TABLES | figures.TABLES).items()
-        },
+        **{name: page(name, made) for name, made in TABLES.items()},
     }
 
 

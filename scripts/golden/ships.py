@@ -43,6 +43,7 @@ def many() -> dict[str, Any]:
 def page() -> dict[str, Any]:
     """What the page of a workbench is told: open, ask, add what is named first."""
     import pmmkit as pk
+    from pmmkit.actions import action
     from pmmkit.workbench import Desk, WorkbenchState
     from pmmkit.workbench.application import answers
     from scripts.studies.hidden_effects import tank
@@ -52,7 +53,7 @@ def page() -> dict[str, Any]:
         pk.save_campaign(tank().hidden_campaign("middle", hidden, seed=3), folder / "tests.h5")
         bare = pk.without_effect(pk.load_model("s175-3dof"), "yaw_sway_coupling")
         pk.save_model(bare, folder / "model.toml")
-        desk = Desk(folder / "workbench", [folder])
+        desk = Desk(folder / "workbench", [folder], action)
         try:
             desk.open(
                 WorkbenchState(campaign=str(folder / "tests.h5"), model=str(folder / "model.toml"))

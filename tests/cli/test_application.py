@@ -6,23 +6,23 @@ import inspect
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import pytest
 import typer
 
+from pmmkit.actions import Outcome, action, jobs, shared
+from pmmkit.actions.jobs import convert, export, identify
 from pmmkit.base import ONE_THREAD
-from pmmkit.cli import app, commands, main, options
-from pmmkit.cli.commands import convert, export, identify
-from pmmkit.cli.output import Outcome
+from pmmkit.cli import app, main
 from pmmkit.exports import ENDINGS
 from pmmkit.identification.methods import METHODS
 from pmmkit.models import write_table
 from pmmkit.simulation import MANOEUVRES
 
-NAMES = sorted(
-    file.stem for file in Path(commands.__path__[0]).glob("*.py") if file.stem != "__init__"
-)
+NAMES = sorted(file.stem for file in Path(jobs.__path__[0]).glob("*.py") if file.stem != "__init__")
 
 
 def group():
@@ -52,7 +52,8 @@ def test_no_option_is_without_words(name):
 
 def test_the_status_of_an_outcome_is_that_of_the_command(monkeypatch, capsys):
     outcome = Outcome(content={"errors": 2}, lines=["two errors"], status=1)
-    monkeypatch.setattr("pmmkit.cli.commands.ships.ships", lambda: outcome)
+    own = replace(action("ships"), do=lambda _: outcome)
+    monkeypatch.setattr("pmmkit.cli.app.action", lambda _: own)
     assert main(["ships"]) == 1
     assert capsys.readouterr().out == "two errors\n"
     assert main(["ships", "--json"]) == 1
@@ -87,11 +88,11 @@ def test_a_typed_command_factors_its_small_matrices_with_one_thread(asked):
 
 
 def test_what_an_option_offers_is_what_there_is(tmp_path):
-    assert {item.value for item in identify.Method} == {*METHODS, "all"}
-    assert {item.value for item in export.Format} == set(ENDINGS)
-    offered = options.Manoeuvre.__metadata__[0].help
+    assert set(get_args(identify.Method)) == {*METHODS, "all"}
+    assert set(get_args(export.Format)) == set(ENDINGS)
+    offered = shared.Manoeuvre.__metadata__[0].text
     named = offered.rstrip(".").replace(" or ", ", ").split(", ")
     assert set(named) == set(MANOEUVRES)
-    endings = {f".{item.value}" for item in convert.Format}
+    endings = {f".{item}" for item in get_args(convert.Format)}
     told = inspect.getdoc(write_table)
     assert all(f"``{ending}``" in told for ending in endings)

@@ -8,7 +8,6 @@ import os
 import shlex
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -18,11 +17,10 @@ from commands import said
 from small_campaign import write_campaign
 
 import pmmkit as pk
-from pmmkit.cli import app, commands, main
+from pmmkit.actions import action, jobs
+from pmmkit.cli import app, main
 
-NAMES = sorted(
-    file.stem for file in Path(commands.__path__[0]).glob("*.py") if file.stem != "__init__"
-)
+NAMES = sorted(file.stem for file in Path(jobs.__path__[0]).glob("*.py") if file.stem != "__init__")
 DEMO = "demo"
 """Its example is the command itself, which a test of its own runs."""
 ZIGZAG = """
@@ -37,7 +35,7 @@ switch_deg = 10
 
 
 def example_of(name):
-    return import_module(f"{commands.__name__}.{name}").EXAMPLE
+    return action(name.replace("_", "-")).example
 
 
 def write_zigzags(folder):

@@ -7,8 +7,8 @@ import json
 import pytest
 from small_campaign import write_campaign
 
+from pmmkit.actions.text import stem
 from pmmkit.cli import main
-from pmmkit.cli.options import stem
 from pmmkit.models import load_model, save_model
 
 FAST = ("--speed", "1.179", "--no-figures")

@@ -6,13 +6,13 @@ import itertools
 import math
 
 import pytest
-import typer
 from commands import said
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pmmkit.actions import SettingError
+from pmmkit.actions.speeds import typed, typed_list
 from pmmkit.cli import main
-from pmmkit.cli.speeds import typed, typed_list
 from pmmkit.models import load_model, save_model
 
 KNOT = 1852 / 3600
@@ -47,7 +47,7 @@ def test_any_number_goes_through_every_way(number, way):
 
 @pytest.mark.parametrize("text", ["fast", "8 kg", "8 kn/h", "15,5 kn", "Fn 0.2 kn", "", "kn"])
 def test_what_is_no_speed_is_said_with_what_is(text):
-    with pytest.raises(typer.BadParameter, match=r"'15\.5 kn' or 'Fn 0\.2'"):
+    with pytest.raises(SettingError, match=r"'15\.5 kn' or 'Fn 0\.2'"):
         typed(text)
 
 
@@ -61,7 +61,7 @@ def test_a_unit_that_stands_once_is_that_of_all(text, units):
 
 
 def test_some_speeds_without_a_unit_are_refused():
-    with pytest.raises(typer.BadParameter, match="once for all"):
+    with pytest.raises(SettingError, match="once for all"):
         typed_list("10 kn, 12 kn, 6")
 
 

@@ -62,7 +62,7 @@ def test_rooms_load_heavy_packages_only_when_used(module):
 
 def test_the_command_line_loads_typer_and_nothing_else_heavy():
     modules = loaded_by("from pmmkit.cli.app import application\napplication()")
-    assert {"pmmkit.cli.commands.demo", "pmmkit.cli.commands.trial"} <= modules
+    assert {"pmmkit.actions.jobs.demo", "pmmkit.actions.jobs.trial"} <= modules
     assert set(heavy_among(modules)) <= {"typer", "rich"}
     assert "numpy" not in modules
 

@@ -37,11 +37,10 @@ REGISTRIES: Mapping[str, tuple[Collection[str], Mapping[str, str]]] = {
     "free-running kinds of test": (
         [name for name, kind in TEST_KINDS.own.items() if kind.free_running],
         {
-            "cli/commands/add.py": OF_MANOEUVRES,
-            "cli/commands/estimate.py": OF_MANOEUVRES,
-            "cli/commands/simulate.py": OF_MANOEUVRES,
-            "cli/commands/sweep.py": OF_MANOEUVRES,
-            "cli/commands/uncertainty.py": OF_MANOEUVRES,
+            **{
+                f"actions/jobs/{name}.py": OF_MANOEUVRES
+                for name in ("add", "estimate", "simulate", "sweep", "uncertainty")
+            },
             "effects/waterjet.py": "a parameter of that name",
             "views/figures/__init__.py": "functions of these names",
             "conventions/metrics.py": "manoeuvres by which the IMO judges",

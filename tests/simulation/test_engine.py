@@ -320,10 +320,12 @@ def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_
         brake = fit_to_forces(again, [towed_with_a_brake(0.037)], ["sea_anchor.brake"])
         assert brake.values[0] == pytest.approx(0.037, rel=1e-6)
         assert brake.model.values("sea_anchor") == {"brake": brake.values[0]}
-        from pmmkit.cli.commands.effects import effects
+        from pmmkit.actions.jobs.effects import EffectsSettings, effects
         from scripts.documentation.make_docs import effect_page
 
-        assert any(item["name"] == "sea_anchor" for item in effects().content["effects"])
+        assert any(
+            item["name"] == "sea_anchor" for item in effects(EffectsSettings()).content["effects"]
+        )
         assert "force over ½ρLdu²" in effect_page(catalogue()["sea_anchor"])
     finally:
         sys.modules.pop("pmmkit.effects.sea_anchor", None)

@@ -10,6 +10,7 @@ import zipfile
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from matplotlib.figure import Figure
@@ -17,10 +18,10 @@ from pictures import without_pictures
 
 import pmmkit as pk
 from pmmkit import save_campaign
+from pmmkit.actions.jobs import report as command
 from pmmkit.base import CampaignError, DataError, UnknownNameError
 from pmmkit.campaigns import ReportEntry, campaign_of
 from pmmkit.cli import main
-from pmmkit.cli.commands import report as command
 from pmmkit.exports.campaign_toml import campaign_text
 from pmmkit.presentation import Grid, Group, Section
 from pmmkit.views import captive_document, write_document
@@ -256,8 +257,8 @@ def test_what_is_stated_survives_saving_and_exporting(tmp_path):
 
 
 def test_the_command_names_the_standards_and_formats_that_there_are():
-    assert {item.value for item in command.ReportStandard} == set(STANDARDS)
-    assert {item.value for item in command.ReportFormat} == set(FORMATS)
+    assert set(get_args(command.Standard)) == set(STANDARDS)
+    assert set(get_args(command.Format)) == set(FORMATS)
     with pytest.raises(UnknownNameError, match="ittc"):
         captive_document(None, standard="itcc")
 

@@ -8,6 +8,7 @@ from hidden_effects import hidden_campaign
 from long_work import done
 
 from pmmkit import save_campaign, without_effect
+from pmmkit.actions import action
 from pmmkit.models import load_model, save_model
 from pmmkit.workbench import Desk
 from pmmkit.workbench.application import application
@@ -26,7 +27,7 @@ def place(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def looped_desk(place):
-    own = Desk(place / "workbench", [place])
+    own = Desk(place / "workbench", [place], action)
     yield own
     own.close()
 

@@ -14,6 +14,7 @@ from commands import said
 from long_work import done
 from served import served
 
+from pmmkit.actions import action
 from pmmkit.cli import main
 from pmmkit.models import load_model
 from pmmkit.presentation import Grid, Group, Picture, Section
@@ -48,7 +49,7 @@ def opened(page, looped, looped_desk):
 @pytest.fixture(scope="module")
 def asked_desk(place):
     """Asked what is missing, with nothing added yet."""
-    desk = Desk(place / "asked", [place])
+    desk = Desk(place / "asked", [place], action)
     browser = Browser(application(desk, "key", 8175), 8175, "key")
     done(browser, "open", campaign=str(place / "hidden.h5"), model=str(place / "model.toml"))
     done(browser, "diagnose")

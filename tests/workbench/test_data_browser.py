@@ -8,6 +8,7 @@ from served import served
 from strange_tank import ANSWERS, write_files
 
 from pmmkit import open_campaign
+from pmmkit.actions import action
 from pmmkit.workbench import Desk
 
 pytestmark = pytest.mark.slow
@@ -17,7 +18,7 @@ SIGN = "select[name='sign run001.csv 4']"
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory):
     named = tmp_path_factory.mktemp("named")
-    own = Desk(named / "workbench", [named])
+    own = Desk(named / "workbench", [named], action)
     # What other places look at first is not asked here.
     own.warm = lambda: None
     yield own

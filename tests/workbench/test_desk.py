@@ -12,6 +12,7 @@ from asgi import Browser
 from commands import said
 from long_work import done, waited
 
+from pmmkit.actions import action
 from pmmkit.base import DataError
 from pmmkit.files import datasets_folder
 from pmmkit.models import load_model, standing
@@ -44,7 +45,7 @@ def test_the_error_falls_to_the_noise_as_what_hides_is_clicked_in(looped):
 
 @pytest.mark.slow
 def test_a_structure_is_lent_propeller_and_rudder_and_the_commands_say_so(place, tmp_path):
-    desk = Desk(tmp_path / "lent", [place])
+    desk = Desk(tmp_path / "lent", [place], action)
     tests = str(place / "hidden.h5")
     try:
         desk.open(WorkbenchState(campaign=tests, model="cubic", parts="s175-3dof"))
@@ -107,7 +108,7 @@ def test_another_page_that_saw_an_older_state_changes_nothing(looped, browser):
 
 @pytest.mark.slow
 def test_what_was_done_is_found_again_after_the_server_ended(looped, desk, place):
-    again = Desk(desk.folder, [place])
+    again = Desk(desk.folder, [place], action)
     try:
         assert again.state == desk.state
         assert again.fall() == desk.fall()
@@ -175,12 +176,12 @@ def test_modules_of_the_page_are_in_the_file_in_the_order_of_their_needs():
 def test_a_damaged_state_is_said_with_what_to_do(tmp_path, text):
     (tmp_path / STATE).write_text(text, "utf-8")
     with pytest.raises(DataError, match="begin anew"):
-        Desk(tmp_path, [tmp_path])
+        Desk(tmp_path, [tmp_path], action)
 
 
 @pytest.mark.slow
 def test_a_folder_without_tests_is_said_in_place(tmp_path):
-    own = Desk(tmp_path / "workbench", [tmp_path])
+    own = Desk(tmp_path / "workbench", [tmp_path], action)
     browser = Browser(application(own, "key", 8175), 8175, "key")
     try:
         browser.post("/api/open", {"campaign": str(tmp_path)})
@@ -207,7 +208,7 @@ def test_a_campaign_file_is_drafted_as_the_command_does_it(tmp_path, capsys):
         (tmp_path / name).mkdir()
         head = "t [s],X [N],Y [N],N [Nm]"
         np.savetxt(tmp_path / name / "run.csv", table, delimiter=",", header=head, comments="")
-    own = Desk(tmp_path / "workbench", [tmp_path / "alpha"])
+    own = Desk(tmp_path / "workbench", [tmp_path / "alpha"], action)
     browser = Browser(application(own, "key", 8175), 8175, "key")
     try:
         asked = {"folder": str(tmp_path / "alpha")}

@@ -10,7 +10,8 @@ from asgi import Browser, ask
 from strange_tank import ANSWERS, write_files
 
 from pmmkit import open_campaign
-from pmmkit.cli.commands.new_campaign import new_campaign
+from pmmkit.actions import action
+from pmmkit.actions.jobs.new_campaign import NewCampaignSettings, new_campaign
 from pmmkit.workbench import Desk, incoming
 from pmmkit.workbench.application import application
 
@@ -25,7 +26,7 @@ def strange(tmp_path_factory):
 
 @pytest.fixture
 def desk(tmp_path, strange):
-    own = Desk(tmp_path / "workbench", [strange.parent, tmp_path])
+    own = Desk(tmp_path / "workbench", [strange.parent, tmp_path], action)
     yield own
     own.close()
 
@@ -77,7 +78,7 @@ def test_dropped_files_lie_together_and_become_a_campaign_that_opens(browser, de
 
 
 def test_the_file_is_that_of_the_command(browser, strange, tmp_path):
-    new_campaign(strange, out=tmp_path / "campaign.toml")
+    new_campaign(NewCampaignSettings(folder=strange, out=tmp_path / "campaign.toml"))
     drafted = (tmp_path / "campaign.toml").read_text("utf-8")
     page = look(browser, strange)
     told = [line for line in page["text"].splitlines() if not line.startswith("file = ")]

@@ -10,6 +10,7 @@ from commands import said
 from long_work import done
 
 from pmmkit import own_effect
+from pmmkit.actions import action
 from pmmkit.base import DataError
 from pmmkit.files import datasets_folder
 from pmmkit.models import load_model, save_model
@@ -23,7 +24,7 @@ TERMS = "Y: v*v*r + v*r*r; N: v*v*r + v*r*r; Yvvr ~ 0.02; Yvrr ~ -0.04; Nvvr ~ -
 
 @pytest.fixture(scope="module")
 def desk(place):
-    own = Desk(place / "own", [place])
+    own = Desk(place / "own", [place], action)
     yield own
     own.close()
 
@@ -78,7 +79,7 @@ def test_a_damaged_file_of_own_effects_is_said_beside_them(tmp_path):
         tmp_path, WorkbenchState(campaign=str(datasets_folder() / "s175"), model="s175-3dof")
     )
     (tmp_path / OWN).write_text("[[effects]]\nname = ", encoding="utf-8")
-    desk = Desk(tmp_path, [tmp_path])
+    desk = Desk(tmp_path, [tmp_path], action)
     try:
         page = desk.page()
         assert page["own"] == []

@@ -9,6 +9,7 @@ from contextlib import closing
 import pytest
 from asgi import Browser, ask
 
+from pmmkit.actions import action
 from pmmkit.base import DataError
 from pmmkit.workbench import Desk
 from pmmkit.workbench.application import application, listening
@@ -23,7 +24,7 @@ LENGTH = (b"content-length", b"2")
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory):
     named = tmp_path_factory.mktemp("named")
-    own = Desk(tmp_path_factory.mktemp("state") / "workbench", [named])
+    own = Desk(tmp_path_factory.mktemp("state") / "workbench", [named], action)
     yield own
     own.close()
 

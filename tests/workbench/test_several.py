@@ -11,6 +11,7 @@ from hidden_effects import hidden_campaign
 from long_work import done
 
 from pmmkit import save_campaign
+from pmmkit.actions import action
 from pmmkit.models import load_model
 from pmmkit.workbench import Desk
 from pmmkit.workbench.application import answers, application
@@ -29,7 +30,7 @@ def folder(place):
 
 @pytest.fixture(scope="module")
 def desk(folder):
-    own = Desk(folder / "several", [folder])
+    own = Desk(folder / "several", [folder], action)
     yield own
     own.close()
 
@@ -156,7 +157,7 @@ def test_what_cannot_be_put_beside_is_said(campaign, why, looped, browser, folde
 
 
 def test_a_campaign_that_is_taken_off_leaves_the_other(folder):
-    desk = Desk(folder / "left", [folder])
+    desk = Desk(folder / "left", [folder], action)
     browser = Browser(application(desk, "key", 8176), 8176, "key")
     both = {"campaign": str(folder / "hidden.h5"), "also": [str(folder / "north.h5")]}
     try:

@@ -10,6 +10,7 @@ from long_work import done, waited
 from small_campaign import write_campaign
 
 from pmmkit import open_campaign
+from pmmkit.actions import action
 from pmmkit.models import load_model
 from pmmkit.reduction import prepare
 from pmmkit.workbench import Desk
@@ -32,7 +33,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def desk(folder):
-    own = Desk(folder.parent / "workbench", [folder])
+    own = Desk(folder.parent / "workbench", [folder], action)
     # What other places look at first is not asked here.
     own.warm = lambda: None
     yield own

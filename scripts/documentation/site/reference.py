@@ -10,7 +10,7 @@ from itertools import groupby
 import typer
 
 import pmmkit
-from pmmkit.cli.app import application
+from pmmkit.cli.app import Command, application
 from pmmkit.conventions import bibliography
 from pmmkit.conventions.sources import Known, Reference
 from pmmkit.presentation.vocabulary import vocabulary
@@ -73,27 +73,21 @@ def command_pages() -> dict[str, str]:
     return {"options.md": f"{head}{listed}\n\n{toctree(pages)}", **pages}
 
 
-def first(command: typer.core.TyperCommand) -> str:
+def first(command: Command) -> str:
     """The first line of what a command says of itself."""
     return (command.help or "").partition("\n")[0]
 
 
-def command_page(name: str, command: typer.core.TyperCommand) -> str:
+def command_page(name: str, command: Command) -> str:
     """What a command says of itself, its arguments and options."""
     context = command.make_context(f"pmmkit {name}", [], resilient_parsing=True)
     usage = command.get_usage(context).partition(": ")[2]
     example = (command.epilog or "").partition(": ")[2]
     parts = [f"# pmmkit {name}", plain(command.help or ""), f"    {usage}"]
     parts += [f"For example\n\n    {example}"]
-    for kind, title in (("argument", "Arguments"), ("option", "Options")):
-        records = [
-            record
-            for item in command.get_params(context)
-            if item.param_type_name == kind and (record := item.get_help_record(context))
-        ]
-        if records:
-            rows = [(f"`{left}`", plain(right)) for left, right in records]
-            parts += [f"## {title}", table(("", ""), rows)]
+    for title, records in command.sections(context).items():
+        rows = [(f"`{left}`", plain(right)) for left, right in records]
+        parts += [f"## {title}", table(("", ""), rows)]
     return "\n\n".join(parts) + "\n"
 
 

@@ -50,6 +50,8 @@ const app = {
   turns: () => app.once("turns", () => get("turns")),
   trials: () => app.once("trials", () => get("trials")),
   range: () => app.once("range", () => get("range")),
+  // What an action is asked, by name: what its command line and its help are made of.
+  settings: (of) => app.once(`settings ${of}`, async () => Object.fromEntries((await get("settings", { of })).map((item) => [item.name, item]))),
   checks: () => app.once(`checks ${app.of}`, () => get("checks", app.mine())),
   runs: (first) => app.once(`runs ${app.of} ${first}`, () => get("runs", { first, ...app.mine() })),
   derivatives: () => app.once(`derivatives ${app.of}`, () => get("derivatives", app.mine())),

@@ -16,11 +16,12 @@ export async function showShip(root, app, shown) {
     refill(root, panel);
     return turnPanel(panel, app);
   }
-  const [range, trials] = await Promise.all([app.range(), app.trials()]);
+  const [range, trials, settings] = await Promise.all([app.range(), app.trials(), app.settings("simulate")]);
   shown();
   const speeds = range.speeds;
+  const angle = settings.switch_deg.usual;
   const tested = Math.abs(trials.zigzag?.[0]?.rudder ?? 0);
-  const asked = app.sailing ?? { manoeuvre: "turning", rudder_deg: 35, zigzag_deg: tested ? Math.min(Math.max(Math.round(tested), 5), 30) : 10, speed: speeds[Math.floor(speeds.length / 2)], wind_speed: 0, wind_direction_deg: 0, depth: null };
+  const asked = app.sailing ?? { manoeuvre: "turning", rudder_deg: settings.rudder_deg.usual[1], zigzag_deg: tested ? Math.min(Math.max(Math.round(tested), angle[0]), angle[1]) : 10, speed: speeds[Math.floor(speeds.length / 2)], wind_speed: settings.wind_speed.default, wind_direction_deg: settings.wind_direction_deg.default, depth: settings.depth.default };
   app.sailing = asked;
   const picture = el("section", { class: "panel", "aria-live": "polite", "aria-label": t("track") });
   const controls = el("section", { class: "panel", "aria-label": t("settings") });
@@ -42,12 +43,12 @@ export async function showShip(root, app, shown) {
     refill(controls,
       el("div", { class: "segments", role: "group", "aria-label": t("manoeuvre") }, MANOEUVRES.map((name) =>
         el("button", { "aria-pressed": asked.manoeuvre === name ? "true" : "false", on: { click: () => { asked.manoeuvre = name; panel(); sail(true); } } }, t(name)))),
-      asked.manoeuvre === "turning" ? slider(asked, "rudder_deg", t("rudder"), -35, 35, 1, "°", sail) : null,
-      asked.manoeuvre === "zigzag" ? slider(asked, "zigzag_deg", t("zigzag_angle"), 5, 30, 1, "°", sail) : null,
-      slider(asked, "speed", t("approach_speed"), low, high > low ? high : low + 0.01, (high - low) / 100 || 0.01, " m/s", sail),
-      range.windy && asked.manoeuvre !== "spiral" ? slider(asked, "wind_speed", t("wind_speed"), 0, 30, 0.5, " m/s", sail) : null,
-      range.windy && asked.manoeuvre !== "spiral" ? slider(asked, "wind_direction_deg", t("wind_direction"), 0, 355, 5, "°", sail) : null,
-      range.shallow && asked.manoeuvre !== "spiral" ? slider(asked, "depth", t("depth"), 1.1 * range.draught, 10 * range.draught, 0.05 * range.draught, " m", sail) : null,
+      asked.manoeuvre === "turning" ? slider(asked, "rudder_deg", t("rudder"), settings.rudder_deg, sail) : null,
+      asked.manoeuvre === "zigzag" ? slider(asked, "zigzag_deg", t("zigzag_angle"), settings.switch_deg, sail) : null,
+      slider(asked, "speed", t("approach_speed"), { ...settings.speed, usual: [low, high > low ? high : low + 0.01, (high - low) / 100 || 0.01] }, sail),
+      range.windy && asked.manoeuvre !== "spiral" ? slider(asked, "wind_speed", t("wind_speed"), settings.wind_speed, sail) : null,
+      range.windy && asked.manoeuvre !== "spiral" ? slider(asked, "wind_direction_deg", t("wind_direction"), settings.wind_direction_deg, sail) : null,
+      range.shallow && asked.manoeuvre !== "spiral" ? slider(asked, "depth", t("depth"), { ...settings.depth, usual: [1.1, 10, 0.05].map((x) => x * range.draught) }, sail) : null,
       range.windy ? null : el("p", { class: "soft small" }, t("no_wind")),
       range.shallow ? null : el("p", { class: "soft small" }, t("no_depth")),
       el("p", { class: "soft small" }, range.scale));
@@ -69,7 +70,10 @@ function request(asked, band) {
   return { ...own, band };
 }
 
-function slider(asked, name, label, min, max, step, unit, sail) {
+// A slider of a setting: what it offers, its unit and what is told of it are those of the action.
+function slider(asked, name, label, setting, sail) {
+  const [min, max, step] = setting.usual;
+  const unit = setting.unit === "°" ? "°" : ` ${setting.unit}`;
   const shown = el("output", {}, `${num(asked[name] ?? max)}${unit}`);
   const input = el("input", {
     type: "range", min, max, step, value: asked[name] ?? max, "aria-label": label,
@@ -83,7 +87,7 @@ function slider(asked, name, label, min, max, step, unit, sail) {
       change: () => sail(true),
     },
   });
-  return el("label", { class: "slider" }, el("span", {}, label), shown, input);
+  return el("label", { class: "slider", title: setting.help }, el("span", {}, label), shown, input);
 }
 
 // The record that was steered most like it.

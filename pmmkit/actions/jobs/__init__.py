@@ -1,0 +1,1 @@
+"""Jobs, a file each: its settings and what it does. Command of the same name."""

@@ -1,0 +1,252 @@
+"""Name the effect, or the fault of the measurement, that the model lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import count
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from pmmkit.actions.jobs.add import AddSettings
+from pmmkit.actions.jobs.plan import PlanSettings
+from pmmkit.actions.jobs.reduce import ReduceSettings
+from pmmkit.actions.outcome import Outcome, marked, say, warned, written
+from pmmkit.actions.places import results_folder
+from pmmkit.actions.records import RecordSettings, errors_table
+from pmmkit.actions.setting import as_typed, setting, settings, settings_from, stated
+from pmmkit.actions.shared import (
+    Data,
+    DrawFigures,
+    ExecutionSettings,
+    Force,
+    Given,
+    NoiseSettings,
+    Out,
+    Own,
+)
+from pmmkit.actions.sound import sound_campaign
+from pmmkit.actions.text import present, stem, words
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns import Campaign as Tests
+    from pmmkit.diagnosis import Diagnosis
+    from pmmkit.intake import CheckFinding
+
+EXAMPLE: Final = "pmmkit diagnose cubic my-campaign"
+
+
+@settings
+class DiagnoseSettings:
+    """What is asked."""
+
+    model: str = setting("Model file, library ship, or a structure such as cubic.", argument=True)
+    campaigns: tuple[Path, ...] = setting(
+        "Folder with campaign.toml, such a file, .h5, or its URL; several, captive and "
+        "free running, vote together.",
+        argument=True,
+        metavar="CAMPAIGN",
+    )
+    uncertainty: NoiseSettings = NoiseSettings()
+    given: Given = ()
+    own: Own = None
+    candidates: str | None = setting(
+        "Effects and faults that free-running records are asked for, such as "
+        "asymmetry,rudder_stall; the whole catalogue if absent.",
+        default=None,
+    )
+    records: RecordSettings = RecordSettings()
+    figures: DrawFigures = True
+    data: Data = None
+    execution: ExecutionSettings = ExecutionSettings()
+    out: Out = None
+    force: Force = False
+
+
+def diagnose(job: DiagnoseSettings) -> Outcome:
+    """Do what is asked."""
+    from pmmkit.base import DataError
+
+    asked = job.records
+    names = None if job.candidates is None else words(job.candidates)
+    executor = job.execution.executor
+    campaign = job.campaigns[0]
+    known = words(job.given)
+    name = "-".join(map(stem, job.campaigns))
+    folder = results_folder(job.out, f"{name}-diagnosed", read=[job.model], force=job.force)
+    if len(job.campaigns) > 1:
+        if known or job.own is not None or {"test_runs", "window"} & set(stated(asked)) or executor:
+            raise DataError(
+                "--given, --own, --test-runs, --window, --workers and --scheduler belong to the "
+                "diagnosis of one campaign."
+            )
+        from pmmkit.actions.together import together_outcome
+
+        return together_outcome(
+            job.model,
+            job.campaigns,
+            folder,
+            data=job.data,
+            captive=vars(job.uncertainty),
+            free=asked.together(names),
+            drawn=job.figures,
+        )
+    opened, checked = sound_campaign(campaign, job.data, executor)
+    if opened.kind == "free-running":
+        if known or job.uncertainty.noise is not None or job.own is not None:
+            raise DataError(
+                "--given, --noise and --own belong to captive tests; these runs run free."
+            )
+        answer = _of_records(job, opened, checked, names)
+    elif names is not None or stated(asked):
+        raise DataError("Options of free-running records are of no use for captive tests.")
+    else:
+        answer = _of_captive_tests(job, opened, checked, known)
+    found = answer.found
+    content = {
+        **found.to_dict(),
+        "campaign": opened.title,
+        **answer.content,
+        "checks": [item.to_dict() for item in checked],
+    }
+    results = [("diagnosis.json", content), ("effects.csv", found.to_pandas()), *answer.files]
+    lines = [*answer.head, *warned(checked), str(found), "", *answer.tail]
+    done = written(folder, results, content, lines).then(*_next(job, found, known))
+    return marked(done, job.model)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Answer:
+    """A diagnosis with what is said of it, and written, beside it."""
+
+    found: Diagnosis
+    content: Mapping[str, Any]
+    files: Sequence[tuple[str, Any]]
+    head: Sequence[str]
+    tail: Sequence[str] = ()
+
+
+def _of_captive_tests(
+    job: DiagnoseSettings, campaign: Tests, checked: Sequence[CheckFinding], given: Sequence[str]
+) -> _Answer:
+    from pmmkit.diagnosis import begin
+    from pmmkit.effects import own_effects
+    from pmmkit.views import loop_of, write_diagnosis
+
+    session = begin(
+        job.model,
+        campaign,
+        **vars(job.uncertainty),
+        own=own_effects(job.own) if job.own else (),
+        executor=job.execution.executor,
+    )
+    for effect in given:
+        session = session.add(effect, "known to be there")
+    loop = loop_of(session, job.model)
+    count = len(campaign.runs)
+    page = partial(write_diagnosis, loop, title=campaign.title, runs=count, findings=checked)
+    return _Answer(
+        found=loop.diagnosis,
+        content={"model": job.model},
+        files=[
+            ("error_fall.csv", loop.fall.to_pandas()),
+            *([("report.html", page)] if job.figures else []),
+        ],
+        head=[f"{campaign.title}: {count} runs against {job.model}"],
+    )
+
+
+def _of_records(
+    job: DiagnoseSettings,
+    campaign: Tests,
+    checked: Sequence[CheckFinding],
+    names: Sequence[str] | None,
+) -> _Answer:
+    from pmmkit.diagnosis import begin
+    from pmmkit.models import load_model
+    from pmmkit.views import write_free_diagnosis
+
+    model = load_model(job.model)
+    used, kept = job.records.chosen(campaign, model)
+    session = begin(
+        model,
+        used.records,
+        candidates=names,
+        progress=say,
+        executor=job.execution.executor,
+        **present(floor=job.uncertainty.floor),
+        **job.records.settings(kept),
+    )
+    found = session.diagnose()
+    page = partial(write_free_diagnosis, found, session, title=campaign.title, findings=checked)
+    errors = {name: dict(row) for name, row in found.errors.items()}
+    return _Answer(
+        found=found,
+        content={
+            "model": model.name,
+            "errors": errors,
+            "used": used.content(),
+            "held_out": kept.content() if kept else None,
+        },
+        files=[
+            *_record_files(found, job.figures),
+            *([("report.html", page)] if job.figures else []),
+        ],
+        head=[
+            f"{campaign.title}: {len(used.records)} records against {model.name}",
+            *used.words("Used"),
+            *(kept.words("Held out") if kept else []),
+        ],
+        tail=[
+            "Root mean square errors over windows with the measured rudder:",
+            errors_table(errors),
+            "",
+        ],
+    )
+
+
+def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
+    from pmmkit.models import save_model
+    from pmmkit.plotting import save
+
+    for name, made in (("model", found.model), ("model_refitted", found.refitted)):
+        if made is not None:
+            yield f"{name}.toml", partial(save_model, made)
+    if drawn:
+        yield "evidence.svg", partial(save, found.plot())
+        yield "coverage.svg", partial(save, found.plot_coverage())
+
+
+def _next(job: DiagnoseSettings, found: Diagnosis, given: Sequence[str]) -> list[str]:
+    """The command that puts the findings into the model, or plans the run that decides."""
+    from pmmkit.conventions import STRUCTURES
+    from pmmkit.files import MODEL, first_free, free_folder
+
+    campaign = job.campaigns[0]
+    advice = f"pmmkit plan {as_typed(PlanSettings(model=job.model, campaign=campaign))}"
+    if not found.findings:
+        return [f"Next: {advice}"] if found.suspected else []
+    told_apart = [f"Or, to tell the rivals apart: {advice}"] if len(found.group) > 1 else []
+    better = AddSettings(
+        model=job.model,
+        effects=(*given, *(item.effect for item in found.proposed)),
+        fit=(campaign,),
+        data=job.data,
+        records=job.records,
+        uncertainty=job.uncertainty,
+        own=job.own,
+        target=first_free(Path(f"model{number}.toml") for number in count(2)),
+    )
+    if job.model not in STRUCTURES:
+        return [f"Next: pmmkit add {as_typed(better)}", *told_apart]
+    folder = free_folder(Path(f"{stem(campaign)}-reduced"))
+    base = ReduceSettings(
+        campaign=campaign, structure=job.model, fn="pooled", data=job.data, out=folder
+    )
+    fitted = settings_from(AddSettings, {**stated(better), "model": str(folder / MODEL.file)})
+    return [
+        f"Next: pmmkit reduce {as_typed(base)}",
+        f"      pmmkit add {as_typed(fitted)}",
+        *told_apart,
+    ]

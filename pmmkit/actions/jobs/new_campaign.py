@@ -1,0 +1,89 @@
+"""Draft a campaign.toml from the files of a folder, for a person to check and complete."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from pmmkit.actions.outcome import Outcome
+from pmmkit.actions.setting import setting, settings
+from pmmkit.presentation import quoted
+
+if TYPE_CHECKING:
+    from pmmkit.intake import Draft
+
+
+EXAMPLE: Final = "pmmkit new-campaign my-files --ship s175"
+
+
+@settings
+class NewCampaignSettings:
+    """What is asked."""
+
+    folder: Path = setting("Folder with the files of the tests, or a file.", argument=True)
+    out: Path | None = setting(
+        "Campaign file; campaign.toml in the folder if absent.", default=None
+    )
+    ship: str | None = setting("Ship of the library (pmmkit ships), at its scale.", default=None)
+    sheet: str | None = setting("The only sheet of the workbook that is meant.", default=None)
+    force: bool = setting("Replace a file that is there.", default=False)
+
+
+def new_campaign(job: NewCampaignSettings) -> Outcome:
+    """Do what is asked."""
+    from pmmkit.base import FileExists
+    from pmmkit.campaigns import FILE_NAME
+    from pmmkit.files import write_text
+    from pmmkit.intake import draft_of, proposed, written
+
+    beside = job.folder if job.folder.is_dir() or not job.folder.exists() else job.folder.parent
+    target = beside / FILE_NAME if job.out is None else job.out
+    if target.is_dir():
+        target = target / FILE_NAME
+    if target.exists() and not job.force:
+        raise FileExists(f"{target} is there: it was not replaced. Name another --out, or --force.")
+    draft = proposed(draft_of(job.folder, target, ship=job.ship, sheet=job.sheet), target)
+    text = written(draft)
+    try:
+        write_text(target, text.text)
+    except OSError as error:
+        raise FileExists(
+            f"{target} cannot be written: {error.strerror}. Choose another place with --out."
+        ) from error
+    saved = sum(len(campaign) for _, campaign in draft.saved)
+    count = saved + len(draft.runs) + len(draft.tables)
+    lines = [f"{target}: {_counted(draft)}; {text.complete} of {count} entries need nothing more."]
+    if draft.look.passed_over:
+        lines.append(f"{draft.look.passed_over} more files were not looked at.")
+    lines += ["", "For you to say or to check (TODO in the file):"]
+    lines += [f"  {number}. {item}" for number, item in enumerate(text.todo, start=1)]
+    command = f"pmmkit check {quoted(target.parent if target.name == FILE_NAME else target)}"
+    lines += ["", f"Next: {command}"]
+    content = {
+        "file": str(target),
+        "kind": draft.kind,
+        "runs": [
+            {
+                "id": run.id,
+                "file": run.file,
+                "test": run.test,
+                "settings": {item.key: item.value for item in run.settings if item.active},
+            }
+            for run in draft.runs
+        ],
+        "tables": [
+            {"id": entry.id, "file": entry.file, "test": entry.test} for entry in draft.tables
+        ],
+        "saved": {file: len(campaign) for file, campaign in draft.saved},
+        "complete": text.complete,
+        "todo": list(text.todo),
+        "next": command,
+    }
+    return Outcome(content=content, lines=lines)
+
+
+def _counted(draft: Draft) -> str:
+    parts = [f"{len(draft.runs)} histories"] if draft.runs else []
+    parts += [f"{len(draft.tables)} tables"] if draft.tables else []
+    parts += [f"{len(campaign)} runs of {file}" for file, campaign in draft.saved]
+    return f"a {draft.kind} campaign of {', '.join(parts)}"

@@ -1,0 +1,288 @@
+"""Motions of a ship in waves, responses in a sea, and added resistance by several methods."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
+
+from pmmkit.actions.motion_records import MotionRecordSettings, beside_records, read_records
+from pmmkit.actions.outcome import Outcome, written
+from pmmkit.actions.places import results_folder
+from pmmkit.actions.setting import SettingError, setting, settings, stated
+from pmmkit.actions.shared import DrawFigures, Out
+from pmmkit.actions.ship_in_waves import (
+    damped,
+    state_of_code,
+    typed_hull,
+    typed_place,
+    typed_speeds,
+)
+from pmmkit.actions.text import numbers, stem
+
+if TYPE_CHECKING:
+    from pmmkit.models import Part
+    from pmmkit.seakeeping import AddedResistance, Operability, Rao, Response, Sea
+
+_FINE: Final = 120
+"""Frequencies beside records, between which motions lie on straight lines."""
+EXAMPLE: Final = (
+    "pmmkit seakeeping tanker-320 --speeds '15.5 kn' --headings 180,135 --hs 4 --tp 9.7"
+)
+
+
+@settings
+class LoadingSettings:
+    """Hull and loading."""
+
+    draught: float | None = setting("Draught of a hull from a file [m].", default=None)
+    length: float | None = setting("Length between perpendiculars of a CSV [m].", default=None)
+    gm: float | None = setting("Metacentric height [m].", default=None)
+    gyration: str | None = setting("Radii of gyration roll,pitch,yaw [m].", default=None)
+    roll_damping: float | None = setting(
+        "Over critical, beside that of waves; 0.05 if absent.", default=None
+    )
+    bilge_keels: str | None = setting(
+        "Breadth,length of a bilge keel [m], 0,0 for none: roll damping by Ikeda's "
+        "formulas, in the sea and at the one speed that are given.",
+        default=None,
+    )
+
+
+@settings
+class SeaSettings:
+    """The sea."""
+
+    spectrum: str = setting(
+        "bretschneider, ittc, jonswap or pierson_moskowitz.", default="bretschneider"
+    )
+    hs: float | None = setting("Significant wave height [m].", default=None)
+    tp: float | None = setting("Peak period [s].", default=None)
+    t1: float | None = setting("Mean period [s], in place of --tp.", default=None)
+    gamma: float | None = setting("Peakedness of a jonswap; 3.3 if absent.", default=None)
+    spreading: int | None = setting(
+        "Power of the cosine by which the sea is spread, 2 or 4; long-crested if absent. "
+        "It needs headings from 0 to 180.",
+        default=None,
+    )
+    sea_state: int | None = setting(
+        "State of the sea by WMO, 2 to 8, in place of --hs and --tp.", default=None
+    )
+
+    @property
+    def sea(self) -> Sea | None:
+        """The sea; None in a calm."""
+        from pmmkit.seakeeping import sea
+
+        if self.sea_state is not None:
+            if {"hs", "tp", "t1"} & set(stated(self)):
+                raise SettingError("--sea-state stands in place of --hs, --tp and --t1.")
+            return replace(state_of_code(self.sea_state).sea, spreading=self.spreading)
+        if self.hs is not None:
+            return sea(
+                self.spectrum,
+                Hs=self.hs,
+                Tp=self.tp,
+                T1=self.t1,
+                gamma=self.gamma,
+                spreading=self.spreading,
+            )
+        if {"tp", "t1", "gamma", "spreading"} & set(stated(self)):
+            raise SettingError("--hs is needed beside a period, --gamma and --spreading.")
+        return None
+
+
+@settings
+class SeakeepingSettings:
+    """What is asked."""
+
+    ship: str = setting(
+        "Offsets (.csv with x,y,z or x,breadth,draught,area; .mgf of ShipX), particulars "
+        "(.toml), tanker-320, or a library ship; sections of the last three are assumed.",
+        argument=True,
+    )
+    speeds: str = setting("Speeds such as '10,15.5 kn', '8' [m/s] or 'Fn 0.2'.", default="0")
+    headings: str = setting("Headings in degrees: 180 is head sea, 0 following.", default="180")
+    hull: LoadingSettings = LoadingSettings()
+    omega: str | None = setting(
+        "Frequencies of the waves [rad/s]; if absent 40 from 5 L on, 120 with --record.",
+        default=None,
+    )
+    waves: SeaSettings = SeaSettings()
+    place: tuple[str, ...] = setting(
+        "A place: name,x[,freeboard[,draught]], m forward of midship; may be repeated.", default=()
+    )
+    hours: float = setting("Exposure and duration of extremes [h].", default=3.0)
+    records: MotionRecordSettings = MotionRecordSettings()
+    figures: DrawFigures = True
+    out: Out = None
+
+
+def seakeeping(job: SeakeepingSettings) -> Outcome:
+    """Do what is asked."""
+    from pmmkit.seakeeping import (
+        added_resistance,
+        frequencies,
+        loading_of,
+        operability,
+        rao,
+        response,
+    )
+
+    folder = results_folder(job.out, f"{stem(job.ship)}-seakeeping")
+    hull = typed_hull(job.ship, job.hull.draught, job.hull.length)
+    radii = numbers(job.hull.gyration) or ()
+    if len(radii) not in (0, 3):
+        raise SettingError(f"--gyration {job.hull.gyration!r}: write roll,pitch,yaw in m.")
+    given = dict(zip(("kxx", "kyy", "kzz"), radii, strict=False))
+    loading = loading_of(hull, GM=job.hull.gm, roll_damping=job.hull.roll_damping, **given)
+    waves = job.waves.sea
+    courses = numbers(job.headings) or ()
+    places = [typed_place(text) for text in job.place]
+    paces = typed_speeds(job.speeds, hull.L)
+    damping = None
+    if job.hull.bilge_keels is not None:
+        if job.hull.roll_damping is not None or job.records.record:
+            raise SettingError(
+                "--bilge-keels finds the damping: leave --roll-damping and --record out."
+            )
+        damping = damped(job.hull.bilge_keels, hull, loading, paces, waves)
+        linear, quadratic = damping.roll_damping, damping.roll_quadratic
+        loading = loading_of(
+            hull, GM=job.hull.gm, roll_damping=linear, roll_quadratic=quadratic, **given
+        )
+    if job.records.record and (len(paces), len(courses)) != (1, 1):
+        raise SettingError("Beside --record state one speed and one heading.")
+    read = read_records(job.records)
+    found = rao(
+        hull,
+        speeds=paces,
+        headings_deg=courses,
+        omega=numbers(job.omega)
+        or frequencies(hull.L, waves, count=_FINE if job.records.record else 40),
+        loading=loading,
+        waves=waves if loading.roll_quadratic else None,
+    )
+    added = added_resistance(found)
+    answers = [
+        response(found, waves, speed=speed, heading_deg=heading, places=places, hours=job.hours)
+        for speed in (found.speed.tolist() if waves else ())
+        for heading in courses
+        if waves
+    ]
+    around = {0.0, 180.0} <= {round(heading, 6) for heading in courses}
+    sailed = operability(found, waves, places=places) if waves and around else None
+    measured = beside_records(read, found) if read else None
+    results = (
+        *_files(found, added, answers, waves, figures=job.figures),
+        *(_operability(sailed, figures=job.figures) if sailed else ()),
+        *(measured.files(figures=job.figures) if measured else ()),
+    )
+    if job.figures:
+        from pmmkit.views import write_seakeeping
+
+        page = partial(
+            write_seakeeping,
+            found,
+            added=added,
+            responses=answers,
+            operability=sailed,
+            more=[item for item in (damping, *(measured.told if measured else ())) if item],
+            figures={"Records beside the computed motions.": measured.plot()} if measured else {},
+        )
+        results = (*results, ("report.html", page))
+    lines = [str(found), "", *([str(damping), ""] if damping else []), str(added)]
+    for answer in answers:
+        lines += ["", str(answer)]
+    lines += ["", str(sailed)] if sailed else []
+    lines += measured.lines if measured else []
+    lines += _means(answers, added)
+    content = {
+        "ship": found.name,
+        "notes": list(found.notes),
+        "responses": [row for answer in answers for row in answer.rows()],
+        "mean_added_resistance": _resistances(answers, added),
+        "operable_share": sailed.share if sailed else None,
+        "records": measured.content() if measured else None,
+    }
+    told = [f"Report:  {folder / 'report.html'}"] if job.figures else []
+    return written(folder, results, content, lines).then(*told)
+
+
+def _resistances(answers: list[Response], added: AddedResistance) -> list[dict[str, Any]]:
+    return [
+        {
+            "speed": answer.speed,
+            "heading_deg": answer.heading_deg,
+            **added.mean(answer.sea, speed=answer.speed, heading_deg=answer.heading_deg),
+        }
+        for answer in answers
+    ]
+
+
+def _means(answers: list[Response], added: AddedResistance) -> list[str]:
+    lines = ["", "Mean added resistance in the sea [kN]:"] if answers else []
+    for row in _resistances(answers, added):
+        told = ", ".join(
+            f"{name} {value / 1e3:.0f}" if value == value else f"{name} -"
+            for name, value in row.items()
+            if name not in ("speed", "heading_deg")
+        )
+        lines.append(f"  {row['speed']:.2f} m/s, {row['heading_deg']:.0f}°: {told}")
+    return [*lines, ""]
+
+
+def _drift(part: Part) -> str:
+    """The lines by which a model file takes the mean drift of a sea."""
+    lines = [
+        "# Mean drift of a sea, for a model. from_deg: where the waves come from, from the heading",
+        "# of the approach, to starboard.",
+        f"[effects.{part.effect}]",
+        'source = "strip theory: pmmkit seakeeping"',
+        f"[effects.{part.effect}.options]",
+        *(f'{name} = "{word}"' for name, word in part.options.items()),
+        f"[effects.{part.effect}.values]",
+    ]
+    across = part.values["angle_deg"]
+    width = len(across) if isinstance(across, tuple) else 0
+    for name, value in part.values.items():
+        if isinstance(value, tuple):
+            rows = [value[i : i + width] for i in range(0, len(value), width)]
+            told = ",\n  ".join(", ".join(f"{x:.6g}" for x in row) for row in rows)
+            told = f"[{told}]" if len(rows) == 1 else f"[\n  {told},\n]"
+        else:
+            told = repr(float(value))
+        lines.append(f"{name} = {told}")
+    return "\n".join(lines) + "\n"
+
+
+def _operability(sailed: Operability, *, figures: bool) -> Iterator[tuple[str, Any]]:
+    from pmmkit.plotting import save
+
+    yield "operability.csv", sailed.to_pandas()
+    if figures:
+        yield "operability.svg", partial(save, sailed.plot())
+
+
+def _files(
+    found: Rao, added: AddedResistance, answers: list[Response], waves: Sea | None, *, figures: bool
+) -> Iterator[tuple[str, Any]]:
+    import pandas as pd
+
+    from pmmkit.plotting import save
+    from pmmkit.seakeeping import drift_part
+
+    yield "rao.csv", found.to_pandas()
+    yield "rao.nc", partial(found.to_xarray().to_netcdf, engine="h5netcdf")
+    yield "added_resistance.csv", added.to_pandas()
+    if waves is not None:
+        yield "responses.csv", pd.DataFrame([row for one in answers for row in one.rows()])
+        yield "mean_added_resistance.csv", pd.DataFrame(_resistances(answers, added))
+        if waves.spreading is None and {0.0, 180.0} <= {
+            round(answer.heading_deg, 6) for answer in answers
+        }:
+            yield "drift.toml", _drift(drift_part(found, waves))
+    if figures:
+        yield "rao.svg", partial(save, found.plot())
+        yield "added_resistance.svg", partial(save, added.plot())

@@ -1,0 +1,131 @@
+"""Simulate a manoeuvre: track, metrics and figures."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from pmmkit.actions.outcome import Outcome, marked, written
+from pmmkit.actions.places import results_folder
+from pmmkit.actions.sea import WAVES, WaveSettings, carried, first_order, new_notes
+from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.shared import (
+    Depth,
+    Extrapolate,
+    Figures,
+    Follow,
+    Manoeuvre,
+    Model,
+    OrderSettings,
+    Out,
+)
+from pmmkit.actions.speeds import CurrentSpeed, Speed, WindSpeed, approach
+from pmmkit.actions.text import stem
+from pmmkit.presentation import text_of
+
+EXAMPLE: Final = "pmmkit simulate kvlcc2 --manoeuvre zigzag --rudder-deg 10 --speed '15.5 kn'"
+
+
+@settings
+class SteeringSettings(OrderSettings):
+    """What is ordered in the manoeuvre."""
+
+    heading_deg: float | None = setting(
+        "Change of heading of a course change or initial turn.", default=None, unit="°"
+    )
+    step_deg: float | None = setting("Rudder step of a spiral.", default=None, unit="°")
+    turns: float | None = setting(
+        "Revolutions over those of the approach: stopping, accelerating.", default=None
+    )
+    duration: float | None = setting(
+        "Seconds of a turn; until it is steady if absent.", default=None, unit="s"
+    )
+    rudder_rate_deg: float | None = setting(
+        "Rate of the steering gear in deg/s; the ship's if absent.", default=None, unit="°/s"
+    )
+
+
+@settings
+class TrackWaveSettings(WaveSettings):
+    """Waves."""
+
+    waves_from_deg: float = setting(
+        "Where they come from, from the bow of the approach.", default=0.0
+    )
+    wave_motion: bool = setting(
+        "Superpose heave, roll, pitch and yaw at wave frequency.", default=False
+    )
+    seed: int = setting("Of the phases of these waves.", default=0)
+
+
+@settings
+class ConditionSettings:
+    """Wind, current and depth."""
+
+    wind_speed: WindSpeed = 0.0
+    wind_direction_deg: float = setting(
+        "Where it comes from, from the bow of the approach.",
+        default=0.0,
+        usual=(0.0, 355.0, 5.0),
+        unit="°",
+    )
+    current_speed: CurrentSpeed = 0.0
+    current_direction_deg: float = setting(
+        "Where it flows to, from the bow of the approach.", default=0.0
+    )
+    depth: Depth = None
+
+
+@settings
+class SimulateSettings:
+    """What is asked."""
+
+    model: Model
+    speed: Speed = None
+    manoeuvre: Manoeuvre = "turning"
+    fn: Follow = "approach"
+    orders: SteeringSettings = SteeringSettings()
+    conditions: ConditionSettings = ConditionSettings()
+    waves: TrackWaveSettings = TrackWaveSettings()
+    extrapolate: Extrapolate = False
+    figures: Figures = True
+    out: Out = None
+
+
+def simulate(job: SimulateSettings) -> Outcome:
+    """Do what is asked."""
+    from pmmkit.models import load_model
+    from pmmkit.simulation import imo_turning, metrics_of, simulate, track_files, verdict_sections
+
+    folder = results_folder(job.out, f"{stem(job.model)}-{job.manoeuvre}")
+    loaded = load_model(job.model)
+    pace = approach(job.speed, loaded)
+    sea = job.waves.sea
+    if job.waves.wave_motion and sea is None:
+        raise SettingError(WAVES)
+    rough = carried(loaded, job.waves, job.model, pace)
+    track = simulate(
+        rough.model,
+        job.manoeuvre,
+        speed=pace,
+        fn=job.fn,
+        extrapolate=job.extrapolate,
+        **vars(job.conditions),
+        **job.orders.given(),
+    )
+    results, drawn = list(track_files(track)), track.figures() if job.figures else {}
+    moved = None
+    if job.waves.wave_motion and sea is not None:
+        moved = first_order(track, rough, sea, job.model, job.waves.waves_from_deg, job.waves.seed)
+        results.append(("wave_motion.csv", moved.to_pandas()))
+        drawn |= {"wave_motion": moved.plot()} if job.figures else {}
+    if drawn:
+        from pmmkit.plotting import figure_files
+
+        results += figure_files(drawn, "svg")
+    verdicts = imo_turning(track) if track.manoeuvre == "turning" else []
+    judged = [text_of(verdict_sections(verdicts)), ""] if verdicts else []
+    if judged and sea is not None:
+        judged.append("note: The standard asks for a calm; these numbers are those in waves.")
+    told = [*new_notes(rough, loaded), "", *([str(moved), ""] if moved else [])]
+    lines = [str(track), "", *(told if sea else []), *judged]
+    return marked(written(folder, results, metrics_of(track), lines), loaded)

@@ -1,0 +1,139 @@
+"""What commands ask of free-running records: which, which channels, how well they are known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.text import numbers, patterns, present, sensors_of, words
+from pmmkit.presentation import aligned
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns import Campaign
+    from pmmkit.identification import Chosen
+    from pmmkit.models import Model
+
+
+@settings
+class RecordSettings:
+    """Free-running records."""
+
+    runs: tuple[str, ...] = setting(
+        "Free-running runs to diagnose, such as 'turn_*'; may be repeated.", default=()
+    )
+    test_runs: tuple[str, ...] = setting("Free-running runs held out, to be predicted.", default=())
+    channels: str | None = setting(
+        "Channels of free-running records to use, such as x,y,psi,r where the checks find "
+        "fault with the velocities; all if absent.",
+        default=None,
+    )
+    spread: float | None = setting(
+        "Largest share of their usual sizes by which the model's values may be off before "
+        "free-running records are looked at; how far they move is found; 0.15 if absent.",
+        default=None,
+        least=0.0,
+    )
+    shortest: float | None = setting(
+        "Leave out free-running segments shorter than this, in s; ten ship lengths if absent.",
+        default=None,
+        least=0.1,
+    )
+    sensors: str | None = setting(
+        "Standard deviations of channels of free-running records, such as "
+        "x=0.03,y=0.03,psi_deg=0.1; told from their noise if absent.",
+        default=None,
+    )
+    windage: str | None = setting(
+        "Frontal and lateral area above water in m2, such as 0.135,0.52.", default=None
+    )
+    judged: float | None = setting(
+        "Length in s of the windows by which effects are judged; five ship lengths if absent.",
+        default=None,
+        least=0.1,
+    )
+    window: float = setting("Length in s of the windows of runs held out.", default=60.0, least=0.1)
+
+    def chosen(self, campaign: Campaign, model: Model) -> tuple[Chosen, Chosen | None]:
+        """The records that are used, and those held out."""
+        from pmmkit.identification import chosen_records
+
+        return chosen_records(
+            campaign,
+            model,
+            runs=patterns(self.runs),
+            test_runs=patterns(self.test_runs),
+            channels=None if self.channels is None else words(self.channels),
+            shortest=self.shortest,
+            rudder="auto",
+            wind=True,
+        )
+
+    def system(self) -> dict[str, Any]:
+        """Settings of the question that the records are asked."""
+        return {
+            **present(spread=self.spread),
+            "windage": self.areas,
+            "sensors": sensors_of(self.sensors),
+            "window": self.judged,
+        }
+
+    def settings(self, kept: Chosen | None) -> dict[str, Any]:
+        """Settings of a session about the records, with those held out."""
+        return {
+            **self.system(),
+            "held_out": kept.records if kept else (),
+            "held_out_window": self.window if kept else None,
+        }
+
+    def several(self) -> dict[str, Any]:
+        """Settings of a session about several campaigns."""
+        return {
+            **self.system(),
+            **present(
+                runs=patterns(self.runs),
+                test_runs=patterns(self.test_runs),
+                channels=None if self.channels is None else words(self.channels),
+                shortest=self.shortest,
+                held_out_window=self.window if self.test_runs else None,
+            ),
+        }
+
+    def together(self, names: Sequence[str] | None) -> dict[str, Any]:
+        """Settings of the records where several campaigns vote together, asked for these effects
+        or for the whole catalogue."""
+        from pmmkit.effects import CATALOGUE
+
+        return present(
+            candidates=None if names is None else [CATALOGUE[name] for name in names],
+            runs=patterns(self.runs),
+            channels=None if self.channels is None else words(self.channels),
+            sensors=sensors_of(self.sensors),
+            spread=self.spread,
+            shortest=self.shortest,
+            windage=self.areas,
+            window=self.judged,
+        )
+
+    @property
+    def areas(self) -> tuple[float, float] | None:
+        """Frontal and lateral area above water [m²]."""
+        found = numbers(self.windage)
+        if found is None:
+            return None
+        if len(found) != 2 or min(found) <= 0.0:
+            raise SettingError(f"{self.windage!r}: write two areas such as 0.135,0.52.")
+        return found[0], found[1]
+
+
+def errors_table(errors: Mapping[str, Mapping[str, float]]) -> str:
+    """Errors of windows, a line for each model."""
+    from pmmkit.identification import UNITS
+
+    names = [name for name in UNITS if any(name in row for row in errors.values())]
+    head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in names]
+    rows = [
+        [what, *(f"{row[name]:.3g}" if name in row else "-" for name in names)]
+        for what, row in errors.items()
+    ]
+    return aligned(["", *head], rows)
