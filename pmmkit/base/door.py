@@ -28,15 +28,13 @@ def lazy(room: str) -> None:
     package = sys.modules[room]
     places: dict[str, tuple[str, str]] = {}
 
-    def give(name: str) -> object:
+    def give(name: str) -> object:  # kept nowhere: a test may put another in its place
         if not places:
             places.update(_places(room))
         if name not in places:
             raise AttributeError(f"module {room!r} has no attribute {name!r}")
         module, inner = places[name]
-        value = getattr(importlib.import_module(module), inner)
-        setattr(package, name, value)
-        return value
+        return getattr(importlib.import_module(module), inner)
 
     setattr(package, "__getattr__", give)  # noqa: B010, mypy must not take any name as known
     setattr(package, "__dir__", lambda: sorted(package.__all__))  # noqa: B010, the same

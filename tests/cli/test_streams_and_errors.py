@@ -60,7 +60,7 @@ def test_a_warning_is_one_line_without_the_place_in_the_code(monkeypatch, capsys
         warnings.warn("Equations are interpreted.", stacklevel=1)
         return ("kvlcc2",)
 
-    monkeypatch.setattr("pmmkit.models.library.ships", ships)
+    monkeypatch.setattr("pmmkit.models.ships", ships)
     assert main(["ships"]) == 0
     assert capsys.readouterr().err == "pmmkit: Equations are interpreted.\n"
 

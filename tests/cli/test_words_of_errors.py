@@ -48,6 +48,8 @@ def test_every_option_that_an_error_names_is_one_of_a_command():
         text = path.read_text(encoding="utf-8")
         if "setting(" not in text and "Way(" not in text:
             continue
+        if "actions" in path.parts:  # there it declares a setting of a job
+            continue
         tree = ast.parse(text)
         for call in calls(tree, "setting"):
             if isinstance(call.args[0], ast.Constant):

@@ -225,7 +225,7 @@ def test_a_campaign_file_is_drafted_as_the_command_does_it(tmp_path, capsys):
 
 
 def test_words_of_all_languages_are_those_that_the_page_says():
-    words = Path(bundle.__code__.co_filename).parent / "static" / "words"
+    words = Path(bundle.__code__.co_filename).parents[1] / "static" / "words"
     english = json.loads((words / "en.json").read_text("utf-8"))
     for file in words.glob("*.json"):
         own = json.loads(file.read_text("utf-8"))
