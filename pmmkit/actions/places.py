@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
+from itertools import chain, count
 from pathlib import Path
 
 from pmmkit.actions.outcome import say
@@ -17,7 +19,7 @@ def results_folder(
     force: bool = False,
 ) -> Path:
     """The folder of the results, which can be written."""
-    from pmmkit.files import MODEL, check_folder, free_folder, is_empty_place
+    from pmmkit.files import MODEL, free_folder, is_empty_place
 
     folder = out or free_folder(Path(default))
     check_folder(folder)
@@ -39,8 +41,6 @@ def results_file(
     option: str = "--output",
 ) -> Path:
     """The file of the result."""
-    from pmmkit.files import free_file
-
     if target is None:
         file = free_file(Path(default))
         if file != Path(default):
@@ -50,6 +50,39 @@ def results_file(
     if target.is_file():
         say(f"{quoted(target)} is there: it is replaced.")
     return target
+
+
+def check_folder(path: Path) -> None:
+    """Refuse a folder that cannot be written, before anything is computed."""
+    from pmmkit.base import FileExists
+
+    target = path.resolve()
+    if target.exists() and not target.is_dir():
+        raise FileExists(f"{path} is a file; the results need a folder. Choose another --out.")
+    above = next(folder for folder in (target, *target.parents) if folder.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK):
+        raise FileExists(f"{path} cannot be written: no permission. Choose another --out.")
+
+
+def free_file(path: Path) -> Path:
+    """A file, or the same name with a number where it is there.
+
+    The number comes after an underscore unless the name has hyphens: some names, such as those of
+    MATLAB's functions, must not have any.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> (folder / "kvlcc2.m").touch()
+    >>> free_file(folder / "kvlcc2.m").name
+    'kvlcc2_2.m'
+    """
+    from pmmkit.files import is_empty_place
+
+    join = "-" if "-" in path.stem else "_"
+    numbered = (path.with_name(f"{path.stem}{join}{n}{path.suffix}") for n in count(2))
+    return next(filter(is_empty_place, chain([path], numbered)))
 
 
 def keep_what_was_read(

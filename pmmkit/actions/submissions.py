@@ -18,10 +18,10 @@ def submitted(what: str, data: Path | None) -> Campaign | DerivativeTable | None
     """A campaign or a derivative table by its path; None where a model is meant."""
     from pmmkit.campaigns import Campaign
     from pmmkit.exports import read_subject
-    from pmmkit.files import as_url
+    from pmmkit.files import Url
     from pmmkit.models import DerivativeTable, ships
 
-    here = as_url(what) is None
+    here = Url.of(what) is None
     if what in ships() or (here and not Path(what).expanduser().exists()):
         return None
     found = read_subject(what, data=data)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
         setting,
     )
     from pmmkit.base.executors.board import each
-    from pmmkit.base.executors.places import ONE_THREAD, Workers, crew_of, opened
+    from pmmkit.base.executors.places import ONE_THREAD, Workers, opened
     from pmmkit.base.progress import Progress, shown
     from pmmkit.base.registry import Registry, did_you_mean, listed_in
     from pmmkit.base.version import __version__
@@ -50,7 +50,6 @@ __all__ = [
     "Way",
     "Workers",
     "__version__",
-    "crew_of",
     "did_you_mean",
     "each",
     "lazy",

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from pmmkit.actions import Outcome, say, words_of
 from pmmkit.base import DataError
-from pmmkit.presentation import lines_of
+from pmmkit.presentation import printable
 
 LINES: Final = 40
 """Rows of an error on a screen."""
@@ -39,7 +39,7 @@ def emit(content: Mapping[str, Any]) -> None:
 
 def tell_error(error: Exception, *, as_json: bool) -> None:
     """An error in words on standard error, and as JSON on standard output if asked for."""
-    text = lines_of(words_of(error)) or type(error).__name__
+    text = printable(words_of(error), lines=True) or type(error).__name__
     if as_json:
         problems = error.problems if isinstance(error, DataError) else ()
         emit(
@@ -66,7 +66,7 @@ def _on_a_screen(error: Exception, text: str) -> str:
     brief = error.said("command", WIDEST // 2) if isinstance(error, DataError) else text
     lines = [
         line if len(line) <= WIDEST else f"{line[: WIDEST - 1]}…"
-        for line in lines_of(brief).split("\n")
+        for line in printable(brief, lines=True).split("\n")
     ]
     try:
         handle, name = tempfile.mkstemp(prefix="pmmkit-", suffix=".txt", text=True)

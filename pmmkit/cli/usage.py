@@ -8,14 +8,14 @@ from typing import Any
 
 from pmmkit.actions import say
 from pmmkit.cli.output import emit
-from pmmkit.presentation import lines_of
+from pmmkit.presentation import printable
 
 
 def tell_usage(error: Any, given: Sequence[str], *, as_json: bool) -> None:
     """An error of usage in words on standard error, with an example; as JSON if asked for."""
     # typer puts the kind of its own error before a refused choice
     told = error.format_message().replace(": Value error, ", ": ")
-    message = " ".join([lines_of(told), *_hints(error, given)])
+    message = " ".join([printable(told, lines=True), *_hints(error, given)])
     if as_json:
         emit({"error": {"type": "usage", "message": message, "problems": []}})
     say(f"pmmkit: {message}")

@@ -22,9 +22,10 @@ from pmmkit.campaigns import (
 )
 from pmmkit.conventions import CHANNEL_UNITS, FORCE_CHANNELS
 from pmmkit.exports.campaign_toml import campaign_text
+from pmmkit.exports.comments import plain
 from pmmkit.files import atomic_folder
 from pmmkit.numerics import ABSURD
-from pmmkit.presentation import plain, safe_cell
+from pmmkit.presentation import safe_cell
 from pmmkit.readers import safe_names
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import Any, Final
 
 from pmmkit.base import ModelError, TableError
 from pmmkit.effects import CATALOGUE, HULL, INERTIA
+from pmmkit.exports.comments import PYTHON_FIRST, comment, plain
 from pmmkit.exports.text import WHICH_SPEED, written_by
 from pmmkit.models import Model, converted, from_values
-from pmmkit.presentation import PYTHON_FIRST, comment, plain
 from pmmkit.simulation import prepare, stability, steering
 
 _HULL: Final = (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from pmmkit.base import DataError
 from pmmkit.campaigns import FILE_NAME, PACKED, Campaign, open_campaign
 from pmmkit.exports.track import read_track
-from pmmkit.files import as_url
+from pmmkit.files import Url
 from pmmkit.models import DerivativeTable, Model, load_model, read_table, ships
 from pmmkit.readers import is_saved_campaign
 
@@ -53,7 +53,7 @@ def read_subject(what: str | Path, *, data: str | Path | None = None) -> Subject
     >>> read_subject("kvlcc2-l7").name
     'kvlcc2-l7'
     """
-    if as_url(what) is not None:
+    if Url.of(what) is not None:
         return open_campaign(what, data=data)
     path = Path(what).expanduser()
     if not path.exists():

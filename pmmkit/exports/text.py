@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Final
 
 from pmmkit.base import Remedy, __version__, setting
-from pmmkit.presentation import comment, plain
+from pmmkit.exports.comments import comment, plain
 from pmmkit.syntax import FUNCTIONS
 
 WHICH_SPEED: Final = Remedy("Say at which speed [m/s], such as {}.", (setting("speed", 8),))

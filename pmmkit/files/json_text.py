@@ -19,7 +19,7 @@ from pmmkit.base import CampaignError
 
 
 def to_json(value: Any) -> str:
-    """A value as JSON text in ASCII.
+    """A `value` as JSON text in ASCII.
 
     What JSON does not have is written as an object with one key that starts with ``$``:
     ``$float`` (nan, inf), ``$tuple``, ``$set``, ``$array``, ``$date``, ``$time``, ``$datetime``,
@@ -41,7 +41,7 @@ def to_json(value: Any) -> str:
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON can hold it: no NaN, no infinity, no arrays; there is no way back.
+    """A `value` as JSON can hold it: no NaN, no infinity, no arrays; there is no way back.
 
     Examples
     --------
@@ -60,12 +60,12 @@ def plain(value: Any) -> Any:
 
 
 def readable(content: Any) -> str:
-    """Content as JSON text for others to read, the same on every machine; NaN becomes null."""
+    """`content` as JSON text for others to read, the same on every machine; NaN becomes null."""
     return json.dumps(plain(content), indent=2, allow_nan=False)
 
 
 def from_json(text: str) -> Any:
-    """The value that `to_json` wrote."""
+    """The value that `to_json` wrote as a `text`."""
     return _decode(json.loads(text))
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def atomic_path(path: str | Path) -> Iterator[Path]:
+def atomic_path(path: str | Path, *, sealed: bool = False) -> Iterator[Path]:
     """A temporary path beside `path` that takes its name when the block ends without error.
 
     The file is flushed to disk before it is renamed, so at every moment either the old or the
@@ -32,6 +32,8 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     ----------
     path : path
         The file to be written. Its folder is made when missing; a link is followed.
+    sealed : bool
+        Whether the SHA-256 of its content is put behind it (see `is_intact`).
 
     Examples
     --------
@@ -48,6 +50,10 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     part = target.with_name(f".{uuid.uuid4().hex[:12]}.part{target.suffix}")
     try:
         yield part
+        if sealed:
+            digest = sha256(part).encode()
+            with part.open("ab") as stream:
+                stream.write(SEAL + digest)
         with part.open("rb+") as stream:
             os.fsync(stream.fileno())
         os.replace(part, target)
@@ -141,50 +147,26 @@ def _harmless(table: DataFrame) -> DataFrame:
     return table.assign(**changed).rename(columns=lambda name: safe_cell(str(name)))
 
 
-def check_folder(path: Path) -> None:
-    """Refuse a folder that cannot be written, before anything is computed.
+def is_empty_place(path: Path) -> bool:
+    """Whether nothing stands at a path, or an empty folder.
 
     Parameters
     ----------
     path : Path
-        Where results shall go.
-
-    Raises
-    ------
-    FileExists
-        If a file is in the way, or the place is not writable.
+        A file or folder.
     """
-    target = path.resolve()
-    if target.exists() and not target.is_dir():
-        raise FileExists(f"{path} is a file; the results need a folder. Choose another --out.")
-    above = next(folder for folder in (target, *target.parents) if folder.exists())
-    if not above.is_dir() or not os.access(above, os.W_OK):
-        raise FileExists(f"{path} cannot be written: no permission. Choose another --out.")
-
-
-def is_empty_place(path: Path) -> bool:
-    """Whether nothing stands at a path, or an empty folder."""
     return not path.exists() or (path.is_dir() and next(path.iterdir(), None) is None)
-
-
-def first_free(candidates: Iterable[Path]) -> Path:
-    """The first of some paths where nothing stands, or an empty folder.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> folder = Path(tempfile.mkdtemp())
-    >>> (folder / "model2.toml").touch()
-    >>> first_free(folder / f"model{n}.toml" for n in count(2)).name
-    'model3.toml'
-    """
-    return next(path for path in candidates if is_empty_place(path))
 
 
 def free_folder(path: Path) -> Path:
     """A folder, or the same name with a number where it holds something.
 
-    A file of that name is left in the way, for `check_folder` to tell.
+    A file of that name is left in the way.
+
+    Parameters
+    ----------
+    path : Path
+        The folder that is wanted.
 
     Examples
     --------
@@ -197,36 +179,32 @@ def free_folder(path: Path) -> Path:
     """
     if path.is_file():
         return path
-    return first_free(chain([path], (path.with_name(f"{path.name}-{n}") for n in count(2))))
-
-
-def free_file(path: Path) -> Path:
-    """A file, or the same name with a number where it is there.
-
-    The number comes after an underscore unless the name has hyphens: some names, such as those of
-    MATLAB's functions, must not have any.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> folder = Path(tempfile.mkdtemp())
-    >>> (folder / "kvlcc2.m").touch()
-    >>> free_file(folder / "kvlcc2.m").name
-    'kvlcc2_2.m'
-    """
-    join = "-" if "-" in path.stem else "_"
-    numbered = (path.with_name(f"{path.stem}{join}{n}{path.suffix}") for n in count(2))
-    return first_free(chain([path], numbered))
+    numbered = (path.with_name(f"{path.name}-{n}") for n in count(2))
+    return next(filter(is_empty_place, chain([path], numbered)))
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write text as UTF-8 with unix line ends, all or nothing."""
+    """Write text as UTF-8 with unix line ends, all or nothing.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    text : str
+        All of it.
+    """
     with atomic_path(path) as part:
         part.write_bytes(text.encode("utf-8"))
 
 
 def sha256(path: str | Path) -> str:
-    """Hexadecimal SHA-256 of a file's bytes."""
+    """Hexadecimal SHA-256 of a file's bytes.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    """
     with Path(path).open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
@@ -235,30 +213,28 @@ SEAL: Final = b"\npmmkit sha256 "
 """What stands before the checksum behind the content of a sealed file."""
 
 
-def seal(path: Path) -> None:
-    """Put the SHA-256 of a file's content behind it.
+def is_intact(path: str | Path) -> bool | None:
+    """Whether a file is what was sealed; None where it has no seal.
 
     Behind the end that HDF5 knows of its library does not look; it can run forever on a file with
     damaged texts, so a damaged one must be known before it is opened.
-    """
-    with path.open("ab") as stream:
-        stream.write(SEAL + sha256(path).encode())
 
-
-def is_intact(path: str | Path) -> bool | None:
-    """Whether a file is what was sealed; None where it has no seal.
+    Parameters
+    ----------
+    path : path
+        The file.
 
     Examples
     --------
     >>> import tempfile
     >>> place = Path(tempfile.mkdtemp()) / "a"
-    >>> _ = place.write_bytes(b"12")
+    >>> with atomic_path(place, sealed=True) as part:
+    ...     _ = part.write_bytes(b"12")
     >>> found = [is_intact(place)]
-    >>> seal(place)
-    >>> found.append(is_intact(place))
     >>> _ = place.write_bytes(b"3" + place.read_bytes()[1:])
-    >>> [*found, is_intact(place)]
-    [None, True, False]
+    >>> _ = (place.parent / "b").write_bytes(b"12")
+    >>> [*found, is_intact(place), is_intact(place.parent / "b")]
+    [True, False, None]
     """
     whole = Path(path).read_bytes()
     length = len(SEAL) + 2 * hashlib.sha256().digest_size
@@ -270,6 +246,11 @@ def is_intact(path: str | Path) -> bool | None:
 
 def matching(pattern: str | Path) -> tuple[Path, ...]:
     """The files whose names fit a pattern with ``*`` in its last part, sorted by name.
+
+    Parameters
+    ----------
+    pattern : path
+        Such as ``runs/*.csv``.
 
     Examples
     --------

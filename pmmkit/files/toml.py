@@ -14,9 +14,9 @@ from typing import Any, Final
 
 from pmmkit.base import DataError, ModelError, Problem, Remedy, Way
 from pmmkit.numerics import ABSURD
-from pmmkit.presentation import toml_string
 
 _BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
+_TOML: Final = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 WIDTH: Final = 96
 DEEPEST: Final = 60
 """Tables inside each other."""
@@ -119,6 +119,26 @@ def _list(items: list[str], texts: bool) -> str:
 def _indented(text: str) -> str:
     """Lines moved in; only line feeds part them, not the further breaks that Unicode knows."""
     return "    " + text.replace("\n", "\n    ")
+
+
+def toml_string(text: str) -> str:
+    """A text in quotes for TOML; what is no text in UTF-8 becomes the sign for that.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+
+    Examples
+    --------
+    >>> print(toml_string('Tank "A"'))
+    "Tank \\"A\\""
+    """
+    body = "".join(
+        _TOML.get(char) or (f"\\u{ord(char):04x}" if ord(char) < 32 or ord(char) == 127 else char)
+        for char in text
+    )
+    return '"{}"'.format(body.encode("utf-8", "replace").decode("utf-8"))
 
 
 def absurd_numbers(content: object, place: str = "") -> Iterator[tuple[str, float]]:
@@ -237,10 +257,21 @@ def refuse_other(
 ) -> None:
     """Refuse the content of another kind of file than is wanted, and say who reads it.
 
+    Parameters
+    ----------
+    content : mapping
+        What `tomllib` reads.
+    wanted : TomlKind or None
+        The kind that is read here.
+    file : str
+        Name for messages.
+    error : type
+        Of the error.
+
     Raises
     ------
     DataError
-        Of the class `error`.
+        Of that kind.
     """
     kind = kind_of(content)
     if kind is not None and kind is not wanted:
@@ -248,7 +279,7 @@ def refuse_other(
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
-    """The content of a TOML file.
+    """The content of a TOML file at a `path`.
 
     Raises
     ------

@@ -20,16 +20,7 @@ from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
 from pmmkit.models import DERIVATIVE_PARTS, Model
 from pmmkit.numerics import Array
-from pmmkit.presentation import (
-    WIDE,
-    Described,
-    Grid,
-    Group,
-    Section,
-    counted,
-    number,
-    with_uncertainty,
-)
+from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, number, plus_minus
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -118,11 +109,7 @@ class MethodComparison(Described):
             self.prior.names, self.prior.mean.tolist(), self.prior.std.tolist(), strict=True
         )
         rows = [
-            [
-                name,
-                with_uncertainty(mean, WIDE * std, "plus-minus"),
-                *(item.cell(name) for item in self.found.values()),
-            ]
+            [name, plus_minus(mean, WIDE * std), *(item.cell(name) for item in self.found.values())]
             for name, mean, std in prior
         ]
         table = Grid(head=["parameter", "prior", *self.found], groups=[Group(rows=rows)])

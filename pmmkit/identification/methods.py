@@ -22,7 +22,7 @@ from pmmkit.identification.smoother import implied_forces, smooth
 from pmmkit.identification.trajectory import fit_trajectories
 from pmmkit.models import DERIVATIVE_PARTS, Model, Step, place_name
 from pmmkit.numerics import Array
-from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, with_uncertainty
+from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -109,7 +109,7 @@ class Identified(Described):
         if name in self.unseen:
             return "not determined"
         i = self.names.index(name)
-        return with_uncertainty(float(self.values[i]), WIDE * float(self.std[i]), "plus-minus")
+        return plus_minus(float(self.values[i]), WIDE * float(self.std[i]))
 
     def remarks(self) -> list[str]:
         """What is wrong or at a limit."""
@@ -140,7 +140,7 @@ class Identified(Described):
 
     def _sections(self) -> Sequence[Section]:
         rows = [
-            [name, with_uncertainty(mean, WIDE * std, "plus-minus"), self.cell(name)]
+            [name, plus_minus(mean, WIDE * std), self.cell(name)]
             for name, mean, std in zip(
                 self.names, self.prior.mean.tolist(), self.prior.std.tolist(), strict=True
             )

@@ -104,9 +104,9 @@ def statistic_in(cell: Cell) -> str:
         return ""
     told = meanings("statistic", cell)
     left = cell.casefold()
-    for _, word in told:
+    for _, word, _ in told:
         left = left.replace(word.casefold(), " ")
-    kinds = {kind for kind, _ in told}
+    kinds = {kind for kind, *_ in told}
     if not kinds or any(letter.isalnum() for letter in left):
         return ""
     return next(kind for kind in ("std", "range", "relative", "sum", "mean") if kind in kinds)

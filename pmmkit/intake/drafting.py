@@ -14,6 +14,7 @@ from typing import Any, Final, get_args
 
 from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns import FILE_NAME, TABLES, TEST_KINDS, campaign_of, with_columns
+from pmmkit.files import toml_string
 from pmmkit.intake.drafts.choosing import ColumnChoice, signed, with_choices
 from pmmkit.intake.drafts.columns import their_column
 from pmmkit.intake.drafts.draft import draft_of
@@ -23,7 +24,6 @@ from pmmkit.intake.drafts.write import written
 from pmmkit.intake.folder import MOST_COUNTED, Look, look
 from pmmkit.intake.guessing import Suggestion
 from pmmkit.intake.seen import ColumnLook
-from pmmkit.presentation import toml_string
 
 _ENTRY: Final = re.compile(r"\[\[(?P<table>runs|tables)\]\] #(?P<number>\d+)")
 _KEY: Final = re.compile(r"key '(?P<key>[^']+)'")

@@ -12,7 +12,7 @@ from typing import Final
 
 from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns import FILE_NAME, PACKED, is_packed_campaign, open_campaign
-from pmmkit.files import as_url, shown_url
+from pmmkit.files import Url
 from pmmkit.intake.file import look_at, with_numbers
 from pmmkit.intake.seen import FileLook
 from pmmkit.readers import READERS, recognise
@@ -160,12 +160,12 @@ def look(path: str | Path) -> Look:
     ['t', 'X']
     """
     place = Path(path).expanduser()
-    url = as_url(path)
+    url = Url.of(path)
     if url is not None:
         raise CampaignError(
             Problem(
                 message="files behind a URL are not looked through.",
-                file=shown_url(url),
+                file=url.shown,
                 remedy="Copy them to a folder; of a campaign the command pmmkit check tells what "
                 "is wrong with it.",
             )

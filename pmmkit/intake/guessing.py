@@ -30,7 +30,7 @@ from pmmkit.conventions import (
     unit_factor,
 )
 from pmmkit.numerics import Array
-from pmmkit.presentation import meanings, same
+from pmmkit.presentation import meanings
 
 Certainty = Literal["surely", "probably", "perhaps"]
 
@@ -232,15 +232,15 @@ def _in_other_words(header: str, unit: str | None, *, table: bool) -> Suggestion
     """By a word of another language; surer where it is all of the header."""
     more = {item.in_file: item.words for item in brought() if item.words}
     found = [*meanings("setting", header, more)] if table else []
-    for channel, word in meanings("channel", header):
+    for channel, word, alone in meanings("channel", header):
         held = _SETTINGS_OF.get(channel) if table else None
-        found.append((held or channel, word))
-    for name, word in found:
+        found.append((held or channel, word, alone))
+    for name, word, alone in found:
         told = unit is not None or name != "yaw_rate"
         if _known(name, table=table) and _fits(name, unit, table=table) and told:
             return Suggestion(
                 name=name,
-                certainty="probably" if same(word, header) else "perhaps",
+                certainty="probably" if alone else "perhaps",
                 reason=f"{word!r} is a word for it",
             )
     return None

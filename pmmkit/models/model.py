@@ -32,16 +32,7 @@ from pmmkit.effects import (
     written_effect,
 )
 from pmmkit.models.step import Step, Value, added
-from pmmkit.presentation import (
-    WIDE,
-    Described,
-    Grid,
-    Group,
-    Section,
-    counted,
-    plus_minus,
-    with_uncertainty,
-)
+from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus
 
 DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
 TAKE_PARTS: Final = Remedy(
@@ -254,7 +245,10 @@ class Model(Described):
                 alone = part.std.get(name, math.nan)
                 halves = [WIDE * x for x in std.get(name, (alone,) * len(values))]
                 kind = part.source_of(name).partition(":")[0] or "unknown"
-                rows.append([name, *map(plus_minus, values, halves), kind])
+                cells = [
+                    plus_minus(x, half) or None for x, half in zip(values, halves, strict=False)
+                ]
+                rows.append([name, *cells, kind])
         speeds = [f"Fn {Fn:.3f}" for Fn in self.Fn] or ["value"]
         head = ["", *speeds, "origin"]
         known = std or any(part.std for part in self._hull())
@@ -271,7 +265,7 @@ class Model(Described):
             alone = part.std.get(name, math.nan)
             half = WIDE * std.get(place_name(part.effect, name), (alone,))[0]
             ends = [
-                with_uncertainty(x, half, "plus-minus") if half > 0 else f"{x:.4g}"
+                plus_minus(x, half) if half > 0 else f"{x:.4g}"
                 for x in (value if isinstance(value, tuple) else (value,))
             ]
             told.append(

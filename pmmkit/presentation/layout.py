@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import html
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.presentation.escaping import html_text, printable
+from pmmkit.presentation.escaping import printable
 from pmmkit.presentation.numbers import ABSENT
 
 Cell = str | None
@@ -49,6 +50,24 @@ class Grid:
     groups: Sequence[Group]
     caption: str = ""
     texts: tuple[int, ...] = ()
+
+    def lines(self) -> list[str]:
+        """The lines of a table in plain text."""
+        found = [printable(self.caption)] if self.caption else []
+        named = any(self.head)
+        rows = [
+            *([self.head] if named else []),
+            *(row for group in self.groups for row in group.rows),
+        ]
+        if not rows:
+            return found
+        body = iter(_columns(rows, {0, *self.texts}))
+        if named:
+            found.append(next(body))
+        for group in self.groups:
+            found += [printable(group.title)] if group.title else []
+            found += [next(body) for _ in group.rows]
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,37 +150,12 @@ def _columns(rows: Sequence[Sequence[Cell]], left: Collection[int]) -> list[str]
     ]
 
 
-def table_lines(table: Grid) -> list[str]:
-    """The lines of a table in plain text.
-
-    Parameters
-    ----------
-    table : Grid
-        The table.
-    """
-    lines = [printable(table.caption)] if table.caption else []
-    named = any(table.head)
-    rows = [
-        *([table.head] if named else []),
-        *(row for group in table.groups for row in group.rows),
-    ]
-    if not rows:
-        return lines
-    body = iter(_columns(rows, {0, *table.texts}))
-    if named:
-        lines.append(next(body))
-    for group in table.groups:
-        lines += [printable(group.title)] if group.title else []
-        lines += [next(body) for _ in group.rows]
-    return lines
-
-
 def section_lines(section: Section) -> list[str]:
     """The lines of a section in plain text: sentences and points first, then the tables."""
     inside = [printable(text) for text in section.paragraphs]
     inside += [f"- {printable(text)}" for text in section.points]
     for table in section.tables:
-        inside += table_lines(table)
+        inside += table.lines()
     if not section.title:
         return inside
     return [printable(section.title), *(f"  {line}" for line in inside)]
@@ -218,7 +212,7 @@ def _title_html(group: Group) -> str:
 
 
 def _safe(text: Cell) -> str:
-    return html_text(ABSENT if text is None else text)
+    return html.escape(printable(ABSENT if text is None else text))
 
 
 # Objects that tell their own state: one line, a report, and the same in a notebook.
@@ -260,6 +254,10 @@ class Described(ABC):
     def _sections(self) -> Sequence[Section]:
         """What it says of itself, in sections."""
 
+    def sections(self) -> Sequence[Section]:
+        """What it says of itself, in sections; its `str` begins with a title and goes on so."""
+        return self._sections()
+
     def _title(self) -> str:
         return " ".join(printable(f"{type(self).__name__} {self._headline()}").split())
 
@@ -273,14 +271,3 @@ class Described(ABC):
     def _repr_html_(self) -> str:
         title = section_html(Section(paragraphs=[self._title()]))
         return f"<div>{title}{''.join(map(section_html, self._sections()))}</div>"
-
-
-def sections_of(thing: Described) -> Sequence[Section]:
-    """What an object says of itself, in sections.
-
-    Parameters
-    ----------
-    thing : Described
-        Its `str` begins with a title and goes on with these.
-    """
-    return thing._sections()

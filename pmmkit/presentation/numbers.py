@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Final, Literal
+from typing import Final
 
 ABSENT: Final = "–"
 """What stands where there is no value."""
@@ -14,61 +14,30 @@ PLAIN: Final = 1e5
 """Size up to which significant digits are told without a power of ten, as on the page."""
 WIDE: Final = 1.96
 """Standard deviations of half of a 95 % interval."""
-Style = Literal["parentheses", "plus-minus"]
 
 
-def with_uncertainty(value: float, spread: float, style: Style = "parentheses") -> str:
-    """A value with its standard uncertainty, or half of its interval, to two digits of the latter.
+def with_uncertainty(value: float, spread: float) -> str:
+    """A value with its standard uncertainty in brackets, to two digits of the latter.
 
     Parameters
     ----------
     value, spread : float
-        The value, and what stands beside it; to five digits where there is no spread.
-    style : {"parentheses", "plus-minus"}
-        How the spread stands beside the value.
+        The value, and its uncertainty; to five digits where there is none, empty for NaN.
 
     Examples
     --------
     >>> with_uncertainty(-.01160, .000234)
     '-0.01160(23)'
-    >>> print(with_uncertainty(-.01160, .000234, "plus-minus"))
-    -0.01160 ± 0.00023
     >>> with_uncertainty(-12.3, 41.)
     '-12(41)'
     >>> with_uncertainty(1.23456e8, 2.34e5)
     '1.2346(23)e+08'
-    >>> print(with_uncertainty(-.0116, 3.2e180, "plus-minus"))
-    (0.0 ± 3.2)e+180
     """
-    if math.isnan(value):
-        return ""
-    if math.isinf(value):
-        return ABSENT
-    if not math.isfinite(spread) or spread <= 0:
-        return _plain(value)
-    largest = max(abs(value), spread)
-    if largest >= LONG:
-        power = math.floor(math.log10(float(f"{largest:.1e}")))
-        text = with_uncertainty(value / 10.0**power, spread / 10.0**power, style)
-        return f"({text})e+{power:02d}" if style == "plus-minus" else f"{text}e+{power:02d}"
-    places = 1 - math.floor(math.log10(spread))
-    if round(spread, places) >= 10.0 ** (2 - places):
-        places -= 1
-    places = max(places, 0)
-    if style == "plus-minus":
-        return f"{fixed(value, places)} ± {fixed(spread, places)}"
-    return f"{fixed(value, places)}({round(spread * 10**places)})"
+    return _beside(value, spread, signed=False)
 
 
-def _plain(value: float) -> str:
-    if abs(value) >= LONG:
-        return fixed(value, 0)
-    places = 4 - math.floor(math.log10(abs(value))) if value else 0
-    return fixed(value, max(places, 0))
-
-
-def plus_minus(value: float, half: float) -> str | None:
-    """A value with half the length of its interval, to two digits of the latter.
+def plus_minus(value: float, half: float) -> str:
+    """A value with half the length of its interval, to two digits of the latter; empty for NaN.
 
     Parameters
     ----------
@@ -81,8 +50,38 @@ def plus_minus(value: float, half: float) -> str | None:
     '-0.01160 ± 0.00046'
     >>> plus_minus(0.25, math.nan)
     '0.25000'
+    >>> print(plus_minus(-.0116, 3.2e180))
+    (0.0 ± 3.2)e+180
     """
-    return None if math.isnan(value) else with_uncertainty(value, half, "plus-minus")
+    return _beside(value, half, signed=True)
+
+
+def _beside(value: float, spread: float, *, signed: bool) -> str:
+    if math.isnan(value):
+        return ""
+    if math.isinf(value):
+        return ABSENT
+    if not math.isfinite(spread) or spread <= 0:
+        return _plain(value)
+    largest = max(abs(value), spread)
+    if largest >= LONG:
+        power = math.floor(math.log10(float(f"{largest:.1e}")))
+        text = _beside(value / 10.0**power, spread / 10.0**power, signed=signed)
+        return f"({text})e+{power:02d}" if signed else f"{text}e+{power:02d}"
+    places = 1 - math.floor(math.log10(spread))
+    if round(spread, places) >= 10.0 ** (2 - places):
+        places -= 1
+    places = max(places, 0)
+    if signed:
+        return f"{fixed(value, places)} ± {fixed(spread, places)}"
+    return f"{fixed(value, places)}({round(spread * 10**places)})"
+
+
+def _plain(value: float) -> str:
+    if abs(value) >= LONG:
+        return fixed(value, 0)
+    places = 4 - math.floor(math.log10(abs(value))) if value else 0
+    return fixed(value, max(places, 0))
 
 
 def number(value: float, digits: int = 4, *, signed: bool = False) -> str:

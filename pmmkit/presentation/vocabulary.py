@@ -53,8 +53,10 @@ def letters() -> frozenset[str]:
 
 def meanings(
     subject: Subject, text: str, also: Mapping[str, tuple[str, ...]] | None = None
-) -> tuple[tuple[str, str], ...]:
+) -> tuple[tuple[str, str, bool], ...]:
     """Our names for what a text says, each with the word it was told by, the longest first.
+
+    Beside them stands whether that word is all of the text.
 
     Parameters
     ----------
@@ -68,15 +70,19 @@ def meanings(
     Examples
     --------
     >>> meanings("channel", "Laengskraft"), meanings("channel", "横力")
-    ((('X', 'längskraft'),), (('Y', '横力'),))
+    ((('X', 'längskraft', True),), (('Y', '横力', True),))
     >>> meanings("test", "Schraeg_beta+04")
-    (('static_drift', 'schräg'),)
+    (('static_drift', 'schräg', False),)
     >>> meanings("setting", "Amplitude")
-    (('amplitude_m', 'amplitude'), ('yaw_amplitude_deg', 'amplitude'))
+    (('amplitude_m', 'amplitude', True), ('yaw_amplitude_deg', 'amplitude', True))
     """
     plain = _folded(text)
     patterns = (*_patterns(subject), *_compiled(subject, also or {}))
-    found = [(name, word) for name, word, pattern in patterns if pattern.search(plain)]
+    found = [
+        (name, word, pattern.fullmatch(plain.strip()) is not None)
+        for name, word, pattern in patterns
+        if pattern.search(plain)
+    ]
     return tuple(sorted(found, key=lambda item: -len(item[1])))
 
 
@@ -102,17 +108,6 @@ def _pattern(word: str, *, whole: bool) -> re.Pattern[str]:
     if _LATIN.search(_folded(word)) is None:
         return re.compile(either)
     return re.compile(rf"(?<![a-z])(?:{either})" + ("(?![a-z])" if whole else ""))
-
-
-def same(word: str, text: str) -> bool:
-    """Whether a text is a word of ours and nothing else.
-
-    Examples
-    --------
-    >>> same("längskraft", "LAENGSKRAFT"), same("querkraft", "Querkraft vorn")
-    (True, False)
-    """
-    return _folded(text).strip() in (_folded(word), _folded(word.translate(_UMLAUTS)))
 
 
 def _folded(text: str) -> str:

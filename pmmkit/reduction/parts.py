@@ -23,7 +23,7 @@ from pmmkit.effects import (
 )
 from pmmkit.models import Part, straight_polynomial
 from pmmkit.numerics import Array
-from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, with_uncertainty
+from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus
 
 if TYPE_CHECKING:
     from pmmkit.models import DerivativeTable
@@ -68,7 +68,7 @@ class Parts(Described):
             for name, value in part.values.items():
                 ends = value if isinstance(value, tuple) else (value,)
                 std = self.std.get(name, math.nan)
-                told = [with_uncertainty(x, WIDE * std, "plus-minus") for x in (ends[0], ends[-1])]
+                told = [plus_minus(x, WIDE * std) for x in (ends[0], ends[-1])]
                 rows.append([name, " … ".join(dict.fromkeys(told)), part.source_of(name)])
             groups.append(Group(title=part.effect, rows=rows))
         head = ["", "value ± half of the 95 % interval", "source"]

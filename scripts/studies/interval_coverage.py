@@ -41,7 +41,9 @@ def one(seed: int, biased: bool) -> tuple[tuple[str, ...], np.ndarray, np.ndarra
     return table.names, (low <= right) & (right <= high), (table.value - right) / table.std
 
 
-def study(replicates: int, executor: Executor | None, *, biased: bool) -> dict[str, np.ndarray]:
+def study(
+    replicates: int, executor: Executor | int | None, *, biased: bool
+) -> dict[str, np.ndarray]:
     """Coverage by derivative and Froude number; names, hits (n, k, p) and errors (n, k, p)."""
     seeds = range(FIRST_SEED, FIRST_SEED + replicates)
     found = {}

@@ -176,7 +176,7 @@ def ranked(detail: Any, truth: dict[str, Any], seed: int) -> dict[str, Any]:
 
 
 def study(
-    replicates: int, executor: Executor | None, first: int, save: Path | None
+    replicates: int, executor: Executor | int | None, first: int, save: Path | None
 ) -> list[dict[str, Any]]:
     """All replicates; those that are kept in a file are not done again."""
     kept = {}

@@ -15,7 +15,7 @@ from functools import partial
 from importlib import import_module
 from typing import Any, TypeVar
 
-from pmmkit.base import crew_of, each
+from pmmkit.base import each, opened
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -30,13 +30,13 @@ def add_workers(parser: argparse.ArgumentParser, usual: int) -> None:
     either.add_argument("--scheduler", help="address of a dask scheduler whose workers do it")
 
 
-def crew(options: argparse.Namespace) -> AbstractContextManager[Executor | None]:
+def crew(options: argparse.Namespace) -> AbstractContextManager[Executor | int | None]:
     """Who works, as the options say; None for this process alone."""
-    return crew_of(options.scheduler or options.workers)
+    return opened(options.scheduler or options.workers, rounds=True)
 
 
 def as_done(
-    work: Callable[[T], R], things: Iterable[T], executor: Executor | None
+    work: Callable[[T], R], things: Iterable[T], executor: Executor | int | None
 ) -> Iterator[tuple[int, R]]:
     """What comes of each thing, with its place, in the order in which they are done."""
     listed = list(things)
@@ -46,7 +46,9 @@ def as_done(
     return each(sent, listed, executor, names=names)
 
 
-def in_order(work: Callable[[T], R], things: Iterable[T], executor: Executor | None) -> list[R]:
+def in_order(
+    work: Callable[[T], R], things: Iterable[T], executor: Executor | int | None
+) -> list[R]:
     """What comes of each thing, in their order."""
     return [found for _, found in sorted(as_done(work, things, executor), key=lambda item: item[0])]
 

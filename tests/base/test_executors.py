@@ -116,7 +116,7 @@ def test_a_process_that_may_have_none_below_it_does_it_itself(monkeypatch):
     """Such as that of the workbench for long work, which ends with the server."""
     monkeypatch.setitem(current_process()._config, "daemon", True)
     assert set(outcomes(lambda _: os.getpid(), [0, 1, 2], 2).values()) == {HERE}
-    with places.crew_of(2) as crew:
+    with places.opened(2, rounds=True) as crew:
         assert crew is None
 
 

@@ -16,7 +16,7 @@ import pmmkit as pk
 from pmmkit.base import CampaignError, DataError
 from pmmkit.campaigns import file_hashes
 from pmmkit.cli import main
-from pmmkit.files import as_url, joined, look
+from pmmkit.files import Origin, Url
 from pmmkit.files.remote import copies, objects, urls
 from pmmkit.files.remote.copies import SHEET
 from pmmkit.files.remote.objects import is_absent, told
@@ -300,10 +300,10 @@ def test_all_files_that_are_not_there_are_told_at_once():
 
 def test_packages_that_are_not_there_are_named(monkeypatch):
     with pytest.raises(DataError, match=r"pip install 'pmmkit\[remote\]' gcsfs"):
-        look("gs://bucket/campaign.toml")
+        Origin.of(Url("gs://bucket/campaign.toml"))
     monkeypatch.setitem(sys.modules, "fsspec", None)
     with pytest.raises(DataError, match=r"pip install 'pmmkit\[remote\]',"):
-        look("https://example.org/campaign.toml")
+        Origin.of(Url("https://example.org/campaign.toml"))
 
 
 class FromStore(Exception):
@@ -326,14 +326,14 @@ def test_what_stores_answer_is_understood(said, state, absent):
     error = FileNotFoundError("it")
     error.__cause__ = cause
     assert is_absent(error) == absent
-    message = str(told("s3://bucket/x", error))
+    message = str(told(Url("s3://bucket/x"), error))
     assert ("gives no permission" in message) == (state == 403)
     assert is_absent(FileNotFoundError("it"))
 
 
 def test_more_than_was_stated_is_not_taken(memory, monkeypatch):
     memory.pipe({"/kcs/a.csv": ROWS.encode()})
-    origin = look("memory://kcs/a.csv")
+    origin = Origin.of(Url("memory://kcs/a.csv"))
     assert origin is not None
     memory.pipe({"/kcs/a.csv": (ROWS * 2).encode()})
     with pytest.raises(DataError, match=f"more than {len(ROWS)} bytes come"):
@@ -341,10 +341,10 @@ def test_more_than_was_stated_is_not_taken(memory, monkeypatch):
 
 
 def test_urls_survive_paths_and_names_survive_urls(tmp_path):
-    assert as_url(tmp_path) is None
-    assert as_url("datasets/s175") is None
-    assert joined("https://h/a?key=1", "x #1?.csv") == "https://h/a/x%20%231%3F.csv"
-    assert joined("https://h/a", "%2e%2e/x.csv") == "https://h/a/%252e%252e/x.csv"
+    assert Url.of(tmp_path) is None
+    assert Url.of("datasets/s175") is None
+    assert Url("https://h/a?key=1").joined("x #1?.csv") == "https://h/a/x%20%231%3F.csv"
+    assert Url("https://h/a").joined("%2e%2e/x.csv") == "https://h/a/%252e%252e/x.csv"
 
 
 @pytest.mark.slow

@@ -21,21 +21,14 @@ from hypothesis import strategies as st
 from small_campaign import write_campaign
 
 import pmmkit as pk
+from pmmkit.exports.comments import comment, plain
 from pmmkit.exports.matlab.model import model_to_mss
 from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
-from pmmkit.files import write_results
+from pmmkit.files import toml_string, write_results
 from pmmkit.models import Part, Step, from_values
 from pmmkit.models.tables.io.latex import to_latex
-from pmmkit.presentation import (
-    Section,
-    comment,
-    plain,
-    safe_cell,
-    text_of_cell,
-    toml_comment,
-    toml_string,
-)
+from pmmkit.presentation import Section, printable, safe_cell, text_of_cell
 from pmmkit.presentation.layout import section_html
 
 CANARY = "open('canary', 'w')"
@@ -231,7 +224,7 @@ def test_a_run_named_like_a_formula_is_exported_as_text(tmp_path):
 
 @pytest.mark.parametrize("text", [*NASTY, '"]\n[evil]\na = "'])
 def test_toml_strings_and_comments_cannot_end(text):
-    content = tomllib.loads(f"a = {toml_string(text)}  # {toml_comment(text)}\n")
+    content = tomllib.loads(f"a = {toml_string(text)}  # {printable(text)}\n")
     assert set(content) == {"a"}
     assert content["a"] == text.replace("\ud800", "?")
 

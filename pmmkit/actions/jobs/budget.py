@@ -160,7 +160,7 @@ def _study(computed: GridSettings) -> GridStudy | None:
 
 def _printed(budgets: list[Budget], names: list[str]) -> str:
     """What was asked of, wherever it stands; the last budget as a whole where nothing was."""
-    from pmmkit.presentation import Section, sections_of, text_of
+    from pmmkit.presentation import Section, text_of
 
     last = budgets[-1]
     if not names:
@@ -175,4 +175,4 @@ def _printed(budgets: list[Budget], names: list[str]) -> str:
         for budget, own in zip(budgets, known, strict=True)
         if name in own
     ]
-    return text_of([*tables, *sections_of(last)[1:]])
+    return text_of([*tables, *last.sections()[1:]])

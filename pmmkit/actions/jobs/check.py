@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 from pmmkit.actions.outcome import Outcome
+from pmmkit.actions.places import check_folder
 from pmmkit.actions.setting import settings
 from pmmkit.actions.shared import Campaign, Data, Out
 
@@ -28,7 +29,7 @@ class CheckSettings:
 def check(job: CheckSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.campaigns import open_campaign
-    from pmmkit.files import check_folder, write_results
+    from pmmkit.files import write_results
     from pmmkit.intake import examine
 
     if job.out:
@@ -61,7 +62,6 @@ def _files(findings: Sequence[CheckFinding]) -> Iterator[tuple[str, str]]:
 def _text(findings: Sequence[CheckFinding]) -> str:
     """Findings of the checks for people."""
     from pmmkit.intake import name_runs, zeros_grid
-    from pmmkit.presentation import table_lines
 
     if not findings:
         return "The checks found nothing to say."
@@ -71,6 +71,6 @@ def _text(findings: Sequence[CheckFinding]) -> str:
         lines = [f"{item.severity.upper()} {item.check}{where}", f"  {item.message}"]
         if item.remedy:
             lines.append(f"  {item.remedy}")
-        lines += [f"  {line}" for line in table_lines(zeros_grid(item))] if item.by_run else []
+        lines += [f"  {line}" for line in zeros_grid(item).lines()] if item.by_run else []
         blocks.append("\n".join(lines))
     return "\n".join(blocks)

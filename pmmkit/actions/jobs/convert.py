@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final, Literal
 
 from pmmkit.actions.outcome import Outcome
-from pmmkit.actions.places import results_file
+from pmmkit.actions.places import check_folder, results_file
 from pmmkit.actions.setting import setting, settings
 from pmmkit.actions.shared import Out
 from pmmkit.actions.text import present
@@ -35,7 +35,6 @@ class ConvertSettings:
 def convert(job: ConvertSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.base import FileExists
-    from pmmkit.files import check_folder
     from pmmkit.models import converted, read_table, write_table
 
     changes = present(system=job.system, coriolis=job.coriolis, sway=job.sway, surge=job.surge)

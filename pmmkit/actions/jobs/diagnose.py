@@ -221,7 +221,7 @@ def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
 def _next(job: DiagnoseSettings, found: Diagnosis, given: Sequence[str]) -> list[str]:
     """The command that puts the findings into the model, or plans the run that decides."""
     from pmmkit.conventions import STRUCTURES
-    from pmmkit.files import MODEL, first_free, free_folder
+    from pmmkit.files import MODEL, free_folder, is_empty_place
 
     campaign = job.campaigns[0]
     advice = f"pmmkit plan {as_typed(PlanSettings(model=job.model, campaign=campaign))}"
@@ -236,7 +236,7 @@ def _next(job: DiagnoseSettings, found: Diagnosis, given: Sequence[str]) -> list
         records=job.records,
         uncertainty=job.uncertainty,
         own=job.own,
-        target=first_free(Path(f"model{number}.toml") for number in count(2)),
+        target=next(filter(is_empty_place, (Path(f"model{n}.toml") for n in count(2)))),
     )
     if job.model not in STRUCTURES:
         return [f"Next: pmmkit add {as_typed(better)}", *told_apart]

@@ -12,7 +12,7 @@ from pmmkit.actions.setting import setting, settings
 from pmmkit.actions.shared import Out
 from pmmkit.actions.speeds import WAYS, TypedSpeed, typed
 from pmmkit.models import METHODS, EmpiricalMethod, HullEstimate, StraightLine
-from pmmkit.presentation import ABSENT, WIDE, aligned, fixed, with_uncertainty
+from pmmkit.presentation import ABSENT, WIDE, aligned, fixed, plus_minus
 
 EXAMPLE: Final = (
     "pmmkit estimate --length 320 --breadth 58 --draught 20.8 --block 0.81 --speed 8 "
@@ -136,7 +136,7 @@ def _row(method: str, guess: HullEstimate, straight: StraightLine) -> dict[str, 
 def _told(guess: HullEstimate, name: str) -> str:
     if name not in guess.values:
         return ABSENT
-    return with_uncertainty(guess.values[name], WIDE * guess.std[name], "plus-minus")
+    return plus_minus(guess.values[name], WIDE * guess.std[name])
 
 
 def _linear(found: Mapping[str, HullEstimate]) -> str:
@@ -155,7 +155,7 @@ def _stability(straight: Mapping[str, StraightLine]) -> str:
             item,
             f"{it.lever_yaw:.3f}",
             f"{it.lever_sway:.3f}",
-            with_uncertainty(1e6 * it.C, 1e6 * WIDE * it.std, "plus-minus"),
+            plus_minus(1e6 * it.C, 1e6 * WIDE * it.std),
             it.verdict,
         ]
         for item, it in straight.items()

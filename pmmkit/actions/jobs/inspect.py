@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.actions.outcome import Outcome
+from pmmkit.actions.places import check_folder
 from pmmkit.actions.setting import setting, settings
 from pmmkit.actions.shared import Out
 from pmmkit.presentation import quoted
@@ -28,7 +29,6 @@ class InspectSettings:
 
 def inspect(job: InspectSettings) -> Outcome:
     """Do what is asked."""
-    from pmmkit.files import check_folder
     from pmmkit.intake import look, look_content, look_lines
 
     if job.out:

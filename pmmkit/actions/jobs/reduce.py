@@ -27,7 +27,7 @@ from pmmkit.actions.shared import (
     StructureName,
 )
 from pmmkit.actions.text import cycles_of, stem
-from pmmkit.presentation import aligned, counted, table_lines
+from pmmkit.presentation import aligned, counted
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign as Opened
@@ -343,7 +343,7 @@ def headline(table: DerivativeTable, beside: ReferenceTable | None) -> str:
     from pmmkit.views import reference_values
 
     values = (beside.name, reference_values(table, beside)) if beside else None
-    return "\n".join(table_lines(table.grid(beside=values)))
+    return "\n".join(table.grid(beside=values).lines())
 
 
 def turn_table(turns: Turns) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from pmmkit.actions.catalogue import action
 from pmmkit.actions.outcome import Outcome, say
+from pmmkit.actions.places import check_folder
 from pmmkit.actions.setting import SettingError, setting, settings
 from pmmkit.actions.shared import Data, NoiseSettings, Out
 from pmmkit.actions.text import stem
@@ -65,7 +66,7 @@ class WorkbenchSettings:
 
 def workbench(job: WorkbenchSettings) -> Outcome:
     """Do what is asked."""
-    from pmmkit.files import check_folder, free_folder
+    from pmmkit.files import free_folder
     from pmmkit.presentation import counted
     from pmmkit.workbench import Desk, WorkbenchState, serve
 

@@ -42,13 +42,15 @@ _ENVIRONMENT: Final = {**ONE_THREAD, "MALLOC_MMAP_THRESHOLD_": "4000000"}
 
 
 @contextmanager
-def opened(executor: Workers) -> Iterator[Executor | int | None]:
+def opened(executor: Workers, *, rounds: bool = False) -> Iterator[Executor | int | None]:
     """An executor for an address; anything else as it is.
 
     Parameters
     ----------
     executor : Executor, int or str, optional
         Where work is to run.
+    rounds : bool
+        Whether work of several rounds follows: processes of this machine then stay for all of it.
 
     Raises
     ------
@@ -68,26 +70,13 @@ def opened(executor: Workers) -> Iterator[Executor | int | None]:
         return
     if isinstance(executor, int) and executor < 1:
         raise DataError(f"executor = {executor}: at least one process is needed.")
-    yield executor
-
-
-@contextmanager
-def crew_of(executor: Workers) -> Iterator[Executor | None]:
-    """An executor that stays for work of several rounds; None for this process.
-
-    Parameters
-    ----------
-    executor : Executor, int or str, optional
-        As for `opened`.
-    """
-    with opened(executor) as ready:
-        if not isinstance(ready, int):
-            yield ready
-        elif ready == 1:
-            yield None
-        else:
-            with processes(ready) as made:
-                yield made
+    if not rounds or not isinstance(executor, int):
+        yield executor
+    elif executor == 1:
+        yield None
+    else:
+        with processes(executor) as made:
+            yield made
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from pmmkit.base import DataError, Problem, Remedy, setting
-from pmmkit.files import Origin, as_url, checked, joined, leads_out, look, shown_url
+from pmmkit.files import Origin, Url
 
 AT_ONCE: Final = 16
 """Files that are looked for side by side, as each look waits for its store."""
@@ -21,13 +21,13 @@ class RemoteFiles:
 
     A campaign that was opened by a URL names files below its own folder, and nowhere else.
 
-    `own`: URL of the folder of the campaign file; empty where it lies on this machine. `data`:
-    URL of the measurements that somebody asked for, or empty. `folder`: what the campaign file
+    `own`: URL of the folder of the campaign file; None where it lies on this machine. `data`:
+    URL of the measurements that somebody asked for, or None. `folder`: what the campaign file
     says of them.
     """
 
-    own: str = ""
-    data: str = ""
+    own: Url | None = None
+    data: Url | None = None
     folder: str | None = None
     _seen: dict[str, Origin | Problem | None] = field(default_factory=dict, repr=False)
 
@@ -52,10 +52,10 @@ class RemoteFiles:
         found = self._seen.get(file)
         if isinstance(found, Problem):
             return Problem(message=found.message, file=toml, entry=entry, remedy=found.remedy)
-        tried = ", ".join(shown_url(url) for url in self._places(file))
+        tried = ", ".join(url.shown for url in self._places(file))
         remedy = _FOLDERS if "*" in file else None
         return Problem(
-            message=f"the file {shown_url(file)!r} is not there. Looked at: {tried}.",
+            message=f"the file {Url(file).shown!r} is not there. Looked at: {tried}.",
             file=toml,
             entry=entry,
             remedy=remedy,
@@ -63,50 +63,50 @@ class RemoteFiles:
 
     def is_named_freely(self, file: str) -> bool:
         """Whether nothing but the campaign file says that a file is to be read."""
-        return as_url(file) is not None or as_url(self.folder or "") is not None
+        return Url.of(file) is not None or Url.of(self.folder or "") is not None
 
     def _concerns(self, file: str) -> bool:
-        return bool(self.own or self.data or as_url(file) or as_url(self.folder or ""))
+        return bool(self.own or self.data or Url.of(file) or Url.of(self.folder or ""))
 
     def _looked(self, file: str) -> Origin | Problem | None:
         try:
             places = list(self._places(file)) if self._concerns(file) else []
-            return next((found for url in places if (found := look(url))), None)
+            return next((found for url in places if (found := Origin.of(url))), None)
         except DataError as error:
             item = error.problems[0]
             return Problem(
-                message=f"{item.file or shown_url(file)}: {item.message}", remedy=item.remedy
+                message=f"{item.file or Url(file).shown}: {item.message}", remedy=item.remedy
             )
 
-    def _places(self, file: str) -> Iterator[str]:
+    def _places(self, file: str) -> Iterator[Url]:
         """URLs behind which a file may be, the first one first."""
-        given = as_url(file)
+        given = Url.of(file)
         if given is not None:
-            yield self._allowed(checked(given))
+            yield self._allowed(given.checked())
             return
-        if self.own and leads_out(file):
+        if self.own and self.own.joined(file) is None:
             raise _outside(f"{file!r} leads out of the folder of the campaign.")
-        folder = as_url(self.folder or "")
+        folder = Url.of(self.folder or "")
         if folder is not None:
-            yield from _below(self._allowed(checked(folder)), file)
+            yield from _below(self._allowed(folder.checked()), file)
         if self.data:
-            inside = joined(self.data, self.folder) if self.folder and folder is None else None
+            inside = self.data.joined(self.folder) if self.folder and folder is None else None
             yield from _below(inside, file)
-            yield from _below(checked(self.data), file)
+            yield from _below(self.data.checked(), file)
         if self.own:
             yield from _below(self.own, file)
 
-    def _allowed(self, url: str) -> str:
+    def _allowed(self, url: Url) -> Url:
         """A URL that the campaign file names, if it may."""
-        roots = [f"{root.rstrip('/')}/" for root in (self.own, self.data) if root]
-        inside = any(url.startswith(root) and not leads_out(url[len(root) :]) for root in roots)
+        roots = [Url(f"{root.rstrip('/')}/") for root in (self.own, self.data) if root]
+        inside = any(url.startswith(root) and root.joined(url[len(root) :]) for root in roots)
         if self.own and not inside:
-            raise _outside(f"{shown_url(url)} is not below the folder of the campaign.")
+            raise _outside(f"{url.shown} is not below the folder of the campaign.")
         return url
 
 
-def _below(folder: str | None, file: str) -> Iterator[str]:
-    url = None if folder is None else joined(folder, file)
+def _below(folder: Url | None, file: str) -> Iterator[Url]:
+    url = None if folder is None else folder.joined(file)
     if url is not None:
         yield url
 

@@ -12,17 +12,7 @@ from pmmkit.base import CampaignError, DataError, Problem, Remedy, setting
 from pmmkit.campaigns.file.faults import Faults
 from pmmkit.campaigns.file.remote_files import RemoteFiles
 from pmmkit.campaigns.samples.loading import at_hand
-from pmmkit.files import (
-    CAMPAIGN,
-    Origin,
-    as_url,
-    checked,
-    joined,
-    leads_out,
-    look,
-    matching,
-    shown_url,
-)
+from pmmkit.files import CAMPAIGN, Origin, Url, matching
 from pmmkit.readers import Request, reader_for, to_number
 
 DATA_VARIABLE: Final = "PMMKIT_DATA"
@@ -42,12 +32,12 @@ class Search:
     remote: RemoteFiles = field(default_factory=RemoteFiles)
 
     @classmethod
-    def of(cls, place: Path, data: str | Path | None, own: str = "") -> Search:
+    def of(cls, place: Path, data: str | Path | None, own: Url | None = None) -> Search:
         """For a campaign file; the measurements are where is said, else where PMMKIT_DATA says."""
         given = data if data is not None else os.environ.get(DATA_VARIABLE) or None
-        url = None if given is None else as_url(given)
+        url = None if given is None else Url.of(given)
         here = None if given is None or url is not None else Path(given).expanduser()
-        return cls(place.parent, here, remote=RemoteFiles(own=own, data=url or ""))
+        return cls(place.parent, here, remote=RemoteFiles(own=own, data=url))
 
     def within(self, folder: str | None) -> Search:
         """The same search in what the campaign file says of the measurements."""
@@ -57,8 +47,9 @@ class Search:
         """The folders, the first one first."""
         found = []
         if self.data is not None:
-            inside = self.folder and not (self.remote.own and leads_out(self.folder))
-            found += [self.data / self.folder] if self.folder and inside else []
+            own = self.remote.own
+            if self.folder and (own is None or own.joined(self.folder) is not None):
+                found.append(self.data / self.folder)
             found.append(self.data)
         return found if self.remote.own else [*found, self.own]
 
@@ -69,7 +60,7 @@ class Search:
         if origin is not None:
             freely = self.remote.is_named_freely(file) and not self.remote.own
             return Request(
-                path=Path(origin.shown), shown=shown_url(file), origin=origin, withheld=freely
+                path=Path(origin.shown), shown=Url(file).shown, origin=origin, withheld=freely
             )
         path = path or self._path(file)
         if path is None:
@@ -78,7 +69,7 @@ class Search:
 
     def _path(self, file: str) -> Path | None:
         """Path of a file, else of a folder of that name or of a pattern that files fit, or None."""
-        if as_url(file) is not None or (self.remote.own and leads_out(file)):
+        if Url.of(file) is not None or (self.remote.own and self.remote.own.joined(file) is None):
             return None
         names = (file, file.replace("\\", "/"))
         places = [_joined(folder, name) for name in names for folder in self.folders()]
@@ -153,26 +144,26 @@ def _joined(folder: Path, name: str) -> Path:
 
 def origin_of(path: str | Path, files: Sequence[str]) -> Origin | None:
     """The campaign file behind a URL; None for a path of this machine."""
-    given = as_url(path)
+    given = Url.of(path)
     if given is None:
         return None
-    url = checked(given)
-    if not shown_url(url).lower().endswith(tuple(files)):
-        url = joined(url, CAMPAIGN.file) or url
-    origin = look(url)
+    url = given.checked()
+    if not url.shown.lower().endswith(tuple(files)):
+        url = url.joined(CAMPAIGN.file) or url
+    origin = Origin.of(url)
     if origin is None:
         raise CampaignError(
             "there is nothing behind this URL.",
-            file=shown_url(url),
+            file=url.shown,
             remedy=f"Name a folder with {CAMPAIGN.file}, or a file that ends in one of "
             f"{', '.join(files)}.",
         )
     return origin
 
 
-def folder_of(origin: Origin | None) -> str:
-    """URL of the folder of a campaign file; empty for one of this machine."""
-    return "" if origin is None else origin.shown.rpartition("/")[0]
+def folder_of(origin: Origin | None) -> Url | None:
+    """URL of the folder of a campaign file; None for one of this machine."""
+    return None if origin is None else Url(origin.shown.rpartition("/")[0])
 
 
 def folder_name(place: Path, origin: Origin | None) -> str:
@@ -185,7 +176,7 @@ def folder_name(place: Path, origin: Origin | None) -> str:
 def with_curve(propeller: Mapping[str, Any], search: Search, out: Faults) -> dict[str, Any]:
     """What a campaign file says of the propeller, with the curve that stands behind a URL."""
     curve = propeller.get("open_water")
-    if not isinstance(curve, str) or not (search.remote.own or as_url(curve)):
+    if not isinstance(curve, str) or not (search.remote.own or Url.of(curve)):
         return dict(propeller)
     found = search.find(curve)
     if found is None:

@@ -11,7 +11,7 @@ from typing import Final
 
 from threadpoolctl import threadpool_limits
 
-from pmmkit.base import ModelError, Workers, crew_of, each
+from pmmkit.base import ModelError, Workers, each, opened
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.findings import NamedSet, model_of
@@ -109,7 +109,7 @@ def contest_of(
     refused: list[tuple[Names, float, str]] = []
     ahead = NamedSet(names=(), gain=0.0, fit=null)
     place, first = null.place, null.weighed()
-    with crew_of(executor) as crew:
+    with opened(executor, rounds=True) as crew:
         for count in range(min(most, len(names))):
             tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")
             found: list[NamedSet] = []
@@ -157,7 +157,7 @@ def contest_of(
 def _fits(
     place: Linearised,
     sets: Sequence[tuple[Names, Forces]],
-    crew: Executor | None,
+    crew: Executor | int | None,
     tell: Callable[[str], None],
 ) -> list[SetFit]:
     """Sets fitted from a place, in their order."""

@@ -12,8 +12,7 @@ from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns import RUN_SETTINGS, RunSetting, Settings, captive_kinds, require_settings
 from pmmkit.conventions import Ship
 from pmmkit.diagnosis.planning.options import Limits, Option, timed
-from pmmkit.files import check_numbers
-from pmmkit.presentation import toml_string
+from pmmkit.files import check_numbers, toml_string
 
 LIMITS: Final = {
     "speeds": ("speeds", 1.0),

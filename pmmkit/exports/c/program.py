@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from pmmkit.exports.c.function import Body
 from pmmkit.exports.c.kinds import NOTHING, ValueKind, identifier, number
-from pmmkit.presentation import comment
+from pmmkit.exports.comments import comment
 from pmmkit.syntax import Call, Expression, Function, Unwritable, bound, function_of, functions
 
 PREFIX: Final = "eq_"

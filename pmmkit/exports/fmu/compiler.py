@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Final
 
 from pmmkit.base import DataError, Remedy, setting
-from pmmkit.presentation import lines_of
+from pmmkit.presentation import printable
 
 _COMPILERS: Final = ("cc", "gcc", "clang", "cl")
 _SYSTEMS: Final = {"win32": ("windows", "win", ".dll"), "darwin": ("darwin", "darwin", ".dylib")}
@@ -85,7 +85,7 @@ def _place(fmi: int) -> tuple[str, str]:
 
 def _failed(command: list[str], said: str) -> DataError:
     return DataError(
-        f"The C compiler failed: {shlex.join(command)}\n{lines_of(said)[:_LONGEST]}",
+        f"The C compiler failed: {shlex.join(command)}\n{printable(said, lines=True)[:_LONGEST]}",
         remedy=Remedy(
             "Name another compiler in the environment variable CC, or export without {}.",
             (_COMPILE,),

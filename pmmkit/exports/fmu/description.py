@@ -10,9 +10,9 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.base import __version__
+from pmmkit.exports.comments import plain
 from pmmkit.exports.fmu.variables import FmuVariable, Table
 from pmmkit.models import Model
-from pmmkit.presentation import plain
 from pmmkit.simulation import RTOL
 
 # Units as powers of the base units.

@@ -9,10 +9,10 @@ from typing import Final
 from pmmkit.base import ModelError, Problem
 from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, ValueKind, number
 from pmmkit.exports.c.program import Program
+from pmmkit.exports.comments import comment
 from pmmkit.exports.fmu.variables import BEGIN, GEAR, Table
 from pmmkit.exports.text import written_by
 from pmmkit.models import Model
-from pmmkit.presentation import comment
 from pmmkit.simulation import (
     CARRYING,
     LONGEST_STEP,

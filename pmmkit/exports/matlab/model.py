@@ -9,13 +9,13 @@ from typing import Any, Final
 
 from pmmkit.base import ModelError, Problem
 from pmmkit.effects import CATALOGUE, INERTIA, function_of_text
+from pmmkit.exports.comments import WIDTH, comment
 from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
 from pmmkit.exports.matlab.printed import COLUMN, printed
 from pmmkit.exports.matlab.transcribe import MatlabLine, line, needed, transcribe
 from pmmkit.exports.matlab.words import heading, meaning
 from pmmkit.exports.text import WHICH_SPEED, is_matlab_name, matlab_name, number
 from pmmkit.models import Model, parts_of
-from pmmkit.presentation import WIDTH, comment
 from pmmkit.simulation import (
     ACCELERATIONS,
     FORCES,

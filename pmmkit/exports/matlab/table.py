@@ -6,10 +6,10 @@ from dataclasses import asdict, fields
 from typing import Final
 
 from pmmkit.base import TableError
+from pmmkit.exports.comments import comment, matlab_string
 from pmmkit.exports.matlab.hull import variable
 from pmmkit.exports.text import is_matlab_name, number, row, written_by
 from pmmkit.models import DerivativeTable
-from pmmkit.presentation import comment, matlab_string
 
 _PARTICULARS: Final = {
     "L": "length between perpendiculars (m)",

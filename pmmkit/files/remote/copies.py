@@ -23,7 +23,7 @@ from typing import Any, Final
 from pmmkit.base import DataError
 from pmmkit.files.json_text import readable
 from pmmkit.files.places import cache_folder, sha256
-from pmmkit.files.remote.objects import Origin, is_absent, look, system_of, told
+from pmmkit.files.remote.objects import Origin, is_absent, system_of, told
 
 SHEET: Final = "pmmkit-origin.json"
 """Beside each copy: where it is from and what it was when it came."""
@@ -45,7 +45,7 @@ def local_copy(origin: Origin, *, proven: bool = True) -> Path:
     Parameters
     ----------
     origin : Origin
-        As `look` gave it, here or in another process.
+        As `Origin.of` gave it, here or in another process.
     proven : bool
         Whether the content of a copy that is there is held against its checksum; else only its
         size is.
@@ -132,7 +132,7 @@ def _fetch(origin: Origin, target: Path) -> None:
             if wait is None:
                 raise told(origin.url, error) from error
             time.sleep(wait)
-    now = look(origin.url) if origin.stated else origin
+    now = Origin.of(origin.url) if origin.stated else origin
     if now != origin:
         raise _changed(origin, "it is gone" if now is None else "it is another one now")
 

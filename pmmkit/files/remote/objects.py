@@ -8,15 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from pmmkit.base import DataError
-from pmmkit.files.remote.urls import (
-    PACKAGES,
-    WEB,
-    checked,
-    host_of,
-    scheme_of,
-    shown_name,
-    shown_url,
-)
+from pmmkit.files.remote.urls import PACKAGES, WEB, Url
 
 CONNECT: Final = 10.0
 """Seconds in which a web server has to answer."""
@@ -51,7 +43,7 @@ class Origin:
 
     Parameters
     ----------
-    url : str
+    url : Url
         Where it is.
     state : str
         Tag, checksum or time of change by which its store tells one state from another.
@@ -61,54 +53,49 @@ class Origin:
         Whether the store tells states apart; else `state` stands for this one look.
     """
 
-    url: str
+    url: Url
     state: str = field(repr=False)
     size: int | None = field(default=None, repr=False)
     stated: bool = field(default=True, repr=False)
 
+    @classmethod
+    def of(cls, url: Url) -> Origin | None:
+        """What stands behind a URL now; None if nothing does.
+
+        Raises
+        ------
+        DataError
+            If it is not read, needs a package, is forbidden, or cannot be reached.
+        """
+        system = system_of(url.checked())
+        try:
+            system.invalidate_cache()
+            found = system.info(url)
+        except Exception as error:  # stores raise whatever their libraries raise
+            if is_absent(error):
+                return None
+            raise told(url, error) from error
+        if found.get("type") == "directory":
+            return None
+        said = {name: str(found[name]) for name in _STATES if found.get(name)}
+        size = found.get("size")
+        state = repr((size, said)) if said else uuid.uuid4().hex
+        return cls(url=url, state=state, size=size, stated=bool(said))
+
     @property
     def name(self) -> str:
         """Name of its copy."""
-        return shown_name(self.url)
+        return self.url.name
 
     @property
     def shown(self) -> str:
         """As messages and results name it."""
-        return shown_url(self.url)
+        return self.url.shown
 
 
-def look(url: str) -> Origin | None:
-    """What stands behind a URL now; None if nothing does.
-
-    Parameters
-    ----------
-    url : str
-        Anything that looks like one.
-
-    Raises
-    ------
-    DataError
-        If it is not read, needs a package, is forbidden, or cannot be reached.
-    """
-    system = system_of(checked(url))
-    try:
-        system.invalidate_cache()
-        found = system.info(url)
-    except Exception as error:  # stores raise whatever their libraries raise
-        if is_absent(error):
-            return None
-        raise told(url, error) from error
-    if found.get("type") == "directory":
-        return None
-    said = {name: str(found[name]) for name in _STATES if found.get(name)}
-    size = found.get("size")
-    state = repr((size, said)) if said else uuid.uuid4().hex
-    return Origin(url=url, state=state, size=size, stated=bool(said))
-
-
-def system_of(url: str) -> Any:
+def system_of(url: Url) -> Any:
     """fsspec's view of the store behind a URL."""
-    scheme = scheme_of(url)
+    scheme = url.scheme
     options: Mapping[str, Any] = {}
     try:
         import fsspec
@@ -123,7 +110,7 @@ def system_of(url: str) -> Any:
         more = "" if scheme in WEB else f" {PACKAGES[scheme]}"
         raise DataError(
             f"reading {scheme}:// needs packages that are not installed ({error}).",
-            file=shown_url(url),
+            file=url.shown,
             remedy=f"pip install 'pmmkit[remote]'{more}, on all machines that read.",
         ) from error
     except Exception as error:  # stores look for keys when they are made
@@ -139,10 +126,10 @@ def is_absent(error: BaseException) -> bool:
     return isinstance(chain[-1], (FileNotFoundError, IsADirectoryError))
 
 
-def told(url: str, error: BaseException) -> DataError:
+def told(url: Url, error: BaseException) -> DataError:
     """What is wrong with a store, and what can be done."""
     chain = list(_causes(error))
-    scheme, host = scheme_of(url), host_of(shown_url(url))
+    scheme, host = url.scheme, url.host
     if any(
         _state_of(item) in _FORBIDDEN
         or isinstance(item, PermissionError)
@@ -157,13 +144,13 @@ def told(url: str, error: BaseException) -> DataError:
         )
         return DataError(
             f"{host} gives no permission.",
-            file=shown_url(url),
+            file=url.shown,
             remedy=f"See whether the name is right; keys are taken from {keys}.",
         )
     last = str(chain[-1]).split("?")[0].strip() or type(chain[-1]).__name__
     return DataError(
         f"{host} cannot be reached or broke off ({last}).",
-        file=shown_url(url),
+        file=url.shown,
         remedy="Try again: what was read is kept.",
     )
 

@@ -29,155 +29,112 @@ WEB: Final = ("https", "http")
 _BEGINNING: Final = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):/+")
 
 
-def as_url(place: str | Path) -> str | None:
-    """The URL that a text or path stands for; None where it is a path of this machine.
-
-    A path that was a URL has lost one of its two slashes, which it gets back.
-
-    Parameters
-    ----------
-    place : str or Path
-        What somebody typed, or a campaign file names.
-
-    Returns
-    -------
-    str or None
-        Anything that looks like a URL, `checked` or not.
+class Url(str):
+    """A text that looks like a URL, whether or not it is one that is read.
 
     Examples
     --------
-    >>> as_url(Path("https://example.org/kcs")), as_url("s3://bucket/kcs/campaign.toml")
-    ('https://example.org/kcs', 's3://bucket/kcs/campaign.toml')
-    >>> as_url("runs/PS_1.csv"), as_url("C:/runs/PS_1.csv")
-    (None, None)
+    >>> Url("https://example.org/kcs/a.csv?signature=1b2c").shown
+    'https://example.org/kcs/a.csv'
     """
-    text = place.as_posix() if isinstance(place, Path) else str(place)
-    found = _BEGINNING.match(text)
-    if found:
-        return f"{found[1].lower()}://{text[found.end() :]}"
-    return text if "::" in text and ":/" in text else None
 
+    __slots__ = ()
 
-def checked(url: str) -> str:
-    """A URL that is read.
+    @classmethod
+    def of(cls, place: str | Path) -> Url | None:
+        """The URL that a text or path stands for; None where it is a path of this machine.
 
-    Parameters
-    ----------
-    url : str
-        As `as_url` gives it.
+        A path that was a URL has lost one of its two slashes, which it gets back.
 
-    Raises
-    ------
-    DataError
-        If it chains protocols, is of another protocol, or holds a password.
+        Examples
+        --------
+        >>> Url.of(Path("https://example.org/kcs")), Url.of("s3://bucket/kcs/campaign.toml")
+        ('https://example.org/kcs', 's3://bucket/kcs/campaign.toml')
+        >>> Url.of("runs/PS_1.csv"), Url.of("C:/runs/PS_1.csv")
+        (None, None)
+        """
+        text = place.as_posix() if isinstance(place, Path) else str(place)
+        found = _BEGINNING.match(text)
+        if found:
+            return cls(f"{found[1].lower()}://{text[found.end() :]}")
+        return cls(text) if "::" in text and ":/" in text else None
 
-    Examples
-    --------
-    >>> checked("https://example.org/kcs/campaign.toml")
-    'https://example.org/kcs/campaign.toml'
-    """
-    shown = shown_url(url)
-    if "::" in url:
-        raise _refused(shown, "this is a chain of protocols.", "Name the URL of the object itself.")
-    scheme = scheme_of(url)
-    if scheme not in PACKAGES:
-        raise _refused(
-            shown,
-            f"{scheme}:// is not read.",
-            f"Known: {', '.join(PACKAGES)}. A file of this machine is named by its path alone.",
-        )
-    host = url.partition("://")[2].split("/")[0]
-    if not host:
-        raise _refused(shown, "no host or bucket is named.", f"Write {scheme}://HOST/PATH.")
-    if scheme in WEB and "@" in host:
-        raise _refused(
-            f"{scheme}://{host.rpartition('@')[2]}",
-            "the URL holds a password, which results would name.",
-            "Leave it out, and write it into the file .netrc of your home folder.",
-        )
-    return url
+    def checked(self) -> Url:
+        """The same, where it is read.
+
+        Raises
+        ------
+        DataError
+            If it chains protocols, is of another protocol, or holds a password.
+        """
+        if "::" in self:
+            raise _refused(
+                self.shown, "this is a chain of protocols.", "Name the URL of the object itself."
+            )
+        if self.scheme not in PACKAGES:
+            raise _refused(
+                self.shown,
+                f"{self.scheme}:// is not read.",
+                f"Known: {', '.join(PACKAGES)}. A file of this machine is named by its path alone.",
+            )
+        host = self.partition("://")[2].split("/")[0]
+        if not host:
+            raise _refused(
+                self.shown, "no host or bucket is named.", f"Write {self.scheme}://HOST/PATH."
+            )
+        if self.scheme in WEB and "@" in host:
+            raise _refused(
+                f"{self.scheme}://{host.rpartition('@')[2]}",
+                "the URL holds a password, which results would name.",
+                "Leave it out, and write it into the file .netrc of your home folder.",
+            )
+        return self
+
+    @property
+    def scheme(self) -> str:
+        """Its protocol."""
+        return self.partition("://")[0]
+
+    @property
+    def host(self) -> str:
+        """Its host or bucket."""
+        return urlsplit(self.shown).netloc
+
+    @property
+    def shown(self) -> str:
+        """As messages and results name it: without a query, which may be a key."""
+        return re.split(r"[?#]", self)[0] if self.scheme in WEB else str(self)
+
+    @property
+    def name(self) -> str:
+        """The name of the file behind it, fit for a file of this machine.
+
+        Examples
+        --------
+        >>> Url("https://example.org/kcs/PS%201.csv?x=1").name, Url("s3://b/..").name
+        ('PS 1.csv', '_')
+        """
+        last = self.shown.rstrip("/").rpartition("/")[2]
+        name = unquote(last) if self.scheme in WEB else last
+        return re.sub(r"[^\w .()+=@-]", "_", name)[-120:].strip(". ") or "_"
+
+    def joined(self, name: str) -> Url | None:
+        """The URL of a file that is named as seen from this folder; None where it lies outside.
+
+        Examples
+        --------
+        >>> Url("https://example.org/kcs").joined("runs/PS 1.csv")
+        'https://example.org/kcs/runs/PS%201.csv'
+        >>> folder = Url("s3://bucket/kcs")
+        >>> folder.joined("runs/../means.csv"), folder.joined("../x.csv"), folder.joined("/etc/a")
+        ('s3://bucket/kcs/means.csv', None, None)
+        """
+        tidy = posixpath.normpath(name.replace("\\", "/"))
+        if tidy.startswith(("/", "../")) or tidy in ("..", ".") or re.match("[A-Za-z]:", tidy):
+            return None
+        written = quote(tidy) if self.scheme in WEB else tidy
+        return Url(f"{self.shown.rstrip('/')}/{written}")
 
 
 def _refused(shown: str, message: str, remedy: str) -> DataError:
     return DataError(message, file=shown, remedy=remedy)
-
-
-def scheme_of(url: str) -> str:
-    """The protocol of a URL."""
-    return url.partition("://")[0]
-
-
-def joined(base: str, name: str) -> str | None:
-    """The URL of a file that is named as seen from a folder; None where it lies outside.
-
-    Parameters
-    ----------
-    base : str
-        URL of the folder.
-    name : str
-        As a campaign file writes it.
-
-    Examples
-    --------
-    >>> joined("https://example.org/kcs", "runs/PS 1.csv")
-    'https://example.org/kcs/runs/PS%201.csv'
-    >>> joined("s3://bucket/kcs", "runs/../means.csv"), joined("s3://bucket/kcs", "../x.csv")
-    ('s3://bucket/kcs/means.csv', None)
-    """
-    if leads_out(name):
-        return None
-    tidy = posixpath.normpath(name.replace("\\", "/"))
-    written = quote(tidy) if scheme_of(base) in WEB else tidy
-    return f"{shown_url(base).rstrip('/')}/{written}"
-
-
-def leads_out(name: str) -> bool:
-    """Whether a name leads out of the folder that it is seen from.
-
-    Parameters
-    ----------
-    name : str
-        As a campaign file writes it.
-
-    Examples
-    --------
-    >>> leads_out("runs/../a.csv"), leads_out("../a.csv"), leads_out("/etc/a.csv")
-    (False, True, True)
-    """
-    tidy = posixpath.normpath(name.replace("\\", "/"))
-    return tidy.startswith(("/", "../")) or tidy in ("..", ".") or bool(re.match("[A-Za-z]:", tidy))
-
-
-def shown_url(url: str) -> str:
-    """A URL as messages and results name it: without a query, which may be a key.
-
-    Parameters
-    ----------
-    url : str
-        Anything that looks like one.
-
-    Examples
-    --------
-    >>> shown_url("https://example.org/a.csv?signature=1b2c")
-    'https://example.org/a.csv'
-    """
-    return re.split(r"[?#]", url)[0] if scheme_of(url) in WEB else url
-
-
-def shown_name(url: str) -> str:
-    """The name of a file behind a URL, fit for a file of this machine.
-
-    Examples
-    --------
-    >>> shown_name("https://example.org/kcs/PS%201.csv?x=1"), shown_name("s3://b/..")
-    ('PS 1.csv', '_')
-    """
-    bare = shown_url(url)
-    last = bare.rstrip("/").rpartition("/")[2]
-    name = unquote(last) if scheme_of(url) in WEB else last
-    return re.sub(r"[^\w .()+=@-]", "_", name)[-120:].strip(". ") or "_"
-
-
-def host_of(url: str) -> str:
-    """The host or bucket of a URL."""
-    return urlsplit(url).netloc

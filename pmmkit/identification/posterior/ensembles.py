@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 from emcee.moves import RedBlueMove
 
-from pmmkit.base import DataError, Workers, crew_of, each
+from pmmkit.base import DataError, Workers, each, opened
 from pmmkit.inference import Convergence, convergence
 from pmmkit.numerics import Array
 
@@ -130,7 +130,7 @@ def drawn_from(
     called = [f"ensemble {i + 1}" for i in range(len(starts))]
     pieces: list[list[tuple[Array, Array, Array, Array]]] = [[] for _ in starts]
     done, goal = 0, min(max(FIRST[0], FIRST[1] * starts.shape[2]), steps)
-    with crew_of(executor) as crew:
+    with opened(executor, rounds=True) as crew:
         while True:
             asked = [(*state, goal - done) for state in states]
             for place, (state, piece) in each(work, asked, crew, names=called):

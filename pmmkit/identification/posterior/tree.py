@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pmmkit.base import DataError, Problem, __version__
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.effects import CURRENT
-from pmmkit.files import atomic_path, is_intact, seal
+from pmmkit.files import atomic_path, is_intact
 from pmmkit.identification.posterior.density import DEGREES, PROCESS_NOISE, SENSOR_SCALE, Density
 from pmmkit.identification.posterior.ensembles import EnsembleDraws
 from pmmkit.identification.record import FreeRecord
@@ -151,9 +151,8 @@ def write_posterior(tree: xr.DataTree, path: str | Path) -> None:
     path : path
         The file.
     """
-    with atomic_path(path) as part:
+    with atomic_path(path, sealed=True) as part:
         tree.to_netcdf(part, engine="h5netcdf")
-        seal(part)
 
 
 def read_posterior(path: str | Path) -> xr.DataTree:
@@ -161,7 +160,7 @@ def read_posterior(path: str | Path) -> xr.DataTree:
 
     Notes
     -----
-    As with tables, the seal is looked at before the file is opened (`files.seal`). So a file that
+    As with tables, the seal is looked at before the file is opened. So a file that
     another program has saved again is not read here, but by ``xarray.open_datatree``.
     """
     import xarray as xr

@@ -13,7 +13,7 @@ from pmmkit.conventions import IN_LENGTHS, in_metres, in_words, metric_of, metri
 from pmmkit.identification.trials.current import Current
 from pmmkit.identification.trials.noise import PositionNoise
 from pmmkit.numerics import Array
-from pmmkit.presentation import ABSENT, WIDE, Grid, Group, Section, number, with_uncertainty
+from pmmkit.presentation import ABSENT, WIDE, Grid, Group, Section, number, plus_minus
 from pmmkit.simulation import Condition, Track, Verdict, scaled
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ class Trial(Track):
         rudder = "" if self.manoeuvre == STOPPING.name else f", rudder {self.rudder_deg:+.1f}°"
         approach = f"{self.speed:.2f}"
         if math.isfinite(self.speed_std) and self.speed_std > 0.0:
-            approach = with_uncertainty(self.speed, WIDE * self.speed_std, "plus-minus")
+            approach = plus_minus(self.speed, WIDE * self.speed_std)
         on = f"{self.heading_deg:05.1f}°"
         return f"{self.run}: {self.manoeuvre}{rudder}, approach {approach} m/s on {on}"
 
@@ -172,7 +172,7 @@ class Trial(Track):
         if self.current is not None:
             half = WIDE * self.current.speed_std
             words.append(
-                f"Current {with_uncertainty(self.current.speed, half, 'plus-minus')} m/s to "
+                f"Current {plus_minus(self.current.speed, half)} m/s to "
                 f"{self.current.direction_deg:03.0f}° ({self.current.origin})"
             )
         if self.equal_headings is not None:

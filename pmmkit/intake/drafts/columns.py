@@ -9,9 +9,10 @@ from typing import Any, Final
 
 from pmmkit.campaigns import required_channels
 from pmmkit.conventions import split_unit
+from pmmkit.files import toml_string
 from pmmkit.intake.guessing import Suggestion
 from pmmkit.intake.seen import ColumnLook, FileLook
-from pmmkit.presentation import toml_comment, toml_string
+from pmmkit.presentation import printable
 from pmmkit.readers import Options
 
 # What the sections of a draft are written with: values as TOML, comments, open questions.
@@ -52,12 +53,12 @@ class Todo:
 
 def aligned(left: str, note: str) -> str:
     """A line with its comment, the comments of a section below each other."""
-    return f"{left:<32} # {toml_comment(note)}" if note else left
+    return f"{left:<32} # {printable(note)}" if note else left
 
 
 def commented(text: str) -> list[str]:
     """A longer text as lines of comment."""
-    return textwrap.wrap(toml_comment(text), 98, initial_indent="# ", subsequent_indent="# ")
+    return textwrap.wrap(printable(text), 98, initial_indent="# ", subsequent_indent="# ")
 
 
 def toml(value: Any) -> str:
@@ -143,8 +144,8 @@ def column_lines(
         if name not in known and not any(other.startswith(f"{name}_") for other in known):
             lines.append(f"# {name} = ...   # TODO which column is {_MEANS[name]}? (false if none)")
             todo.add(f"[columns] {name}: which column of {look.shown} is {_MEANS[name]}?")
-    lines += [f"# not used: {toml_comment(text)}" for text in unused]
-    return lines + [f"# note: {toml_comment(note)}" for note in look.notes]
+    lines += [f"# not used: {printable(text)}" for text in unused]
+    return lines + [f"# note: {printable(note)}" for note in look.notes]
 
 
 def their_column(column: ColumnLook, item: Suggestion, look: FileLook) -> str:

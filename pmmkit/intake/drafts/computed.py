@@ -10,7 +10,7 @@ from pmmkit.campaigns import TEST_KINDS
 from pmmkit.intake.drafts.columns import Todo, aligned, commented, toml
 from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.draft import RunDraft
-from pmmkit.presentation import toml_comment
+from pmmkit.presentation import printable
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +108,7 @@ def cfd_lines(
             "# moment_centre_moves = false    # TODO if that point stays behind while she moves",
         ]
     if proposal is not None and proposal.why_along:
-        lines.append(f"# {toml_comment(_steady(runs))}: {toml_comment(proposal.why_along)}")
+        lines.append(f"# {printable(_steady(runs))}: {printable(proposal.why_along)}")
     return lines
 
 

@@ -8,6 +8,7 @@ from typing import Final
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Run, settings_by_key
+from pmmkit.files import toml_string
 from pmmkit.intake.drafts.columns import (
     Todo,
     aligned,
@@ -22,7 +23,7 @@ from pmmkit.intake.drafts.matrix import MatrixDraft
 from pmmkit.intake.drafts.settle import RunKey, asked_of
 from pmmkit.intake.drafts.sheets import where_line
 from pmmkit.intake.seen import FileLook
-from pmmkit.presentation import toml_comment, toml_string
+from pmmkit.presentation import printable
 from pmmkit.readers import READERS, filled_in
 
 # What the runs of a draft have in common, to be stated once.
@@ -151,7 +152,7 @@ def matrix_lines(matrix: MatrixDraft, todo: Todo) -> list[str]:
             if not sure:
                 todo.add(f"[matrix.columns] {item.name}: is it {column.label!r} of {look.shown}?")
         else:
-            lines.append(f"# not used: {toml_comment(column.label)}")
+            lines.append(f"# not used: {printable(column.label)}")
     lines.append("[matrix.tests]                   # their word = our kind of test")
     for word, test in matrix.tests.items():
         if test is None:
@@ -215,8 +216,8 @@ def entry_lines(
     if entry.samples:
         lines.append(aligned(f"samples = {toml(entry.samples)}", "rows of one name: one cycle"))
     lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
-    lines += [f"# {toml_comment(note)}" for note in entry.notes]
-    lines += [f"# TODO {toml_comment(problem)}" for problem in entry.problems[:3]]
+    lines += [f"# {printable(note)}" for note in entry.notes]
+    lines += [f"# TODO {printable(problem)}" for problem in entry.problems[:3]]
     if entry.problems:
         todo.of_run('the file is damaged or lacks values (missing = "drop" in [source])', entry.id)
     if apart_columns:

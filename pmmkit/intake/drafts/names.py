@@ -162,7 +162,7 @@ def test_named(part: str) -> str | None:
     for test, pattern in _phrases():
         if pattern.search(plain):
             return test
-    in_other_words = [test for test, _ in meanings("test", part) if test in TEST_KINDS]
+    in_other_words = [test for test, *_ in meanings("test", part) if test in TEST_KINDS]
     if in_other_words:
         return in_other_words[0]
     codes = _codes()

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final, Literal
 
+from pmmkit.files import toml_string
 from pmmkit.intake.drafts.columns import aligned
-from pmmkit.presentation import toml_string
 
 MARK: Final = "TODO"
 """Stands in the comment of a line that a person must fill in or confirm, who then takes it away."""

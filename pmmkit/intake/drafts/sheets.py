@@ -183,8 +183,8 @@ def _one_or_all(values: Sequence[str]) -> Any:
 
 def where_line(where: Mapping[str, Any]) -> str:
     """A condition as TOML."""
+    from pmmkit.files import toml_string
     from pmmkit.intake.drafts.columns import toml
-    from pmmkit.presentation import toml_string
 
     inside = ", ".join(f"{toml_string(key)} = {toml(value)}" for key, value in where.items())
     return f"where = {{ {inside} }}"

@@ -19,7 +19,7 @@ from pmmkit.intake.drafts.entries import (
 )
 from pmmkit.intake.drafts.sheets import scatter_lines
 from pmmkit.intake.seen import FileLook
-from pmmkit.presentation import toml_comment
+from pmmkit.presentation import printable
 from pmmkit.readers import READERS, SavedCampaign
 
 
@@ -272,8 +272,8 @@ def _largest(draft: Draft) -> FileLook | None:
 
 
 def _unused(draft: Draft) -> list[str]:
-    lines = [f"# {toml_comment(text)}" for text in draft.unused]
+    lines = [f"# {printable(text)}" for text in draft.unused]
     listing = {matrix.look.shown for matrix in draft.matrices}
     problems = [problem for problem in draft.look.problems if problem.file not in listing]
-    lines += [f"# {toml_comment(str(problem))}" for problem in problems]
+    lines += [f"# {printable(str(problem))}" for problem in problems]
     return ["", "# Files that are not used:", *lines] if lines else []

@@ -325,7 +325,12 @@ class DerivativeTable(Described):
             rows = [
                 [
                     label(name),
-                    *map(plus_minus, value[:, column].tolist(), half[:, column].tolist()),
+                    *(
+                        plus_minus(x, y) or None
+                        for x, y in zip(
+                            value[:, column].tolist(), half[:, column].tolist(), strict=True
+                        )
+                    ),
                     *([beside[1].get(name)] if beside else []),
                 ]
                 for name in names

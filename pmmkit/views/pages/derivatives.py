@@ -87,7 +87,8 @@ def _value(values: Array, low: Array, high: Array, k: int, i: int) -> dict[str, 
 
 def _told(table: DerivativeTable, low: float, high: float, k: int, i: int) -> str | None:
     """A value with half of its interval; None where it is not determined."""
-    return plus_minus(table.factor * float(table.value[k, i]), table.factor * (high - low) / 2)
+    value = table.factor * float(table.value[k, i])
+    return plus_minus(value, table.factor * (high - low) / 2) or None
 
 
 def _of_family(

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
+import html
 import json
 import re
 from pathlib import Path
@@ -9,7 +12,7 @@ from typing import Any, Final
 
 from pmmkit.base import __version__
 from pmmkit.files import plain
-from pmmkit.presentation import content_hash, html_text
+from pmmkit.presentation import printable
 from pmmkit.views.pages.page_room import MOST, Answers, fitted
 
 STATIC: Final = Path(__file__).parents[1] / "static"
@@ -78,7 +81,7 @@ def page_file(answers: Answers) -> str:
             "form-action 'none'",
         )
     )
-    title = html_text(str(answers["state"].get("title") or "pmmkit"))
+    title = html.escape(printable(str(answers["state"].get("title") or "pmmkit")))
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         f'<meta http-equiv="content-security-policy" content="{policy}">\n'
@@ -89,6 +92,17 @@ def page_file(answers: Answers) -> str:
         f'<div id="page"></div>\n<script type="application/json" id="frozen">{data}</script>\n'
         f'<script>{plots}</script>\n<script type="module">{page}</script>\n</body>\n</html>\n'
     )
+
+
+def content_hash(text: str) -> str:
+    """A script or a style sheet as a content security policy names it.
+
+    Examples
+    --------
+    >>> content_hash("")
+    "'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU='"
+    """
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 def _data(held: Any) -> str:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import html
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pmmkit.base import __version__
-from pmmkit.presentation import content_hash, html_text
+from pmmkit.presentation import printable
+from pmmkit.views.pages.page_file import content_hash
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -34,7 +36,7 @@ def bare_page(
 
 @cache
 def _templates() -> Environment:
-    """Templates that escape all text as `html_text` does and refuse names that are not given."""
+    """Templates that escape all text that is printable, and refuse names that are not given."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -43,7 +45,7 @@ def _templates() -> Environment:
         autoescape=True,
         undefined=StrictUndefined,
         finalize=lambda value: (
-            value if isinstance(value, Markup) else Markup(html_text(str(value)))
+            value if isinstance(value, Markup) else Markup(html.escape(printable(str(value))))
         ),
         trim_blocks=True,
         lstrip_blocks=True,

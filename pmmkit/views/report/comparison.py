@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pmmkit.files import write_text
 from pmmkit.intake import CheckFinding
-from pmmkit.presentation import Grid, Group, Section, number, sections_of
+from pmmkit.presentation import Grid, Group, Section, number
 from pmmkit.validation import Comparison, errors_in_percent
 from pmmkit.views.pages.misfit import misfit_page
 from pmmkit.views.pages.page_file import page_file, state_of
@@ -54,7 +54,7 @@ def comparison_answers(found: Comparison, findings: Sequence[CheckFinding] = ())
         ),
         "misfit 0": misfit,
         "told data": told_page(PageSection(after=[checked_section(findings)])),
-        "told where": told_page(PageSection(folded=[*sections_of(found), *_in_percent(found)])),
+        "told where": told_page(PageSection(folded=[*found.sections(), *_in_percent(found)])),
     }
     return with_runs(answers, worst_first(misfit), partial(run_page, found), "run {} 0".format)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from pmmkit.diagnosis import Diagnosis, Fall, Session
 from pmmkit.files import write_text
 from pmmkit.intake import CheckFinding
-from pmmkit.presentation import Section, sections_of
+from pmmkit.presentation import Section
 from pmmkit.views.pages.fall import fall_page
 from pmmkit.views.pages.missing import missing_page
 from pmmkit.views.pages.page_file import page_file, state_of
@@ -118,7 +118,7 @@ def loop_answers(
         facts={"answer": found.answer if found.best else found.verdict, **facts},
         before=_asked_again(loop),
         after=sections,
-        folded=[*sections_of(found), *_fall(loop.fall)],
+        folded=[*found.sections(), *_fall(loop.fall)],
     )
     return {
         "missing": {**missing, "since": 0},

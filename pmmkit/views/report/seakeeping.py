@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from pmmkit.files import write_text
-from pmmkit.presentation import Described, Section, sections_of
+from pmmkit.presentation import Described, Section
 from pmmkit.seakeeping import AddedResistance, Operability, Rao, Response
 from pmmkit.views.pages.page_file import page_file, state_of
 from pmmkit.views.pages.sections import PageSection, told_page
@@ -82,12 +82,12 @@ def write_seakeeping(
 
 
 def _told(thing: Described, figure: Figure, caption: str) -> list[Section]:
-    first, *rest = sections_of(thing)
+    first, *rest = thing.sections()
     return [replace(first, figures=[drawn(figure, caption)]), *rest]
 
 
 def _named(thing: Described, name: str) -> list[Section]:
     """Sections under the name of what they belong to."""
-    found = list(sections_of(thing))
+    found = list(thing.sections())
     before = f"{name}: " if name else ""
     return [replace(item, title=f"{before}{item.title or thing._headline()}") for item in found]

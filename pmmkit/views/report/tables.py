@@ -195,7 +195,7 @@ def _entry(table: DerivativeTable, name: str, froude: float, scale: float) -> Ce
     low, high = table.interval()
     column = table.index(name)
     half = scale * (high[row, column] - low[row, column]) / 2
-    return plus_minus(scale * table.value[row, column], half) or ""
+    return plus_minus(scale * table.value[row, column], half)
 
 
 def _single_runs(reduction: Reduction, scale: float) -> dict[tuple[int, str], str]:

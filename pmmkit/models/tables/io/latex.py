@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 from pmmkit.conventions import CHANNELS, latex_symbol
 from pmmkit.files import write_text
 from pmmkit.models.tables.table import DerivativeTable
-from pmmkit.presentation import Style, with_uncertainty
+from pmmkit.presentation import plus_minus, with_uncertainty
+
+Style = Literal["parentheses", "plus-minus"]
 
 
 def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
@@ -17,6 +20,7 @@ def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
     beta, double = table.convention.sway == "beta", table.convention.system == "bis"
     std = table.std
     heads = [""] if table.pooled else [f"$Fn = {speed:.3f}$" for speed in table.Fn]
+    told = plus_minus if style == "plus-minus" else with_uncertainty
     lines = [
         rf"\begin{{tabular}}{{l{'r' * len(heads)}}}",
         r"\toprule",
@@ -28,7 +32,7 @@ def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
             lines.append(r"\midrule")
         for column in columns:
             cells = [
-                with_uncertainty(value, spread, style).replace("±", r"\pm")
+                told(value, spread).replace("±", r"\pm")
                 for value, spread in zip(table.value[:, column], std[:, column], strict=True)
             ]
             name = latex_symbol(table.names[column], beta=beta, double=double)

@@ -1,6 +1,6 @@
 """Derivative tables as NetCDF4 (HDF5).
 
-They are sealed (`files.seal`): a damaged file is refused before it is opened. Files without a seal
+They are sealed: a damaged file is refused before it is opened. Files without a seal
 (saved again by other programs) are read and checked by their fingerprint.
 """
 
@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import Problem, TableError
-from pmmkit.files import atomic_path, is_intact, seal
+from pmmkit.files import atomic_path, is_intact
 from pmmkit.models.tables.io.content import NOT_READ, assemble
 from pmmkit.models.tables.table import NESTED, DerivativeTable, flat
 
@@ -50,15 +50,13 @@ def write_netcdf(table: DerivativeTable, path: str | Path) -> None:
         "method": table.method.astype(object),
         "runs": table.runs,
     }
-    with atomic_path(path) as part:
-        with h5netcdf.File(part, "w") as file:
-            file.dimensions = {"Fn": k, "derivative": n, "Fn_2": k, "derivative_2": n}
-            for key, value in flat(table.attributes()).items():
-                file.attrs[key] = value
-            for name, dimensions in _DIMENSIONS.items():
-                kind = h5py.string_dtype() if name in _TEXTS else content[name].dtype
-                file.create_variable(name, dimensions, kind, data=content[name])
-        seal(part)
+    with atomic_path(path, sealed=True) as part, h5netcdf.File(part, "w") as file:
+        file.dimensions = {"Fn": k, "derivative": n, "Fn_2": k, "derivative_2": n}
+        for key, value in flat(table.attributes()).items():
+            file.attrs[key] = value
+        for name, dimensions in _DIMENSIONS.items():
+            kind = h5py.string_dtype() if name in _TEXTS else content[name].dtype
+            file.create_variable(name, dimensions, kind, data=content[name])
 
 
 def read_netcdf(path: str | Path) -> DerivativeTable:

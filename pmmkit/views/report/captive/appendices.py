@@ -60,7 +60,7 @@ def _force(result: RunResult, channel: str, part: str) -> Cell:
     if covariance is not None:
         factor = coverage_factor(result.dof.get(channel, math.inf), CONFIDENCE)
         half = float(factor * np.sqrt(covariance[place, place]))
-    return plus_minus(float(result.measured[channel][place]), half)
+    return plus_minus(float(result.measured[channel][place]), half) or None
 
 
 def origin(reduction: Reduction, sources: Sequence[str]) -> Chapter:
