@@ -33,7 +33,7 @@ from pmmkit.models import (
     to_model,
     with_stated_parts,
 )
-from pmmkit.reduction import Parts, Reduction, hull_alone, parts_of, reduce_campaign, thrust_inside
+from pmmkit.reduction import Parts, Reduction, reduce_campaign
 from pmmkit.validation import as_tested
 
 if TYPE_CHECKING:
@@ -212,7 +212,7 @@ def model_of(
         As `reduce_campaign` gives it.
     parts : str, path or Model, optional
         Library name or model file of the same ship that lends propeller and rudder. By default
-        they are what these tests show (`parts_of`), else what the campaign file states and
+        they are what these tests show (`Parts.of`), else what the campaign file states and
         estimates from the particulars (`ship_as_tested`).
     missing : {"estimate", "refuse", "zero", "library"}
         What stands for derivatives that the tests do not give, as for `to_model`.
@@ -261,9 +261,7 @@ def model_of(
 
 def _without_thrust(reduction: Reduction, table: DerivativeTable) -> DerivativeTable:
     """The table without Xuu where it holds the thrust of a propeller: the model has its own."""
-    inside = [
-        reduction.solution.Fn[group] for group in thrust_inside(reduction.solution, reduction.rows)
-    ]
+    inside = [reduction.solution.Fn[group] for group in reduction.thrust_inside]
     if not inside or "Xuu" not in table:
         return table
     value = table.value.copy()
@@ -332,7 +330,7 @@ def _parts_by_tests(reduction: Reduction, stated: Model) -> Parts | None:
     """Propeller and rudder where static tests with their gauges show them."""
     blade = stated.parts[RUDDER_MMG.name]
     try:
-        return parts_of(
+        return Parts.of(
             reduction,
             area=_one(blade, "area"),
             height=_one(stated.parts[PROPELLER.name], "D") / _one(blade, "eta"),
@@ -366,7 +364,7 @@ def _without_rudder(reduction: Reduction, table: DerivativeTable, found: Parts) 
     if not turning:
         return table
     speed, revolutions = np.median(np.array(turning, float), axis=0).tolist()
-    return hull_alone(table, found, speed=speed, revolutions=revolutions)
+    return found.hull_alone(table, speed=speed, revolutions=revolutions)
 
 
 def _one(part: Part, name: str) -> float:

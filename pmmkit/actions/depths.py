@@ -41,7 +41,7 @@ def over_depths(
     from pmmkit.files import write_results
     from pmmkit.models import RATIO, TablesByDepth
     from pmmkit.plotting import save
-    from pmmkit.reduction import felt, growth, squat, squat_frame
+    from pmmkit.reduction import Felt, Growth
     from pmmkit.views import growth_over_depth
 
     unstated = [run.id for part in campaigns if part.water.depth is None for run in part.runs]
@@ -77,11 +77,9 @@ def over_depths(
     grown: tuple[Growth, ...] = ()
     if found:
         tables = TablesByDepth(tables=tuple(item.table for item in found))
-        grown = growth(tables)
+        grown = Growth.of(tables)
         results.append((TABLES, tables.to_pandas()))
-    sunk = [
-        squat_frame(squat(item.runs)).assign(**{RATIO: ratio}) for ratio, item in _by_ratio(found)
-    ]
+    sunk = [item.squat_to_pandas().assign(**{RATIO: ratio}) for ratio, item in _by_ratio(found)]
     if any(len(frame) for frame in sunk):
         results.append((SQUAT, _stacked(sunk)))
     if grown:
@@ -95,7 +93,7 @@ def over_depths(
             "files": [name for name in files if (out / name).is_file()],
             "depths": content,
             "growth": [_row(item) for item in grown],
-            "felt": [asdict(item) for item in felt(grown)],
+            "felt": [asdict(item) for item in Felt.of(grown)],
         },
         lines=[*lines, f"Results: {out.resolve()}"],
         status=status,
@@ -147,7 +145,7 @@ def _frame(grown: Sequence[Growth]) -> pd.DataFrame:
 
 def _growth_lines(grown: Sequence[Growth]) -> list[str]:
     """A row per derivative, measured and by the formulas at each depth."""
-    from pmmkit.reduction import felt
+    from pmmkit.reduction import Felt
 
     ratios = list(dict.fromkeys(item.ratio for item in grown))
     found = {(item.name, item.ratio): item for item in grown}
@@ -172,7 +170,7 @@ def _growth_lines(grown: Sequence[Growth]) -> list[str]:
         f"How derivatives grow from h/T {grown[0].deepest:.4g} (factors with their 95 % intervals; "
         "formulas of the effect shallow_water):",
         aligned(head, rows),
-        *map(str, felt(grown)),
+        *map(str, Felt.of(grown)),
     ]
 
 

@@ -88,3 +88,22 @@ class Visible:
     shown: bool
     why: str
     mimics: Mapping[str, float]
+
+
+def integrated_out(inner: Array, across: Array, rest: Array) -> tuple[Array, Array]:
+    """Products of columns beside others whose coefficients are integrated out.
+
+    inner (…, k, k): products of those that go, in units of their prior standard deviation about
+    zero; across (…, k, p): theirs with those that stay, the data among these; rest (…, p, p): of
+    those. Also by how much ln det of the covariance of the data grows, that of ``1 + inner`` (…).
+
+    Examples
+    --------
+    >>> products, volume = integrated_out(np.array([[3.0]]), np.array([[2.0]]), np.array([[5.0]]))
+    >>> products, round(float(np.exp(volume)), 12)
+    (array([[4.]]), 4.0)
+    """
+    lower = np.linalg.cholesky(np.eye(inner.shape[-1]) + inner)
+    taken = np.linalg.solve(lower, across)
+    volume = 2.0 * np.log(np.diagonal(lower, axis1=-2, axis2=-1)).sum(axis=-1)
+    return rest - np.swapaxes(taken, -1, -2) @ taken, np.asarray(volume, float)

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from pmmkit.identification.filters import STEP, Filtered, first_state
     from pmmkit.identification.forces import fit_to_forces
     from pmmkit.identification.from_run import free_records
-    from pmmkit.identification.innovations import consistency
     from pmmkit.identification.known import known_before, parameters_of
     from pmmkit.identification.methods import SECONDS, identify
     from pmmkit.identification.posterior.posterior import Posterior
@@ -45,35 +44,18 @@ if TYPE_CHECKING:
     from pmmkit.identification.smoother import Smoothed, implied_forces, smooth, units
     from pmmkit.identification.trajectory import first_states
     from pmmkit.identification.trials.current import mean_current
-    from pmmkit.identification.trials.drawing import trial_figure, trial_path, trial_zigzag
-    from pmmkit.identification.trials.evaluate import (
-        JUDGED,
-        WHOLE,
-        evaluate,
-        evaluate_trials,
-        mean_draught,
-    )
-    from pmmkit.identification.trials.loading import (
-        Corrected,
-        LoadingPrediction,
-        corrected_grid,
-        loading_notes,
-        predicted_by,
-        predicted_by_tests,
-        to_full_load,
-    )
+    from pmmkit.identification.trials.evaluate import evaluate_trials, mean_draught
+    from pmmkit.identification.trials.loading import Corrected, LoadingPrediction
     from pmmkit.identification.trials.table import Trial
 
 __all__ = [
     "BEFORE",
     "CHANNELS",
     "FORCES",
-    "JUDGED",
     "ONE_SEA",
     "SECONDS",
     "STEP",
     "UNITS",
-    "WHOLE",
     "Binding",
     "Chosen",
     "Corrected",
@@ -90,12 +72,9 @@ __all__ = [
     "campaign_without",
     "chosen_records",
     "compare_methods",
-    "consistency",
-    "corrected_grid",
     "current_of",
     "disagree",
     "driven",
-    "evaluate",
     "evaluate_trials",
     "first_state",
     "first_states",
@@ -106,7 +85,6 @@ __all__ = [
     "in_words",
     "known_before",
     "known_faults",
-    "loading_notes",
     "matching",
     "mean_current",
     "mean_draught",
@@ -116,8 +94,6 @@ __all__ = [
     "parameters_of",
     "places",
     "predict",
-    "predicted_by",
-    "predicted_by_tests",
     "predicted_window",
     "prediction_std",
     "prior_of",
@@ -126,10 +102,6 @@ __all__ = [
     "smooth",
     "smoothed_without",
     "title_of",
-    "to_full_load",
-    "trial_figure",
-    "trial_path",
-    "trial_zigzag",
     "units",
     "with_roll",
     "write_posterior",

@@ -18,7 +18,7 @@ from pmmkit.identification.lack import LackOfFit, RecordPiece, colour_of, lack_o
 from pmmkit.identification.passes import Pass, Process, passed, seen, state_steps
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
-from pmmkit.inference import Innovations
+from pmmkit.inference import Consistency, Innovations
 from pmmkit.models import Model
 from pmmkit.numerics import Array, precision_over
 from pmmkit.simulation import ESTIMATING, compiled
@@ -96,6 +96,20 @@ class Filtered:
     def log_likelihood(self) -> float:
         """Of all records."""
         return sum(item.log_likelihood() for item in self.innovations.values())
+
+    @property
+    def consistency(self) -> Consistency:
+        """Whether the innovations are as large as the filter thinks, and white.
+
+        Notes
+        -----
+        The filters take the channels of an instant one after another, so the innovations of a right
+        filter are independent across channels too, and n times the mean of the normalised squares
+        is chi square distributed with n degrees of freedom (Bar-Shalom, Li and Kirubarajan 2001,
+        section 5.4). Pairs with a gap between them, or across records, are left out of the
+        correlations.
+        """
+        return Consistency.of(self.innovations)
 
 
 @dataclass(frozen=True, kw_only=True)

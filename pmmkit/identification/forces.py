@@ -16,7 +16,7 @@ from pmmkit.base import DataError, Progress
 from pmmkit.identification.binding import bound, driven, places, replaced, with_parameters
 from pmmkit.identification.lack import LackOfFit, RecordPiece, lack_of, lasting
 from pmmkit.identification.prior import Prior
-from pmmkit.inference import least_squares as linear_fit
+from pmmkit.inference import LeastSquares
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.simulation import (
@@ -209,7 +209,7 @@ def fit_to_forces(
         width = math.sqrt(widened)
     values = found.x * size
     slope = np.vstack([found.jac[:rows] * width / math.sqrt(widened), found.jac[rows:]])
-    linear = linear_fit(names, slope, np.zeros(len(slope)))
+    linear = LeastSquares.of(names, slope, np.zeros(len(slope)))
     root, lost = linear.gain * size[:, None], ~linear.determined
     covariance = np.asarray(root @ root.T)
     covariance[lost, :] = covariance[:, lost] = np.nan

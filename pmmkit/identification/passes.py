@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pmmkit.base import DataError, SimulationError
 from pmmkit.identification.binding import Binding
 from pmmkit.identification.record import KINDS, FreeRecord
-from pmmkit.inference import Innovations, room
+from pmmkit.inference import Innovations
 from pmmkit.numerics import Array
 from pmmkit.simulation import Status
 
@@ -88,6 +88,12 @@ class Pass:
     variances: Array
     innovations: Innovations
     kept: Array
+
+
+def room(states: int, values: int) -> int:
+    """Numbers that the extended filter keeps of an instant for the smoother."""
+    n = states + values
+    return 2 * n * n + 2 * n + states * n + values
 
 
 def passed(

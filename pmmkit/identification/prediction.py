@@ -18,7 +18,7 @@ from pmmkit.identification.filters import STEP
 from pmmkit.identification.prior import stated_covariance
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed, smooth
-from pmmkit.inference import axes, differences, displaced
+from pmmkit.inference import Stencil, axes
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.simulation import ESTIMATING, State, compiled
@@ -261,12 +261,12 @@ def prediction_std(
     course = Course.of(model, item.record, names, extrapolate=extrapolate)
     start = course.states_of(item)[at[0]]
     size = len(start)
-    begun = displaced(start, axes(item.covariance[at[0]][:size, :size]))
+    begun = Stencil().points(start, axes(item.covariance[at[0]][:size, :size]))
     sailed = [
         course.sail(at, begun),
-        *(course.sail(at, start[None], x) for x in displaced(np.zeros(len(names)), axes(C))),
+        *(course.sail(at, start[None], x) for x in Stencil().points(np.zeros(len(names)), axes(C))),
     ]
-    factors = differences(np.concatenate(sailed))
+    factors = Stencil().differences(np.concatenate(sailed))
     square = np.sum(factors**2, axis=0)
     std = np.sqrt(np.where(np.isnan(square), np.inf, square))
     return dict(zip(course.states, std.T, strict=True))

@@ -15,9 +15,9 @@ from pmmkit.conventions import force_unit
 from pmmkit.identification.binding import FORCES, bound, driven
 from pmmkit.identification.filters import GATE, STEP, first_state, with_forces
 from pmmkit.identification.forces import ForceRecord
-from pmmkit.identification.passes import Pass, Process, passed, seen, smoothed, state_steps
+from pmmkit.identification.passes import Pass, Process, passed, room, seen, smoothed, state_steps
 from pmmkit.identification.record import FreeRecord, sensors_of
-from pmmkit.inference import Innovations, room
+from pmmkit.inference import Innovations
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.simulation import ESTIMATING, compiled, rigid_body

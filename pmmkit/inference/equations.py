@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.inference.linear_fit import RANK_TOLERANCE, dependent, least_squares
+from pmmkit.inference.linear_fit import RANK_TOLERANCE, LeastSquares, dependent
 from pmmkit.numerics import Array
 
 Flags = NDArray[np.bool_]
@@ -151,7 +151,7 @@ class Equations:
         """Of least squares on s columns, rows of each channel of a variance (c,), array (s, s)."""
         parts = [both[:, :-1][:, columns] for both, _ in self.channels]
         X, scale = unit_columns(np.concatenate(parts))
-        found = least_squares([""] * len(scale), X, np.zeros(len(X)))
+        found = LeastSquares.of([""] * len(scale), X, np.zeros(len(X)))
         gain = found.gain / scale[:, None]
         weight = np.repeat(variance, [len(part) for part in parts])
         covariance = np.asarray((gain * weight) @ gain.T)

@@ -192,12 +192,6 @@ def take_in(
         spreads[q] = correct(z, P, h, residuals[q], variances[q], gate, gain, left)
 
 
-def room(states: int, values: int) -> int:
-    """Numbers that `extended` keeps of an instant for the smoother."""
-    n = states + values
-    return 2 * n * n + 2 * n + states * n + values
-
-
 def extended(
     system: Any,
     times: Array,

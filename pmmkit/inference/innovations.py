@@ -17,8 +17,6 @@ from pmmkit.numerics import Array
 if TYPE_CHECKING:
     import pandas as pd
 
-LAGS: Final = 20
-"""Samples over which innovations are looked at for hanging together."""
 FEWEST: Final = 30
 """Samples of a channel below which nothing is said of it."""
 LARGE: Final = 1.25
@@ -77,6 +75,10 @@ class Innovations:
         """Residuals over their standard deviation, gated ones left out."""
         values = self.residuals / np.sqrt(self.variances)
         return np.where(self.gated, np.nan, values)
+
+    def autocorrelation(self, name: str, lags: int) -> tuple[Array, NDArray[np.int64]]:
+        """Of a channel, at lags of 1 and more, and the pairs behind each."""
+        return autocorrelation([self.normalised[:, self.names.index(name)]], lags)
 
     @property
     def volume(self) -> float:
@@ -179,6 +181,57 @@ class Consistency:
     records: Mapping[str, Mapping[str, ChannelTest]]
     few: tuple[str, ...]
 
+    @classmethod
+    def of(cls, innovations: Mapping[str, Innovations], *, lags: int = 20) -> Consistency:
+        """Test whether innovations are as large as their filter thinks, and white.
+
+        Parameters
+        ----------
+        innovations : mapping of str to Innovations
+            By record.
+        lags : int
+            Samples over which correlations are looked for.
+
+        Raises
+        ------
+        DataError
+            If `lags` is not positive.
+
+        Examples
+        --------
+        >>> noise = np.random.default_rng(0).normal(size=(2000, 2))
+        >>> slow = np.convolve(noise[:, 1], np.ones(5) / 5**0.5, "same")
+        >>> item = Innovations(
+        ...     names=("psi", "x"), residuals=np.stack([3.1 * noise[:, 0], slow], axis=1),
+        ...     variances=np.ones((2000, 2)))
+        >>> for text in Consistency.of({"zigzag": item}).words():
+        ...     print(text.partition(": the")[0].partition(": errors")[0])
+        psi: innovations are 3.1 times as large as the filter thinks
+        x: innovations are not white (correlation +0.79)
+        """
+        if lags < 1:
+            raise DataError(f"lags = {lags}: at least one sample is needed.")
+        names = tuple(dict.fromkeys(name for item in innovations.values() for name in item.names))
+        pooled = {
+            name: _channel(
+                name, [item for item in innovations.values() if name in item.names], lags
+            )
+            for name in names
+        }
+        own = {
+            record: {
+                name: test
+                for name in item.names
+                if (test := _channel(name, [item], lags)) is not None
+            }
+            for record, item in innovations.items()
+        }
+        return cls(
+            channels=MappingProxyType({name: test for name, test in pooled.items() if test}),
+            records=MappingProxyType({name: MappingProxyType(item) for name, item in own.items()}),
+            few=tuple(name for name, test in pooled.items() if test is None),
+        )
+
     def words(self) -> tuple[str, ...]:
         """What is wrong, in words; one line that says so where nothing is."""
         said = []
@@ -219,62 +272,10 @@ class Consistency:
         return pd.DataFrame(rows)
 
 
-def innovation_tests(innovations: Mapping[str, Innovations], *, lags: int = LAGS) -> Consistency:
-    """Test whether innovations are as large as their filter thinks, and white.
-
-    Parameters
-    ----------
-    innovations : mapping of str to Innovations
-        By record.
-    lags : int
-        Samples over which correlations are looked for.
-
-    Raises
-    ------
-    DataError
-        If `lags` is not positive.
-
-    Examples
-    --------
-    >>> noise = np.random.default_rng(0).normal(size=(2000, 2))
-    >>> slow = np.convolve(noise[:, 1], np.ones(5) / 5**0.5, "same")
-    >>> item = Innovations(
-    ...     names=("psi", "x"), residuals=np.stack([3.1 * noise[:, 0], slow], axis=1),
-    ...     variances=np.ones((2000, 2)))
-    >>> for text in innovation_tests({"zigzag": item}).words():
-    ...     print(text.partition(": the")[0].partition(": errors")[0])
-    psi: innovations are 3.1 times as large as the filter thinks
-    x: innovations are not white (correlation +0.79)
-    """
-    if lags < 1:
-        raise DataError(f"lags = {lags}: at least one sample is needed.")
-    names = tuple(dict.fromkeys(name for item in innovations.values() for name in item.names))
-    pooled = {
-        name: _channel(name, [item for item in innovations.values() if name in item.names], lags)
-        for name in names
-    }
-    own = {
-        record: {
-            name: test for name in item.names if (test := _channel(name, [item], lags)) is not None
-        }
-        for record, item in innovations.items()
-    }
-    return Consistency(
-        channels=MappingProxyType({name: test for name, test in pooled.items() if test}),
-        records=MappingProxyType({name: MappingProxyType(item) for name, item in own.items()}),
-        few=tuple(name for name, test in pooled.items() if test is None),
-    )
-
-
 def autocorrelation(series: Iterable[Array], lags: int) -> tuple[Array, NDArray[np.int64]]:
     """Autocorrelation at lags of 1 and more, and the pairs behind each.
 
-    Parameters
-    ----------
-    series : iterable of array
-        Evenly sampled, NaN in gaps; pairs are made within each.
-    lags : int
-        How many.
+    Evenly sampled series, NaN in gaps; pairs are made within each.
 
     Examples
     --------

@@ -14,13 +14,15 @@ ALONE: Final = 1e-6
 others do not determine it: they predict it a thousand times worse than it is measured."""
 
 
-def of_others(basis: Array) -> tuple[Array, NDArray[np.bool_]]:
+def of_others(rows: Array, *, hat: bool = False) -> tuple[Array, NDArray[np.bool_]]:
     """What turns the residuals of blocks of rows into errors of predictions by all other rows.
 
     Parameters
     ----------
-    basis : array (…, m, k)
+    rows : array (…, m, k)
         Rows S of an orthonormal basis of the columns that were fitted, by blocks.
+    hat : bool
+        Whether they are those of the hat matrix instead, in the columns of the block (m, m).
 
     Returns
     -------
@@ -44,24 +46,15 @@ def of_others(basis: Array) -> tuple[Array, NDArray[np.bool_]]:
     >>> inverse @ (y - y.mean())[3:], bool(determined)
     (array([3.]), True)
     """
-    m, k = basis.shape[-2:]
-    turned = np.swapaxes(basis, -1, -2)
+    m, k = rows.shape[-2:]
+    turned = np.swapaxes(rows, -1, -2)
+    if hat:
+        return _inverted(np.eye(m) - 0.5 * (rows + turned))
     if m <= k:
-        return _inverted(np.eye(m) - basis @ turned)
+        return _inverted(np.eye(m) - rows @ turned)
     # Along a lost direction 1 + S x S' shall be zero, where S has the length one: x = -1.
-    inner, determined = _inverted(np.eye(k) - turned @ basis, lost=-1.0)
-    return np.eye(m) + basis @ inner @ turned, determined
-
-
-def of_others_by_hat(hat: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """`of_others` where the hat matrix is known and no basis.
-
-    Parameters
-    ----------
-    hat : array (m, m)
-        Rows and columns of a block.
-    """
-    return _inverted(np.eye(len(hat)) - 0.5 * (hat + hat.T))
+    inner, determined = _inverted(np.eye(k) - turned @ rows, lost=-1.0)
+    return np.eye(m) + rows @ inner @ turned, determined
 
 
 def _inverted(left: Array, lost: float = 0.0) -> tuple[Array, NDArray[np.bool_]]:

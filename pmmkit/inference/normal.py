@@ -189,6 +189,45 @@ class Normal:
         mean = self.centre + (covariance @ away[..., None])[..., 0]
         return mean, np.asarray(covariance, float)
 
+    def chance_of(
+        self, best: float, groups: Sequence[Sequence[Places]], *, draws: int, seed: int = 0
+    ) -> float:
+        """Probability that noise alone gives a group of columns so much evidence.
+
+        Scores of the null are drawn from their own covariance, the information; the largest
+        evidence over all groups is kept of each draw (Westfall and Young 1993), so that what
+        resembles each other counts once.
+
+        Parameters
+        ----------
+        best : float
+            ln evidence of what is in front.
+        groups : sequence of sequence of array of int
+            Alternatives of each group, over which its evidence is averaged.
+        draws, seed : int
+            Number of drawn data, and of the draws.
+
+        Examples
+        --------
+        One column that tells little: its evidence reaches its largest value in a tail of χ².
+
+        >>> one = Normal(information=np.eye(1), score=np.zeros(1), centre=np.zeros(1))
+        >>> best = 0.25 * 1.96**2 - 0.5 * np.log(2.0)
+        >>> round(one.chance_of(best, [[np.array([0])]], draws=20_000), 2)
+        0.05
+        """
+        sizes, vectors = np.linalg.eigh(self.information)
+        root = vectors * np.sqrt(np.maximum(sizes, 0.0))
+        drawn = replace(
+            self, score=np.random.default_rng(seed).normal(size=(draws, len(sizes))) @ root.T
+        )
+        largest = np.full(draws, -np.inf)
+        for alternatives in groups:
+            values = np.stack([drawn.only(at).log_evidences for at in alternatives])
+            top = values.max(axis=0)
+            largest = np.maximum(largest, top + np.log(np.mean(np.exp(values - top), axis=0)))
+        return float((1 + np.sum(largest >= best)) / (draws + 1))
+
     def taken(self, at: Places) -> Taken:
         """What some columns explain of all and of the data."""
         own = self.only(at)
@@ -265,76 +304,3 @@ def log_normal(away: Array, covariance: Array) -> float:
     white = np.linalg.solve(lower, away / size)
     volume = float(np.sum(np.log(np.diagonal(lower))) + np.sum(np.log(size)))
     return -0.5 * float(white @ white) - volume - 0.5 * len(away) * math.log(2.0 * math.pi)
-
-
-def integrated_out(inner: Array, across: Array, rest: Array) -> tuple[Array, Array]:
-    """Products of columns beside others whose coefficients are integrated out.
-
-    Parameters
-    ----------
-    inner : array (…, k, k)
-        Products of those that go, in units of their prior standard deviation about zero.
-    across : array (…, k, p)
-        Their products with those that stay, the data among these.
-    rest : array (…, p, p)
-        Products of those that stay.
-
-    Returns
-    -------
-    products : array (…, p, p)
-        Beside them: ``rest - across' (1 + inner)⁻¹ across``.
-    volume : array (…)
-        ln det of ``1 + inner``, by which that of the covariance of the data grows.
-
-    Examples
-    --------
-    >>> products, volume = integrated_out(np.array([[3.0]]), np.array([[2.0]]), np.array([[5.0]]))
-    >>> products, round(float(np.exp(volume)), 12)
-    (array([[4.]]), 4.0)
-    """
-    lower = np.linalg.cholesky(np.eye(inner.shape[-1]) + inner)
-    taken = np.linalg.solve(lower, across)
-    volume = 2.0 * np.log(np.diagonal(lower, axis1=-2, axis2=-1)).sum(axis=-1)
-    return rest - np.swapaxes(taken, -1, -2) @ taken, np.asarray(volume, float)
-
-
-def chance_of(
-    normal: Normal, groups: Sequence[Sequence[Places]], best: float, *, draws: int, seed: int = 0
-) -> float:
-    """Probability that noise alone gives a group of columns so much evidence.
-
-    Scores of the null are drawn from their own covariance, the information; the largest evidence
-    over all groups is kept of each draw (Westfall and Young 1993), so that what resembles each
-    other counts once.
-
-    Parameters
-    ----------
-    normal : Normal
-        All columns.
-    groups : sequence of sequence of array of int
-        Alternatives of each group, over which its evidence is averaged.
-    best : float
-        ln evidence of what is in front.
-    draws, seed : int
-        Number of drawn data, and of the draws.
-
-    Examples
-    --------
-    One column that tells little: its evidence reaches its largest value in a tail of χ².
-
-    >>> one = Normal(information=np.eye(1), score=np.zeros(1), centre=np.zeros(1))
-    >>> best = 0.25 * 1.96**2 - 0.5 * np.log(2.0)
-    >>> round(chance_of(one, [[np.array([0])]], best, draws=20_000), 2)
-    0.05
-    """
-    sizes, vectors = np.linalg.eigh(normal.information)
-    root = vectors * np.sqrt(np.maximum(sizes, 0.0))
-    drawn = replace(
-        normal, score=np.random.default_rng(seed).normal(size=(draws, len(sizes))) @ root.T
-    )
-    largest = np.full(draws, -np.inf)
-    for alternatives in groups:
-        values = np.stack([drawn.only(at).log_evidences for at in alternatives])
-        top = values.max(axis=0)
-        largest = np.maximum(largest, top + np.log(np.mean(np.exp(values - top), axis=0)))
-    return float((1 + np.sum(largest >= best)) / (draws + 1))

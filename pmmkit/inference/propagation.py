@@ -13,11 +13,6 @@ from pmmkit.numerics import Array
 COVERAGE: Final = 2.0
 """Coverage factor k of an expanded uncertainty U = k u, some 95 % (JCGM 100:2008, 6.3.3). ASME V&V
 20 and ITTC 7.5-03-01-01 take 2; the 1.96 of `coverage_factor` is of intervals of a normal law."""
-_STENCILS: Final = {
-    2: (np.array([-1.0, 1.0]), np.array([-1.0, 1.0]) / 2.0),
-    4: (np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12.0),
-}
-"""Places of central differences, in steps, and their weights: exact for cubics; for quintics."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -226,51 +221,58 @@ def std_along(jacobian: Array, covariance: Array) -> Array:
     return found
 
 
-def displaced(at: Array, steps: Array, order: Literal[2, 4] = 2) -> Array:
-    """Where a function is asked for its central differences along some steps.
+@dataclass(frozen=True, eq=False)
+class Stencil:
+    """Central differences of a function along some steps.
 
     Parameters
     ----------
-    at : array (m,)
-        The inputs.
-    steps : array (k, m)
-        Steps; a standard deviation each for what an error does (JCGM 100:2008, 5.1.3, note 2),
-        small for a slope.
     order : {2, 4}
-        Of the error, in the size of a step.
-
-    Returns
-    -------
-    array (k order, m)
-    """
-    places, _ = _STENCILS[order]
-    apart = np.einsum("p,km->kpm", places, steps)
-    found: Array = at + apart.reshape(order * len(steps), len(at))
-    return found
-
-
-def differences(results: Array, order: Literal[2, 4] = 2) -> Array:
-    """The change of results by each step, from their values where `displaced` says.
-
-    Parameters
-    ----------
-    results : array (k order, ...)
-        Values of the function.
-    order : {2, 4}
-        As for `displaced`.
-
-    Returns
-    -------
-    array (k, ...)
+        Of the error, in the size of a step: exact for parabolas and cubics; for quintics too.
 
     Examples
     --------
     >>> at, steps = np.array([1.0, 2.0]), np.array([[0.1, 0.0], [0.0, 0.1]])
-    >>> x, y = displaced(at, steps, 4).T
-    >>> (differences(x**3 * y**2, 4) / 0.1).round(12)
+    >>> fine = Stencil(4)
+    >>> x, y = fine.points(at, steps).T
+    >>> (fine.differences(x**3 * y**2) / 0.1).round(12)
     array([12.,  4.])
     """
-    _, weights = _STENCILS[order]
-    apart = results.reshape(len(results) // order, order, *results.shape[1:])
-    found: Array = np.tensordot(apart, weights, axes=(1, 0))
-    return found
+
+    order: Literal[2, 4] = 2
+
+    @property
+    def _parts(self) -> tuple[Array, Array]:
+        """Places in steps, and weights."""
+        if self.order == 2:
+            return np.array([-1.0, 1.0]), np.array([-1.0, 1.0]) / 2.0
+        return np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
+
+    def points(self, at: Array, steps: Array) -> Array:
+        """Where the function is asked for, array (k order, m).
+
+        Parameters
+        ----------
+        at : array (m,)
+            The inputs.
+        steps : array (k, m)
+            Steps; a standard deviation each for what an error does (JCGM 100:2008, 5.1.3, note 2),
+            small for a slope.
+        """
+        places, _ = self._parts
+        apart = np.einsum("p,km->kpm", places, steps)
+        found: Array = at + apart.reshape(self.order * len(steps), len(at))
+        return found
+
+    def differences(self, results: Array) -> Array:
+        """The change of results by each step, array (k, ...).
+
+        Parameters
+        ----------
+        results : array (k order, ...)
+            Values of the function at the points.
+        """
+        _, weights = self._parts
+        apart = results.reshape(len(results) // self.order, self.order, *results.shape[1:])
+        found: Array = np.tensordot(apart, weights, axes=(1, 0))
+        return found

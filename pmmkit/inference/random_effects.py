@@ -8,11 +8,11 @@ setting of the drift angle.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from types import MappingProxyType
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -25,8 +25,7 @@ MEDIANS: Final[Mapping[str, float]] = MappingProxyType(
 """Medians of a laboratory that is not known: offset over the channel's rms force, gain, drift
 setting [deg], each harmonic of an oscillating run over the rms force. Those of HMRI's and the
 S175 programme's repeats (scripts/studies/run_scatter.py)."""
-KINDS: Final = tuple(MEDIANS)
-SHARED: Final = KINDS.index("drift")
+SHARED: Final = tuple(MEDIANS).index("drift")
 """The kind that a run draws once for all channels: how it was set."""
 BETWEEN_LABORATORIES: Final = 0.8
 """Standard deviation of the logarithm of a size from one laboratory to another. Flanders
@@ -69,6 +68,8 @@ class RunEffects:
     array([0.0081, 0.0108, 0.0548, 0.0081])
     """
 
+    KINDS: ClassVar[tuple[str, ...]] = tuple(MEDIANS)
+
     nodes: Mapping[str, Array]
     weights: Mapping[str, Array]
     mode: Mapping[str, Array]
@@ -78,7 +79,111 @@ class RunEffects:
     @classmethod
     def usual(cls, scale: Mapping[str, float]) -> RunEffects:
         """Those of a laboratory that is not known, before any run is looked at."""
-        return run_effects(dict.fromkeys(scale, ()), scale)
+        return cls.of(dict.fromkeys(scale, ()), scale)
+
+    @classmethod
+    def of(
+        cls, likelihoods: Mapping[str, Sequence[Restricted]], scale: Mapping[str, float]
+    ) -> RunEffects:
+        """Sizes by restricted likelihood and a laboratory's prior.
+
+        Parameters
+        ----------
+        likelihoods : mapping of channel to sequence of Restricted
+            Those of a channel, such as one for each Froude number; their runs draw alike.
+        scale : mapping of channel to float
+            Rms force of each channel [N, N m].
+
+        Notes
+        -----
+        The logarithms of the sizes have the prior N(log median, 1²) for the laboratory and N(that,
+        0.4²) for each channel; the drift setting of a run is one for its channels. Their posterior
+        has no edge: its mode is found by Newton steps with the average information, and its spread
+        is summed over the 25 nodes of a rule of the fifth degree (McNamee and Stenger 1967, Numer.
+        Math. 10) with the weights that the likelihood itself has there. Nothing is random, and no
+        maximum at zero can stand for certainty. See Gelman (2006), Bayesian Anal. 1(3), on such
+        priors.
+        """
+        channels = list(likelihoods)
+        places = _places(len(channels))
+        mean, precision = _prior(len(channels))
+        at, information = _mode(list(likelihoods.values()), places, mean, precision)
+        covariance = np.linalg.inv(information)
+        nodes, weights, informed = {}, {}, {}
+        mode = {channel: np.exp(at[own]) for channel, own in zip(channels, places, strict=True)}
+        for channel, own in zip(channels, places, strict=True):
+            items = likelihoods[channel]
+            root = np.linalg.cholesky(covariance[np.ix_(own, own)])
+            points, weight = _rule(len(cls.KINDS))
+            away = points @ root.T
+            logs = at[own] + away
+            if items:
+                slopes = [item.slope(at[own]) for item in items]
+                value = sum(x.value for x in slopes)
+                gradient, curved = (
+                    sum(x.gradient for x in slopes),
+                    sum(x.information for x in slopes),
+                )
+                told = np.array([sum(item.log_likelihood(x) for item in items) for x in logs])
+                promised = value + away @ gradient - 0.5 * np.sum(away @ curved * away, axis=1)
+                weight = weight * np.exp(told - promised - np.max(told - promised))
+            nodes[channel], weights[channel] = np.exp(logs), weight / weight.sum()
+            acts = np.any([item.informed() for item in items], axis=0) if items else cls.KINDS
+            informed[channel] = tuple(
+                kind for kind, yes in zip(cls.KINDS, acts, strict=True) if yes
+            )
+        return cls(nodes=nodes, weights=weights, mode=mode, scale=dict(scale), informed=informed)
+
+    @classmethod
+    def likelihood(
+        cls, groups: Iterable[tuple[Array, Array]], model: int, shared: int = 0
+    ) -> Restricted:
+        """The restricted likelihood of the sizes by whitened rows of runs.
+
+        Parameters
+        ----------
+        groups : iterable of (array (r, m, q), array (r, m, 3 + k))
+            Columns of r runs of equal length, as `Restricted.of` takes them, and what each draws at
+            size one: offset, gain, setting, harmonics.
+        model, shared : int
+            How many of the columns are the model's, and how many have a unit prior.
+        """
+        few = len(cls.KINDS) - 1
+        made = []
+        for columns, drawn in groups:
+            parts = [drawn[..., kind : kind + 1] for kind in range(few)] + [drawn[..., few:]]
+            made.append((columns, np.stack([part @ np.swapaxes(part, 1, 2) for part in parts])))
+        return Restricted.of(made, model, shared)
+
+    @classmethod
+    def repeatability(cls, conditions: Iterable[tuple[Array, Array, Array]]) -> Restricted | None:
+        """The likelihood of the sizes by runs that repeat each other, whatever the model.
+
+        Runs of one condition have one force. Their orthonormal contrasts have none, and draw as
+        each of them. None where no run was repeated.
+
+        Parameters
+        ----------
+        conditions : iterable of (array (r, m), array (m, 3 + k), array (m, m))
+            What r runs measured, what each draws for itself at size one, and the covariance of
+            their noise. A single run says nothing.
+        """
+        from scipy.linalg import helmert
+
+        groups: dict[int, list[tuple[Array, Array]]] = {}
+        for rows, drawn, noise in conditions:
+            if len(rows) < 2:
+                continue
+            white = np.linalg.inv(np.linalg.cholesky(noise))
+            own = white @ drawn
+            groups.setdefault(rows.shape[1], []).extend(
+                (white @ x, own) for x in helmert(len(rows)) @ rows
+            )
+        made = [
+            (np.stack([x for x, _ in pairs])[..., None], np.stack([own for _, own in pairs]))
+            for pairs in groups.values()
+        ]
+        return cls.likelihood(made, 0) if made else None
 
     def sizes(self, channel: str) -> Array:
         """Root of the mean squares of the sizes in a channel, array (4,)."""
@@ -91,60 +196,9 @@ class RunEffects:
         unit = {"offset": self.scale[channel], "harmonics": self.scale[channel]}
         return {
             kind: float(size) * unit.get(kind, 1.0)
-            for kind, size in zip(KINDS, self.sizes(channel), strict=True)
+            for kind, size in zip(self.KINDS, self.sizes(channel), strict=True)
             if kind in self.informed[channel]
         }
-
-
-def run_effects(
-    likelihoods: Mapping[str, Sequence[Restricted]], scale: Mapping[str, float]
-) -> RunEffects:
-    """Sizes of what runs draw for themselves, by restricted likelihood and a laboratory's prior.
-
-    Parameters
-    ----------
-    likelihoods : mapping of channel to sequence of Restricted
-        Those of a channel, such as one for each Froude number; their runs draw alike.
-    scale : mapping of channel to float
-        Rms force of each channel [N, N m].
-
-    Returns
-    -------
-    RunEffects
-
-    Notes
-    -----
-    The logarithms of the sizes have the prior N(log median, 1²) for the laboratory and N(that,
-    0.4²) for each channel; the drift setting of a run is one for its channels. Their posterior has
-    no edge: its mode is found by Newton steps with the average information, and its spread is
-    summed over the 25 nodes of a rule of the fifth degree (McNamee and Stenger 1967, Numer. Math.
-    10) with the weights that the likelihood itself has there. Nothing is random, and no maximum
-    at zero can stand for certainty. See Gelman (2006), Bayesian Anal. 1(3), on such priors.
-    """
-    channels = list(likelihoods)
-    places = _places(len(channels))
-    mean, precision = _prior(len(channels))
-    at, information = _mode(list(likelihoods.values()), places, mean, precision)
-    covariance = np.linalg.inv(information)
-    nodes, weights, informed = {}, {}, {}
-    mode = {channel: np.exp(at[own]) for channel, own in zip(channels, places, strict=True)}
-    for channel, own in zip(channels, places, strict=True):
-        items = likelihoods[channel]
-        root = np.linalg.cholesky(covariance[np.ix_(own, own)])
-        points, weight = _rule(len(KINDS))
-        away = points @ root.T
-        logs = at[own] + away
-        if items:
-            slopes = [item.slope(at[own]) for item in items]
-            value = sum(x.value for x in slopes)
-            gradient, curved = sum(x.gradient for x in slopes), sum(x.information for x in slopes)
-            told = np.array([sum(item.log_likelihood(x) for item in items) for x in logs])
-            promised = value + away @ gradient - 0.5 * np.sum(away @ curved * away, axis=1)
-            weight = weight * np.exp(told - promised - np.max(told - promised))
-        nodes[channel], weights[channel] = np.exp(logs), weight / weight.sum()
-        acts = np.any([item.informed() for item in items], axis=0) if items else KINDS
-        informed[channel] = tuple(kind for kind, yes in zip(KINDS, acts, strict=True) if yes)
-    return RunEffects(nodes=nodes, weights=weights, mode=mode, scale=dict(scale), informed=informed)
 
 
 def per_column(sizes: Array, rows: int) -> Array:
@@ -169,72 +223,11 @@ def per_column(sizes: Array, rows: int) -> Array:
     return np.concatenate([sizes[..., :-1], np.repeat(sizes[..., -1:], rows, axis=-1)], axis=-1)
 
 
-def by_kind(columns: Array) -> Array:
-    """``D D'`` of each of `KINDS` (4, r, m, m), of whitened columns (r, m, 3 + …) of r runs.
-
-    Parameters
-    ----------
-    columns : array (r, m, 3 + n)
-        Offset, gain, setting, harmonics.
-    """
-    few = len(KINDS) - 1
-    parts = [columns[..., kind : kind + 1] for kind in range(few)] + [columns[..., few:]]
-    return np.stack([part @ np.swapaxes(part, 1, 2) for part in parts])
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RepeatedRuns:
-    """Runs of one condition, which repeat each other.
-
-    Parameters
-    ----------
-    rows : array (r, m)
-        What they measured.
-    drawn : array (m, 3 + k)
-        What each draws for itself, at size one: `KINDS`.
-    noise : array (m, m)
-        Covariance of their noise.
-    """
-
-    rows: Array
-    drawn: Array
-    noise: Array
-
-
-def repeatability(conditions: Sequence[RepeatedRuns]) -> Restricted | None:
-    """The likelihood of the sizes by runs that repeat each other, whatever the model.
-
-    Runs of one condition have one force. Their orthonormal contrasts have none, and draw as each
-    of them. None where no run was repeated.
-
-    Parameters
-    ----------
-    conditions : sequence of RepeatedRuns
-        Those with a single run say nothing.
-    """
-    from scipy.linalg import helmert
-
-    groups: dict[int, list[tuple[Array, Array]]] = {}
-    for item in conditions:
-        if len(item.rows) < 2:
-            continue
-        white = np.linalg.inv(np.linalg.cholesky(item.noise))
-        own = white @ item.drawn
-        groups.setdefault(item.rows.shape[1], []).extend(
-            (white @ x, own) for x in helmert(len(item.rows)) @ item.rows
-        )
-    made = [
-        (np.stack([x for x, _ in pairs])[..., None], by_kind(np.stack([own for _, own in pairs])))
-        for pairs in groups.values()
-    ]
-    return Restricted.of(made, 0) if made else None
-
-
 def _places(count: int) -> list[list[int]]:
     """Where the sizes of each channel stand among all; the shared kind has one place."""
     return [
-        [0 if kind == SHARED else 1 + channel * (len(KINDS) - 1) + (kind - (kind > SHARED))
-         for kind in range(len(KINDS))]
+        [0 if kind == SHARED else 1 + channel * (len(MEDIANS) - 1) + (kind - (kind > SHARED))
+         for kind in range(len(MEDIANS))]
         for channel in range(count)
     ]  # fmt: skip
 
@@ -242,10 +235,10 @@ def _places(count: int) -> list[list[int]]:
 def _prior(count: int) -> tuple[Array, Array]:
     """Mean and precision of the logarithms of all sizes."""
     places = _places(count)
-    total = 1 + count * (len(KINDS) - 1)
+    total = 1 + count * (len(MEDIANS) - 1)
     mean: Array = np.zeros(total)
     covariance: Array = np.zeros((total, total))
-    for kind, name in enumerate(KINDS):
+    for kind, name in enumerate(MEDIANS):
         own = sorted({places[channel][kind] for channel in range(count)})
         mean[own] = np.log(MEDIANS[name])
         covariance[np.ix_(own, own)] = BETWEEN_LABORATORIES**2

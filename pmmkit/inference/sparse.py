@@ -373,6 +373,70 @@ class Selection:
     path: ThresholdPath | None = None
 
     @classmethod
+    def of(
+        cls,
+        problem: SparseProblem,
+        runs: Sequence[Equations],
+        resampling: Resampling,
+        *,
+        threshold: float | None = None,
+        share: float = SHARE,
+        sample: EffectiveSample | None = None,
+    ) -> Selection:
+        """Choose the terms that bags of runs ask for.
+
+        Parameters
+        ----------
+        problem : SparseProblem
+            Terms, groups and method.
+        runs : sequence of Equations
+            Equations, run by run.
+        resampling : Resampling
+            Folds and bags of these runs.
+        threshold : float, optional
+            Rms force below which a term leaves, in standard deviations of a sample; by default
+            chosen by the runs that are left out, unless an optimizer brings its own rule.
+        share : float
+            Part of the bags in which a term must be taken.
+        sample : EffectiveSample, optional
+            What the rows are worth, for elimination; by default as they show.
+
+        Examples
+        --------
+        >>> rng, runs = np.random.default_rng(0), []
+        >>> for _ in range(8):
+        ...     v = rng.uniform(-1, 1, 40)
+        ...     X = np.stack([v, v**3, v**5], axis=1)
+        ...     runs.append(Equations.of((X, X @ [50, -40, 0] + rng.normal(size=40))))
+        >>> problem = SparseProblem.single("Y", 3, "stepwise")
+        >>> Selection.of(problem, runs, Resampling.of(8, 20, rng)).stays
+        array([ True,  True, False])
+        """
+        path = None
+        problem, runs = _with_rule(problem, runs, sample)
+        if threshold is None and problem.thresholds:
+            path = choose_threshold(problem, runs, resampling.folds)
+            threshold = path.chosen
+        cut = threshold or 0.0
+        usual = Equations.joined(runs).rms()
+        coefficients = np.stack(
+            [
+                sparse_fit(problem, Equations.joined([runs[run] for run in drawn]), usual, cut)
+                for drawn in resampling.draws
+            ]
+        )
+        known = np.isfinite(coefficients).sum(axis=0)
+        taken = (np.nan_to_num(coefficients) != 0).sum(axis=0)
+        shares = np.where(known > 0, taken / np.maximum(known, 1), np.nan)
+        return cls(
+            coefficients=coefficients,
+            shares=shares,
+            stays=~(shares < share),
+            threshold=cut,
+            path=path,
+        )
+
+    @classmethod
     def combined(
         cls, selections: Sequence[Selection], columns: Sequence[Sequence[int]]
     ) -> Selection:
@@ -421,69 +485,6 @@ class Selection:
         weight = np.exp((score.min() - score) / 2)
         change = (values - whole.least_squares(self.stays))[:, self.stays]
         return np.asarray((change.T * (weight / weight.sum())) @ change)
-
-
-def select_terms(
-    problem: SparseProblem,
-    runs: Sequence[Equations],
-    resampling: Resampling,
-    *,
-    threshold: float | None = None,
-    share: float = Selection.SHARE,
-    sample: EffectiveSample | None = None,
-) -> Selection:
-    """Choose the terms that bags of runs ask for.
-
-    Parameters
-    ----------
-    problem : SparseProblem
-        Terms, groups and method.
-    runs : sequence of Equations
-        Equations, run by run.
-    resampling : Resampling
-        Folds and bags of these runs.
-    threshold : float, optional
-        Rms force below which a term leaves, in standard deviations of a sample; by default chosen
-        by the runs that are left out, unless an optimizer brings its own rule.
-    share : float
-        Part of the bags in which a term must be taken.
-    sample : EffectiveSample, optional
-        What the rows are worth, for elimination; by default as they show.
-
-    Returns
-    -------
-    Selection
-
-    Examples
-    --------
-    >>> rng, runs = np.random.default_rng(0), []
-    >>> for _ in range(8):
-    ...     v = rng.uniform(-1, 1, 40)
-    ...     X = np.stack([v, v**3, v**5], axis=1)
-    ...     runs.append(Equations.of((X, X @ [50, -40, 0] + rng.normal(size=40))))
-    >>> problem = SparseProblem.single("Y", 3, "stepwise")
-    >>> select_terms(problem, runs, Resampling.of(8, 20, rng)).stays
-    array([ True,  True, False])
-    """
-    path = None
-    problem, runs = _with_rule(problem, runs, sample)
-    if threshold is None and problem.thresholds:
-        path = choose_threshold(problem, runs, resampling.folds)
-        threshold = path.chosen
-    cut = threshold or 0.0
-    usual = Equations.joined(runs).rms()
-    coefficients = np.stack(
-        [
-            sparse_fit(problem, Equations.joined([runs[run] for run in drawn]), usual, cut)
-            for drawn in resampling.draws
-        ]
-    )
-    known = np.isfinite(coefficients).sum(axis=0)
-    taken = (np.nan_to_num(coefficients) != 0).sum(axis=0)
-    shares = np.where(known > 0, taken / np.maximum(known, 1), np.nan)
-    return Selection(
-        coefficients=coefficients, shares=shares, stays=~(shares < share), threshold=cut, path=path
-    )
 
 
 def _with_rule(

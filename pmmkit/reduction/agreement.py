@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
 from pmmkit.models import DerivativeTable
 from pmmkit.presentation import number
 from pmmkit.reduction.methods.method import Estimate
-
-if TYPE_CHECKING:
-    from pmmkit.reduction.reduce import Reduction
 
 Cause = Literal["structure", "excitation", "noise"]
 APART: Final = 2.58
@@ -58,16 +55,13 @@ class Difference:
         )
 
 
-def differences(reduction: Reduction) -> tuple[Difference, ...]:
+def differences(
+    estimates: Mapping[str, Estimate], families: Mapping[str, DerivativeTable]
+) -> tuple[Difference, ...]:
     """Derivatives for which neither 95 % interval holds the other method's value, and why.
 
     Where families of tests disagree the interval of the regression alone counts: the misfit widens
     the intervals of all methods. A term that sparse regression leaves out counts as zero.
-
-    Parameters
-    ----------
-    reduction : Reduction
-        By several methods.
 
     Notes
     -----
@@ -77,16 +71,16 @@ def differences(reduction: Reduction) -> tuple[Difference, ...]:
     tests by themselves give different values (excitation)? If neither, the weights that the
     methods give to the same noise are left.
     """
-    table = reduction.estimates["regression"].table
+    table = estimates["regression"].table
     low, high = table.interval()
     found = []
-    for method, estimate in reduction.estimates.items():
+    for method, estimate in estimates.items():
         left, right = estimate.table.interval()
         for item in _every(method, estimate, table):
             row, column = item.row, table.index(item.derivative)
             if low[row, column] <= item.value <= high[row, column]:
                 continue
-            cause, why = _cause(reduction, estimate, item)
+            cause, why = _cause(table, families, estimate, item)
             if item.taken and cause != "excitation":
                 own = estimate.table.index(item.derivative)
                 if left[row, own] <= item.basis <= right[row, own]:
@@ -95,18 +89,10 @@ def differences(reduction: Reduction) -> tuple[Difference, ...]:
     return tuple(found)
 
 
-def worst(reduction: Reduction, method: str) -> Difference | None:
-    """The derivative for which a method is farthest from the regression; None without any.
-
-    Parameters
-    ----------
-    reduction : Reduction
-        By several methods.
-    method : str
-        One of them.
-    """
-    table = reduction.estimates["regression"].table
-    every = [x for x in _every(method, reduction.estimates[method], table) if x.taken]
+def worst(estimates: Mapping[str, Estimate], method: str) -> Difference | None:
+    """The derivative for which a method is farthest from the regression; None without any."""
+    table = estimates["regression"].table
+    every = [x for x in _every(method, estimates[method], table) if x.taken]
     return max(every, key=lambda item: abs(item.sigma)).told("", "") if every else None
 
 
@@ -166,13 +152,14 @@ def _every(method: str, estimate: Estimate, table: DerivativeTable) -> Iterator[
                 )
 
 
-def _cause(reduction: Reduction, estimate: Estimate, item: _Pair) -> tuple[Cause, str]:
-    table = reduction.estimates["regression"].table
+def _cause(
+    table: DerivativeTable, families: Mapping[str, DerivativeTable], estimate: Estimate, item: _Pair
+) -> tuple[Cause, str]:
     if estimate.same_terms is not None:
         same = float(estimate.same_terms[item.derivative][item.row])
         if abs(same - item.basis) < EXPLAINED * abs(item.value - item.basis):
             return "structure", _terms(estimate, table, item)
-    apart = _families(reduction.families, item)
+    apart = _families(families, item)
     if apart:
         return "excitation", apart
     return (

@@ -4,21 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
 from pmmkit.campaigns import Campaign, TypeB, has_nominal, rig_of
 from pmmkit.conventions import CHANNEL_UNITS, Convention
-from pmmkit.inference import (
-    KINDS,
-    RepeatedRuns,
-    Restricted,
-    RunEffects,
-    by_kind,
-    half_width,
-    per_column,
-    repeatability,
-)
+from pmmkit.inference import Restricted, RunEffects, per_column
 from pmmkit.models import CONFIDENCE
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.reduction.estimate import BIRGE_P, ChannelFit, RunBlock, Width
@@ -26,6 +18,8 @@ from pmmkit.reduction.observations.equations import Rows, Sensitivity, sensitivi
 from pmmkit.reduction.observations.noise import whiteners
 
 ONE_DEGREE = TypeB(name="drift", std=float(np.radians(1.0)))
+STEPS: Final = 60
+"""Steps by which a half width is found at most: Newton's, or a bisection where those leave it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,6 +46,32 @@ class BetweenRuns:
     def unknown(self) -> BetweenRuns:
         """The same with sizes that are to be estimated."""
         return replace(self, scatter=None)
+
+    def in_words(self, channel: str, fits: Sequence[ChannelFit] = ()) -> str:
+        """The sizes of a channel of which its runs say anything, in its units.
+
+        fits: those of the channel, for what they leave of runs that state no noise.
+        """
+        assert self.scatter is not None
+        unit = CHANNEL_UNITS[channel]
+        words = {
+            "offset": f"zero {{:.2g}} {unit}",
+            "gain": "gain {:.2%}",
+            "drift": "drift setting {:.2g}°",
+            "harmonics": f"each harmonic {{:.2g}} {unit}",
+        }
+        told = [words[kind].format(size) for kind, size in self.scatter.in_units(channel).items()]
+        for dynamic, what in ((False, "means"), (True, "harmonics")):
+            left = [
+                noise[0, 0]
+                for item in fits
+                for block, noise in zip(item.blocks, item.noise.covariances, strict=True)
+                if block.covariance is None and block.dynamic == dynamic
+            ]
+            if left:
+                size = float(np.sqrt(np.mean(left)))
+                told.append(f"{what} without noise of their own {size:.2g} {unit}")
+        return f"{channel}: {', '.join(told) or 'not told by these runs'}"
 
 
 def between_runs(rows: Sequence[Rows], campaign: Campaign, convention: Convention) -> BetweenRuns:
@@ -119,7 +139,7 @@ def drawn(
         told = [change.residual(channel, values)[block.keep] for change in private]
         stated.append(np.stack(told, axis=1) if told else np.zeros((count, 0)))
         if block.covariance is None:  # what it draws is part of what the fit leaves of it
-            own.append(np.zeros((count, len(KINDS) - 1 + count)))
+            own.append(np.zeros((count, len(RunEffects.KINDS) - 1 + count)))
             continue
         known = {_drawn_by(change.source, channel) for change in private}
         mean = (np.array(rows[block.run].result.labels) == "C0")[block.keep]
@@ -128,7 +148,9 @@ def drawn(
             "gain": between.readings[block.run][channel][block.keep] - residual[place],
             "drift": between.drift[block.run].residual(channel, values)[block.keep],
         }
-        left = [np.zeros(count) if name in known else columns[name] for name in KINDS[:-1]]
+        left = [
+            np.zeros(count) if name in known else columns[name] for name in RunEffects.KINDS[:-1]
+        ]
         own.append(np.column_stack([*left, size * np.diag(~mean)]))
     return RunDraws(stated=tuple(stated), own=tuple(own))
 
@@ -154,25 +176,23 @@ def likelihood_of(item: ChannelFit, drawn: RunDraws) -> Restricted:
     groups = [
         (
             np.stack([white[i] @ _columns(item, i) for i in places]),
-            by_kind(np.stack([white[i] @ drawn.own[i] for i in places])),
+            np.stack([white[i] @ drawn.own[i] for i in places]),
         )
         for places in _equal_rows(item.blocks)
     ]
-    return Restricted.of(groups, len(item.chosen))
+    return RunEffects.likelihood(groups, len(item.chosen))
 
 
 def repeats_of(item: ChannelFit, drawn: RunDraws) -> Restricted | None:
     """The likelihood of what repeated runs alone say of it; None where no run was repeated."""
     covariances = _record_noise(item, drawn)
-    return repeatability(
-        [
-            RepeatedRuns(
-                rows=np.stack([item.residual[i] for i in places]),
-                drawn=np.mean([drawn.own[i] for i in places], axis=0),
-                noise=np.mean([covariances[i] for i in places], axis=0),
-            )
-            for places in _conditions(item.blocks)
-        ]
+    return RunEffects.repeatability(
+        (
+            np.stack([item.residual[i] for i in places]),
+            np.mean([drawn.own[i] for i in places], axis=0),
+            np.mean([covariances[i] for i in places], axis=0),
+        )
+        for places in _conditions(item.blocks)
     )
 
 
@@ -241,6 +261,40 @@ def widened(
     return replace(item, width=Width(columns=columns, factor=factor, dof=dof))
 
 
+def half_width(
+    value: Array, variance: Array, weight: Array, centre: Array, confidence: float
+) -> Array:
+    """Half width of the symmetric interval about a centre that holds a mixture of normals.
+
+    value, variance (g, p): of each coefficient at each node, whose weights (g,) sum to one.
+
+    Examples
+    --------
+    >>> one = np.ones((1, 1))
+    >>> half_width(0 * one, one, np.ones(1), np.zeros(1), 0.95).round(3)
+    array([1.96])
+    """
+    from scipy.special import ndtr
+
+    std = np.sqrt(variance)
+    away = value - centre
+    low = np.zeros_like(centre)
+    high: Array = np.max(np.abs(away) + 10.0 * std, axis=0)
+    half: Array = 2.0 * np.sqrt(weight @ (variance + away**2))
+    for _ in range(STEPS):
+        right, left = (half - away) / std, (-half - away) / std
+        short = weight @ (ndtr(right) - ndtr(left)) - confidence
+        density = weight @ ((np.exp(-0.5 * right**2) + np.exp(-0.5 * left**2)) / std)
+        low, high = np.where(short < 0, half, low), np.where(short < 0, high, half)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            newton = half - short / density * np.sqrt(2.0 * np.pi)
+        before = half
+        half = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        if np.all(np.abs(half - before) <= 1e-14 * half):
+            break
+    return half
+
+
 def judged(
     item: ChannelFit, scatter: RunEffects, expected: RunEffects, likelihood: Restricted
 ) -> ChannelFit:
@@ -288,36 +342,3 @@ def _lack_of_fit(item: ChannelFit) -> ChannelFit:
         scale=float(sum(x @ x for x in left)) / item.freedom * freedom / pure,
         excessive=bool(fdtrc(others, freedom, lack) <= BIRGE_P),
     )
-
-
-def in_words(scatter: RunEffects, channel: str, fits: Sequence[ChannelFit] = ()) -> str:
-    """The sizes of a channel of which its runs say anything, in its units.
-
-    Parameters
-    ----------
-    scatter : RunEffects
-        Sizes.
-    channel : str
-        X, Y, N or K.
-    fits : sequence of ChannelFit
-        Those of the channel, for what they leave of runs that state no noise.
-    """
-    unit = CHANNEL_UNITS[channel]
-    words = {
-        "offset": f"zero {{:.2g}} {unit}",
-        "gain": "gain {:.2%}",
-        "drift": "drift setting {:.2g}°",
-        "harmonics": f"each harmonic {{:.2g}} {unit}",
-    }
-    told = [words[kind].format(size) for kind, size in scatter.in_units(channel).items()]
-    for dynamic, what in ((False, "means"), (True, "harmonics")):
-        left = [
-            noise[0, 0]
-            for item in fits
-            for block, noise in zip(item.blocks, item.noise.covariances, strict=True)
-            if block.covariance is None and block.dynamic == dynamic
-        ]
-        if left:
-            size = float(np.sqrt(np.mean(left)))
-            told.append(f"{what} without noise of their own {size:.2g} {unit}")
-    return f"{channel}: {', '.join(told) or 'not told by these runs'}"

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import reduce
-from typing import Final
 
 import numpy as np
 
@@ -14,9 +13,6 @@ from pmmkit.conventions import CHANNELS, STRUCTURES, Structure, parse_derivative
 from pmmkit.presentation import counted, listed
 from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.solve import Solution
-
-AUTO: Final = "auto"
-"""The word for it."""
 
 
 @dataclass(frozen=True, kw_only=True)

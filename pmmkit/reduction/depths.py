@@ -51,6 +51,17 @@ class Growth:
     half: float
     laws: tuple[float, float]
 
+    @classmethod
+    def of(cls, tables: TablesByDepth) -> tuple[Growth, ...]:
+        """How derivatives grow from the deepest water to the others, beside the formulas.
+
+        Parameters
+        ----------
+        tables : TablesByDepth
+            Of one ship.
+        """
+        return tuple(item for shallow in tables.tables[1:] for item in _grown(tables, shallow))
+
     @property
     def formula(self) -> float:
         """The factor by the formulas; NaN where they do not hold."""
@@ -78,6 +89,21 @@ class Felt:
     left: float
     without: float
 
+    @classmethod
+    def of(cls, grown: Sequence[Growth]) -> tuple[Felt, ...]:
+        """The share of the formulas of shallow water that the growth to each depth shows.
+
+        One for each depth at which the formulas hold; resistance takes no part: a ship that propels
+        herself shows none.
+        """
+        found = []
+        for ratio in dict.fromkeys(item.ratio for item in grown):
+            own = [x for x in grown if x.ratio == ratio and x.name != "Xuu" and x.std > 0]
+            own = [x for x in own if math.isfinite(x.formula)]
+            if len(own) > 1:
+                found.append(_felt(own))
+        return tuple(found)
+
     def __str__(self) -> str:
         return (
             f"h/T {self.ratio:.4g}: of what the formulas of shallow_water add since h/T "
@@ -90,17 +116,6 @@ class Felt:
 def reduce_depths(campaign: Campaign, **settings: Any) -> tuple[Reduction, ...]:
     """A reduction at each depth of the water, the deepest first."""
     return tuple(reduce_campaign(part, **settings) for part in by_depth(campaign))
-
-
-def growth(tables: TablesByDepth) -> tuple[Growth, ...]:
-    """How derivatives grow from the deepest water to the others, beside the formulas.
-
-    Parameters
-    ----------
-    tables : TablesByDepth
-        Of one ship.
-    """
-    return tuple(item for shallow in tables.tables[1:] for item in _grown(tables, shallow))
 
 
 def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
@@ -130,29 +145,6 @@ def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
             half=float(coverage_factor(dof[used].min(), CONFIDENCE)) * error,
             laws=laws,
         )
-
-
-def felt(grown: Sequence[Growth]) -> tuple[Felt, ...]:
-    """The share of the formulas of shallow water that the growth to each depth shows.
-
-    Parameters
-    ----------
-    grown : sequence of Growth
-        Factors with their standard uncertainties; resistance takes no part: a ship that propels
-        herself shows none.
-
-    Returns
-    -------
-    tuple of Felt
-        One for each depth at which the formulas hold.
-    """
-    found = []
-    for ratio in dict.fromkeys(item.ratio for item in grown):
-        own = [x for x in grown if x.ratio == ratio and x.name != "Xuu" and x.std > 0]
-        own = [x for x in own if math.isfinite(x.formula)]
-        if len(own) > 1:
-            found.append(_felt(own))
-    return tuple(found)
 
 
 def _felt(own: Sequence[Growth]) -> Felt:

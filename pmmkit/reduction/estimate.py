@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns import Settings, repeats
-from pmmkit.inference import LeastSquares, least_squares, optional_columns
+from pmmkit.inference import LeastSquares
 from pmmkit.numerics import Array
 from pmmkit.presentation import at_froude
 from pmmkit.reduction.observations.equations import Rows
@@ -227,16 +227,16 @@ def fit_channel(
     optional = optional_columns(design[:, :required], names[required:], design[:, required:])
     chosen = [*range(required), *(required + place for place in optional)]
     columns = [names[place] for place in chosen]
-    plain = least_squares(columns, design[:, chosen], rows)
+    plain = LeastSquares.of(columns, design[:, chosen], rows)
     whiteners = _whiteners(noise, scatter)
     design, rows = _white(blocks, whiteners)
-    found = least_squares(columns, design[:, chosen], rows)
+    found = LeastSquares.of(columns, design[:, chosen], rows)
     silent = any(block.covariance is None for block in blocks)
     for _ in range(ROUNDS if silent else 0):
         noise = _noise_from_residuals(blocks, noise, whiteners, found, design[:, chosen])
         whiteners = _whiteners(noise, scatter)
         design, rows = _white(blocks, whiteners)
-        found = least_squares(columns, design[:, chosen], rows)
+        found = LeastSquares.of(columns, design[:, chosen], rows)
     values = np.nan_to_num(found.value)
     return ChannelFit(
         channel=channel,
@@ -257,6 +257,32 @@ def fit_channel(
             dof=np.full(len(columns), math.inf),
         ),
     )
+
+
+def optional_columns(
+    required: Array, candidates: Sequence[str], columns: Array, *, limit: float = 100.0
+) -> list[int]:
+    """Which optional columns can be added without spoiling what the others determine.
+
+    required (m, p), columns (m, q): weighted alike. A column is left out if its variance inflation
+    would exceed the limit; the first count most.
+    """
+    kept: list[int] = []
+    base = required[:, np.linalg.norm(required, axis=0) > 0]
+    for index in range(len(candidates)):
+        column = columns[:, index]
+        length = np.linalg.norm(column)
+        if length == 0:
+            continue
+        others = np.column_stack([base, *(columns[:, other] for other in kept)])
+        if others.shape[1]:
+            unit = others / np.linalg.norm(others, axis=0)
+            solution, *_ = np.linalg.lstsq(unit, column / length, rcond=1e-10)
+            remainder = np.linalg.norm(column / length - unit @ solution)
+            if remainder**2 * limit < 1.0:
+                continue
+        kept.append(index)
+    return kept
 
 
 def _freedom(found: LeastSquares, rows: int) -> int:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmmkit.inference import of_others_by_hat
+from pmmkit.inference import of_others
 from pmmkit.models import CONFIDENCE
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import at_froude
@@ -154,7 +154,7 @@ def _of_fit(
         gain = item.fit.gain[:, edges[number] : edges[number + 1]]
         hat = white @ block.design[:, item.chosen] @ gain
         rest = white @ item.residual[number]
-        inverse, determined = of_others_by_hat(hat)
+        inverse, determined = of_others(hat, hat=True)
         alone = inverse @ rest
         parts.append((gain @ alone, not determined))
         misfits.append(float(rest @ alone))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pmmkit.campaigns import TypeB
-from pmmkit.inference import KINDS, Propagated
+from pmmkit.inference import Propagated, RunEffects
 from pmmkit.numerics import Array
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.observations.equations import Sensitivity
@@ -131,7 +131,7 @@ def join(
 
 def _kind(column: int) -> str:
     """Of a column of what a run draws; each harmonic has one."""
-    return KINDS[min(column, len(KINDS) - 1)]
+    return RunEffects.KINDS[min(column, len(RunEffects.KINDS) - 1)]
 
 
 _DRAWN = "drawn"

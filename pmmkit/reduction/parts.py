@@ -55,6 +55,272 @@ class Parts(Described):
     notes: tuple[str, ...]
     runs: Mapping[str, int]
 
+    @classmethod
+    def of(
+        cls,
+        reduction: Reduction,
+        *,
+        area: float,
+        height: float,
+        lift_slope: float,
+        lR: float,
+        rate_deg_s: float,
+        xR: float = -0.5,
+        xp: float = -0.48,
+        assumed: str = "assumed",
+    ) -> Parts:
+        """Propeller and rudder from thrust, rudder gauge and open-water curve.
+
+        Parameters
+        ----------
+        reduction : Reduction
+            Static rudder, static drift and drift-rudder tests with ``T``, ``FY_rudder`` and a
+            turning propeller, and an open-water curve in the campaign file.
+        area, height : float
+            Rudder area [m²] and height [m].
+        lift_slope : float
+            Gradient of the rudder's normal force coefficient, from its aspect ratio: only its
+            product with the square of the inflow is measured.
+        lR : float
+            Effective lever of the yaw rate at the rudder over L: static tests do not give it.
+        rate_deg_s : float
+            Rate of the steering gear [deg/s].
+        xR, xp : float
+            Rudder and propeller forward of midship over L.
+        assumed : str
+            Source of what is not measured, such as ``library: Yasukawa and Yoshimura 2015``.
+
+        Raises
+        ------
+        MissingPartError
+            If a test or a gauge is missing; the message says which.
+
+        Notes
+        -----
+        KT from the open-water curve up to J = 0.8; the wake of each run by thrust identity, faded
+        with drift by the two-sided form of Yasukawa and Yoshimura (2015); ε and κ from the slopes
+        of the normal force over the rudder angle at all speeds (loadings) tested straight ahead;
+        tR, aH, xH from X, Y, N over the measured normal force of those runs; γR of both sides from
+        the normal force in drift.
+        """
+        from scipy.optimize import least_squares
+
+        campaign = reduction.campaign
+        D, L, rho = (
+            float(campaign.propeller.get("D", math.nan)),
+            campaign.ship.L,
+            campaign.water.rho,
+        )
+        curve = open_water(campaign)
+        points = _points(reduction)
+        straight = [p for p in points if p.v == 0.0]
+        drifting = [p for p in points if p.v != 0.0]
+        lacks = [
+            text
+            for text, there in (
+                ("[propeller] D", math.isfinite(D)),
+                ("[propeller] open_water (J, KT, KQ)", curve is not None),
+                ("static_rudder runs with FY_rudder and T", len(straight) > 3),
+                ("static_drift or drift_rudder runs with FY_rudder and T", len(drifting) > 3),
+                ("straight runs with T and resistance tests", reduction.propulsion is not None),
+            )
+            if not there
+        ]
+        if lacks:
+            raise MissingPartError(
+                f"Propeller and rudder cannot be found without {'; '.join(lacks)}."
+            )
+        assert curve is not None
+        assert reduction.propulsion is not None
+        thrust = straight_polynomial(*curve)
+        kt0, kt1, kt2 = thrust["kt0"], thrust["kt1"], thrust["kt2"]
+
+        def inflow(p: _Point) -> float:
+            """Water speed at the propeller by thrust identity [m/s]."""
+            tip = p.n * D
+            roots = np.roots([kt2, kt1 * tip, kt0 * tip * tip - p.thrust / (rho * D * D)])
+            fit = [float(x.real) for x in roots if abs(x.imag) < 1e-9 and x.real > -tip]
+            return min(fit, key=lambda x: abs(x - 0.6 * p.u))
+
+        design = max((p.u for p in straight), default=0.0)
+        wake = [1.0 - inflow(p) / p.u for p in straight if p.u == design]
+        wp = float(np.mean(wake))
+        grown = np.array([inflow(p) / p.u / (1.0 - wp) for p in drifting])
+        drift = np.array([math.atan2(-p.v, p.u) for p in drifting])
+
+        def faded(limits: Array) -> Array:
+            limit = np.where(drift > 0, limits[0], limits[1])
+            grows: Array = 1.0 + (1.0 - np.exp(-FADES * np.abs(drift))) * (limit - 1.0)
+            return grows
+
+        limits = least_squares(lambda x: faded(x) - grown, [1.5, 1.2])
+        eta = D / height
+        tests = {"area": area, "lift_slope": lift_slope, "rho": rho}
+
+        def normal(
+            p: _Point, eps: float, kappa: float, plus: float, minus: float, zero: float
+        ) -> float:
+            along, across = rudder_flow(
+                p.v,
+                0.0,
+                math.atan2(-p.v, p.u),
+                L,
+                math.hypot(p.u, p.v),
+                inflow(p),
+                p.thrust / (rho * D * D),
+                1,
+                eps,
+                kappa,
+                eta,
+                plus,
+                minus,
+                lR,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+            )
+            return normal_force(
+                along, across, p.delta + zero, stall=0, stall_deg=0.0, stall_loss=0.0, **tests
+            )
+
+        ahead = least_squares(
+            lambda x: [normal(p, x[0], x[1], 0.5, 0.5, x[2]) - p.normal for p in straight],
+            [1.0, 0.5, 0.0],
+        )
+        eps, kappa, zero = ahead.x.tolist()
+        aside = least_squares(
+            lambda x: [normal(p, eps, kappa, x[0], x[1], zero) - p.normal for p in drifting],
+            [0.5, 0.5],
+        )
+        fast = [p for p in straight if p.u == design]
+        drag = _line([-p.normal * math.sin(-p.delta) for p in fast], [p.force["X"] for p in fast])
+        side = _line([p.normal * math.cos(p.delta) for p in fast], [p.force["Y"] for p in fast])
+        turn = _line([p.normal * math.cos(p.delta) for p in fast], [p.force["N"] / L for p in fast])
+        aH = side[0] - 1.0
+        values = {
+            "area": area,
+            "lift_slope": lift_slope,
+            "epsilon": eps,
+            "kappa": kappa,
+            "eta": eta,
+            "gamma_positive": float(aside.x[0]),
+            "gamma_negative": float(aside.x[1]),
+            "lR": lR,
+            "tR": 1.0 - drag[0],
+            "aH": aH,
+            "xH": (turn[0] - xR) / aH,
+            "xR": xR,
+            "rate_deg_s": rate_deg_s,
+        }
+        screw = {
+            "D": D,
+            "t": reduction.propulsion.thrust_deduction,
+            "kt0": kt0,
+            "kt1": kt1,
+            "kt2": kt2,
+            "wp": wp,
+            "xp": xp,
+            "C1": FADES,
+            "C2_positive": float(limits.x[0]),
+            "C2_negative": float(limits.x[1]),
+        }
+        measured = f"measured: {campaign.title}"
+        lent = ("lift_slope", "lR", "xR", "rate_deg_s")
+        return cls(
+            propeller=Part(
+                effect="propeller",
+                values=MappingProxyType(screw),
+                source=measured,
+                options=MappingProxyType({"wake": "mmg"}),
+                sources=MappingProxyType(dict.fromkeys(("xp", "C1"), assumed)),
+            ),
+            rudder=Part(
+                effect="rudder_mmg",
+                values=MappingProxyType(values),
+                source=measured,
+                options=MappingProxyType({"inflow": "mmg"}),
+                sources=MappingProxyType(dict.fromkeys(lent, assumed)),
+            ),
+            std=MappingProxyType(
+                {
+                    **dict(zip(("epsilon", "kappa", "rudder_zero"), _errors(ahead), strict=True)),
+                    **dict(zip(("gamma_positive", "gamma_negative"), _errors(aside), strict=True)),
+                    **dict(zip(("C2_positive", "C2_negative"), _errors(limits), strict=True)),
+                    "tR": drag[1],
+                    "aH": side[1],
+                    "t": reduction.propulsion.std,
+                    "wp": float(np.std(wake)),
+                }
+            ),
+            notes=(
+                f"Assumed, because these tests do not give it: {', '.join((*lent, 'xp', 'C1'))}.",
+                f"Rudder amidships stands at {math.degrees(zero):+.2f}° by its normal force; "
+                "the model has none of that.",
+            ),
+            runs=MappingProxyType({"straight ahead": len(straight), "in drift": len(drifting)}),
+        )
+
+    def hull_alone(
+        self,
+        table: DerivativeTable,
+        *,
+        speed: float,
+        revolutions: float,
+        most_drift_deg: float = 20.0,
+        most_yaw: float = 0.6,
+    ) -> DerivativeTable:
+        """Derivatives of the hull without the rudder, from those of a model tested with it.
+
+        Parameters
+        ----------
+        table : DerivativeTable
+            Of a model with rudder amidships and turning propeller, thrust apart (term ``XT``).
+        speed, revolutions : float
+            Of the tests [m/s], [1/s].
+        most_drift_deg, most_yaw : float
+            Range of drift [deg] and of r' over which the rudder's forces are fitted.
+
+        Returns
+        -------
+        DerivativeTable
+            The forces of the rudder amidships on a grid of motions are fitted by the table's own
+            terms, and taken off. The covariance stays that of the table.
+        """
+        ship, water = table.ship, table.water
+        drift, yaw = np.meshgrid(
+            np.radians(np.linspace(-most_drift_deg, most_drift_deg, 21)),
+            np.linspace(-most_yaw, most_yaw, 21),
+        )
+        u, v = speed * np.cos(drift.ravel()), -speed * np.sin(drift.ravel())
+        state = State.of(u=u, v=v, r=yaw.ravel() * speed / ship.L)
+        forces = rudder_amidships(self, state, ship.L, water.rho, revolutions)
+        changed = np.array(table.value)
+        names = [
+            name
+            for name in table.names
+            if not any(factor in name[1:] for factor in ("d", "T")) and name not in ("Xuu", "X0")
+        ]
+        for channel, force in forces.items():
+            chosen = in_channel(names, channel)
+            columns = regressors(
+                chosen,
+                state,
+                ship=ship,
+                water=water,
+                convention=table.convention,
+                approach_speed=speed,
+            )
+            size = np.linalg.norm(columns, axis=0)
+            share = np.linalg.lstsq(columns / size, force, rcond=None)[0] / size
+            for name, value in zip(chosen, share, strict=True):
+                changed[:, table.index(name)] -= value
+        return replace(
+            table,
+            value=changed,
+            notes=(*table.notes, "Forces of the rudder amidships are taken off the hull."),
+        )
+
     def _headline(self) -> str:
         both = (self.propeller, self.rudder)
         return " and ".join(
@@ -92,266 +358,6 @@ class _Point:
     thrust: float
     normal: float
     force: Mapping[str, float]
-
-
-def parts_of(
-    reduction: Reduction,
-    *,
-    area: float,
-    height: float,
-    lift_slope: float,
-    lR: float,
-    rate_deg_s: float,
-    xR: float = -0.5,
-    xp: float = -0.48,
-    assumed: str = "assumed",
-) -> Parts:
-    """Propeller and rudder from thrust, rudder gauge and open-water curve.
-
-    Parameters
-    ----------
-    reduction : Reduction
-        Static rudder, static drift and drift-rudder tests with ``T``, ``FY_rudder`` and a turning
-        propeller, and an open-water curve in the campaign file.
-    area, height : float
-        Rudder area [m²] and height [m].
-    lift_slope : float
-        Gradient of the rudder's normal force coefficient, from its aspect ratio: only its product
-        with the square of the inflow is measured.
-    lR : float
-        Effective lever of the yaw rate at the rudder over L: static tests do not give it.
-    rate_deg_s : float
-        Rate of the steering gear [deg/s].
-    xR, xp : float
-        Rudder and propeller forward of midship over L.
-    assumed : str
-        Source of what is not measured, such as ``library: Yasukawa and Yoshimura 2015``.
-
-    Returns
-    -------
-    Parts
-
-    Raises
-    ------
-    MissingPartError
-        If a test or a gauge is missing; the message says which.
-
-    Notes
-    -----
-    KT from the open-water curve up to J = 0.8; the wake of each run by thrust identity, faded with
-    drift by the two-sided form of Yasukawa and Yoshimura (2015); ε and κ from the slopes of the
-    normal force over the rudder angle at all speeds (loadings) tested straight ahead; tR, aH, xH
-    from X, Y, N over the measured normal force of those runs; γR of both sides from the normal
-    force in drift.
-    """
-    from scipy.optimize import least_squares
-
-    campaign = reduction.campaign
-    D, L, rho = float(campaign.propeller.get("D", math.nan)), campaign.ship.L, campaign.water.rho
-    curve = open_water(campaign)
-    points = _points(reduction)
-    straight = [p for p in points if p.v == 0.0]
-    drifting = [p for p in points if p.v != 0.0]
-    lacks = [
-        text
-        for text, there in (
-            ("[propeller] D", math.isfinite(D)),
-            ("[propeller] open_water (J, KT, KQ)", curve is not None),
-            ("static_rudder runs with FY_rudder and T", len(straight) > 3),
-            ("static_drift or drift_rudder runs with FY_rudder and T", len(drifting) > 3),
-            ("straight runs with T and resistance tests", reduction.propulsion is not None),
-        )
-        if not there
-    ]
-    if lacks:
-        raise MissingPartError(f"Propeller and rudder cannot be found without {'; '.join(lacks)}.")
-    assert curve is not None
-    assert reduction.propulsion is not None
-    thrust = straight_polynomial(*curve)
-    kt0, kt1, kt2 = thrust["kt0"], thrust["kt1"], thrust["kt2"]
-
-    def inflow(p: _Point) -> float:
-        """Water speed at the propeller by thrust identity [m/s]."""
-        tip = p.n * D
-        roots = np.roots([kt2, kt1 * tip, kt0 * tip * tip - p.thrust / (rho * D * D)])
-        fit = [float(x.real) for x in roots if abs(x.imag) < 1e-9 and x.real > -tip]
-        return min(fit, key=lambda x: abs(x - 0.6 * p.u))
-
-    design = max((p.u for p in straight), default=0.0)
-    wake = [1.0 - inflow(p) / p.u for p in straight if p.u == design]
-    wp = float(np.mean(wake))
-    grown = np.array([inflow(p) / p.u / (1.0 - wp) for p in drifting])
-    drift = np.array([math.atan2(-p.v, p.u) for p in drifting])
-
-    def faded(limits: Array) -> Array:
-        limit = np.where(drift > 0, limits[0], limits[1])
-        grows: Array = 1.0 + (1.0 - np.exp(-FADES * np.abs(drift))) * (limit - 1.0)
-        return grows
-
-    limits = least_squares(lambda x: faded(x) - grown, [1.5, 1.2])
-    eta = D / height
-    tests = {"area": area, "lift_slope": lift_slope, "rho": rho}
-
-    def normal(
-        p: _Point, eps: float, kappa: float, plus: float, minus: float, zero: float
-    ) -> float:
-        along, across = rudder_flow(
-            p.v,
-            0.0,
-            math.atan2(-p.v, p.u),
-            L,
-            math.hypot(p.u, p.v),
-            inflow(p),
-            p.thrust / (rho * D * D),
-            1,
-            eps,
-            kappa,
-            eta,
-            plus,
-            minus,
-            lR,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-        )
-        return normal_force(
-            along, across, p.delta + zero, stall=0, stall_deg=0.0, stall_loss=0.0, **tests
-        )
-
-    ahead = least_squares(
-        lambda x: [normal(p, x[0], x[1], 0.5, 0.5, x[2]) - p.normal for p in straight],
-        [1.0, 0.5, 0.0],
-    )
-    eps, kappa, zero = ahead.x.tolist()
-    aside = least_squares(
-        lambda x: [normal(p, eps, kappa, x[0], x[1], zero) - p.normal for p in drifting], [0.5, 0.5]
-    )
-    fast = [p for p in straight if p.u == design]
-    drag = _line([-p.normal * math.sin(-p.delta) for p in fast], [p.force["X"] for p in fast])
-    side = _line([p.normal * math.cos(p.delta) for p in fast], [p.force["Y"] for p in fast])
-    turn = _line([p.normal * math.cos(p.delta) for p in fast], [p.force["N"] / L for p in fast])
-    aH = side[0] - 1.0
-    values = {
-        "area": area,
-        "lift_slope": lift_slope,
-        "epsilon": eps,
-        "kappa": kappa,
-        "eta": eta,
-        "gamma_positive": float(aside.x[0]),
-        "gamma_negative": float(aside.x[1]),
-        "lR": lR,
-        "tR": 1.0 - drag[0],
-        "aH": aH,
-        "xH": (turn[0] - xR) / aH,
-        "xR": xR,
-        "rate_deg_s": rate_deg_s,
-    }
-    screw = {
-        "D": D,
-        "t": reduction.propulsion.thrust_deduction,
-        "kt0": kt0,
-        "kt1": kt1,
-        "kt2": kt2,
-        "wp": wp,
-        "xp": xp,
-        "C1": FADES,
-        "C2_positive": float(limits.x[0]),
-        "C2_negative": float(limits.x[1]),
-    }
-    measured = f"measured: {campaign.title}"
-    lent = ("lift_slope", "lR", "xR", "rate_deg_s")
-    return Parts(
-        propeller=Part(
-            effect="propeller",
-            values=MappingProxyType(screw),
-            source=measured,
-            options=MappingProxyType({"wake": "mmg"}),
-            sources=MappingProxyType(dict.fromkeys(("xp", "C1"), assumed)),
-        ),
-        rudder=Part(
-            effect="rudder_mmg",
-            values=MappingProxyType(values),
-            source=measured,
-            options=MappingProxyType({"inflow": "mmg"}),
-            sources=MappingProxyType(dict.fromkeys(lent, assumed)),
-        ),
-        std=MappingProxyType(
-            {
-                **dict(zip(("epsilon", "kappa", "rudder_zero"), _errors(ahead), strict=True)),
-                **dict(zip(("gamma_positive", "gamma_negative"), _errors(aside), strict=True)),
-                **dict(zip(("C2_positive", "C2_negative"), _errors(limits), strict=True)),
-                "tR": drag[1],
-                "aH": side[1],
-                "t": reduction.propulsion.std,
-                "wp": float(np.std(wake)),
-            }
-        ),
-        notes=(
-            f"Assumed, because these tests do not give it: {', '.join((*lent, 'xp', 'C1'))}.",
-            f"Rudder amidships stands at {math.degrees(zero):+.2f}° by its normal force; the model "
-            f"has none of that.",
-        ),
-        runs=MappingProxyType({"straight ahead": len(straight), "in drift": len(drifting)}),
-    )
-
-
-def hull_alone(
-    table: DerivativeTable,
-    parts: Parts,
-    *,
-    speed: float,
-    revolutions: float,
-    most_drift_deg: float = 20.0,
-    most_yaw: float = 0.6,
-) -> DerivativeTable:
-    """Derivatives of the hull without the rudder, from those of a model tested with it.
-
-    Parameters
-    ----------
-    table : DerivativeTable
-        Of a model with rudder amidships and turning propeller, thrust apart (term ``XT``).
-    parts : Parts
-        Its rudder and propeller.
-    speed, revolutions : float
-        Of the tests [m/s], [1/s].
-    most_drift_deg, most_yaw : float
-        Range of drift [deg] and of r' over which the rudder's forces are fitted.
-
-    Returns
-    -------
-    DerivativeTable
-        The forces of the rudder amidships on a grid of motions are fitted by the table's own
-        terms, and taken off. The covariance stays that of the table.
-    """
-    ship, water = table.ship, table.water
-    drift, yaw = np.meshgrid(
-        np.radians(np.linspace(-most_drift_deg, most_drift_deg, 21)),
-        np.linspace(-most_yaw, most_yaw, 21),
-    )
-    u, v = speed * np.cos(drift.ravel()), -speed * np.sin(drift.ravel())
-    state = State.of(u=u, v=v, r=yaw.ravel() * speed / ship.L)
-    forces = rudder_amidships(parts, state, ship.L, water.rho, revolutions)
-    changed = np.array(table.value)
-    names = [
-        name
-        for name in table.names
-        if not any(factor in name[1:] for factor in ("d", "T")) and name not in ("Xuu", "X0")
-    ]
-    for channel, force in forces.items():
-        chosen = in_channel(names, channel)
-        columns = regressors(
-            chosen, state, ship=ship, water=water, convention=table.convention, approach_speed=speed
-        )
-        size = np.linalg.norm(columns, axis=0)
-        share = np.linalg.lstsq(columns / size, force, rcond=None)[0] / size
-        for name, value in zip(chosen, share, strict=True):
-            changed[:, table.index(name)] -= value
-    return replace(
-        table,
-        value=changed,
-        notes=(*table.notes, "Forces of the rudder amidships are taken off the hull."),
-    )
 
 
 def rudder_amidships(

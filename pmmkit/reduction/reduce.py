@@ -15,15 +15,16 @@ from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, Structure, s
 from pmmkit.intake import CheckFinding, examine, loudest_first, refuse, untold
 from pmmkit.models import KEY, MISFIT, DerivativeTable, TableVerdict
 from pmmkit.presentation import Described, Section, counted
+from pmmkit.reduction.agreement import Difference, differences, worst
 from pmmkit.reduction.between_runs import between_runs
-from pmmkit.reduction.choice import AUTO, all_terms, largest_determined
+from pmmkit.reduction.choice import all_terms, largest_determined
 from pmmkit.reduction.derivatives import DerivativeNames, columns_of
 from pmmkit.reduction.influence import Influences, influences
 from pmmkit.reduction.methods.families import by_family, by_run
 from pmmkit.reduction.methods.library import library_of
 from pmmkit.reduction.methods.method import Estimate, MethodInputs
 from pmmkit.reduction.methods.over_time import channels_over_time
-from pmmkit.reduction.methods.registry import ALL, estimates, methods_of
+from pmmkit.reduction.methods.registry import ALL, METHODS, estimates, methods_of
 from pmmkit.reduction.notes import Offset, misfits, notes, offsets
 from pmmkit.reduction.observations.equations import Rows, Sensitivity, excited_alone
 from pmmkit.reduction.observations.prepare import CycleChoice, RunResult
@@ -32,8 +33,10 @@ from pmmkit.reduction.odd_runs import at_odds, runs_at_odds, weighed_down
 from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
 from pmmkit.reduction.reading.all_runs import Means, read_all
 from pmmkit.reduction.reading.run import ReductionSettings, speed_increase
+from pmmkit.reduction.sinkage import squat, squat_frame
 from pmmkit.reduction.solve import Solution, froude_groups, measured_and_fitted, solve, to_table
 from pmmkit.reduction.surge_zero import surge_zero
+from pmmkit.reduction.thrust import thrust_inside
 from pmmkit.reduction.verdict import verdict
 
 if TYPE_CHECKING:
@@ -122,6 +125,37 @@ class Reduction(Described):
             self.campaign,
             self.convention,
         )
+
+    @cached_property
+    def differences(self) -> tuple[Difference, ...]:
+        """Derivatives for which neither 95 % interval holds the other method's value, and why."""
+        return differences(self.estimates, self.families)
+
+    def farthest(self, method: str) -> Difference | None:
+        """The derivative for which a method is farthest from the regression; None without any."""
+        return worst(self.estimates, method)
+
+    @property
+    def way(self) -> str:
+        """By which method the table was found, in words."""
+        if self.method == next(iter(METHODS)):
+            return "one regression over all runs weighted with the noise of their records"
+        return f"{self.estimates[self.method].method} ({METHODS[self.method].text[:-1]})"
+
+    @property
+    def speed_increase(self) -> float | None:
+        """By what share the water passes the model faster between the walls, at the highest speed;
+        None where the tank is not stated or the flow is critical."""
+        return speed_increase(self.campaign, max(run.settings.speed for run in self.campaign.runs))
+
+    @property
+    def thrust_inside(self) -> tuple[int, ...]:
+        """Froude groups in which Xuu holds thrust."""
+        return thrust_inside(self.solution, self.rows)
+
+    def squat_to_pandas(self) -> pd.DataFrame:
+        """Sinkage and trim straight ahead: a row per Froude number; none where not measured."""
+        return squat_frame(squat(self.runs))
 
     def runs_to_pandas(self) -> pd.DataFrame:
         """A row per run: settings, window, cycles, harmonics [N, N m], sinkage, trim …"""
@@ -245,7 +279,7 @@ def reduce_campaign(
         depths of the water: `reduce_depths` reduces each.
     """
     campaign = within_reach(one_depth(campaign))
-    free = structure == AUTO
+    free = structure == "auto"
     wanted = all_terms() if free else structure_of(structure)
     convention = Convention(
         system=wanted.system,

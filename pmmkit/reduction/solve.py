@@ -13,7 +13,7 @@ import numpy as np
 
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Convention, canonical
-from pmmkit.inference import Restricted, RunEffects, run_effects
+from pmmkit.inference import Restricted, RunEffects
 from pmmkit.models import DerivativeTable
 from pmmkit.numerics import Array
 from pmmkit.reduction.between_runs import (
@@ -112,7 +112,7 @@ def solve(
             for case, found, draw in zip(cases, fits, draws, strict=True):
                 with solvable(case.channel, case.Fn):
                     likelihoods.setdefault(case.channel, []).append(likelihood_of(found, draw))
-            scatter = run_effects(likelihoods, size)
+            scatter = RunEffects.of(likelihoods, size)
         fits = [case.fit(draw, scatter) for case, draw in zip(cases, draws, strict=True)]
     repeatability = between.scatter or scatter
     if intervals and between.scatter is None:
@@ -207,7 +207,7 @@ def _by_repeats(
         repeated = repeats_of(item, draw)
         if repeated is not None:
             found[item.channel].append(repeated)
-    return run_effects(found, size)
+    return RunEffects.of(found, size)
 
 
 def _cases(

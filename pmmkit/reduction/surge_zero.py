@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.inference import least_squares
+from pmmkit.inference import LeastSquares
 from pmmkit.intake import CheckFinding
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, plus_minus
@@ -75,7 +75,7 @@ def _of_rows(item: ChannelFit) -> _Zero | None:
     if item.freedom < 2:
         return None
     rows, design, zero = _white(item)
-    solved = least_squares(item.fit.names, design, rows).gain @ np.stack([rows, zero], axis=1)
+    solved = LeastSquares.of(item.fit.names, design, rows).gain @ np.stack([rows, zero], axis=1)
     misfit, own = rows - design @ solved[:, 0], zero - design @ solved[:, 1]
     power = float(own @ own)
     if power <= APART * float(zero @ zero):
@@ -119,7 +119,7 @@ def _of_speeds(fits: list[ChannelFit], solution: Solution) -> _Zero | None:
 def _shift(item: ChannelFit) -> float:
     """Change of Xuu with a constant force of 1 N."""
     rows, design, zero = _white(item)
-    gain = least_squares(item.fit.names, design, rows).gain
+    gain = LeastSquares.of(item.fit.names, design, rows).gain
     return float(gain[item.fit.names.index("Xuu")] @ zero)
 
 

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.effects import resolve
-from pmmkit.inference import KINDS
+from pmmkit.inference import RunEffects
 from pmmkit.intake import CheckFinding
 from pmmkit.models import DerivativeTable, TableVerdict
 from pmmkit.numerics import Array
 from pmmkit.presentation import at_froude, listed
-from pmmkit.reduction.between_runs import in_words
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.influence import Influence, Influences
 from pmmkit.reduction.observations.equations import Rows
@@ -272,11 +271,11 @@ def _scattered(solution: Solution) -> Iterator[str]:
     if scatter is None:
         return
     for channel in scatter.weights:
-        found = dict(zip(KINDS, scatter.sizes(channel).tolist(), strict=True))
+        found = dict(zip(RunEffects.KINDS, scatter.sizes(channel).tolist(), strict=True))
         if any(size > WORST[name] for name, size in found.items()):
             yield (
-                f"Runs scatter as in no laboratory ({in_words(scatter, channel)}): some of them "
-                f"are of another quantity, unit or sign."
+                f"Runs scatter as in no laboratory ({solution.between.in_words(channel)}): some "
+                f"of them are of another quantity, unit or sign."
             )
 
 

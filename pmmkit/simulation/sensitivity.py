@@ -21,7 +21,7 @@ from pmmkit.base import (
     setting,
 )
 from pmmkit.conventions import in_lengths, main_of, metric_unit
-from pmmkit.inference import Propagated, differences, displaced
+from pmmkit.inference import Propagated, Stencil
 from pmmkit.models import Model, place_name
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
@@ -254,11 +254,12 @@ def sensitivities(
         raise UnknownNameError(f"Model {loaded.name!r} has no {', '.join(lost)}.")
     mean = np.array([known[name] for name in chosen])
     sizes = _sizes(chosen, mean)
-    values = np.vstack([displaced(mean, STEP * np.diag(sizes), 4), mean])
+    values = np.vstack([Stencil(4).points(mean, STEP * np.diag(sizes)), mean])
     with opened(executor) as ready:
         metrics, _ = batch.run(chosen, values, executor=ready)
     slopes = {
-        name: differences(column[:-1], 4) / (STEP * sizes) for name, column in metrics.items()
+        name: Stencil(4).differences(column[:-1]) / (STEP * sizes)
+        for name, column in metrics.items()
     }
     for item in free:
         own = _of_a_setting(item, model, manoeuvre, speed=speed, **settings)
@@ -286,12 +287,12 @@ def _of_a_setting(
     """Slopes of the metrics over a setting of a manoeuvre, by differences as of the values."""
     step = STEP * (abs(item.default or 0.0) or item.std)
     found: list[dict[str, float]] = []
-    for (x,) in displaced(np.array([item.default or 0.0]), np.array([[step]]), 4):
+    for (x,) in Stencil(4).points(np.array([item.default or 0.0]), np.array([[step]])):
         batch = batch_of(model, manoeuvre, **(settings | {item.name: float(x)}))
         metrics, _ = batch.run((), np.zeros((1, 0)), executor=1)
         found.append({name: float(own[0]) for name, own in metrics.items()})
     return {
-        name: float(differences(np.array([own[name] for own in found]), 4)[0]) / step
+        name: float(Stencil(4).differences(np.array([own[name] for own in found]))[0]) / step
         for name in found[0]
     }
 

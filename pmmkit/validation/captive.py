@@ -16,7 +16,7 @@ from pmmkit.inference import COVERAGE
 from pmmkit.models import Model, Step, faults_of
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
-from pmmkit.reduction import RunView, View, idle, views_of
+from pmmkit.reduction import RunView, View, idle
 from pmmkit.simulation import Spread
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
 from pmmkit.validation.statistics import ChannelError
@@ -157,7 +157,7 @@ def observed(campaign: Campaign) -> tuple[View, ...]:
     campaign : Campaign
         The captive tests.
     """
-    return views_of(campaign, unknown_noise=True, pieces=False)
+    return View.of(campaign, unknown_noise=True, pieces=False)
 
 
 def compare_captive(

@@ -13,14 +13,14 @@ import numpy as np
 from pmmkit.base import DataError, PmmkitError, Progress
 from pmmkit.campaigns import Campaign, Run
 from pmmkit.identification import (
-    JUDGED,
     FreeRecord,
     Smoothed,
+    Trial,
     campaign_without,
     current_of,
     disagree,
     driven,
-    evaluate,
+    evaluate_trials,
     free_records,
     implied_forces,
     in_words,
@@ -209,7 +209,7 @@ def compare_free(
         except PmmkitError as error:
             reasons.append(f"{run.id} is left out: {error}")
             continue
-        if run.test in JUDGED:
+        if run.test in Trial.TESTS:
             try:
                 manoeuvres.append(_sailed(made, held, campaign, known, extrapolate))
             except PmmkitError as error:
@@ -341,7 +341,7 @@ def _sailed(
     """A manoeuvre measured, and simulated with the ship's own steering and revolutions held."""
     settings = run.settings
     flow = current_of(known)
-    trial = evaluate(run, campaign, current=flow if any(flow) else None)
+    (trial,) = evaluate_trials(campaign, runs=[run.id], current=flow if any(flow) else None)
     asked: dict[str, Any] = {}
     if run.kind_of_test.turns_rudder:
         asked["rudder_deg"] = math.degrees(settings.rudder)

@@ -7,7 +7,7 @@ from typing import Final
 
 from pmmkit.base import DataError, PmmkitError
 from pmmkit.campaigns import TEST_KINDS, Campaign, Run
-from pmmkit.identification import JUDGED, evaluate
+from pmmkit.identification import Trial, evaluate_trials
 from pmmkit.validation.manoeuvre import ManoeuvreComparison
 
 _FROUDE: Final = 0.05
@@ -24,14 +24,15 @@ def compare_trials(
     alone: list[str] = []
     notes: list[str] = []
     for run in campaign:
-        if run.test not in JUDGED:
+        if run.test not in Trial.TESTS:
             continue
         other = _counterpart(run, campaign, submission)
         if other is None:
             alone.append(run.id)
             continue
         try:
-            measured, theirs = evaluate(run, campaign), evaluate(other, submission)
+            (measured,) = evaluate_trials(campaign, runs=[run.id])
+            (theirs,) = evaluate_trials(submission, runs=[other.id])
         except PmmkitError as error:
             notes.append(f"{run.id} is left out: {error}")
             continue

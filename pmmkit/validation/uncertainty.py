@@ -15,7 +15,7 @@ import numpy as np
 
 from pmmkit.campaigns import Campaign, Rig, TypeB, as_read, inertia_inside, move_motion
 from pmmkit.effects import regressors
-from pmmkit.inference import Propagated, differences, displaced, std_along
+from pmmkit.inference import Propagated, Stencil, std_along
 from pmmkit.numerics import Array
 from pmmkit.reduction import View, altered
 from pmmkit.simulation import Spread, is_uncertain, spread_of
@@ -129,13 +129,13 @@ def model_share(view: View, predictor: Predictor, known: Spread | None) -> dict[
     others = [i for i, name in enumerate(known.names) if "." in name]
     if others:
         steps = np.eye(len(known.names))[others]
-        ships = known.independent.of_normal(displaced(np.zeros(len(known.names)), steps))
+        ships = known.independent.of_normal(Stencil().points(np.zeros(len(known.names)), steps))
         said = [
             _of_ship(view, predictor, known, values, i)
             for i, values in zip(np.repeat(others, 2), ships, strict=True)
         ]
         for channel in view.force:
-            changes = differences(np.stack([forces[channel] for forces in said]))
+            changes = Stencil().differences(np.stack([forces[channel] for forces in said]))
             jacobian[channel][:, others] = (changes / known.std[others, None]).T
     C = known.covariance
     return {name: std_along(J, C) for name, J in jacobian.items()}

@@ -17,7 +17,7 @@ from pmmkit.campaigns import (
     without_correction,
 )
 from pmmkit.files import datasets_folder, write_text
-from pmmkit.reduction import prepare
+from pmmkit.reduction import PreparedRun
 from pmmkit.views import CUTS, literal
 
 LONGEST: Final = 400
@@ -71,7 +71,7 @@ def _write(file: Path, data: str, run: str, change: Callable[[str], str]) -> Non
     campaign = campaign_of(tomllib.loads(text), file, data=data or None)
     tried = campaign[run]
     if campaign.kind == "captive":
-        prepare(tried, campaign, noise=False)
+        PreparedRun.of(tried, campaign, noise=False)
     elif not usable(tried).segments:
         raise DataError("Nothing of the record that can be used is left.")
     try:

@@ -27,7 +27,7 @@ from pmmkit.diagnosis.captive.candidate import Candidate, polynomial
 from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
 from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.captive.verdict import answer
-from pmmkit.reduction import views_of
+from pmmkit.reduction import View
 from scripts.studies.hidden_effects import programmes, tank
 
 
@@ -75,7 +75,7 @@ def line(runs: int, effects: int, rounds: int) -> str:
     times = []
     for _ in range(rounds if runs <= 100 else 1):
         start = time.process_time()
-        views_of(made)
+        View.of(made)
         viewed = time.process_time()
         system = captive_system(made, tank().BASE, candidates=candidates)
         built = time.process_time()

@@ -43,7 +43,7 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
 from pmmkit.diagnosis.evidence import SHOWS
-from pmmkit.reduction import views_of
+from pmmkit.reduction import View
 from scripts.studies.workers import add_workers, crew, in_order
 
 ABSORBED = ("fault_gauge_gain", "fault_moment_point", "fault_inertia")
@@ -189,7 +189,7 @@ def separations(job: Job, campaign: Any, rivals: Sequence[tuple[str, ...]]) -> l
     system = captive_system(campaign, tank().BASE)
     with np.errstate(divide="ignore", invalid="ignore"):
         pure, empty = (
-            [view.force for view in views_of(x.campaign("none")) if view.force]
+            [view.force for view in View.of(x.campaign("none")) if view.force]
             for x in (job, replace(job, effects=()))
         )
     score, square = np.zeros(len(system.normal.score)), 0.0

@@ -192,7 +192,7 @@ def repeats(book: Path, sheet: str) -> dict[str, float]:
 
 def main() -> None:
     import pmmkit as pk
-    from pmmkit.reduction import in_words, reduce_campaign
+    from pmmkit.reduction import reduce_campaign
 
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
@@ -236,7 +236,7 @@ def main() -> None:
                         )
                 for channel in ("X", "Y", "N"):
                     fits = [x for _, x in found.solution.fits if x.channel == channel]
-                    print("  between runs", in_words(found.solution.between.scatter, channel, fits))
+                    print("  between runs", found.solution.between.in_words(channel, fits))
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ from pmmkit.campaigns import Run
 from pmmkit.models import Model
 from pmmkit.plotting import style
 from pmmkit.presentation import WIDE
-from pmmkit.reduction import Parts, hull_alone, parts_of
+from pmmkit.reduction import Parts
 from pmmkit.simulation import Track
 
 ROOT = Path(__file__).parents[2]
@@ -50,7 +50,7 @@ def captive_model(data: Path) -> tuple[Model, Parts]:
     campaign = pk.open_campaign(ROOT / "datasets" / "kvlcc2_hmri", data=data)
     reduction = pk.reduce_campaign(campaign, structure="mmg")
     scale = 320.0 / campaign.ship.L
-    parts = parts_of(
+    parts = Parts.of(
         reduction,
         area=FULL_AREA / scale**2,
         height=FULL_HEIGHT / scale,
@@ -69,7 +69,7 @@ def captive_model(data: Path) -> tuple[Model, Parts]:
         method=table.method[full],
         runs=table.runs[full],
     )
-    hull = hull_alone(table, parts, speed=SPEED, revolutions=REVOLUTIONS)
+    hull = parts.hull_alone(table, speed=SPEED, revolutions=REVOLUTIONS)
     donor = Model(
         name=campaign.ship.name,
         ship=campaign.ship,

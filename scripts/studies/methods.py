@@ -23,7 +23,7 @@ import numpy as np
 
 from pmmkit.campaigns import open_campaign
 from pmmkit.files import datasets_folder
-from pmmkit.reduction import Reduction, differences, reduce_campaign, worst
+from pmmkit.reduction import Reduction, reduce_campaign
 from scripts.datasets.s175_programme import campaign
 from scripts.datasets.s175_truth import load_truth
 from scripts.datasets.virtual_tank import SHIP, WATER
@@ -35,11 +35,11 @@ def side_by_side(title: str, found: Reduction, seconds: float) -> list[str]:
     """Every method beside the regression: worst difference, what is said of it, seconds."""
     lines = [f"{title}: {len(found.runs)} runs, {seconds:.1f} s in all"]
     for name, estimate in list(found.estimates.items())[1:]:
-        far = worst(found, name)
+        far = found.farthest(name)
         known = int(np.isfinite(estimate.table.value).sum())
         told = "" if far is None else f"{far.derivative} {far.place}: {far.sigma:+.2f} std"
         lines.append(f"  {name:10} {known:3} values, {estimate.seconds:6.2f} s, worst {told}")
-        lines += [f"      {item.sentence}" for item in differences(found) if item.method == name]
+        lines += [f"      {item.sentence}" for item in found.differences if item.method == name]
         if estimate.tests is not None:
             lines += [
                 f"      {channel}: NIS {test.nis:.3f} of {test.samples} innovations "

@@ -16,7 +16,7 @@ from collections import defaultdict
 
 import numpy as np
 
-from pmmkit.inference import EffectiveSample, Equations, Resampling, SparseProblem, select_terms
+from pmmkit.inference import EffectiveSample, Equations, Resampling, Selection, SparseProblem
 from pmmkit.numerics import Array
 
 TERMS = ["v", "r", "v|v|", "vvr", "vrr", "vdot", "rdot", "vvv", "rrr", "r|r|", "one", "vvvvv"]
@@ -80,7 +80,7 @@ def study(replicates: int, bags: int) -> list[str]:
             for rule in ("stlsq", "stepwise", "elimination"):
                 problem = SparseProblem.single("Y", len(TERMS), rule)
                 resampling = Resampling.of(len(runs), bags, np.random.default_rng(seed))
-                found = select_terms(problem, runs, resampling)
+                found = Selection.of(problem, runs, resampling)
                 there = theta != 0
                 sets[rule].append(
                     (

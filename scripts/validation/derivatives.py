@@ -10,7 +10,8 @@ import numpy as np
 
 import pmmkit as pk
 from pmmkit.files import datasets_folder
-from pmmkit.reduction import Estimate, reduce_campaign
+from pmmkit.reduction import reduce_campaign
+from pmmkit.reduction.methods.method import Estimate
 from scripts.datasets.virtual_tank import SON_NOMOTO, captive
 from scripts.validation import measurements
 from scripts.validation.published import Published, Values, table
@@ -143,7 +144,7 @@ FIGURES: tuple[Published, ...] = (
         "KVLCC2, propeller and rudder by two tanks",
         PARTS,
         measurements.kept("hmri"),
-        how="HMRI's tests, `pmmkit.reduction.parts.parts_of`; made with the measurements",
+        how="HMRI's tests, `pmmkit.reduction.Parts.of`; made with the measurements",
         within=1.0,
         why="Two models, propellers and rudders. HMRI's xH lies behind the ship, a contradiction "
         "of the rudder tests that is left as it is ([cases.md](cases.md)).",

@@ -17,7 +17,7 @@ from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.effects import CATALOGUE
 from pmmkit.identification import prior_of
 from pmmkit.intake import examine
-from pmmkit.reduction import views_of
+from pmmkit.reduction import View
 from pmmkit.simulation import sensitivities, sobol
 from scripts.datasets.make_large import make
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
@@ -80,7 +80,7 @@ def test_what_checks_and_diagnosis_see_of_captive_tests(folder, threads):
     campaign = campaign.with_(runs=campaign.runs[::5])
 
     def seen(who):
-        views = views_of(campaign, executor=who)
+        views = View.of(campaign, executor=who)
         arrays = [x for view in views for x in (view.projection, *view.force.values())]
         told = [str(finding) for finding in examine(campaign, executor=who)]
         return [x.tobytes() for x in arrays], [view.run for view in views], told

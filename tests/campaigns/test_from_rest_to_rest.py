@@ -10,7 +10,7 @@ import pytest
 import pmmkit as pk
 from pmmkit.campaigns import by_depth, depths
 from pmmkit.cli import main
-from pmmkit.reduction import prepare
+from pmmkit.reduction import PreparedRun
 
 TYPED = {
     "# L = ...": "L = 3.984",
@@ -54,7 +54,7 @@ def campaign(shared_data, tmp_path_factory):
 def test_the_steady_part_is_found(campaign):
     for run in campaign:
         speed, X, heave = STEADY[run.id]
-        found = prepare(run, campaign).result
+        found = PreparedRun.of(run, campaign).result
         assert run.settings.speed == pytest.approx(speed, abs=5e-4)
         assert found.measured["X"][0] == pytest.approx(X, abs=0.035)
         assert abs(found.extras["sinkage"]) == pytest.approx(heave, abs=0.06e-3)

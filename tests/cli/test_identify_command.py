@@ -16,17 +16,11 @@ from pmmkit import FreeRecord, compare_methods
 from pmmkit.base import DataError, UnknownNameError
 from pmmkit.cli import main
 from pmmkit.conventions import Convention
-from pmmkit.identification import (
-    SECONDS,
-    consistency,
-    known_before,
-    parameters_of,
-    predicted_window,
-    reference,
-)
+from pmmkit.identification import SECONDS, known_before, parameters_of, predicted_window, reference
 from pmmkit.identification.figures import parameters
 from pmmkit.identification.posterior.tree import read_posterior
-from pmmkit.inference import Innovations, autocorrelation, innovation_tests
+from pmmkit.inference import Consistency, Innovations
+from pmmkit.inference.innovations import autocorrelation
 from pmmkit.plotting import save
 from pmmkit.views.figures import identification as drawings
 
@@ -560,12 +554,12 @@ WHITE = np.random.default_rng(5).normal(size=3000)
     ],
 )
 def test_consistency_in_words(residuals, words):
-    (text,) = innovation_tests({"a": of(residuals)}).words()
+    (text,) = Consistency.of({"a": of(residuals)}).words()
     assert words in text
 
 
 def test_consistency_in_numbers():
-    found = innovation_tests({"a": of(WHITE[:1000]), "b": of(WHITE[1000:])})
+    found = Consistency.of({"a": of(WHITE[:1000]), "b": of(WHITE[1000:])})
     whole = found.channels["psi"]
     assert whole.samples == 3000
     assert whole.nis == pytest.approx(np.mean(WHITE**2))
@@ -573,19 +567,19 @@ def test_consistency_in_numbers():
     assert found.records["a"]["psi"].samples == 1000
     assert len(found.to_pandas()) == 3
     far = np.where(np.arange(3000) % 20 == 0, 30.0, WHITE)
-    gated = innovation_tests({"a": of(far, gate=5.0)})
+    gated = Consistency.of({"a": of(far, gate=5.0)})
     assert gated.channels["psi"].gated == pytest.approx(0.05)
     assert "5.0 % of the measurements were not taken in" in " ".join(gated.words())
-    assert innovation_tests({"a": of(WHITE[:20])}).words() == ("psi: too few samples to judge.",)
+    assert Consistency.of({"a": of(WHITE[:20])}).words() == ("psi: too few samples to judge.",)
     with pytest.raises(DataError, match="lags"):
-        innovation_tests({"a": of(WHITE)}, lags=0)
+        Consistency.of({"a": of(WHITE)}, lags=0)
 
 
 @pytest.mark.slow
 def test_the_whiteness_test_is_right_as_often_as_it_says():
     rng = np.random.default_rng(0)
     small = [
-        innovation_tests({"a": of(rng.normal(size=400))}).channels["psi"].p_white < 0.05
+        Consistency.of({"a": of(rng.normal(size=400))}).channels["psi"].p_white < 0.05
         for _ in range(400)
     ]
     assert 0.02 < np.mean(small) < 0.09
@@ -604,7 +598,7 @@ def test_a_filter_on_its_own_model_is_white_and_one_without_process_noise_is_not
     right = compare_methods(model, records[:2], ["Nv"], methods=("ekf",), sensors=NOISE)
     assert (
         "innovations are as large"
-        in " ".join(consistency(right.found["ekf"].detail).words()).lower()
+        in " ".join(right.found["ekf"].detail.consistency.words()).lower()
     )
     wrong = model.with_values("hull_polynomial", Yv=-0.15, Nr=-0.1)
     found = compare_methods(
@@ -615,6 +609,6 @@ def test_a_filter_on_its_own_model_is_white_and_one_without_process_noise_is_not
         sensors=NOISE,
         settings={"ekf": {"roughness": 0.0}},
     )
-    words = " ".join(consistency(found.found["ekf"].detail).words())
+    words = " ".join(found.found["ekf"].detail.consistency.words())
     assert "not white" in words
     assert "times as large" in words

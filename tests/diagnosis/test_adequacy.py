@@ -26,7 +26,7 @@ from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.evidence import ranked_sets, sets_of
 from pmmkit.diagnosis.captive.leave_one_out import least_gains
 from pmmkit.diagnosis.captive.system import channels_of
-from pmmkit.reduction import views_of
+from pmmkit.reduction import View
 
 
 def asked(effects, seed=11, programme="small", **settings):
@@ -182,7 +182,7 @@ def test_all_pieces_of_a_run_have_one_frequency():
     """Two cycles of a noisy record give none of their own: the phase would slip with it."""
     campaign = hidden_campaign("full", {}, seed=10523)
     (run,) = (run for run in campaign.runs if run.id == "YD_1.0_0.4_8")
-    early, late = views_of(campaign.with_(runs=(run,)))
+    early, late = View.of(campaign.with_(runs=(run,)))
     assert early.omega == late.omega
     noise = np.sqrt(np.diag(early.covariance["N"]) + np.diag(late.covariance["N"]))
     np.testing.assert_array_less(np.abs(early.force["N"] - late.force["N"])[1:], 5 * noise[1:])

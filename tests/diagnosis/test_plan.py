@@ -38,7 +38,7 @@ from pmmkit.diagnosis.planning.planned import (
 from pmmkit.diagnosis.planning.programme import sights
 from pmmkit.diagnosis.planning.separation import Likely, expected_odds
 from pmmkit.models import load_model
-from pmmkit.reduction import views_of
+from pmmkit.reduction import View
 
 NAMES = {c: tuple(name for name in (*BASE, "Xdd", "Yd", "Nd") if name[0] == c) for c in "XYN"}
 LIMITS = Limits(
@@ -79,7 +79,7 @@ def cubic_model():
 def test_a_planned_run_moves_as_the_one_that_is_made():
     """Harmonics of what the base multiplies, from the tank's records and from the settings."""
     campaign = hidden_campaign("small", noise="none", seed=3, roll_measured=False)
-    measured = views_of(campaign)
+    measured = View.of(campaign)
     noise = stated_noise(dict.fromkeys("XYN", 1.0))
     every = options("small", LIMITS)
     planned = [v for option in every for v in planned_views(option, base(), noise)]
@@ -111,7 +111,7 @@ def test_stated_noise_is_that_of_simulated_records():
 
 
 def test_noise_of_a_campaign_goes_to_longer_and_to_other_records():
-    views = views_of(hidden_campaign("small", seed=1))
+    views = View.of(hidden_campaign("small", seed=1))
     noise = measured_noise(views)
     late = next(v for v in views if v.run.dynamic and not v.early)
     piece = PlannedPiece(dynamic=True, early=False, speed=1.5, omega=late.omega, duration=20.0)
@@ -132,7 +132,7 @@ def test_noise_of_a_campaign_goes_to_longer_and_to_other_records():
 @pytest.mark.parametrize("given", [(), ("memory", "even_hull_terms")])
 def test_information_is_that_of_the_diagnosis_and_adds_up(given):
     """The Gram matrix of `build`, by other algebra; and one run after another."""
-    views = views_of(hidden_campaign("small", {"asymmetry": 1.0}, seed=1))
+    views = View.of(hidden_campaign("small", {"asymmetry": 1.0}, seed=1))
     every = [item for item in captive_candidates() if not item.each_run]
     system = build(views, base(), every)
     scale = {c.name: c.scale for c in system.channels}

@@ -18,7 +18,7 @@ from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.columns import columns_of
 from pmmkit.effects import CATALOGUE, shown_by
 from pmmkit.effects.faults.rig import strokes
-from pmmkit.reduction import RunView, views_of
+from pmmkit.reduction import RunView, View
 from tests.support.by_hand import BY_HAND, behind_a_filter, forces, longer_strokes
 from tests.support.hidden_effects import SHIP, WATER, hidden_campaign
 from tests.support.hidden_effects.hull import TRUTH
@@ -53,7 +53,7 @@ SMALL = {
 def views():
     """Each kind of run of the tank, without noise."""
     made = hidden_campaign("small", {}, noise="none")
-    return views_of(each(made, made.runs, keep_without_roll), unknown_noise=True, pieces=False)
+    return View.of(each(made, made.runs, keep_without_roll), unknown_noise=True, pieces=False)
 
 
 def by_hand(make, view, size):
@@ -108,7 +108,7 @@ def test_longer_strokes_of_sway_and_heading_are_exact(share):
     made = hidden_campaign("small", {}, noise="none")
     chosen = [run for run in made.runs if run.dynamic]
     kept = each(made.with_(runs=tuple(chosen)), tuple(chosen), keep_without_roll)
-    for view in views_of(kept, unknown_noise=True, pieces=False):
+    for view in View.of(kept, unknown_noise=True, pieces=False):
         run = RunView(view, BASE)
         found = run.along(strokes(run, 1.0 + share, 1.0 + share))
         for channel, expected in by_hand(longer_strokes, view, share).items():

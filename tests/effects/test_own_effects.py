@@ -19,7 +19,7 @@ from pmmkit.diagnosis.captive.candidate import Candidate, polynomial
 from pmmkit.diagnosis.captive.diagnose import diagnose_captive
 from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.models import load_model
-from pmmkit.reduction import views_of
+from pmmkit.reduction import View
 
 SMALL = hidden_campaign("small", {"yaw_sway_coupling": 1.0}, seed=4)
 
@@ -183,7 +183,7 @@ def test_columns_are_those_of_the_polynomial():
     text = candidate_of(pk.own_effect("mine", "Y: v*v*r; N: v*|v|"))
     tied = candidate_of(pk.own_effect("tied", "Y: a*v*v*r; N: -0.4*a*v*|v|; a ~ 1"))
     known = polynomial("known", "hull", "", {"Yvvr": 1.0, "Nv|v|": 1.0})
-    for view in views_of(SMALL):
+    for view in View.of(SMALL):
         one, other, sum_ = (x.columns(view, base, 0.0) for x in (text, known, tied))
         for channel, share in (("Y", [1.0, 0.0]), ("N", [0.0, -0.4])):
             np.testing.assert_allclose(one[channel], other[channel], rtol=1e-12)

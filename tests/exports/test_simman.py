@@ -19,7 +19,7 @@ from pmmkit.campaigns import Settings
 from pmmkit.cli import main
 from pmmkit.conventions import Ship, Water
 from pmmkit.exports.simman.metadata import ASKED
-from pmmkit.reduction import prepare
+from pmmkit.reduction import PreparedRun
 
 SHIP = Ship(name="model", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=450.0, xG=0.1)
 SPEED, PERIOD, AMPLITUDE, HEADING = 1.2, 8.0, 0.25, 0.2
@@ -142,7 +142,7 @@ def test_results_are_those_of_the_reduction(small, archive):
     means, waves = rows(found["static_means.csv"]), rows(found["fourier_coefficients.csv"])
     doubts = rows(found["fourier_uncertainties.csv"])
     for run in small:
-        result = prepare(run, small).result
+        result = PreparedRun.of(run, small).result
         for name, values in result.measured.items():
             std = np.sqrt(np.diag(result.covariance[name]))
             if not run.dynamic:
@@ -208,10 +208,10 @@ row = {{ run = "PS_U1_a0.3" }}
     (tmp_path / "campaign.toml").write_text(text, encoding="utf-8")
     tests = pk.open_campaign(tmp_path, data=archive.parent)
     for run in small.runs[:3]:
-        measured = prepare(run, small).result.measured
+        measured = PreparedRun.of(run, small).result.measured
         assert float(tests[run.id].data["Y"]) == measured["Y"][0]
         assert tests[run.id].settings.drift == pytest.approx(run.settings.drift, abs=1e-15)
-    values = prepare(small["PS_U1_a0.3"], small).result.measured["N"]
+    values = PreparedRun.of(small["PS_U1_a0.3"], small).result.measured["N"]
     assert tests["sway"].data["N_cos"].values[1] == values[1]
     assert tests["sway"].data["N_sin"].values[1] == values[2]
 

@@ -11,14 +11,7 @@ import pmmkit as pk
 from pmmkit import Campaign, imo_turning
 from pmmkit.base import DataError
 from pmmkit.conventions import Ship, Water
-from pmmkit.identification import (
-    LoadingPrediction,
-    Trial,
-    corrected_grid,
-    loading_notes,
-    predicted_by,
-    to_full_load,
-)
+from pmmkit.identification import Corrected, LoadingPrediction, Trial
 from pmmkit.identification.trials.verdicts import verdicts_of
 from pmmkit.models import ESTIMATED, Step, estimated_model, with_estimated_astern
 from pmmkit.views import form_of_trials
@@ -67,8 +60,8 @@ REAL = {"Nv": 1.08, "Yr": 0.95}
 
 
 def corrected(*trials):
-    return to_full_load(
-        trials, predicted_by(tanker(*BALLAST)), predicted_by(tanker(*FULL)), compiled=False
+    return LoadingPrediction.of(tanker(*BALLAST)).to_full_load(
+        trials, LoadingPrediction.of(tanker(*FULL)), compiled=False
     )
 
 
@@ -104,14 +97,14 @@ def tank_tests(loading):
 
 def test_model_tests_do_as_well_as_models_by_froudes_law():
     trial = sailed(tanker(*BALLAST, **REAL), -35.0)
-    found = to_full_load([trial], tank_tests(BALLAST), tank_tests(FULL))
+    found = tank_tests(BALLAST).to_full_load([trial], tank_tests(FULL))
     assert [item.measured.criterion for item in found] == ["advance", "tactical_diameter"]
     for item, same in zip(found, corrected(trial), strict=True):
         assert item.verdict.value == pytest.approx(same.verdict.value, rel=1e-6)
     both = tank_tests(BALLAST), tank_tests(FULL)
-    assert loading_notes(*both, L=320.0, draught=11.0, full_draught=20.8) == ()
+    assert both[0].notes(both[1], L=320.0, draught=11.0, full_draught=20.8) == ()
     with pytest.raises(DataError, match="same method"):
-        to_full_load([trial], tank_tests(BALLAST), predicted_by(tanker(*FULL)))
+        tank_tests(BALLAST).to_full_load([trial], LoadingPrediction.of(tanker(*FULL)))
 
 
 def test_the_uncertainty_of_the_measure_is_carried_with_it():
@@ -131,7 +124,7 @@ def test_what_a_model_cannot_sail_stays_as_tried():
     ship = pk.load_model("mariner")
     stopped = replace(sailed(tanker(*BALLAST)).verdicts[0], criterion="track_reach", value=7.0)
     trial = replace(sailed(tanker(*BALLAST)), L=ship.ship.L, verdicts=(stopped,))
-    assert to_full_load([trial], predicted_by(ship), predicted_by(ship)) == ()
+    assert LoadingPrediction.of(ship).to_full_load([trial], LoadingPrediction.of(ship)) == ()
 
 
 def test_a_stop_by_an_estimate_of_the_propeller_astern_is_corrected_with_that_said():
@@ -148,9 +141,9 @@ def test_a_stop_by_an_estimate_of_the_propeller_astern_is_corrected_with_that_sa
 def test_models_of_another_length_or_draught_are_named():
     trial = sailed(tanker(*BALLAST))
     with pytest.raises(DataError, match="pmmkit scale"):
-        to_full_load([trial], predicted_by("kvlcc2-l7"), predicted_by("kvlcc2-l7"))
-    full = predicted_by(tanker(*FULL))
-    notes = loading_notes(full, full, L=320.0, draught=11.0, full_draught=20.8)
+        LoadingPrediction.of("kvlcc2-l7").to_full_load([trial], LoadingPrediction.of("kvlcc2-l7"))
+    full = LoadingPrediction.of(tanker(*FULL))
+    notes = full.notes(full, L=320.0, draught=11.0, full_draught=20.8)
     assert len(notes) == 2
     assert "is for 20.8 m of draught, the ship draws 11 m" in notes[0]
     assert ESTIMATED in notes[1]
@@ -159,7 +152,7 @@ def test_models_of_another_length_or_draught_are_named():
 def test_the_table_names_its_columns_by_the_letters_of_the_notes():
     trial = sailed(tanker(*BALLAST))
     found = corrected(trial)
-    grid = corrected_grid(found)
+    grid = Corrected.grid(found)
     assert {"T", "B", "F", "R = T F/B"} < set(grid.head)
     told = found[0].to_dict()
     assert told["R"] == pytest.approx(told["T"] * told["F"] / told["B"])
@@ -183,12 +176,12 @@ def test_nothing_is_met_by_a_ratio_to_a_model_that_is_not_usable():
     trial = sailed(pk.load_model("kvlcc2"))
     why = Step(action="forced", ship="tanker", names=("Yv is positive.",))
     forced = tanker(*FULL).stepped(why)
-    (first, *_) = to_full_load(
-        [trial], predicted_by(tanker(*BALLAST)), predicted_by(forced), compiled=False
+    (first, *_) = LoadingPrediction.of(tanker(*BALLAST)).to_full_load(
+        [trial], LoadingPrediction.of(forced), compiled=False
     )
     assert first.measured.passed is True
     assert first.verdict.passed is None
-    assert [row[-1] for row in corrected_grid([first]).groups[0].rows] == ["not settled"]
+    assert [row[-1] for row in Corrected.grid([first]).groups[0].rows] == ["not settled"]
 
 
 def test_a_trial_and_a_simulation_name_one_manoeuvre_alike():

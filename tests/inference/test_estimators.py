@@ -10,6 +10,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.stats import multivariate_normal, norm
 
+from pmmkit.identification.passes import room
 from pmmkit.inference import InformationRoot, Innovations, estimators
 
 GIVEN = np.array(
@@ -120,7 +121,7 @@ def passed(functions, step, measured, z, P, noise, *, method="extended", **setti
     rest = (z, P, settings.get("fading", np.zeros(m)), noise, gate, means, residuals, spreads)
     smooth = None
     if method == "extended":
-        kept = np.zeros((COUNT, functions.room(functions.NS, m)))
+        kept = np.zeros((COUNT, room(functions.NS, m)))
         frozen = settings.get("frozen", np.zeros(m))
         assert functions.extended(*begin, frozen, *rest, kept) == 0
         smooth = np.empty((COUNT, n)), np.empty((COUNT, n, n))

@@ -8,16 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
-from pmmkit.inference import (
-    Normal,
-    chance_of,
-    dependent,
-    integrated_out,
-    least_squares,
-    log_normal,
-    of_others,
-    of_others_by_hat,
-)
+from pmmkit.diagnosis.evidence import integrated_out
+from pmmkit.inference import LeastSquares, Normal, dependent, log_normal, of_others
 
 ROWS = 30
 
@@ -142,8 +134,8 @@ def test_the_chance_counts_columns_alike_once():
     one = Normal(information=np.ones((1, 1)) * 9.0, score=np.zeros(1), centre=np.zeros(1))
     ten = Normal(information=np.full((10, 10), 9.0), score=np.zeros(10), centre=np.zeros(10))
     best = 1.5
-    alone = chance_of(one, [[np.array([0])]], best, draws=20_000)
-    copies = chance_of(ten, [[np.array([k])] for k in range(10)], best, draws=20_000)
+    alone = one.chance_of(best, [[np.array([0])]], draws=20_000)
+    copies = ten.chance_of(best, [[np.array([k])] for k in range(10)], draws=20_000)
     # |b| beyond sqrt(2 (1 + G) (best + ½ ln(1 + G))) of b ~ N(0, G).
     bar = np.sqrt(2 * 10.0 * (best + 0.5 * np.log(10.0)) / 9.0)
     from scipy.stats import norm
@@ -162,7 +154,7 @@ def test_a_block_left_out_is_predicted_as_by_a_new_fit(rows, seed):
     residual = data - Q @ (Q.T @ data)
     fitted = np.linalg.lstsq(columns[rows:], data[rows:], rcond=None)[0]
     truth = data[:rows] - columns[:rows] @ fitted
-    for inverse, determined in (of_others(Q[:rows]), of_others_by_hat(Q[:rows] @ Q[:rows].T)):
+    for inverse, determined in (of_others(Q[:rows]), of_others(Q[:rows] @ Q[:rows].T, hat=True)):
         assert determined
         np.testing.assert_allclose(inverse @ residual[:rows], truth, rtol=1e-7, atol=1e-9)
 
@@ -192,5 +184,5 @@ def test_a_triangle_tells_what_pivoted_least_squares_tells(seed, copies):
     truth = np.array([place not in tied for place in order.tolist()])
     np.testing.assert_array_equal(~dependent(np.linalg.qr(columns, mode="r")), truth)
     names = [str(place) for place in range(columns.shape[1])]
-    found = least_squares(names, columns, rng.normal(size=20))
+    found = LeastSquares.of(names, columns, rng.normal(size=20))
     np.testing.assert_array_equal(found.determined, truth)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pmmkit.inference import COVERAGE, Propagated, axes, differences, displaced, root, std_along
+from pmmkit.inference import COVERAGE, Propagated, Stencil, axes, root, std_along
 
 numbers = st.floats(-3.0, 3.0).map(lambda x: round(x, 3))
 
@@ -114,12 +114,12 @@ def test_a_root_has_no_choice_of_signs_and_independent_inputs_keep_their_own_err
 
 def test_differences_of_fourth_order_are_exact_for_a_quartic_and_of_second_for_a_parabola():
     at, steps = np.array([0.7, -0.4]), np.array([[0.3, 0.0], [0.2, -0.5]])
-    x, y = displaced(at, steps, 4).T
+    x, y = Stencil(4).points(at, steps).T
     slope = np.array([4 * 0.7**3 * -0.4, 0.7**4])
-    np.testing.assert_allclose(differences(x**4 * y, 4)[0], steps[0] @ slope, rtol=1e-12)
-    x, y = displaced(at, steps).T
+    np.testing.assert_allclose(Stencil(4).differences(x**4 * y)[0], steps[0] @ slope, rtol=1e-12)
+    x, y = Stencil().points(at, steps).T
     np.testing.assert_allclose(
-        differences(np.column_stack([x * y + x**2, 3 * y])),
+        Stencil().differences(np.column_stack([x * y + x**2, 3 * y])),
         steps @ np.array([[-0.4 + 1.4, 0.0], [0.7, 3.0]]),
         rtol=1e-12,
     )

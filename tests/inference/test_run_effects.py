@@ -6,17 +6,8 @@ from scipy.integrate import quad
 from scipy.optimize import approx_fprime
 from scipy.stats import multivariate_normal, norm
 
-from pmmkit.inference import (
-    KINDS,
-    RepeatedRuns,
-    Restricted,
-    RunEffects,
-    by_kind,
-    half_width,
-    per_column,
-    repeatability,
-    run_effects,
-)
+from pmmkit.inference import RunEffects, per_column
+from pmmkit.reduction.between_runs import half_width
 
 
 class Rows:
@@ -46,10 +37,8 @@ class Rows:
             columns = [
                 np.column_stack([self.design[i], self.floor[i], self.y[i]]) / self.noise for i in at
             ]
-            groups.append(
-                (np.stack(columns), by_kind(np.stack([self.own[i] for i in at]) / self.noise))
-            )
-        return Restricted.of(groups, self.design[0].shape[1], self.shared)
+            groups.append((np.stack(columns), np.stack([self.own[i] for i in at]) / self.noise))
+        return RunEffects.likelihood(groups, self.design[0].shape[1], self.shared)
 
     def covariance(self, sizes):
         """Of all rows, element by element."""
@@ -128,7 +117,7 @@ def test_quiet_records_lose_no_digits_to_the_scatter_of_their_runs(rows):
 
 def test_a_known_kind_is_noise():
     rows = Rows(np.random.default_rng(6), TRUE)
-    found, last = rows.likelihood(), KINDS.index("harmonics")
+    found, last = rows.likelihood(), RunEffects.KINDS.index("harmonics")
     known = found.given(last, 0.05)
     tried = np.array([[0.01, 0.02, 0.03], [0.1, 0.001, 0.2]])
     told = [known.log_likelihood(np.log([*x, 1.0])) for x in tried]
@@ -138,7 +127,7 @@ def test_a_known_kind_is_noise():
 
 
 def of(rows, scale=3.0):
-    return run_effects({"Y": [rows.likelihood()]}, {"Y": scale})
+    return RunEffects.of({"Y": [rows.likelihood()]}, {"Y": scale})
 
 
 def test_many_runs_tell_their_scatter_and_few_leave_it_to_the_prior():
@@ -149,7 +138,7 @@ def test_many_runs_tell_their_scatter_and_few_leave_it_to_the_prior():
     usual = RunEffects.usual({"Y": 3.0})
     few = of(Rows(np.random.default_rng(7), true, runs=(1, 1, 1)))
     assert few.sizes("Y")[3] == pytest.approx(usual.sizes("Y")[3], rel=0.05)
-    assert few.informed["Y"] == KINDS[:3]
+    assert few.informed["Y"] == RunEffects.KINDS[:3]
 
 
 @pytest.mark.parametrize("times", [0.01, 1.0, 30.0])
@@ -165,24 +154,20 @@ def test_a_force_of_repeated_runs_alone_tells_what_they_draw():
     rng = np.random.default_rng(9)
     drawn = np.column_stack([np.eye(3)[0], np.zeros((3, 2)), np.diag([0.0, 1.0, 1.0])]) * 40.0
     conditions = [
-        RepeatedRuns(
-            rows=100.0 * rng.normal(size=3) + np.array([2.0, 0.5, 0.5]) * rng.normal(size=(6, 3)),
-            drawn=drawn,
-            noise=1e-6 * np.eye(3),
+        (
+            100.0 * rng.normal(size=3) + np.array([2.0, 0.5, 0.5]) * rng.normal(size=(6, 3)),
+            drawn,
+            1e-6 * np.eye(3),
         )
         for _ in range(20)
     ]
-    found = run_effects({"Y": [repeatability(conditions)]}, {"Y": 40.0})
+    found = RunEffects.of({"Y": [RunEffects.repeatability(conditions)]}, {"Y": 40.0})
     told = found.in_units("Y")
     assert set(told) == {"offset", "harmonics"}
     assert told["offset"] == pytest.approx(2.0, rel=0.15)
     assert told["harmonics"] == pytest.approx(0.5, rel=0.15)
-    assert (
-        repeatability(
-            [RepeatedRuns(rows=x.rows[:1], drawn=drawn, noise=x.noise) for x in conditions]
-        )
-        is None
-    )
+    single = [(rows[:1], own, noise) for rows, own, noise in conditions]
+    assert RunEffects.repeatability(single) is None
 
 
 def test_weights_are_the_posterior_of_one_size():
@@ -213,7 +198,7 @@ def test_a_channel_leans_on_the_others_of_its_laboratory():
     calm = np.array([0.0003, 0.0004, 0.003, 0.0003])
     silent = Rows(rng, np.zeros(4), runs=(1, 1), noise=10.0)
     quiet = [Rows(rng, calm, runs=(5,) * 60, noise=0.0005) for _ in range(2)]
-    found = run_effects(
+    found = RunEffects.of(
         {"X": [quiet[0].likelihood()], "Y": [quiet[1].likelihood()], "N": [silent.likelihood()]},
         dict.fromkeys("XYN", 3.0),
     )

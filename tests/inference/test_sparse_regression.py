@@ -10,15 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pmmkit.inference import (
-    Collinearity,
-    EffectiveSample,
-    Equations,
-    Resampling,
-    Selection,
-    SparseProblem,
-    select_terms,
-)
+from pmmkit.identification.sparse.collinear import Collinearity
+from pmmkit.inference import EffectiveSample, Equations, Resampling, Selection, SparseProblem
 from pmmkit.inference.sparse import Elimination
 
 WIDE = np.array([1e-8, 1.0, 1e8, 1e3])
@@ -114,7 +107,7 @@ def test_thresholds_are_those_of_pysindy_where_terms_stand_alone(seed, threshold
     resampling = Resampling.of(len(runs), 10, np.random.default_rng(seed))
     problem = SparseProblem.single("Y", 8, "stlsq")
     assert problem.plain
-    found = select_terms(problem, runs, resampling, threshold=threshold)
+    found = Selection.of(problem, runs, resampling, threshold=threshold)
     grouped = SparseProblem(
         channels=("Y",),
         columns=tuple(range(8)),
@@ -123,7 +116,7 @@ def test_thresholds_are_those_of_pysindy_where_terms_stand_alone(seed, threshold
         method="stlsq",
     )
     assert not grouped.plain
-    ours = select_terms(grouped, runs, resampling, threshold=threshold)
+    ours = Selection.of(grouped, runs, resampling, threshold=threshold)
     np.testing.assert_allclose(ours.coefficients, found.coefficients, rtol=1e-10)
     for bag, drawn in enumerate(resampling.draws):
         X, y = (np.concatenate([parts[run][i] for run in drawn]) for i in (0, 1))
@@ -218,7 +211,7 @@ def test_intervals_hold_the_truth_of_terms_that_have_a_like_one(rule):
             X = np.stack([v, v * np.abs(v), v**3], axis=1)
             y = X @ [60.0, 100.0, 0.0] + rng.normal(size=60) + 0.2 * rng.normal()
             runs.append(Equations.of((X, y)))
-        found = select_terms(
+        found = Selection.of(
             SparseProblem.single("Y", 3, rule), runs, Resampling.of(len(runs), 30, rng)
         )
         std = np.sqrt(np.diagonal(found.covariance(runs, EffectiveSample.of(runs))))

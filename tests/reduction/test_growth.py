@@ -15,8 +15,8 @@ import pmmkit as pk
 from pmmkit.conventions import Ship, Water
 from pmmkit.effects import factors
 from pmmkit.models import TablesByDepth
-from pmmkit.reduction import felt, growth
-from pmmkit.reduction.depths import TOLD, reduce_depths
+from pmmkit.reduction import Growth
+from pmmkit.reduction.depths import TOLD, Felt, reduce_depths
 
 SHALLOW = 1.6
 """What side force and moment of the shallow tests are multiplied by."""
@@ -45,7 +45,7 @@ def test_derivatives_of_each_depth_are_those_that_made_its_forces(reductions):
 
 @pytest.mark.slow
 def test_growth_is_found_within_its_interval(reductions):
-    grown = growth(TablesByDepth(tables=tuple(item.table for item in reductions)))
+    grown = Growth.of(TablesByDepth(tables=tuple(item.table for item in reductions)))
     assert [item.name for item in grown] == list(TOLD)
     for item in grown:
         true = 1.0 if item.name[0] == "X" else SHALLOW
@@ -92,7 +92,7 @@ def test_growth_is_the_ratio_with_the_errors_of_both():
         pk.from_values({"Yv": x}, std={"Yv": 0.01}, Fn=[0.1], ship=ship, water=Water(depth=h))
         for x, h in ((-0.4, 41.6), (-0.6, 31.2))
     )
-    (item,) = growth(TablesByDepth(tables=(deep, shallow)))
+    (item,) = Growth.of(TablesByDepth(tables=(deep, shallow)))
     assert item.factor == pytest.approx(1.5)
     assert item.std == pytest.approx(math.hypot(0.01 / 0.4, 1.5 * 0.01 / 0.4))
     assert item.formula == pytest.approx(1.90 / 1.32, rel=0.01)  # Hirano's, from deep water
@@ -111,11 +111,11 @@ def test_the_share_of_the_formulas_that_a_hull_feels_is_found(share):
         std = {name: 0.01 * abs(x) for name, x in values.items()}
         return pk.from_values(values, std=std, Fn=[0.1], ship=ship, water=Water(depth=depth))
 
-    (found,) = felt(growth(TablesByDepth(tables=(at(41.6), at(31.2)))))
+    (found,) = Felt.of(Growth.of(TablesByDepth(tables=(at(41.6), at(31.2)))))
     assert found.share == pytest.approx(share, abs=1e-6)
     assert found.left < 1e-6
     assert (found.without < 1e-6) == (share == 0.0)
-    (off,) = felt(growth(TablesByDepth(tables=(at(41.6), at(31.2, off=1.05)))))
+    (off,) = Felt.of(Growth.of(TablesByDepth(tables=(at(41.6), at(31.2, off=1.05)))))
     assert abs(off.share - share) < off.half
     assert off.half > found.half
     assert f"{ship.d * 1.5 / ship.d:.4g}" in str(off)

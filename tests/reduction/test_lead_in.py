@@ -12,7 +12,7 @@ from own_tank import TRUTH, U, drift, sway, write, yaw
 import pmmkit as pk
 from pmmkit.campaigns.motion import counted
 from pmmkit.conventions import Structure
-from pmmkit.reduction import prepare, reduce_campaign, views_of
+from pmmkit.reduction import PreparedRun, View, reduce_campaign
 from pmmkit.signals import Travel
 
 OWN = Structure(name="little hull", derivatives=tuple(TRUTH))
@@ -68,7 +68,7 @@ def test_without_the_cut_the_same_runs_mislead(tmp_path, monkeypatch):
 def test_what_was_cut_is_said(tmp_path):
     folder = write(tmp_path / "c", [sway(9.0, 0.4, 3.2)], rest=2.0, ramp=5.0, stop=5.0)
     campaign = pk.open_campaign(folder)
-    result = prepare(campaign.runs[0], campaign).result
+    result = PreparedRun.of(campaign.runs[0], campaign).result
     assert "the carriage speeds up" in result.window
     assert "the carriage stops" in result.window
     assert result.ramp
@@ -99,7 +99,7 @@ def test_the_phase_is_told_by_the_cycles_and_not_by_the_rest(tmp_path):
 def test_cycles_that_are_asked_for_count_from_the_start_of_the_record(tmp_path):
     folder = write(tmp_path / "c", [sway(9.0, 0.4, 3.2)], columns=("U_carriage",), ramp=5.0)
     campaign = pk.open_campaign(folder)
-    result = prepare(campaign.runs[0], campaign, cycles=2).result
+    result = PreparedRun.of(campaign.runs[0], campaign, cycles=2).result
     assert result.window == "took cycle 2 of 3, as asked"
     assert result.ramp == ""
 
@@ -109,7 +109,7 @@ def test_a_diagnosis_counts_its_cycles_from_the_carriage_at_speed(tmp_path):
     folder = write(
         tmp_path / "c", [sway(9.0, 0.4, 5.3)], columns=("U_carriage",), rest=8.0, ramp=12.0
     )
-    early, late = views_of(pk.open_campaign(folder))
+    early, late = View.of(pk.open_campaign(folder))
     assert early.early
     assert early.t.size == pytest.approx(9.0 * own_tank.RATE, abs=1)
     level = 0.5 * own_tank.RHO * own_tank.L**2 * U**2 * TRUTH["Xuu"]
@@ -121,7 +121,7 @@ def test_a_static_run_is_cut_by_the_speed_too(tmp_path):
     """A ramp that the forces hardly show: a hull without resistance, turned by nothing."""
     folder = write(tmp_path / "c", [drift(0.0)], columns=("U_carriage",), rest=2.0, ramp=6.0)
     campaign = pk.open_campaign(folder)
-    found = prepare(campaign.runs[0], campaign)
+    found = PreparedRun.of(campaign.runs[0], campaign)
     assert found.t[0] > -0.5
     assert "the carriage speeds up" in found.result.window
     np.testing.assert_allclose(found.motion.u, U, rtol=1e-3)

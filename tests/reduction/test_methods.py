@@ -13,9 +13,10 @@ from few_runs import few
 from pmmkit.base import CampaignError, UnknownNameError
 from pmmkit.campaigns import TypeB
 from pmmkit.models.tables.compare import identical
-from pmmkit.reduction import METHODS, differences, reduce_campaign, worst
+from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.methods.kalman import filtered
 from pmmkit.reduction.methods.over_time import OverTime, channels_over_time
+from pmmkit.reduction.methods.registry import METHODS
 from scripts.datasets.virtual_tank import SHIP, SON_NOMOTO, captive, motion, water_forces
 
 SIZES = {"X": 0.3, "Y": 0.8, "N": 1.6}
@@ -78,9 +79,9 @@ def test_other_methods_leave_the_regression_as_it_is_to_the_bit(noisy):
 def test_all_methods_agree_within_their_intervals(noisy):
     assert list(noisy.estimates) == list(METHODS)
     for method in ("harmonics", "ekf"):
-        far = worst(noisy, method)
+        far = noisy.farthest(method)
         assert abs(far.sigma) < 3.0, far.sentence
-    assert not [item for item in differences(noisy) if item.method == "ekf"]
+    assert not [item for item in noisy.differences if item.method == "ekf"]
 
 
 @pytest.mark.slow
@@ -199,7 +200,7 @@ def test_sparse_regression_takes_the_terms_that_are_there():
     assert value(found, "sindy", "Yv|v|")[0] == pytest.approx(
         -0.05, abs=3 * value(found, "sindy", "Yv|v|")[1]
     )
-    said = [item for item in differences(found) if item.derivative == "Yvvv"]
+    said = [item for item in found.differences if item.derivative == "Yvvv"]
     assert [item.cause for item in said] == ["structure"]
     assert "without Yvvv and with Yv|v|" in said[0].why
 
@@ -232,7 +233,7 @@ def test_families_that_disagree_are_named_as_the_cause():
     found = reduce_campaign(
         slow.with_(runs=runs), structure="Yv Yvvv Yvdot", method="harmonics", check=False
     )
-    said = {item.derivative: item for item in differences(found)}
+    said = {item.derivative: item for item in found.differences}
     assert said["Yv"].cause == "excitation"
     assert "static drift" in said["Yv"].why
     assert "pure sway" in said["Yv"].why
@@ -286,7 +287,7 @@ def test_tables_of_harmonics_go_through_every_method(kept, datasets, shared_data
     row = len(found.table.Fn) - 1
     ekf, base = found.estimates["ekf"].table, found.estimates["regression"].table
     np.testing.assert_allclose(ekf.value[row], base.value[row], rtol=1e-3)
-    said = {item.derivative: item for item in differences(found) if item.method == "harmonics"}
+    said = {item.derivative: item for item in found.differences if item.method == "harmonics"}
     assert said["Yv"].cause == "excitation"
 
 

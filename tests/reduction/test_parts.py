@@ -18,7 +18,7 @@ from pmmkit import Campaign, Run
 from pmmkit.base import MissingPartError
 from pmmkit.campaigns import Settings, TypeB
 from pmmkit.conventions import Ship, Water
-from pmmkit.reduction import contributions, hull_alone, parts_of, reduce_campaign
+from pmmkit.reduction import Parts, contributions, reduce_campaign
 from scripts.datasets.virtual_tank import SON_NOMOTO, captive, programme
 from scripts.validation import measurements
 from scripts.validation.derivatives import PARTS
@@ -183,7 +183,7 @@ def reduced(*runs, **more):
 
 @pytest.fixture(scope="module")
 def virtual():
-    return parts_of(reduced(*resistance_tests(), *rudder_tests(), *drift_tests()), **KNOWN)
+    return Parts.of(reduced(*resistance_tests(), *rudder_tests(), *drift_tests()), **KNOWN)
 
 
 # A virtual ship
@@ -221,7 +221,7 @@ def test_a_rudder_not_quite_amidships_is_noticed_and_costs_nothing():
         for U in (1.179, 0.9, 0.6)
         for delta in (-30, -20, -10, 0, 10, 20, 30)
     ]
-    found = parts_of(reduced(*resistance_tests(), *shifted, *drift_tests()), **KNOWN)
+    found = Parts.of(reduced(*resistance_tests(), *shifted, *drift_tests()), **KNOWN)
     assert any("+2.00°" in note for note in found.notes)
     assert found.rudder.values["epsilon"] == pytest.approx(1.09, rel=1e-6)
     assert found.rudder.values["kappa"] == pytest.approx(0.5, rel=1e-6)
@@ -232,7 +232,7 @@ def test_a_rudder_not_quite_amidships_is_noticed_and_costs_nothing():
 def test_only_the_product_of_lift_slope_and_inflow_squared_is_measured():
     """A lift slope assumed 20 % too large makes ε smaller by its square root, κ stays."""
     runs = (*resistance_tests(), *rudder_tests(), *drift_tests())
-    found = parts_of(reduced(*runs), **{**KNOWN, "lift_slope": 1.2 * 2.747}).rudder.values
+    found = Parts.of(reduced(*runs), **{**KNOWN, "lift_slope": 1.2 * 2.747}).rudder.values
     assert found["epsilon"] == pytest.approx(1.09 / math.sqrt(1.2), rel=1e-6)
     assert found["kappa"] == pytest.approx(0.50, rel=1e-6)
     assert found["gamma_positive"] == pytest.approx(0.64 / math.sqrt(1.2), rel=1e-6)
@@ -241,10 +241,10 @@ def test_only_the_product_of_lift_slope_and_inflow_squared_is_measured():
 @pytest.mark.slow
 def test_what_is_missing_is_named():
     with pytest.raises(MissingPartError, match=r"static_rudder.*resistance"):
-        parts_of(reduced(*drift_tests()), **KNOWN)
+        Parts.of(reduced(*drift_tests()), **KNOWN)
     runs = (*resistance_tests(), *rudder_tests(), *drift_tests())
     with pytest.raises(MissingPartError, match="open_water"):
-        parts_of(reduced(*runs, propeller={"D": 0.216}), **KNOWN)
+        Parts.of(reduced(*runs, propeller={"D": 0.216}), **KNOWN)
 
 
 @pytest.mark.slow
@@ -258,7 +258,7 @@ def test_a_rotating_arm_changes_nothing_in_the_thrust_deduction():
 @pytest.mark.slow
 def test_a_rotating_arm_changes_nothing_in_wake_and_rudder():
     runs = (*resistance_tests(), *rudder_tests(), *drift_tests(), *circle_tests(gauge=True))
-    found = parts_of(reduced(*runs), **KNOWN)
+    found = Parts.of(reduced(*runs), **KNOWN)
     for name in ("epsilon", "kappa", "gamma_positive", "tR", "aH"):
         assert found.rudder.values[name] == pytest.approx(BLADE[name], rel=1e-6), name
     for name in ("wp", "C2_positive", "C2_negative"):
@@ -271,7 +271,7 @@ def hulls(virtual):
     static = [x for x in drift_tests() if x.test == "static_drift"]
     straight = towed("static_drift")
     table = reduced(*static, straight, *circle_tests(gauge=False)).table
-    alone = hull_alone(table, virtual, speed=U0, revolutions=REVOLUTIONS)
+    alone = virtual.hull_alone(table, speed=U0, revolutions=REVOLUTIONS)
     return table.at(), alone.at()
 
 
@@ -296,7 +296,7 @@ def test_a_rudder_amidships_steadies_a_ship(hulls):
 def test_a_rudder_without_lift_takes_nothing_off_the_hull(virtual):
     table = reduced(*[x for x in drift_tests() if x.test == "static_drift"]).table
     blade = replace(virtual.rudder, values={**virtual.rudder.values, "lift_slope": 0.0})
-    alone = hull_alone(table, replace(virtual, rudder=blade), speed=U0, revolutions=REVOLUTIONS)
+    alone = replace(virtual, rudder=blade).hull_alone(table, speed=U0, revolutions=REVOLUTIONS)
     np.testing.assert_array_equal(alone.value, table.value)
     np.testing.assert_array_equal(alone.covariance, table.covariance)
 
@@ -315,7 +315,7 @@ def hmri(kept, shared_data, datasets):
 def measured(hmri):
     scale = 320.0 / hmri.campaign.ship.L
     given = KNOWN | {"area": 112.5 / scale**2, "height": 15.8 / scale}
-    return parts_of(hmri, **given)
+    return Parts.of(hmri, **given)
 
 
 @pytest.mark.slow
@@ -350,7 +350,7 @@ def test_wake_and_open_water_give_back_the_thrust_of_the_static_tests(measured):
 def test_rudder_amidships_of_kvlcc2_steadies_it(hmri, measured):
     full = np.isfinite(hmri.table["Yv"])
     (place,) = np.flatnonzero(full)
-    alone = hull_alone(hmri.table, measured, speed=1.1702, revolutions=9.9)
+    alone = measured.hull_alone(hmri.table, speed=1.1702, revolutions=9.9)
     change = {
         name: float(hmri.table[name][place] - alone[name][place])
         for name in ("Yv", "Yr", "Nv", "Nr")

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pmmkit.base import CampaignError, UnknownNameError
-from pmmkit.inference import least_squares
+from pmmkit.inference import LeastSquares
 from pmmkit.reduction import reduce_campaign
 from scripts.datasets.virtual_tank import SON_NOMOTO, captive
 
@@ -82,7 +82,7 @@ def test_fit_recovers_what_is_determined_and_only_that(count, extra, seed, expon
         involved |= {first, second, count + number}
     full = np.concatenate(columns, axis=1)
     names = [f"c{place}" for place in range(full.shape[1])]
-    found = least_squares(names, full, design @ truth)
+    found = LeastSquares.of(names, full, design @ truth)
     for place in range(full.shape[1]):
         assert found.determined[place] == (place not in involved)
         if place < count and place not in involved:

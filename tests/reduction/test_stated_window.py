@@ -9,7 +9,7 @@ from small_campaign import write_campaign
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError
 from pmmkit.intake import summarise
-from pmmkit.reduction import prepare, views_of
+from pmmkit.reduction import PreparedRun, View
 
 STATIC, SWAY = "SD_U1_b+08", "PS_U1_a0.3"
 
@@ -34,7 +34,7 @@ def folder(tmp_path_factory):
 def test_the_mean_of_a_static_record_is_that_of_the_window(folder):
     campaign = stated(folder, STATIC, 4.95, 12.05)
     run = campaign[STATIC]
-    found = prepare(run, campaign)
+    found = PreparedRun.of(run, campaign)
     inside = run.data.sel(t=slice(4.95, 12.05))
     assert found.t[0] == pytest.approx(5.0)
     assert found.t[-1] == pytest.approx(12.0)
@@ -46,7 +46,7 @@ def test_the_mean_of_a_static_record_is_that_of_the_window(folder):
 def test_a_window_holds_whole_cycles_from_its_start(folder):
     """Of 12.5 s a cycle: from 6.25 s on, half a cycle in, two whole ones fit before 35 s."""
     campaign = stated(folder, SWAY, 6.25, 35.0)
-    found = prepare(campaign[SWAY], campaign)
+    found = PreparedRun.of(campaign[SWAY], campaign)
     assert found.result.cycles == 2
     assert found.t[0] == pytest.approx(6.25)
     assert found.t[-1] == pytest.approx(31.25, abs=0.06)
@@ -55,9 +55,9 @@ def test_a_window_holds_whole_cycles_from_its_start(folder):
 
 def test_checks_and_diagnosis_take_the_same_samples(folder):
     campaign = stated(folder, STATIC, 4.95, 12.05)
-    mean = prepare(campaign[STATIC], campaign).result.measured["Y"][0]
+    mean = PreparedRun.of(campaign[STATIC], campaign).result.measured["Y"][0]
     assert summarise(campaign[STATIC], campaign).means["Y"] == pytest.approx(mean)
-    views = views_of(stated(folder, SWAY, 6.25, 35.0))
+    views = View.of(stated(folder, SWAY, 6.25, 35.0))
     (own,) = (view for view in views if view.run.id == SWAY)
     assert np.ptp(own.t) == pytest.approx(25.0, abs=0.06)
 
@@ -68,7 +68,7 @@ def test_checks_and_diagnosis_take_the_same_samples(folder):
 def test_a_window_without_samples_is_refused_with_what_there_is(folder, start, end, said):
     def reduced():
         campaign = stated(folder, STATIC, start, end)
-        return prepare(campaign[STATIC], campaign)
+        return PreparedRun.of(campaign[STATIC], campaign)
 
     with pytest.raises(CampaignError, match=said):
         reduced()

@@ -10,7 +10,7 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.base import ModelError, NotUsableError
-from pmmkit.inference import KINDS, RunEffects
+from pmmkit.inference import RunEffects
 from pmmkit.models import from_values, read_table, write_table
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.verdict import _far, _massless, _scattered
@@ -140,7 +140,7 @@ def test_scatter_beyond_any_laboratory_is_a_fault(sizes, beyond):
         weights={"Y": np.ones(1)},
         mode={"Y": np.array(sizes)},
         scale={"Y": 10.0},
-        informed={"Y": KINDS},
+        informed={"Y": RunEffects.KINDS},
     )
     found = list(_scattered(SimpleNamespace(between=SimpleNamespace(scatter=scatter))))
     assert bool(found) == beyond

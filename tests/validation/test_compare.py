@@ -19,7 +19,7 @@ from pmmkit.base import DataError, ModelError, UnknownNameError
 from pmmkit.campaigns import Settings, TypeB
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Part
-from pmmkit.reduction import views_of
+from pmmkit.reduction import View
 from pmmkit.reduction.observations.views import repeat_scatter
 from pmmkit.validation.captive import compare_captive
 from pmmkit.validation.misfit import Standout, cells
@@ -430,9 +430,9 @@ def table_campaign(small, *runs, **changes):
 
 def test_forces_of_tables_are_kept_when_they_are_asked_for(small):
     campaign = table_campaign(small, mean_run("a", 10.0, 5.0))
-    (plain,) = views_of(campaign)
+    (plain,) = View.of(campaign)
     assert dict(plain.force) == {}
-    (kept,) = views_of(campaign, unknown_noise=True)
+    (kept,) = View.of(campaign, unknown_noise=True)
     assert kept.force["Y"].tolist() == [10.0]
     assert not kept.known("Y")
     assert kept.covariance["Y"].tolist() == [[0.0]]
@@ -444,24 +444,24 @@ def test_the_noise_of_tables_comes_from_repeats_then_statements_then_the_numeric
     stated = (TypeB(name="Y_gauge", std=0.5), TypeB(name="N_gauge", std=0.1, relative=True))
     numerical = {"Y": 7.0, "N": 7.0}
     campaign = table_campaign(small, *runs, uncertainty=stated, numerical=numerical)
-    first = views_of(campaign, unknown_noise=True)[0]
+    first = View.of(campaign, unknown_noise=True)[0]
     assert dict(first.noise) == {"Y": "repeats", "N": "stated"}
     assert first.covariance["Y"][0, 0] == pytest.approx(2.0)
     assert first.covariance["N"][0, 0] == pytest.approx(0.5**2)
-    alone = views_of(table_campaign(small, runs[0], numerical=numerical), unknown_noise=True)[0]
+    alone = View.of(table_campaign(small, runs[0], numerical=numerical), unknown_noise=True)[0]
     assert dict(alone.noise) == {"Y": "numerical", "N": "numerical"}
     assert alone.covariance["Y"][0, 0] == 49.0
     assert alone.known("Y")
 
 
 def test_a_stated_noise_of_a_mean_is_its_own(small):
-    (view,) = views_of(table_campaign(small, mean_run("a", 10.0, 5.0, Y_std=0.2)))
+    (view,) = View.of(table_campaign(small, mean_run("a", 10.0, 5.0, Y_std=0.2)))
     assert view.covariance["Y"][0, 0] == pytest.approx(0.04)
 
 
 def test_views_of_records_are_the_same_bit_for_bit(s175):
     some = s175.with_(runs=s175.runs[::12])
-    for one, two in zip(views_of(some), views_of(some, unknown_noise=True), strict=True):
+    for one, two in zip(View.of(some), View.of(some, unknown_noise=True), strict=True):
         assert one.force.keys() == two.force.keys()
         for name in one.force:
             np.testing.assert_array_equal(one.force[name], two.force[name])
@@ -474,7 +474,7 @@ def test_the_scatter_of_repeats_is_found():
     campaign = hidden_campaign("full", noise="standard", seed=3)
     repeated = [run for run in campaign if run.settings.repeat_of]
     chosen = {run.id for run in repeated} | {run.settings.repeat_of for run in repeated}
-    views = views_of(campaign.with_(runs=tuple(run for run in campaign if run.id in chosen)))
+    views = View.of(campaign.with_(runs=tuple(run for run in campaign if run.id in chosen)))
     late = {view.run.id: view for view in views if not view.early}
     found = repeat_scatter(views)
     for dynamic in (False, True):
@@ -500,9 +500,9 @@ def test_repeats_need_not_be_declared(small):
         )
         for run in runs
     ]
-    found = repeat_scatter(views_of(table_campaign(small, *runs), unknown_noise=True))
+    found = repeat_scatter(View.of(table_campaign(small, *runs), unknown_noise=True))
     assert found["Y", False] == pytest.approx(8.0, rel=0.6)
-    assert found == repeat_scatter(views_of(table_campaign(small, *said), unknown_noise=True))
+    assert found == repeat_scatter(View.of(table_campaign(small, *said), unknown_noise=True))
 
 
 # What stands out

@@ -10,7 +10,8 @@ import pytest
 from small_campaign import write_campaign
 
 import pmmkit as pk
-from pmmkit.reduction import reduce_campaign, squat, squat_frame
+from pmmkit.reduction import reduce_campaign
+from pmmkit.reduction.sinkage import squat, squat_frame
 from pmmkit.views.report.captive.repeatability import repeatability
 
 

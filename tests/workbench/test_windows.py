@@ -12,7 +12,7 @@ from small_campaign import write_campaign
 from pmmkit import open_campaign
 from pmmkit.actions import action
 from pmmkit.models import load_model
-from pmmkit.reduction import prepare
+from pmmkit.reduction import PreparedRun
 from pmmkit.workbench import Desk
 from pmmkit.workbench.application import application
 
@@ -63,7 +63,7 @@ def test_what_counts_is_drawn_where_it_is(browser, folder):
     campaign = open_campaign(folder)
     for run in (RUN, SWAY):
         page = browser.get(f"/api/record?run={run.replace('+', '%2B')}").json
-        taken = prepare(campaign[run], campaign)
+        taken = PreparedRun.of(campaign[run], campaign)
         assert page["begin"] + page["window"][0] == pytest.approx(taken.t[0], abs=1e-3)
         assert page["begin"] + page["window"][1] == pytest.approx(taken.t[-1], abs=1e-3)
     assert len(page["edges"]) == taken.result.cycles + 1

@@ -52,9 +52,7 @@ def demo(job: DemoSettings) -> Outcome:
 
 def _reduced(campaign: Path, out: Path, title: str) -> Outcome:
     """Captive tests by the largest structure that they determine."""
-    from pmmkit.reduction import AUTO
-
-    return reduced(ReduceSettings(campaign=campaign, structure=AUTO), out, title=title)
+    return reduced(ReduceSettings(campaign=campaign, structure="auto"), out, title=title)
 
 
 def _measured(campaign: Path, out: Path) -> Outcome:

@@ -131,7 +131,6 @@ def identify(job: IdentifySettings) -> Outcome:
         Filtered,
         chosen_records,
         compare_methods,
-        consistency,
         known_before,
         parameters_of,
         reference,
@@ -197,7 +196,7 @@ def identify(job: IdentifySettings) -> Outcome:
             progress=progress,
         )
     tests = {
-        name: consistency(item.detail)
+        name: item.detail.consistency
         for name, item in found.found.items()
         if isinstance(item.detail, Filtered)
     }

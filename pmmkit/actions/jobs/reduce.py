@@ -170,35 +170,32 @@ def _at_one_depth(
     """Reduce runs in water of one depth and write everything."""
     from pmmkit.base import shown
     from pmmkit.files import MODEL
-    from pmmkit.reduction import AUTO, differences, forget, reduce_campaign, resume_folder
+    from pmmkit.reduction import reduce_campaign, resumable
     from pmmkit.views import changes, loop_of, write_reduction
 
-    kept = resume_folder(out)
-    with shown() as progress:
-        found = reduce_campaign(
-            opened, progress=progress, memory=job.execution.memory, resume=kept, **settings
-        )
-    model, why = _model(found, donor, job.missing, force=job.force)
-    turns, why_not = _turns(found, model, beside)
-    why += why_not
-    loop = None
-    if lacking:
-        from pmmkit.diagnosis import begin  # half a second, for a demo alone
+    with resumable(out) as kept:
+        with shown() as progress:
+            found = reduce_campaign(
+                opened, progress=progress, memory=job.execution.memory, resume=kept, **settings
+            )
+        model, why = _model(found, donor, job.missing, force=job.force)
+        turns, why_not = _turns(found, model, beside)
+        why += why_not
+        loop = None
+        if lacking:
+            from pmmkit.diagnosis import begin  # half a second, for a demo alone
 
-        say(f"Diagnosing what the structure {lacking} lacks ...")
-        base = f"one set of derivatives ({lacking}) over all speeds"
-        loop = loop_of(begin(lacking, opened), base, rounds=ROUNDS)
-    say("Writing tables, figures and the report ...")
-    files = write_reduction(found, out, model=model, reference=beside, turns=turns, loop=loop)
-    forget(kept)
+            say(f"Diagnosing what the structure {lacking} lacks ...")
+            base = f"one set of derivatives ({lacking}) over all speeds"
+            loop = loop_of(begin(lacking, opened), base, rounds=ROUNDS)
+        say("Writing tables, figures and the report ...")
+        files = write_reduction(found, out, model=model, reference=beside, turns=turns, loop=loop)
     judged = found.verdict
     content = {
         "campaign": opened.title,
         "out": str(out),
         "files": files,
-        "structure": found.table.provenance["structure"]
-        if job.structure == AUTO
-        else job.structure,
+        "structure": found.table.provenance["structure"] if found.because else job.structure,
         "fn": job.fn,
         "runs": len(found.runs),
         "excluded": {run.id: reason for run, reason in found.campaign.excluded},
@@ -208,7 +205,7 @@ def _at_one_depth(
         "table": found.table.to_pandas().to_dict("records"),
         "method": found.method,
         "methods": _methods(found),
-        "differences": [asdict(item) for item in differences(found)],
+        "differences": [asdict(item) for item in found.differences],
         "model": MODEL.file if model else None,
         "model_lacks": why,
         "turns": [dict(track.metrics, Fn=track.Fn) for track in turns.tracks] if turns else [],
@@ -290,18 +287,16 @@ def _methods(found: Reduction) -> dict[str, dict[str, Any]]:
 
 def _side_by_side(found: Reduction) -> list[str]:
     """How far the methods are apart, and why."""
-    from pmmkit.reduction import differences, worst
-
     lines = []
     for name, estimate in found.estimates.items():
-        far = worst(found, name)
+        far = found.farthest(name)
         if far is not None:
             lines.append(
                 f"{estimate.method}: at most {abs(far.sigma):.1f} standard deviations from the "
                 f"regression ({far.derivative} {far.place}), {estimate.seconds:.1f} s."
             )
         lines += [f"  {text}" for text in (estimate.tests.words() if estimate.tests else ())]
-    apart = differences(found)
+    apart = found.differences
     lines += [f"  {item.sentence}" for item in apart[:MOST]]
     if len(apart) > MOST:
         lines.append(f"  and {len(apart) - MOST} more in the report.")

@@ -98,11 +98,10 @@ def _loaded(
     """The measures at full load, and where the models' draughts are others."""
     if as_tried is None or full_load is None:
         return (), ()
-    from pmmkit.identification import loading_notes, mean_draught, to_full_load
+    from pmmkit.identification import mean_draught
 
     tried, full = (_prediction(item) for item in (as_tried, full_load))
-    return to_full_load(trials, tried, full), loading_notes(
-        tried,
+    return tried.to_full_load(trials, full), tried.notes(
         full,
         L=campaign.ship.L,
         draught=mean_draught(campaign.imo, campaign.ship.d),
@@ -112,12 +111,12 @@ def _loaded(
 
 def _prediction(source: str) -> LoadingPrediction:
     """A model, or the tests of a campaign."""
-    from pmmkit.identification import predicted_by, predicted_by_tests
+    from pmmkit.identification import LoadingPrediction
 
     path = Path(source)
     if path.is_dir() or path.name == "campaign.toml" or path.suffix in (".h5", ".hdf5"):
-        return predicted_by_tests(sound_campaign(path, None)[0])
-    return predicted_by(source)
+        return LoadingPrediction.of(sound_campaign(path, None)[0])
+    return LoadingPrediction.of(source)
 
 
 def _files(found: Sequence[Trial], content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:

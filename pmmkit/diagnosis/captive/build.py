@@ -36,22 +36,13 @@ from pmmkit.diagnosis.captive.whitening import (
     noise_whitened,
     whitened,
 )
-from pmmkit.inference import (
-    KINDS,
-    RANK_TOLERANCE,
-    Normal,
-    RepeatedRuns,
-    Restricted,
-    by_kind,
-    repeatability,
-    run_effects,
-)
+from pmmkit.inference import RANK_TOLERANCE, Normal, Restricted, RunEffects
 from pmmkit.numerics import Array
 from pmmkit.reduction import FLOOR, View
 
 ROUGH: Final = np.array([0.004, 0.0, 0.0, 0.0])
 """Run scatter for the first fit of the base: an offset."""
-HARMONICS: Final = KINDS.index("harmonics")
+HARMONICS: Final = RunEffects.KINDS.index("harmonics")
 ENOUGH: Final = 240
 """Runs that tell the sizes of their scatter to 5 %; of more, so many are looked at."""
 Drawings = tuple[Candidate, float, tuple[OwnColumns, ...]]
@@ -186,7 +177,7 @@ def estimated_scatter(
     scale = {c.name: c.scale * base.reference**2 for c in channels}
     groups = repeats(tuple({view.run.id: view.run for view in views}.values()))
     repeated = {c.name: _repeatability(c, views, own[c.name], groups) for c in channels}
-    known = run_effects(repeated, scale).mode
+    known = RunEffects.of(repeated, scale).mode
     likelihoods = {}
     for c in channels:
         model, floor, drawn = models[c.name], floors[c.name], own[c.name]
@@ -194,13 +185,15 @@ def estimated_scatter(
         whole = model.shape[1] + floor.shape[1] + 1
         every = math.ceil(len(c.runs) / ENOUGH)
         taken = [
-            (white[rows][..., :whole], by_kind(white[rows][..., whole:]))
+            (white[rows][..., :whole], white[rows][..., whole:])
             for rows in (rows[::every] for rows in alike(c))
         ]
         likelihoods[c.name] = [
-            Restricted.of(taken, model.shape[1], floor.shape[1]).given(HARMONICS, known[c.name][-1])
+            RunEffects.likelihood(taken, model.shape[1], floor.shape[1]).given(
+                HARMONICS, known[c.name][-1]
+            )
         ]
-    mode = run_effects(likelihoods, scale).mode
+    mode = RunEffects.of(likelihoods, scale).mode
     return {name: np.append(sizes[:-1], known[name][-1]) for name, sizes in mode.items()}
 
 
@@ -215,15 +208,13 @@ def _repeatability(
     for group in groups:
         for number in (place[run.id] for run in group if run.id in place):
             conditions.setdefault((group[0].id, len(c.runs[number])), []).append(number)
-    likelihood = repeatability(
-        [
-            RepeatedRuns(
-                rows=np.stack([c.y[c.runs[i]] for i in numbers]),
-                drawn=np.mean([own[c.runs[i]] for i in numbers], axis=0),
-                noise=np.mean([c.noise[i] for i in numbers], axis=0),
-            )
-            for numbers in conditions.values()
-        ]
+    likelihood = RunEffects.repeatability(
+        (
+            np.stack([c.y[c.runs[i]] for i in numbers]),
+            np.mean([own[c.runs[i]] for i in numbers], axis=0),
+            np.mean([c.noise[i] for i in numbers], axis=0),
+        )
+        for numbers in conditions.values()
     )
     return [] if likelihood is None else [likelihood]
 

@@ -22,7 +22,7 @@ from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects import CATALOGUE, Effect
 from pmmkit.models import DERIVATIVE_PARTS, Model, load_model
-from pmmkit.reduction import FLOOR, View, columns_of, views_of
+from pmmkit.reduction import FLOOR, View, columns_of
 
 FLOOR_LEAST: Final = 0.001
 """Least floor of forces whose numerical uncertainty is stated."""
@@ -99,7 +99,7 @@ def captive_system(
 ) -> System:
     """Runs, base and candidates, ready to be asked more than once."""
     campaign = within_reach(campaign)
-    usable = _usable(views_of(campaign, unknown_noise=True, executor=executor), noise)
+    usable = _usable(View.of(campaign, unknown_noise=True, executor=executor), noise)
     channels = tuple(dict.fromkeys(name for view in usable for name in view.force))
     names = columns_of(structure_of(structure), campaign.runs, channels).required
     if "X" in names and any(np.any(view.motion.thrust) for view in usable):

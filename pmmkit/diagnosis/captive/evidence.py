@@ -19,7 +19,6 @@ from pmmkit.diagnosis.captive.conditioning import condition_on, spread
 from pmmkit.diagnosis.captive.system import MANY, CandidateColumns, System
 from pmmkit.diagnosis.captive.whitening import Places
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
-from pmmkit.inference import chance_of
 
 MOST: Final = 3
 """Effects in a set; three together are more often one that is not in the catalogue."""
@@ -145,4 +144,4 @@ def gate(system: System, best: float, *, draws: int = 400, seed: int = 0) -> flo
     for block in used:
         by_name.setdefault(block.candidate.name, []).append(block.places)
     groups = list(by_name.values())
-    return chance_of(system.normal.only(at), groups, best + PRICE, draws=draws, seed=seed)
+    return system.normal.only(at).chance_of(best + PRICE, groups, draws=draws, seed=seed)

@@ -51,7 +51,6 @@ from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects import OUTSIDE, Effect
 from pmmkit.identification import FreeRecord, Prior, sea_notes
-from pmmkit.inference import chance_of
 from pmmkit.models import Model
 
 ALONE: Final = "noise alone"
@@ -155,7 +154,7 @@ def answer(
     seen = screen(null.known, question.numbers, null.spread)
     found = best.gain + PRICE * len(best.names) if best else -math.inf
     groups = [[at] for at in seen.columns.values()]
-    chance = chance_of(seen.normal, groups, found, draws=DRAWS, seed=seed)
+    chance = seen.normal.chance_of(found, groups, draws=DRAWS, seed=seed)
     kept_out = float(np.sum(log_left_out(best.fit) - log_left_out(null))) if best else 0.0
     named = best is not None and chance < CHANCE and best.gain > LEAST and kept_out > 0.0
     group = [

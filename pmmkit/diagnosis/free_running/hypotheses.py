@@ -15,10 +15,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.diagnosis.evidence import integrated_out
 from pmmkit.diagnosis.free_running.base import FreeBase
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.information import WindowInformation
-from pmmkit.inference import Normal, integrated_out
+from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 
 Names = tuple[str, ...]

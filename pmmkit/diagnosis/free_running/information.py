@@ -14,8 +14,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.diagnosis.evidence import integrated_out
 from pmmkit.diagnosis.free_running.slopes import Sheet
-from pmmkit.inference import Normal, integrated_out
+from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 
 

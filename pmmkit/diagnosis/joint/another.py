@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.base import ModelError
+from pmmkit.diagnosis.evidence import integrated_out
 from pmmkit.diagnosis.free_running.base import SPREAD
 from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import SetFit
@@ -26,7 +27,6 @@ from pmmkit.diagnosis.joint.scatter import (
     next_laboratory,
     scatter_of_base,
 )
-from pmmkit.inference import integrated_out
 from pmmkit.models import Model
 from pmmkit.numerics import Array, precision_over
 

@@ -11,7 +11,7 @@ import numpy as np
 from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns import Campaign, Rig, Run, over_ground, rig_of
 from pmmkit.numerics import Array
-from pmmkit.reduction import PreparedRun, one_cycle, prepare
+from pmmkit.reduction import PreparedRun, one_cycle
 from pmmkit.signals import design_matrix
 
 MOTION: Final = {name: name for name in ("u", "v", "r", "udot", "vdot", "rdot")}
@@ -57,7 +57,7 @@ def results_of(campaign: Campaign) -> list[SimmanResult]:
     problems: list[Problem] = []
     for run in campaign.runs:
         try:
-            found.append(_result(prepare(run, campaign), rig))
+            found.append(_result(PreparedRun.of(run, campaign), rig))
         except DataError as error:
             problems += [replace(item, run=item.run or run.id) for item in error.problems]
     if problems:

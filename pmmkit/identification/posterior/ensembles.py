@@ -12,7 +12,7 @@ import numpy as np
 from emcee.moves import RedBlueMove
 
 from pmmkit.base import DataError, Workers, each, opened
-from pmmkit.inference import Convergence, convergence
+from pmmkit.identification.posterior.chains import Convergence, convergence
 from pmmkit.numerics import Array
 
 # A move of walkers that emcee does not have; imported only where emcee is there.

@@ -11,6 +11,7 @@ import numpy as np
 
 from pmmkit.base import DataError, Progress, SimulationError, Workers
 from pmmkit.identification.lack import LackOfFit
+from pmmkit.identification.posterior.chains import R_HAT, Convergence
 from pmmkit.identification.posterior.density import (
     DEGREES,
     PROCESS_NOISE,
@@ -29,7 +30,6 @@ from pmmkit.identification.posterior.tree import draws_of, tree_of
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.restarts import filtered
-from pmmkit.inference import R_HAT, Convergence
 from pmmkit.models import Model
 from pmmkit.numerics import Array, root_of
 from pmmkit.simulation import Draws

@@ -9,6 +9,7 @@ import numpy as np
 from pmmkit.base import DataError
 from pmmkit.conventions import Structure
 from pmmkit.identification.forces import ForceRecord
+from pmmkit.identification.sparse.collinear import Collinearity
 from pmmkit.identification.sparse.request import (
     Groups,
     SparseRequest,
@@ -17,14 +18,7 @@ from pmmkit.identification.sparse.request import (
     request,
 )
 from pmmkit.identification.sparse.result import SparseRegression, assembled
-from pmmkit.inference import (
-    Collinearity,
-    EffectiveSample,
-    Resampling,
-    Selection,
-    SelectionMethod,
-    select_terms,
-)
+from pmmkit.inference import EffectiveSample, Resampling, Selection, SelectionMethod
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 
@@ -132,7 +126,7 @@ def sparse_regression(
     )
     resampling = Resampling.of(len(records), bags, np.random.default_rng(seed))
     selections = [
-        select_terms(problem, runs, resampling, threshold=threshold, share=share)
+        Selection.of(problem, runs, resampling, threshold=threshold, share=share)
         for problem, runs in zip(asked.problems, asked.runs, strict=True)
     ]
     selection = Selection.combined(selections, [problem.columns for problem in asked.problems])

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from pmmkit.base import DataError, UnknownNameError
 from pmmkit.conventions import CHANNELS, Structure, canonical, parse_derivative, structure_of
 from pmmkit.identification.forces import ForceRecord
+from pmmkit.identification.sparse.collinear import Collinearity
 from pmmkit.identification.sparse.rows import RunRows, check_records, equations, measured
-from pmmkit.inference import Collinearity, Equations, Resampling, SelectionMethod, SparseProblem
+from pmmkit.inference import Equations, Resampling, SelectionMethod, SparseProblem
 from pmmkit.models import DERIVATIVE_PARTS, Model, knows_heel
 
 Groups = Literal["physics"] | Mapping[str, Sequence[str]] | Sequence[Sequence[str]]

@@ -10,9 +10,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.identification.sparse.collinear import Collinearity
 from pmmkit.identification.sparse.request import SparseRequest, derivatives
 from pmmkit.identification.sparse.rows import homes
-from pmmkit.inference import Collinearity, Equations, Selection, ThresholdPath
+from pmmkit.inference import Equations, Selection, ThresholdPath
 from pmmkit.models import NEEDED, DerivativeTable, Model, Part, Step
 from pmmkit.numerics import Array
 

@@ -133,8 +133,6 @@ def mean_draught(stated: Mapping[str, Any], otherwise: float) -> float:
 FROM: Final = math.pi
 """Change of heading from which on data count [rad]: MSC/Circ.1053, 3.4.2.5."""
 TURN: Final = 2.0 * math.pi
-WHOLE: Final = 720.0
-"""Change of heading that the notes ask for [deg]: the same."""
 EVERY: Final = math.radians(5.0)
 """Spacing of the headings that are compared [rad]."""
 
@@ -188,8 +186,6 @@ def equal_headings(t: Array, x: Array, y: Array, psi: Array) -> Current | None:
     )
 
 
-JUDGED: Final = (TURNING.name, ZIGZAG.name, STOPPING.name)
-"""Tests that are evaluated."""
 SPEEDS_DIFFER: Final = 0.05
 
 
@@ -246,7 +242,7 @@ def evaluate_trials(
     through the water where the current is known. The order is where the ramp of the rudder (or of
     the revolutions) begins. Places at a heading come from parabolas through the fixes about it.
     """
-    wanted = [run for run in campaign.runs if run.test in JUDGED]
+    wanted = [run for run in campaign.runs if run.test in Trial.TESTS]
     unknown = sorted(set(runs or ()) - {run.id for run in wanted})
     if unknown or not wanted:
         raise DataError(
@@ -278,39 +274,6 @@ def evaluate_trials(
         for part in parts
         if not runs or part.run.id in runs
     )
-
-
-def evaluate(
-    run: Run,
-    campaign: Campaign,
-    *,
-    order: float | None = None,
-    current: tuple[float, float] | None = None,
-) -> Trial:
-    """Measures of one turning circle, zigzag or stop.
-
-    Parameters
-    ----------
-    run : Run
-        One of the campaign.
-    campaign : Campaign
-        Gives the ship.
-    order : float, optional
-        Instant of the order [s].
-    current : tuple of float, optional
-        As for `evaluate_trials`.
-
-    Returns
-    -------
-    Trial
-
-    Raises
-    ------
-    DataError
-        If the run cannot be evaluated, with the reason.
-    """
-    orders = None if order is None else {run.id: order}
-    return evaluate_trials(campaign, runs=[run.id], order=orders, current=current)[0]
 
 
 def _part(run: Run, campaign: Campaign, given: float | None) -> _Part:

@@ -50,6 +50,22 @@ class LoadingPrediction:
     model: Model | None = None
     tests: tuple[Trial, ...] = ()
 
+    @classmethod
+    def of(cls, source: Model | Campaign | str | Path) -> LoadingPrediction:
+        """A model as a prediction, or free-running model tests.
+
+        Parameters
+        ----------
+        source : Model, Campaign, str or path
+            A model, its library name or file; or turning circles, zigzags and stops of a ship model
+            in the loading.
+        """
+        if isinstance(source, Campaign):
+            ship, tests = source.ship, evaluate_trials(source)
+            return cls(name=source.title, L=ship.L, draught=ship.d, tests=tests)
+        model = source if isinstance(source, Model) else load_model(source)
+        return cls(name=model.name, L=model.ship.L, draught=model.ship.d, model=model)
+
     def value(self, trial: Trial, verdict: Verdict, settings: dict[str, Any]) -> float:
         """The measure of a verdict; NaN where there is none. Of several tests their mean."""
         if self.model is not None:
@@ -67,30 +83,86 @@ class LoadingPrediction:
         """Why a ratio to it is no ground for a verdict at an approach [m/s]; empty where it is."""
         return "" if self.model is None else standing(self.model, speed).forced
 
+    def to_full_load(
+        self, trials: Sequence[Trial], full_load: LoadingPrediction, **settings: Any
+    ) -> tuple[Corrected, ...]:
+        """Every criterion of a trial at full load, by the ratio of another prediction to this one.
 
-def predicted_by(source: Model | str | Path) -> LoadingPrediction:
-    """A model as a prediction.
+        Parameters
+        ----------
+        trials : sequence of Trial
+            From `evaluate_trials`.
+        full_load : LoadingPrediction
+            Of the ship at full load, made by the same method as this one, of the ship in the
+            condition of the trial: both models, or both model tests.
+        **settings
+            Of `simulate`, for models; of a stop `turns` and `reversal_s`, by default those
+            measured.
 
-    Parameters
-    ----------
-    source : Model, str or path
-        A model, a library name or a file.
-    """
-    model = source if isinstance(source, Model) else load_model(source)
-    return LoadingPrediction(name=model.name, L=model.ship.L, draught=model.ship.d, model=model)
+        Returns
+        -------
+        tuple of Corrected
+            Of each verdict whose measure both give, in the order of the trials. Models sail at the
+            approach speed of the run with the rudder that was laid; the uncertainty of R is that of
+            T times F/B, and has nothing of the predictions'. Nothing is met or failed by a ratio to
+            a model that is not usable.
 
+        Raises
+        ------
+        DataError
+            If a model is of another length than the ship, or one is a model and the other tests.
+        """
+        if (self.model is None) is not (full_load.model is None):
+            raise DataError(
+                f"B and F are to be made by the same method: {self.name!r} and {full_load.name!r} "
+                f"are a model and model tests."
+            )
+        for item in (self, full_load):
+            others = {x.L for x in trials if abs(item.L / x.L - 1.0) > SAME_LENGTH}
+            if item.model is not None and others:
+                raise DataError(
+                    f"Model {item.name!r} has L = {item.L:.4g} m, the ship of the trial "
+                    f"{max(others):.4g} m. Carry it there first: pmmkit scale MODEL --length "
+                    f"{max(others):g}."
+                )
+        found = []
+        for trial in trials:
+            unsettled = tuple(
+                dict.fromkeys(
+                    text for item in (self, full_load) if (text := item.unusable(trial.speed))
+                )
+            )
+            for verdict in trial.verdicts:
+                if math.isnan(verdict.value):
+                    continue
+                values = [item.value(trial, verdict, settings) for item in (self, full_load)]
+                if all(math.isfinite(value) and value > 0.0 for value in values):
+                    found.append(_corrected(trial, verdict, *values, unsettled=unsettled))
+        return tuple(found)
 
-def predicted_by_tests(campaign: Campaign) -> LoadingPrediction:
-    """Free-running model tests as a prediction.
+    def notes(
+        self, full_load: LoadingPrediction, *, L: float, draught: float, full_draught: float | None
+    ) -> tuple[str, ...]:
+        """What of the predictions is estimated, and where their draughts are not the ship's.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        Turning circles, zigzags and stops of a ship model in the loading.
-    """
-    ship = campaign.ship
-    tests = evaluate_trials(campaign)
-    return LoadingPrediction(name=campaign.title, L=ship.L, draught=ship.d, tests=tests)
+        Parameters
+        ----------
+        full_load : LoadingPrediction
+            As for `to_full_load`.
+        L, draught, full_draught : float, float, float or None
+            Of the ship; mean draughts of the trial and of full load [m].
+        """
+        asked = (("as tried", self, draught), ("of full load", full_load, full_draught))
+        loaded = tuple(
+            f"The prediction {name} ({item.name}) is for {item.draught * L / item.L:.4g} m of "
+            "draught, "
+            f"the ship draws {own:.4g} m."
+            for name, item, own in asked
+            if own is not None and abs(item.draught * L / item.L / own - 1.0) > LOADED
+        )
+        models = [item.model for item in (self, full_load) if item.model is not None]
+        estimated = any(astern_can_be_estimated(model) for model in models)
+        return (*loaded, f"Stops of the models: {ESTIMATED}") if estimated else loaded
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,65 +215,26 @@ class Corrected:
             "probability": self.verdict.probability,
         }
 
-
-def to_full_load(
-    trials: Sequence[Trial],
-    as_tried: LoadingPrediction,
-    full_load: LoadingPrediction,
-    **settings: Any,
-) -> tuple[Corrected, ...]:
-    """Every criterion of a trial at full load, by the ratio of two predictions.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        From `evaluate_trials`.
-    as_tried, full_load : LoadingPrediction
-        Of the ship in the condition of the trial, and at full load, made by the same method: of
-        `predicted_by` or of `predicted_by_tests`.
-    **settings
-        Of `simulate`, for models; of a stop `turns` and `reversal_s`, by default those measured.
-
-    Returns
-    -------
-    tuple of Corrected
-        Of each verdict whose measure both give, in the order of the trials. Models sail at the
-        approach speed of the run with the rudder that was laid; the uncertainty of R is that of T
-        times F/B, and has nothing of the predictions'. Nothing is met or failed by a ratio to a
-        model that is not usable.
-
-    Raises
-    ------
-    DataError
-        If a model is of another length than the ship, or one is a model and the other tests.
-    """
-    if (as_tried.model is None) is not (full_load.model is None):
-        raise DataError(
-            f"B and F are to be made by the same method: {as_tried.name!r} and {full_load.name!r} "
-            f"are a model and model tests."
-        )
-    for item in (as_tried, full_load):
-        others = {x.L for x in trials if abs(item.L / x.L - 1.0) > SAME_LENGTH}
-        if item.model is not None and others:
-            raise DataError(
-                f"Model {item.name!r} has L = {item.L:.4g} m, the ship of the trial "
-                f"{max(others):.4g} m. Carry it there first: pmmkit scale MODEL --length "
-                f"{max(others):g}."
-            )
-    found = []
-    for trial in trials:
-        unsettled = tuple(
-            dict.fromkeys(
-                text for item in (as_tried, full_load) if (text := item.unusable(trial.speed))
-            )
-        )
-        for verdict in trial.verdicts:
-            if math.isnan(verdict.value):
-                continue
-            values = [item.value(trial, verdict, settings) for item in (as_tried, full_load)]
-            if all(math.isfinite(value) and value > 0.0 for value in values):
-                found.append(_corrected(trial, verdict, *values, unsettled=unsettled))
-    return tuple(found)
+    @staticmethod
+    def grid(found: Sequence[Corrected]) -> Grid:
+        """T, B, F and R of each criterion as a table."""
+        head = ["criterion", "side", "run", "T", "B", "B/T - 1", "F", "R = T F/B", "limit", ""]
+        rows = [
+            [
+                item.measured.criterion.replace("_", " "),
+                item.measured.side,
+                item.run,
+                f"{item.measured.value:.2f}",
+                f"{item.tried:.2f}",
+                percent(item.misses),
+                f"{item.full:.2f}",
+                f"{item.verdict.value:.2f}",
+                f"{item.verdict.limit:.4g}",
+                item.verdict.words,
+            ]
+            for item in found
+        ]
+        return Grid(head=head, groups=[Group(rows=rows)], texts=(1, 2))
 
 
 def _simulated(model: Model, trial: Trial, verdict: Verdict, settings: dict[str, Any]) -> float:
@@ -237,53 +270,3 @@ def _corrected(
     std = trial.std.get(measured.metric, math.nan)
     verdict = measured.carried(full / tried, std, unsettled)
     return Corrected(run=trial.run, measured=measured, tried=tried, full=full, verdict=verdict)
-
-
-def corrected_grid(found: Sequence[Corrected]) -> Grid:
-    """T, B, F and R of each criterion as a table."""
-    head = ["criterion", "side", "run", "T", "B", "B/T - 1", "F", "R = T F/B", "limit", ""]
-    rows = [
-        [
-            item.measured.criterion.replace("_", " "),
-            item.measured.side,
-            item.run,
-            f"{item.measured.value:.2f}",
-            f"{item.tried:.2f}",
-            percent(item.misses),
-            f"{item.full:.2f}",
-            f"{item.verdict.value:.2f}",
-            f"{item.verdict.limit:.4g}",
-            item.verdict.words,
-        ]
-        for item in found
-    ]
-    return Grid(head=head, groups=[Group(rows=rows)], texts=(1, 2))
-
-
-def loading_notes(
-    as_tried: LoadingPrediction,
-    full_load: LoadingPrediction,
-    *,
-    L: float,
-    draught: float,
-    full_draught: float | None,
-) -> tuple[str, ...]:
-    """What of the predictions is estimated, and where their draughts are not the ship's.
-
-    Parameters
-    ----------
-    as_tried, full_load : LoadingPrediction
-        As for `to_full_load`.
-    L, draught, full_draught : float, float, float or None
-        Of the ship; mean draughts of the trial and of full load [m].
-    """
-    asked = (("as tried", as_tried, draught), ("of full load", full_load, full_draught))
-    loaded = tuple(
-        f"The prediction {name} ({item.name}) is for {item.draught * L / item.L:.4g} m of draught, "
-        f"the ship draws {own:.4g} m."
-        for name, item, own in asked
-        if own is not None and abs(item.draught * L / item.L / own - 1.0) > LOADED
-    )
-    models = [item.model for item in (as_tried, full_load) if item.model is not None]
-    estimated = any(astern_can_be_estimated(model) for model in models)
-    return (*loaded, f"Stops of the models: {ESTIMATED}") if estimated else loaded

@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from pmmkit.campaigns import STOPPING
+from pmmkit.campaigns import STOPPING, TURNING, ZIGZAG
 from pmmkit.conventions import IN_LENGTHS, in_metres, in_words, metric_of, metric_unit, told
 from pmmkit.identification.trials.current import Current
 from pmmkit.identification.trials.noise import PositionNoise
@@ -93,6 +93,11 @@ class Trial(Track):
     x_ground, y_ground : array (n,)
         The path as measured [m].
     """
+
+    TESTS: ClassVar[tuple[str, ...]] = (TURNING.name, ZIGZAG.name, STOPPING.name)
+    """What is evaluated."""
+    FULL_TURN: ClassVar[float] = 720.0
+    """Change of heading of a turning circle that MSC/Circ.1053 asks for [deg]."""
 
     run: str
     speed_std: float

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.campaigns import KindFit, TestKind, captive_kinds
 from pmmkit.conventions import bare, parse_derivative
-from pmmkit.inference import LeastSquares, least_squares
+from pmmkit.inference import LeastSquares
 from pmmkit.numerics import Array
 from pmmkit.reduction.estimate import ChannelFit, RunBlock, blocks_of, origins_of
 from pmmkit.reduction.joint import join
@@ -94,7 +94,7 @@ def _channel(item: ChannelFit, rows: Sequence[Rows]) -> tuple[_Stacked, Array, l
         if not new or kind.name not in stacked.tests:
             continue
         own = stacked.design[at]
-        found = least_squares([names[i] for i in new], own[:, new], np.zeros(len(at)))
+        found = LeastSquares.of([names[i] for i in new], own[:, new], np.zeros(len(at)))
         rest = -own[:, done] @ gain[done]
         rest[np.arange(len(at)), at] += stacked.scale[at]
         gain[new] = found.gain @ rest

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.inference import InformationRoot, Innovations, innovation_tests
+from pmmkit.inference import Consistency, InformationRoot, Innovations
 from pmmkit.numerics import Array
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.methods.method import Estimate, MethodInputs
@@ -65,7 +65,7 @@ def by_filter(evidence: MethodInputs) -> Estimate:
             before = own.get(channel.base.channel, np.zeros(0))
             own[channel.base.channel] = np.concatenate([before, values])
     table = evidence.tabled(evidence.over_time(fits), TITLE)
-    tests = innovation_tests({run: _innovations(own) for run, own in seen.items()})
+    tests = Consistency.of({run: _innovations(own) for run, own in seen.items()})
     return Estimate(method=TITLE, table=table, notes=tests.words(), tests=tests)
 
 

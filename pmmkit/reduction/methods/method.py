@@ -6,10 +6,13 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Convention
-from pmmkit.inference import Consistency
+from pmmkit.inference import Consistency, Selection
 from pmmkit.models import DerivativeTable
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Section
@@ -19,6 +22,9 @@ from pmmkit.reduction.methods.over_time import OverTime, joined
 from pmmkit.reduction.observations.equations import Rows, Sensitivity
 from pmmkit.reduction.observations.histories import RunHistory
 from pmmkit.reduction.solve import Solution, to_table
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,6 +95,25 @@ class Estimate(Described):
     same_terms: DerivativeTable | None = None
     tests: Consistency | None = None
     seconds: float = 0.0
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The table with the shares of its terms, those left out at the end."""
+        import pandas as pd
+
+        frame = self.table.to_pandas()
+        if not self.shares:
+            return frame
+        rows = [
+            {"Fn": Fn, "derivative": name, "share": share}
+            for name, own in self.shares.items()
+            for Fn, share in zip(self.table.Fn.tolist(), own.tolist(), strict=True)
+        ]
+        whole = frame.merge(pd.DataFrame(rows), how="outer", on=["Fn", "derivative"], sort=False)
+        beside = np.where(whole["share"] < Selection.SHARE, "left out", "a zero offset")
+        told = [f"{self.method}: {text}" for text in beside]
+        whole["method"] = whole["method"].where(whole["method"].notna(), told)
+        whole["runs"] = whole["runs"].fillna(0).astype(int)
+        return whole
 
     def _headline(self) -> str:
         return f"by {self.method}: {self.table._headline()}"

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.inference import least_squares
+from pmmkit.inference import LeastSquares
 from pmmkit.numerics import Array, projector, rms
 from pmmkit.reduction.estimate import ChannelFit, RunBlock, Width
 from pmmkit.reduction.joint import join
@@ -64,7 +64,7 @@ class OverTime:
         """Generalised least squares with some of the columns."""
         chosen = tuple(self.names.index(name) for name in names)
         design, rows = np.concatenate(self.design)[:, chosen], np.concatenate(self.rows)
-        found = least_squares(names, design, rows)
+        found = LeastSquares.of(names, design, rows)
         values = np.nan_to_num(found.value)
         left = rows - design @ values
         return replace(

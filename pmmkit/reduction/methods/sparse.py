@@ -8,18 +8,10 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.inference import (
-    EffectiveSample,
-    Equations,
-    Resampling,
-    Selection,
-    SparseProblem,
-    optional_columns,
-    select_terms,
-)
+from pmmkit.inference import EffectiveSample, Equations, Resampling, Selection, SparseProblem
 from pmmkit.numerics import Array
 from pmmkit.reduction.derivatives import DerivativeNames
-from pmmkit.reduction.estimate import ChannelFit
+from pmmkit.reduction.estimate import ChannelFit, optional_columns
 from pmmkit.reduction.methods.method import Estimate, MethodInputs
 from pmmkit.reduction.methods.over_time import OverTime, determined
 from pmmkit.reduction.solve import Solution
@@ -53,7 +45,7 @@ def by_sparse_regression(evidence: MethodInputs, *, seed: int = 0) -> Estimate:
     Rows are whitened by the noise of their record and the scatter between runs; columns have unit
     rms. Terms are chosen by elimination in a hundred bags of whole runs, which give the share in
     which each is taken (Brunton, Proctor and Kutz 2016; Fasel et al. 2022); kept are those of
-    60 % and more (`pmmkit.inference.select_terms`). Their values are least squares on all runs,
+    60 % and more (`pmmkit.inference.Selection`). Their values are least squares on all runs,
     with the covariance of the regression and, on top, of the choice itself
     (`pmmkit.inference.Selection.covariance_of_choice`).
     """
@@ -96,7 +88,7 @@ def chosen(channel: OverTime, names: Sequence[str], rng: np.random.Generator) ->
     runs = [Equations.of((X[:, at], y)) for X, y in zip(channel.design, channel.rows, strict=True)]
     independent = sum(len(block.rows) for block in channel.base.blocks)
     sample = EffectiveSample(size=independent, variance=np.ones(1))
-    selection = select_terms(
+    selection = Selection.of(
         SparseProblem.single(channel.base.channel, len(names), "elimination"),
         runs,
         Resampling.of(len(runs), Resampling.BAGS, rng),

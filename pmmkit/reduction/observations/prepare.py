@@ -146,6 +146,61 @@ class PreparedRun:
     window: Window | None = None
     counted: Counted | None = None
 
+    @classmethod
+    def of(
+        cls,
+        run: Run,
+        campaign: Campaign,
+        *,
+        cycles: CycleChoice = None,
+        noise: bool = True,
+        integrated: bool = False,
+    ) -> PreparedRun:
+        """Cut one run to its steady window or whole cycles and project it.
+
+        Parameters
+        ----------
+        run : Run
+            The run; its data are read once.
+        campaign : Campaign
+            Ship and conventions.
+        cycles : int or (int, int), optional
+            Only this cycle, or these; the cycle-to-cycle test decides where absent.
+        noise : bool
+            Whether the noise of an oscillating record is estimated; without it there are no
+            covariances.
+        integrated : bool
+            Whether harmonics are trapezoidal integrals over the cycles, as some papers have them,
+            instead of least squares.
+
+        Raises
+        ------
+        DataError
+            If the run holds none of X, Y, N, K or too little to reduce.
+        """
+        data = run.data
+        channels = [
+            name
+            for name in CHANNELS
+            if name in data or f"{name}_cos" in data or f"{name}_sin" in data
+        ]
+        if not channels:
+            raise DataError(
+                Problem(
+                    message="holds none of the channels X, Y, N, K.",
+                    file=run.source or None,
+                    run=run.id,
+                    remedy="Name them under [columns].",
+                )
+            )
+        make = {"history": _from_history, "means": _from_means, "harmonics": _from_harmonics}
+        if run.kind == "history" and run.dynamic:
+            prepared = _from_cycles(run, campaign, data, channels, cycles, noise, integrated)
+        else:
+            prepared = make[run.kind](run, campaign, data, channels, cycles)
+        steps = tuple(json.loads(data.attrs.get("conversions", "[]")))
+        return replace(prepared, result=replace(prepared.result, conversions=steps))
+
     def motion_at_midship(self, rig: Rig) -> State:
         """Motion of midship at the samples."""
         return move_motion(self.motion, rig.motion_x)
@@ -187,58 +242,6 @@ def places_of(labels: Sequence[str]) -> list[int]:
 def one_cycle() -> Array:
     """Phases of the motion on which it is evaluated where there is no record [rad]."""
     return np.arange(GRID, dtype=np.float64) * (2 * math.pi / GRID)
-
-
-def prepare(
-    run: Run,
-    campaign: Campaign,
-    *,
-    cycles: CycleChoice = None,
-    noise: bool = True,
-    integrated: bool = False,
-) -> PreparedRun:
-    """Cut one run to its steady window or whole cycles and project it.
-
-    Parameters
-    ----------
-    run : Run
-        The run; its data are read once.
-    campaign : Campaign
-        Ship and conventions.
-    cycles : int or (int, int), optional
-        Only this cycle, or these; the cycle-to-cycle test decides where absent.
-    noise : bool
-        Whether the noise of an oscillating record is estimated; without it there are no
-        covariances.
-    integrated : bool
-        Whether harmonics are trapezoidal integrals over the cycles, as some papers have them,
-        instead of least squares.
-
-    Raises
-    ------
-    DataError
-        If the run holds none of X, Y, N, K or too little to reduce.
-    """
-    data = run.data
-    channels = [
-        name for name in CHANNELS if name in data or f"{name}_cos" in data or f"{name}_sin" in data
-    ]
-    if not channels:
-        raise DataError(
-            Problem(
-                message="holds none of the channels X, Y, N, K.",
-                file=run.source or None,
-                run=run.id,
-                remedy="Name them under [columns].",
-            )
-        )
-    make = {"history": _from_history, "means": _from_means, "harmonics": _from_harmonics}
-    if run.kind == "history" and run.dynamic:
-        prepared = _from_cycles(run, campaign, data, channels, cycles, noise, integrated)
-    else:
-        prepared = make[run.kind](run, campaign, data, channels, cycles)
-    steps = tuple(json.loads(data.attrs.get("conversions", "[]")))
-    return replace(prepared, result=replace(prepared.result, conversions=steps))
 
 
 def _froude(run: Run, campaign: Campaign) -> float:

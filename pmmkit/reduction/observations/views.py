@@ -27,7 +27,7 @@ from pmmkit.campaigns import (
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import State
 from pmmkit.numerics import Array
-from pmmkit.reduction.observations.prepare import PreparedRun, places_of, prepare
+from pmmkit.reduction.observations.prepare import PreparedRun, places_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -160,57 +160,59 @@ class View:
         """Whether the first row is a mean."""
         return self.kept is None or bool(self.kept[0])
 
+    @classmethod
+    def of(
+        cls,
+        campaign: Campaign,
+        *,
+        unknown_noise: bool = False,
+        pieces: bool = True,
+        executor: Workers = None,
+    ) -> tuple[View, ...]:
+        """All runs of a captive campaign, oscillating ones in two pieces.
 
-def views_of(
-    campaign: Campaign,
-    *,
-    unknown_noise: bool = False,
-    pieces: bool = True,
-    executor: Workers = None,
-) -> tuple[View, ...]:
-    """All runs of a captive campaign, oscillating ones in two pieces.
+        Parameters
+        ----------
+        campaign : Campaign
+            Captive tests.
+        unknown_noise : bool
+            Keep the forces of tables, which state no noise. Their covariance is that of repeats in
+            the campaign, else of the gauges as stated, else the numerical uncertainty; else it is
+            zero, and `View.known` says so. Harmonics that a table lacks are left out.
+        pieces : bool
+            Whether long records are cut in two; False takes each as the reduction does.
+        executor : int, str or concurrent.futures.Executor, optional
+            Who reads the runs, as for `reduce_campaign`; by default this process alone.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        Captive tests.
-    unknown_noise : bool
-        Keep the forces of tables, which state no noise. Their covariance is that of repeats in the
-        campaign, else of the gauges as stated, else the numerical uncertainty; else it is zero, and
-        `View.known` says so. Harmonics that a table lacks are left out.
-    pieces : bool
-        Whether long records are cut in two; False takes each as the reduction does.
-    executor : int, str or concurrent.futures.Executor, optional
-        Who reads the runs, as for `reduce_campaign`; by default this process alone.
+        Returns
+        -------
+        tuple of View
+            The first cycle is left out; of four cycles or more the second is a piece of its own: it
+            shows what dies away. Noise is pooled over runs of one speed and kind, channel by
+            channel.
 
-    Returns
-    -------
-    tuple of View
-        The first cycle is left out; of four cycles or more the second is a piece of its own: it
-        shows what dies away. Noise is pooled over runs of one speed and kind, channel by channel.
-
-    Raises
-    ------
-    DataError
-        If the campaign is not captive.
-    CampaignError
-        If its runs were made at several depths of the water.
-    """
-    if campaign.kind != "captive":
-        raise DataError("Forces are diagnosed in captive tests; this campaign is free-running.")
-    campaign = one_depth(campaign)
-    lean = campaign.with_(runs=(), excluded=())
-    work = partial(_views, campaign=lean, rig=rig_of(lean), keep=unknown_noise, pieces=pieces)
-    names = [f"run {run.id}" for run in campaign.runs]
-    with opened(executor) as ready, threadpool_limits(1):
-        own = dict(each(work, campaign.runs, ready, names=names))
-    found = [
-        replace(view, day=day)
-        for place, day in enumerate(places_in_day(campaign.runs))
-        for view in own[place]
-    ]
-    pooled = _pooled(found)
-    return tuple(_with_noise(pooled, campaign) if unknown_noise else pooled)
+        Raises
+        ------
+        DataError
+            If the campaign is not captive.
+        CampaignError
+            If its runs were made at several depths of the water.
+        """
+        if campaign.kind != "captive":
+            raise DataError("Forces are diagnosed in captive tests; this campaign is free-running.")
+        campaign = one_depth(campaign)
+        lean = campaign.with_(runs=(), excluded=())
+        work = partial(_views, campaign=lean, rig=rig_of(lean), keep=unknown_noise, pieces=pieces)
+        names = [f"run {run.id}" for run in campaign.runs]
+        with opened(executor) as ready, threadpool_limits(1):
+            own = dict(each(work, campaign.runs, ready, names=names))
+        found = [
+            replace(view, day=day)
+            for place, day in enumerate(places_in_day(campaign.runs))
+            for view in own[place]
+        ]
+        pooled = _pooled(found)
+        return tuple(_with_noise(pooled, campaign) if unknown_noise else pooled)
 
 
 def _views(run: Run, campaign: Campaign, rig: Rig, keep: bool, pieces: bool) -> list[View]:
@@ -218,7 +220,7 @@ def _views(run: Run, campaign: Campaign, rig: Rig, keep: bool, pieces: bool) -> 
     if pieces:
         found = _pieces(run, campaign, rig, keep)
     else:
-        found = [_view(prepare(run, campaign), rig, keep)]
+        found = [_view(PreparedRun.of(run, campaign), rig, keep)]
     return [replace(view, run=run.with_(settings=view.run.settings)) for view in found]
 
 
@@ -234,7 +236,7 @@ def _pieces(run: Run, campaign: Campaign, rig: Rig, keep: bool) -> list[View]:
     """
     stated = any(item.action == "window" for item in run.corrections)
     if run.kind != "history" or not run.dynamic or stated:
-        return [_view(prepare(run, campaign), rig, keep)]
+        return [_view(PreparedRun.of(run, campaign), rig, keep)]
     data = _at_speed(run)
     run = run.with_(loader=lambda: data)
     times = np.asarray(data["t"].values, float)
@@ -242,12 +244,12 @@ def _pieces(run: Run, campaign: Campaign, rig: Rig, keep: bool) -> list[View]:
     covered = (times[-1] - times[0]) * omega / (2 * math.pi)
     for count in (int(covered + 0.5), int(covered + 0.5) - 1):
         if count < 4:
-            return [_view(prepare(run, campaign), rig, keep)]
+            return [_view(PreparedRun.of(run, campaign), rig, keep)]
         try:
             return _cycles(run, campaign, rig, keep, count)
         except DataError:
             continue
-    return [_view(prepare(run, campaign), rig, keep)]
+    return [_view(PreparedRun.of(run, campaign), rig, keep)]
 
 
 def _at_speed(run: Run) -> xr.Dataset:
@@ -262,10 +264,10 @@ def _at_speed(run: Run) -> xr.Dataset:
 
 
 def _cycles(run: Run, campaign: Campaign, rig: Rig, keep: bool, count: int) -> list[View]:
-    whole = _view(prepare(run, campaign, cycles=(2, count)), rig, keep)
+    whole = _view(PreparedRun.of(run, campaign, cycles=(2, count)), rig, keep)
     found = []
     for first, last, early in ((2, 2, True), (3, count, False)):
-        cut = prepare(whole.run, campaign, cycles=(first, last), noise=False)
+        cut = PreparedRun.of(whole.run, campaign, cycles=(first, last), noise=False)
         piece = _view(cut, rig, True)
         wider = (count - 1.0) / (last - first + 1.0)
         noise = {name: wider * x for name, x in whole.covariance.items()}

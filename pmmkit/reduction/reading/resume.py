@@ -13,7 +13,8 @@ import os
 import shutil
 import threading
 import uuid
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Final
@@ -43,8 +44,17 @@ def resume_folder(out: Path) -> Path:
     return target.with_name(f".{target.name}-resume")
 
 
-def forget(folder: Path) -> None:
-    """Remove the folder of kept results."""
+@contextmanager
+def resumable(out: Path) -> Iterator[Path]:
+    """The folder in which results of runs are kept while `out` is made; removed once it is.
+
+    Parameters
+    ----------
+    out : path
+        The folder that a command writes.
+    """
+    folder = resume_folder(out)
+    yield folder
     shutil.rmtree(folder, ignore_errors=True)
 
 

@@ -11,7 +11,7 @@ from pmmkit.intake import KnownHistory, Summary, summarise
 from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.observations.equations import Rows, Sensitivity, rows_of, sensitivity
 from pmmkit.reduction.observations.histories import RunHistory, history_of
-from pmmkit.reduction.observations.prepare import CycleChoice, PreparedRun, prepare
+from pmmkit.reduction.observations.prepare import CycleChoice, PreparedRun
 
 # Blockage of the tank: how much faster the water passes the model than the carriage says.
 
@@ -97,7 +97,7 @@ def read_run(run: Run, settings: ReductionSettings) -> Reading:
     """Read the samples of a run once and keep what the reduction needs."""
     data = run.data
     once = run.with_(loader=lambda: data)
-    prepared = prepare(
+    prepared = PreparedRun.of(
         once, settings.campaign, cycles=settings.cycles, integrated=settings.integrated
     )
     rows, changes, history = _equations(prepared, once, settings)

@@ -12,7 +12,6 @@ from pmmkit.base import UnknownNameError
 from pmmkit.conventions import Convention
 from pmmkit.effects import CATALOGUE
 from pmmkit.identification import parameter_symbol
-from pmmkit.inference import autocorrelation
 from pmmkit.plotting import (
     INK,
     LIMIT,
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pmmkit.identification import Filtered, FreeRecord, PredictedWindow
+    from pmmkit.inference import Innovations
 
 _COLUMNS: Final = 3
 _LAGS: Final = 40
@@ -171,7 +171,7 @@ def innovation_figure(
         ):
             _normalised(left, t, values, gated)
             left.set_title(_AXES.get(channel, channel))
-            _correlogram(right, values)
+            _correlogram(right, item, channel)
         axes[0, 0].set_title(
             f"{figure_text(chosen)}, {found.method}: {_AXES.get(item.names[0], item.names[0])}"
         )
@@ -202,11 +202,11 @@ def _normalised(axis: Axes, t: np.ndarray, values: np.ndarray, gated: np.ndarray
     axis.locator_params(axis="y", nbins=5)
 
 
-def _correlogram(axis: Axes, values: np.ndarray) -> None:
-    count = int(np.isfinite(values).sum())
+def _correlogram(axis: Axes, item: Innovations, channel: str) -> None:
+    count = int(np.isfinite(item.normalised[:, item.names.index(channel)]).sum())
     if count < 4:
         return
-    correlation, pairs = autocorrelation([values], min(_LAGS, count // 2))
+    correlation, pairs = item.autocorrelation(channel, min(_LAGS, count // 2))
     lags = np.arange(1, len(correlation) + 1)
     axis.vlines(lags[pairs > 0], 0.0, correlation[pairs > 0], color=colour_style(0), lw=1.4)
     axis.axhline(0.0, color=REFERENCE, lw=0.8)

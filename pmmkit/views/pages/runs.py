@@ -15,7 +15,7 @@ from pmmkit.campaigns import TEST_KINDS, Campaign, Correction, HistoryLoader, Ru
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.intake import LARGE
 from pmmkit.numerics import Array
-from pmmkit.reduction import prepare
+from pmmkit.reduction import PreparedRun
 from pmmkit.views.pages.marks import marks_of
 from pmmkit.views.pages.numbers import BUCKETS, short, thinned
 
@@ -241,7 +241,7 @@ def _counted(run: Run, campaign: Campaign, t: Array, stated: Correction | None) 
                 for cut in cuts
             ],
         }
-    found = prepare(run, campaign, noise=False)
+    found = PreparedRun.of(run, campaign, noise=False)
     begin, end = found.t[0] - t[0], found.t[-1] - t[0]
     period = found.result.run.settings.period if found.result.cycles else None
     edges = [] if period is None else begin + period * np.arange((found.result.cycles or 0) + 1)

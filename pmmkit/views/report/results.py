@@ -7,13 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from pmmkit.files import MODEL, write_results
-from pmmkit.inference import Selection
 from pmmkit.models import Model, ReferenceTable, compare, published_of, save_model, write_table
 from pmmkit.plotting import document
-from pmmkit.reduction import Estimate, Reduction, squat, squat_frame
+from pmmkit.reduction import Reduction
 from pmmkit.simulation import sweep_frame, track_files
 from pmmkit.views.pages.page_file import page_file
 from pmmkit.views.report.build import report_answers, report_places
@@ -80,9 +77,9 @@ def _tables(reduction: Reduction, beside: ReferenceTable | None) -> Iterator[tup
     yield "derivatives_by_method.csv", by_method(reduction, beside)
     yield "influence.csv", reduction.influences.to_pandas()
     yield "runs.csv", reduction.runs_to_pandas()
-    sunk = squat(reduction.runs)
-    if sunk:
-        yield "squat.csv", squat_frame(sunk)
+    sunk = reduction.squat_to_pandas()
+    if len(sunk):
+        yield "squat.csv", sunk
     yield "findings.json", [item.to_dict() for item in reduction.findings]
 
 
@@ -98,8 +95,7 @@ def by_method(reduction: Reduction, reference: ReferenceTable | None = None) -> 
     """The derivatives by every way in one table."""
     import pandas as pd
 
-    ways = [*reduction.estimates.values()]
-    frames = [_with_shares(way) for way in ways]
+    frames = [estimate.to_pandas() for estimate in reduction.estimates.values()]
     frames += [table.to_pandas() for table in reduction.families.values()]
     frames += [table.to_pandas().assign(run=name) for name, table in reduction.single_runs.items()]
     if reference is not None:
@@ -113,23 +109,3 @@ def by_method(reduction: Reduction, reference: ReferenceTable | None = None) -> 
     whole = pd.concat([frame.reindex(columns=columns) for frame in frames], ignore_index=True)
     whole["run"] = whole["run"].astype(object).fillna("")
     return whole[whole["value"].notna() | whole["share"].notna()].reset_index(drop=True)
-
-
-def _with_shares(estimate: Estimate) -> pd.DataFrame:
-    """A table by one method with the shares of its terms, those left out at the end."""
-    import pandas as pd
-
-    frame = estimate.table.to_pandas()
-    if not estimate.shares:
-        return frame
-    rows = [
-        {"Fn": Fn, "derivative": name, "share": share}
-        for name, own in estimate.shares.items()
-        for Fn, share in zip(estimate.table.Fn.tolist(), own.tolist(), strict=True)
-    ]
-    whole = frame.merge(pd.DataFrame(rows), how="outer", on=["Fn", "derivative"], sort=False)
-    beside = np.where(whole["share"] < Selection.SHARE, "left out", "a zero offset")
-    told = [f"{estimate.method}: {text}" for text in beside]
-    whole["method"] = whole["method"].where(whole["method"].notna(), told)
-    whole["runs"] = whole["runs"].fillna(0).astype(int)
-    return whole

@@ -7,7 +7,7 @@ from typing import Any
 
 from pmmkit.models import ReferenceTable
 from pmmkit.presentation import Grid, Group, Section
-from pmmkit.reduction import METHODS, Reduction, differences, in_words
+from pmmkit.reduction import Reduction
 from pmmkit.views.report import pictures, tables
 from pmmkit.views.report.drawn import drawn
 from pmmkit.views.report.tables import flattened, gathered
@@ -16,8 +16,9 @@ from pmmkit.views.report.tables import flattened, gathered
 def influence(reduction: Reduction) -> Section:
     """How far each run moves each derivative, and the scatter between runs."""
     found = reduction.influences
-    scatter = reduction.solution.between.scatter
-    sizes = "; ".join(in_words(scatter, channel) for channel in scatter.weights) if scatter else ""
+    between = reduction.solution.between
+    scatter = between.scatter
+    sizes = "; ".join(map(between.in_words, scatter.weights)) if scatter else ""
     return Section(
         title="What each run does",
         paragraphs=[
@@ -79,16 +80,9 @@ def said(reduction: Reduction) -> str:
         else "Some runs hold the inertia of the model, which has been removed there."
     )
     return (
-        f"Structure {origin.get('structure', 'custom')}, {fn}, by {_way(reduction)}. Cycles of "
+        f"Structure {origin.get('structure', 'custom')}, {fn}, by {reduction.way}. Cycles of "
         f"oscillating tests were chosen {asked}. {inside}"
     )
-
-
-def _way(reduction: Reduction) -> str:
-    """By which method the table was found."""
-    if reduction.method == next(iter(METHODS)):
-        return "one regression over all runs weighted with the noise of their records"
-    return f"{reduction.estimates[reduction.method].method} ({METHODS[reduction.method].text[:-1]})"
 
 
 def remarks(reduction: Reduction) -> list[Section]:
@@ -101,7 +95,7 @@ def remarks(reduction: Reduction) -> list[Section]:
 def comparison(reduction: Reduction, beside: ReferenceTable | None) -> Section:
     """The same derivatives by families of tests, single runs and other methods."""
     several = len(reduction.estimates) > 1
-    told = [item.sentence for item in differences(reduction)]
+    told = [item.sentence for item in reduction.differences]
     agree = ["No method differs from the regression beyond both intervals."]
     tests = [
         f"{estimate.method}: {text}"

@@ -14,7 +14,7 @@ from pmmkit.campaigns import TEST_KINDS
 from pmmkit.conventions import Convention
 from pmmkit.intake import CheckFinding
 from pmmkit.presentation import Cell, Grid, Group, Section, at_froude
-from pmmkit.reduction import Budget, Reduction, derivative_budget, speed_increase
+from pmmkit.reduction import Budget, Reduction, derivative_budget
 from pmmkit.views.report import pictures, sections
 from pmmkit.views.report.captive.document import Chapter, Item, untitled
 from pmmkit.views.report.captive.stated import of_report, of_uncertainties
@@ -59,8 +59,7 @@ def analysis(reduction: Reduction) -> Chapter:
 
 def _blockage(reduction: Reduction) -> Item:
     """How much faster the water passes the model between the walls, and whether that is mended."""
-    campaign = reduction.campaign
-    share = speed_increase(campaign, max(run.settings.speed for run in campaign.runs))
+    share = reduction.speed_increase
     corrected = reduction.table.provenance.get("blockage") == "correct"
     done = "corrected for" if corrected else "not corrected for"
     return Item(

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from pmmkit.campaigns import TURNING, Campaign
 from pmmkit.conventions import HARD_OVER
-from pmmkit.identification import WHOLE, Corrected, Trial, corrected_grid, mean_draught
+from pmmkit.identification import Corrected, Trial, mean_draught
 from pmmkit.models import Model
 from pmmkit.simulation import LARGE, Condition, Verdict, prepare, simulated_conditions, steering
 from pmmkit.views.report.imo_form.fields import (
@@ -112,7 +112,7 @@ def form_of_trials(
     trials : sequence of Trial
         From `evaluate_trials`.
     corrected : sequence of Corrected
-        From `to_full_load`: they stand in the place of what was measured.
+        From `LoadingPrediction.to_full_load`: they stand in the place of what was measured.
     notes : sequence of str
         What keeps that correction from full load.
 
@@ -165,7 +165,7 @@ def form_of_trials(
         lines=lines,
         assumptions=_assumed([verdict for _, verdict in verdicts]),
         remarks=(*said.get("remarks", ()), *_of_current(trials), *notes, *_large(verdicts)),
-        corrections=corrected_grid(corrected) if corrected else None,
+        corrections=Corrected.grid(corrected) if corrected else None,
         loaded=bool(corrected) and not notes,
         scale=f"as measured, L = {ship.L:.4g} m",
     )
@@ -226,8 +226,8 @@ def _of_current(trials: Sequence[Trial]) -> list[str]:
             f"{item.run}: current {item.current.speed:.3f} m/s to "
             f"{item.current.direction_deg:03.0f}° from a turn of {item.turned_deg:.0f}°"
         )
-        if item.turned_deg < WHOLE:
-            words += f" (the notes ask for {WHOLE:g}°)"
+        if item.turned_deg < Trial.FULL_TURN:
+            words += f" (the notes ask for {Trial.FULL_TURN:g}°)"
         if item.equal_headings is not None:
             words += (
                 f"; by the drift of equal headings {item.equal_headings.speed:.3f} m/s to "

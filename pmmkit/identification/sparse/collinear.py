@@ -8,8 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.inference.equations import Equations, unit_columns
-from pmmkit.inference.linear_fit import RANK_TOLERANCE
+from pmmkit.inference import RANK_TOLERANCE, Equations
 from pmmkit.numerics import Array
 
 ALIKE: Final = 0.95
@@ -66,7 +65,7 @@ class Collinearity:
             Channels of the equations, for the message.
         """
         X, _, _ = equations.scaled
-        columns, _ = unit_columns(X)
+        columns = X / np.linalg.norm(X, axis=0)
         cosines = columns.T @ columns
         singular = np.linalg.svd(columns, compute_uv=False)
         inverse = np.linalg.inv(np.linalg.qr(columns, mode="r"))
