@@ -12,22 +12,17 @@ import numpy as np
 
 from pmmkit.base import MissingPartError
 from pmmkit.campaigns import open_water
-from pmmkit.conventions import ITSELF, STRUCTURES, Structure, bibtex, parse_derivative
-from pmmkit.effects import CATALOGUE, PROPELLER, RUDDER_MMG
+from pmmkit.conventions import STRUCTURES, Structure, bibtex, parse_derivative
+from pmmkit.effects import CATALOGUE
 from pmmkit.models import (
-    DERIVATIVE_PARTS,
-    HULL_TERMS,
-    NEEDED,
-    SECTIONS,
-    STATED,
-    TURNS,
     DerivativeTable,
     Missing,
     Model,
     Part,
+    hull_less_model,
     lent,
     load_model,
-    parts_from_particulars,
+    needed,
     roll_from_particulars,
     straight_polynomial,
     to_model,
@@ -110,11 +105,11 @@ def citation(thing: Model | DerivativeTable | str | Path) -> str:
     """
     if isinstance(thing, DerivativeTable):
         known = STRUCTURES.get(str(thing.provenance.get("structure")))
-        return bibtex((ITSELF, *(known.sources if known else ())))
+        return bibtex(("pmmkit", *(known.sources if known else ())))
     model = thing if isinstance(thing, Model) else load_model(thing)
     values = [key for part in model.parts.values() for key in part.references]
     forms = [key for name in model.parts for key in CATALOGUE[name].sources]
-    return bibtex((ITSELF, *values, *forms))
+    return bibtex(("pmmkit", *values, *forms))
 
 
 def ship_as_tested(campaign: Campaign) -> Model:
@@ -137,16 +132,7 @@ def ship_as_tested(campaign: Campaign) -> Model:
     told = dict(campaign.propeller)
     if curve is not None:
         told |= straight_polynomial(*curve)
-    screw, blade = parts_from_particulars(campaign.ship, told, campaign.rudder)
-    parts = {part.effect: part for part in (screw, blade)}
-    return Model(
-        name=campaign.ship.name,
-        ship=campaign.ship,
-        water=campaign.water,
-        parts=MappingProxyType(parts),
-        notes=tuple(filter(None, map(_guessed, (screw, blade)))),
-        scale=f"L = {campaign.ship.L:.4g} m, the scale of the tests",
-    )
+    return hull_less_model(campaign.ship, campaign.water, told, campaign.rudder)
 
 
 def carried_to(model: Model, campaign: Campaign) -> Model:
@@ -178,23 +164,10 @@ def carried_to(model: Model, campaign: Campaign) -> Model:
         stated |= straight_polynomial(*curve)
     whose = f"{campaign.title or campaign.ship.name}, by its campaign file"
     made = with_stated_parts(made, stated, campaign.rudder, whose)
-    if {"area_lateral", "area_total"} & set(campaign.rudder) and not set(TURNS) & set(
-        campaign.rudder
-    ):
+    areas = {key for key in campaign.rudder if key.startswith("area")}
+    if {"area_lateral", "area_total"} & areas and not {"area", "area_movable"} & areas:
         notes.append("The movable area of the rudder is not stated: the model keeps its own.")
     return made.with_(notes=(*made.notes, *notes))
-
-
-def _guessed(part: Part) -> str:
-    """What of a part was not stated, in words."""
-    guessed = [name for name in part.values if part.source_of(name) != STATED]
-    section = next(name for name, effect in SECTIONS.items() if effect.name == part.effect)
-    return (
-        f"Not stated in [{section}] of the campaign file, so estimated from the "
-        f"particulars: {', '.join(guessed)}."
-        if guessed
-        else ""
-    )
 
 
 def model_of(
@@ -232,8 +205,7 @@ def model_of(
     MissingPartError
         If the table lacks Yv, Yr, Nv or Nr, or what `missing` does not fill.
     """
-    needed = HULL_TERMS if missing == "estimate" else NEEDED  # added mass hardly hangs on the speed
-    table, left = _tested_in_full(reduction.table, needed)
+    table, left = _tested_in_full(reduction.table, needed(missing))
     table = _without_thrust(reduction, table)
     how: dict[str, Any] = {"missing": missing, "also": _not_shown(reduction), "force": force}
     if parts is not None:
@@ -243,7 +215,7 @@ def model_of(
         others = {
             name: part if part.std else lent(part, same_ship=own_ship)
             for name, part in model.parts.items()
-            if name not in DERIVATIVE_PARTS
+            if name not in model.derivative_parts
         }
         return model.with_(
             parts=MappingProxyType({**model.parts, **others}), notes=(*left, *model.notes)
@@ -274,7 +246,7 @@ def _not_shown(reduction: Reduction) -> list[str]:
 
     They are estimated, whatever the structure's name: to leave a coupling out would be to say that
     it is zero. Terms that the runs show and that were not asked for are left out, and told
-    (`models.standing`).
+    (`models.Standing`).
     """
     usual = STRUCTURES[_THIRD_ORDER].derivatives
     chosen = STRUCTURES.get(reduction.table.provenance["structure"])
@@ -328,12 +300,12 @@ def _rolling(stated: Model, reduction: Reduction, table: DerivativeTable) -> Mod
 
 def _parts_by_tests(reduction: Reduction, stated: Model) -> Parts | None:
     """Propeller and rudder where static tests with their gauges show them."""
-    blade = stated.parts[RUDDER_MMG.name]
+    blade = stated.parts["rudder_mmg"]
     try:
         return Parts.of(
             reduction,
             area=_one(blade, "area"),
-            height=_one(stated.parts[PROPELLER.name], "D") / _one(blade, "eta"),
+            height=_one(stated.parts["propeller"], "D") / _one(blade, "eta"),
             lift_slope=_one(blade, "lift_slope"),
             lR=_one(blade, "lR"),
             rate_deg_s=_one(blade, "rate_deg_s"),

@@ -27,12 +27,12 @@ def rms(values: ArrayLike) -> float:
         return float(np.sqrt(np.mean(np.square(known)))) if known.size else float("nan")
 
 
-def coverage_factor(dof: ArrayLike, confidence: float) -> Array:
+def coverage_factor(dof: ArrayLike, confidence: float = 0.95) -> Array:
     """Half width of an interval over the standard uncertainty, by Student's t (JCGM 100:2008, G.3).
 
     Examples
     --------
-    >>> coverage_factor([1.0, 10.0, np.inf], 0.95).round(2)
+    >>> coverage_factor([1.0, 10.0, np.inf]).round(2)
     array([12.71,  2.23,  1.96])
     """
     from scipy.special import stdtrit

@@ -39,7 +39,7 @@ def over_depths(
     from pmmkit.base import CampaignError, PmmkitError, Problem
     from pmmkit.campaigns import depths, in_words
     from pmmkit.files import write_results
-    from pmmkit.models import RATIO, TablesByDepth
+    from pmmkit.models import TablesByDepth
     from pmmkit.plotting import save
     from pmmkit.reduction import Felt, Growth
     from pmmkit.views import growth_over_depth
@@ -66,11 +66,13 @@ def over_depths(
             outcome, reduction = reduce(part, out / _name(part))
         except PmmkitError as error:  # the other depths are reduced
             lines.append(words_of(error))
-            content.append({"depth": depth, RATIO: _ratio(part), "error": words_of(error)})
+            content.append(
+                {"depth": depth, TablesByDepth.RATIO: _ratio(part), "error": words_of(error)}
+            )
             status = max(status, WRONG)
             continue
         lines += outcome.lines
-        content.append({"depth": depth, RATIO: _ratio(part), **outcome.content})
+        content.append({"depth": depth, TablesByDepth.RATIO: _ratio(part), **outcome.content})
         found.append(reduction)
         status = max(status, outcome.status)
     results: list[tuple[str, Any]] = []
@@ -79,7 +81,10 @@ def over_depths(
         tables = TablesByDepth(tables=tuple(item.table for item in found))
         grown = Growth.of(tables)
         results.append((TABLES, tables.to_pandas()))
-    sunk = [item.squat_to_pandas().assign(**{RATIO: ratio}) for ratio, item in _by_ratio(found)]
+    sunk = [
+        item.squat_to_pandas().assign(**{TablesByDepth.RATIO: ratio})
+        for ratio, item in _by_ratio(found)
+    ]
     if any(len(frame) for frame in sunk):
         results.append((SQUAT, _stacked(sunk)))
     if grown:
@@ -116,19 +121,19 @@ def _stacked(frames: Sequence[pd.DataFrame]) -> pd.DataFrame:
     """Frames below each other, the depth over the draught in front."""
     import pandas as pd
 
-    from pmmkit.models import RATIO
+    from pmmkit.models import TablesByDepth
 
     whole = pd.concat(frames, ignore_index=True)
-    whole.insert(0, RATIO, whole.pop(RATIO))
+    whole.insert(0, TablesByDepth.RATIO, whole.pop(TablesByDepth.RATIO))
     return whole
 
 
 def _row(item: Growth) -> dict[str, Any]:
-    from pmmkit.models import RATIO
+    from pmmkit.models import TablesByDepth
 
     return {
         "derivative": item.name,
-        RATIO: item.ratio,
+        TablesByDepth.RATIO: item.ratio,
         "factor": item.factor,
         "std": item.std,
         "ci_low": item.factor - item.half,
@@ -184,7 +189,7 @@ def swept_over_depth(
 ) -> Outcome:
     """Metrics of a manoeuvre over the depth of the water, beside those by the formulas."""
     from pmmkit.base import PmmkitError
-    from pmmkit.models import RATIO, carried_by_formulas, model_at_depth
+    from pmmkit.models import TablesByDepth, carried_by_formulas, model_at_depth
     from pmmkit.plotting import save
     from pmmkit.simulation import metrics_over, sweep, sweep_frame, told_metric, told_metrics
 
@@ -193,7 +198,9 @@ def swept_over_depth(
     sailed = {ratio: model_at_depth(models, ratio) for ratio in asked}
     first = next(iter(sailed.values()))
     given = {"speed": speed.of(first.ship, first.water), **settings}
-    found = sweep(sailed, "model", manoeuvre=manoeuvre, **given).rename({"model": RATIO})
+    found = sweep(sailed, "model", manoeuvre=manoeuvre, **given).rename(
+        {"model": TablesByDepth.RATIO}
+    )
     deepest = max(models)
     plain = {name: value for name, value in given.items() if name not in ("n", "spread")}
     beside: dict[float, dict[str, float] | str] = {}
@@ -219,7 +226,7 @@ def swept_over_depth(
     heads = [name for metric in metrics for name in (metric, "formula")]
     cells = [
         [
-            f"{row[RATIO]:.4g}",
+            f"{row[TablesByDepth.RATIO]:.4g}",
             *(
                 text
                 for name in metrics

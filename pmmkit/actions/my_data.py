@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Final
 from pmmkit.actions.outcome import Outcome, words_of
 from pmmkit.actions.places import results_folder
 from pmmkit.actions.text import stem
-from pmmkit.models import estimates_in
 from pmmkit.presentation import WIDE, counted, quoted
 
 if TYPE_CHECKING:
@@ -183,7 +182,7 @@ def _reduced(
     way = replace(
         way, then=f"pmmkit model show {quoted(file)}", questions=(*way.questions, *estimates)
     )
-    lent = [part.effect for part in model.parts.values() if estimates_in(part)]
+    lent = [part.effect for part in model.parts.values() if part.estimated]
     way = way.after("model", f"{quoted(file)}; estimates in {', '.join(lent) or 'nothing'}")
     if not content["turns"]:
         return way
@@ -212,22 +211,22 @@ def _turned(way: DraftProgress, model: Model) -> DraftProgress:
 def _estimates(model: Model, file: Path) -> Iterator[Question]:
     """What a turn depends on most of what nobody stated, and where it can be."""
     from pmmkit.intake import Question
-    from pmmkit.models import SECTIONS, WANTED
+    from pmmkit.models import SECTIONS
 
     lines = file.read_text("utf-8", errors="replace").splitlines() if file.suffix == ".toml" else []
     place = next((k for k, line in enumerate(lines, start=1) if line == "[end]"), len(lines) + 1)
-    for section, effect in SECTIONS.items():
-        part = model.parts.get(effect.name)
-        for name in WANTED[section] if part else ():
-            own = effect.parameter(name)
-            if part is None or own is None or name not in estimates_in(part):
+    for section in SECTIONS.values():
+        part = model.parts.get(section.effect_name)
+        for name in section.wanted if part else ():
+            own = section.effect.parameter(name)
+            if part is None or own is None or name not in part.estimated:
                 continue
             value = part.values[name]
             spread = f" ± {WIDE * part.std[name]:.2g}" if name in part.std else ""
             yield Question(
                 lines=(place,),
-                key=f"{section}.{name}",
-                text=f"{own.text}, in a table [{section}] before that line",
+                key=f"{section.name}.{name}",
+                text=f"{own.text}, in a table [{section.name}] before that line",
                 kind="estimated",
                 guess=f"{value:.3g}{spread} {own.unit}".rstrip(" -"),
                 why=part.source_of(name),

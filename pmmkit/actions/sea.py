@@ -68,14 +68,13 @@ def carried(model: Model, waves: WaveSettings, name: str, speed: float) -> Carri
     speed [m/s].
     """
     from pmmkit.identification import other_period
-    from pmmkit.models import parts_of
 
     sea, speeds, from_deg = waves.sea, waves.wave_speeds, waves.waves_from_deg
     if sea is None:
         if speeds is not None:
             raise SettingError(WAVES)
         return Carried(model=model)
-    own = parts_of(model, "waves")
+    own = model.in_role("waves")
     if own:
         if speeds is not None:
             raise SettingError("The model has its table of drift: leave --wave-speeds out.")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pmmkit.actions.outcome import Outcome, written
 from pmmkit.actions.setting import SettingError
+from pmmkit.base import TableError
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
@@ -33,7 +36,7 @@ def compare_tables(
 ) -> Outcome:
     """A derivative table beside another: differences with their uncertainty, bars side by side."""
     from pmmkit.exports import read_subject
-    from pmmkit.models import DerivativeTable, compare, worst_deviation
+    from pmmkit.models import DerivativeTable, compare
 
     reference = read_subject(measured)
     if not isinstance(reference, DerivativeTable):
@@ -72,3 +75,69 @@ def _files(
             "derivatives_beside": beside_reference(table, reference, reference_name=names[1]),
         }
         yield from figure_files(figures, "png")
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """The largest deviation of a table from its reference.
+
+    `Fn`: at which Froude number; NaN in a pooled table. `std`: the deviation in standard
+    uncertainties, with its sign. `compared`: how many values were compared.
+    """
+
+    derivative: str
+    Fn: float
+    std: float
+    compared: int
+
+    def __str__(self) -> str:
+        place = "" if math.isnan(self.Fn) else f" at Fn {self.Fn:.4g}"
+        return (
+            f"{self.derivative}{place}: {self.std:+.2f} standard deviations, "
+            f"the largest of {self.compared}"
+        )
+
+
+def worst_deviation(
+    table: DerivativeTable,
+    reference: DerivativeTable | Mapping[str, float | Sequence[float]],
+    *,
+    names: Sequence[str] | None = None,
+) -> Deviation:
+    """The value that is farthest from its reference, in standard uncertainties.
+
+    Values whose uncertainty is not known do not count.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        The table.
+    reference : DerivativeTable or mapping
+        What it is compared with, as in `compare`.
+    names : sequence of str, optional
+        Which derivatives; those that both have by default.
+
+    Raises
+    ------
+    TableError
+        If no value can be compared.
+
+    Examples
+    --------
+    >>> from pmmkit.conventions import Ship, Water
+    >>> from pmmkit.models import from_values
+    >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
+    >>> table = from_values({"Yv": -.0118}, std={"Yv": .0001}, ship=ship, water=Water())
+    >>> print(worst_deviation(table, {"Yv": -.0116}))
+    Yv: -2.00 standard deviations, the largest of 1
+    """
+    from pmmkit.models import compare
+
+    frame = compare(table, reference, names=names)
+    frame = frame[frame["difference_std"].notna()]
+    if frame.empty:
+        raise TableError("No value has an uncertainty and a reference to compare it with.")
+    row = frame.iloc[int(frame["difference_std"].abs().to_numpy().argmax())]
+    return Deviation(
+        str(row["derivative"]), float(row["Fn"]), float(row["difference_std"]), len(frame)
+    )

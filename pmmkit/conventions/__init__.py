@@ -9,8 +9,6 @@ if TYPE_CHECKING:
         CHANNEL_UNITS,
         DEGREE_CHANNELS,
         FORCE_CHANNELS,
-        MOMENTS,
-        STRUT_CHANNELS,
         channel_of,
         factor_to,
         harmonic_part,
@@ -19,17 +17,11 @@ if TYPE_CHECKING:
     )
     from pmmkit.conventions.derivatives import (
         CHANNELS,
-        SYSTEMS,
         Convention,
         Derivative,
         System,
-        bare,
-        canonical,
-        force_unit,
         is_unit,
-        latex_symbol,
         parse_derivative,
-        speed_unit,
         unit_factor,
     )
     from pmmkit.conventions.metrics import (
@@ -39,22 +31,16 @@ if TYPE_CHECKING:
         Criterion,
         Metric,
         criteria,
-        first_overshoot_limit,
-        in_both,
         in_lengths,
-        in_metres,
         in_words,
-        limits_in_lengths,
         main_of,
         metric_of,
-        metric_unit,
         metrics_named,
-        second_overshoot_limit,
         told,
     )
     from pmmkit.conventions.named_structures import STRUCTURES, Structure, structure_of
-    from pmmkit.conventions.ship import Ship, Water, viscosity
-    from pmmkit.conventions.sources import ITSELF, bibliography, bibtex, cite, reference
+    from pmmkit.conventions.ship import Ship, Water
+    from pmmkit.conventions.sources import bibliography, bibtex, cite
 
 __all__ = [
     "CHANNELS",
@@ -63,12 +49,8 @@ __all__ = [
     "FORCE_CHANNELS",
     "HARD_OVER",
     "IN_LENGTHS",
-    "ITSELF",
     "METRICS",
-    "MOMENTS",
     "STRUCTURES",
-    "STRUT_CHANNELS",
-    "SYSTEMS",
     "Convention",
     "Criterion",
     "Derivative",
@@ -77,38 +59,25 @@ __all__ = [
     "Structure",
     "System",
     "Water",
-    "bare",
     "bibliography",
     "bibtex",
-    "canonical",
     "channel_of",
     "cite",
     "criteria",
     "factor_to",
-    "first_overshoot_limit",
-    "force_unit",
     "harmonic_part",
-    "in_both",
     "in_lengths",
-    "in_metres",
     "in_words",
     "is_unit",
-    "latex_symbol",
-    "limits_in_lengths",
     "main_of",
     "metric_of",
-    "metric_unit",
     "metrics_named",
     "parse_derivative",
-    "reference",
-    "second_overshoot_limit",
-    "speed_unit",
     "split_unit",
     "structure_of",
     "told",
     "unit_factor",
     "unit_in_name",
-    "viscosity",
 ]
 
 lazy(__name__)

@@ -10,7 +10,6 @@ from typing import Final
 from pmmkit.conventions.derivatives import is_unit, unit_factor
 
 FORCE_CHANNELS: Final = ("X", "Y", "N", "K", "T", "Q", "FX_rudder", "FY_rudder")
-MOMENTS: Final = frozenset({"N", "K", "Q"})
 
 CHANNEL_UNITS: Final[dict[str, str]] = {
     "t": "s",
@@ -53,9 +52,6 @@ CHANNEL_UNITS: Final[dict[str, str]] = {
 }
 """SI unit of each channel of a history or of a row of means; positions on the earth stay in
 degrees."""
-
-STRUT_CHANNELS: Final = frozenset({"y_forward", "y_aft"})
-"""Positions of two struts across the tank, which tell place and heading of the hull."""
 
 DEGREE_CHANNELS: Final[dict[str, str]] = {
     "psi_deg": "psi",

@@ -10,7 +10,7 @@ import math
 import re
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, get_args
 
 from pmmkit.base import DataError, UnknownNameError
 
@@ -22,7 +22,6 @@ CHANNELS: Final[tuple[str, ...]] = ("X", "Y", "N", "K")
 FORCES: Final = frozenset({"X", "Y"})
 
 System = Literal["prime", "prime-d", "bis"]
-SYSTEMS: Final[tuple[str, ...]] = ("prime", "prime-d", "bis")
 
 FACTORS: Final[tuple[str, ...]] = (
     "udot",
@@ -67,6 +66,17 @@ _SPEED_POWER: Final = {
 _TOKEN: Final = re.compile("|".join(re.escape(name) for name in FACTORS))
 
 
+_LATEX: Final = {
+    "udot": r"\dot{u}",
+    "vdot": r"\dot{v}",
+    "rdot": r"\dot{r}",
+    "pdot": r"\dot{p}",
+    "phi": r"\phi ",
+    "d": r"\delta ",
+    "|d|": r"|\delta|",
+}
+
+
 @dataclass(frozen=True)
 class Derivative:
     """A derivative's name taken apart.
@@ -95,26 +105,58 @@ class Derivative:
     @property
     def speed_power(self) -> int:
         """Power of speed in the product of the factors (v 1, v̇ 2, δ 0)."""
-        return sum(_SPEED_POWER.get(bare(factor), 0) for factor in self.factors)
+        return sum(_SPEED_POWER.get(factor.strip("|"), 0) for factor in self.factors)
 
     @property
     def length_power(self) -> int:
         """Power of length that makes the product of the factors a power of speed (r 1, ṙ 2)."""
-        return sum(_LENGTH_POWER.get(bare(factor), 0) for factor in self.factors)
+        return sum(_LENGTH_POWER.get(factor.strip("|"), 0) for factor in self.factors)
+
+    @property
+    def heels(self) -> bool:
+        """Whether it asks for heel or its rates alone, which may be measured."""
+        return self.channel != "K" and any(map(self.count, ("phi", "p", "pdot")))
+
+    @property
+    def rolls(self) -> bool:
+        """Whether it belongs to roll: a K, or a factor of heel or its rates."""
+        return self.channel == "K" or self.heels
+
+    @property
+    def variables(self) -> frozenset[str]:
+        """The factors without their modulus bars, each once."""
+        return frozenset(factor.strip("|") for factor in self.factors)
+
+    def latex(self, *, beta: bool = False, double: bool = False) -> str:
+        r"""The derivative as LaTeX mathematics.
+
+        Parameters
+        ----------
+        beta : bool
+            Write the drift angle in place of v.
+        double : bool
+            Two primes, for the bis system.
+
+        Examples
+        --------
+        >>> print(parse_derivative("Nv|v|").latex(), parse_derivative("Yrdot").latex())
+        N'_{v|v|} Y'_{\dot{r}}
+        """
+        symbols = _LATEX | (
+            {"v": r"\beta ", "|v|": r"|\beta|", "vdot": r"\dot{\beta}"} if beta else {}
+        )
+        lower = "".join(symbols.get(factor, factor) for factor in self.factors).strip()
+        prime = "''" if double else "'"
+        return f"{self.channel}{prime}_{{{lower}}}"
 
     def count(self, variable: str) -> int:
         """How often a variable stands among the factors, with or without modulus."""
-        return sum(bare(factor) == variable for factor in self.factors)
+        return sum(factor.strip("|") == variable for factor in self.factors)
 
     def sign_under_flip(self, variable: str) -> int:
         """-1 if the product changes sign with the variable (its dot included), else 1."""
         odd = sum(factor in (variable, f"{variable}dot") for factor in self.factors)
         return -1 if odd % 2 else 1
-
-
-def bare(factor: str) -> str:
-    """A factor without its modulus bars."""
-    return factor.strip("|")
 
 
 @lru_cache(maxsize=4096)
@@ -151,13 +193,8 @@ def parse_derivative(name: str) -> Derivative:
             f"{name!r} is not the name of a derivative. Write a channel (X, Y, N, K) and the "
             f"factors it multiplies, such as Yv, Nvvr, Yv|v|, Yvdot, Xuu, Yd, Y0."
         )
-    factors = tuple(sorted(tokens, key=lambda token: (_ORDER[bare(token)], "|" in token)))
+    factors = tuple(sorted(tokens, key=lambda token: (_ORDER[token.strip("|")], "|" in token)))
     return Derivative(channel, factors)
-
-
-def canonical(name: str) -> str:
-    """Canonical spelling of a derivative's name (``Xrv`` gives ``Xvr``)."""
-    return parse_derivative(name).name
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -222,50 +259,47 @@ class Convention:
         )
         return f"{unit}, {speed}, {coriolis}, referred to {point}"
 
+    def force_unit(self, channel: str, *, ship: Ship, water: Water, U: float) -> float:
+        """Unit [N or N m] by which a channel is divided.
+
+        Parameters
+        ----------
+        channel : str
+            X or Y, or a moment: N or K.
+        ship, water : Ship, Water
+            Length, draught and volume; density and gravity.
+        U : float
+            Speed [m/s]; it does not count in the bis system.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such system.
+
+        Examples
+        --------
+        >>> from pmmkit.conventions.ship import Ship, Water
+        >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
+        >>> Convention().force_unit("Y", ship=ship, water=Water(rho=1000.0), U=2.0)
+        32000.0
+        """
+        arm = 1.0 if channel in FORCES else ship.L
+        system: str = self.system
+        if system == "prime":
+            return 0.5 * water.rho * ship.L**2 * U**2 * arm
+        if system == "prime-d":
+            return 0.5 * water.rho * ship.L * ship.d * U**2 * arm
+        if system == "bis":
+            return water.rho * water.g * ship.volume * arm
+        raise UnknownNameError(f"System {system!r} is not known: {', '.join(get_args(System))}.")
+
+    def speed_unit(self, *, ship: Ship, water: Water, U: float) -> float:
+        """Speed [m/s] by which velocities are divided."""
+        return math.sqrt(water.g * ship.L) if self.system == "bis" else U
+
     def with_(self, **changes: object) -> Convention:
         """A copy with some entries changed."""
         return replace(self, **changes)  # type: ignore[arg-type]
-
-
-def force_unit(channel: str, system: str, *, ship: Ship, water: Water, U: float) -> float:
-    """Unit [N or N m] by which a channel is divided in a non-dimensional system.
-
-    Parameters
-    ----------
-    channel : str
-        X or Y, or a moment: N or K.
-    system : str
-        Of `SYSTEMS`.
-    ship, water : Ship, Water
-        Length, draught and volume; density and gravity.
-    U : float
-        Speed [m/s]; it does not count in the bis system.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such system.
-
-    Examples
-    --------
-    >>> from pmmkit.conventions.ship import Ship, Water
-    >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
-    >>> force_unit("Y", "prime", ship=ship, water=Water(rho=1000.0), U=2.0)
-    32000.0
-    """
-    arm = 1.0 if channel in FORCES else ship.L
-    if system == "prime":
-        return 0.5 * water.rho * ship.L**2 * U**2 * arm
-    if system == "prime-d":
-        return 0.5 * water.rho * ship.L * ship.d * U**2 * arm
-    if system == "bis":
-        return water.rho * water.g * ship.volume * arm
-    raise UnknownNameError(f"System {system!r} is not known: {', '.join(SYSTEMS)}.")
-
-
-def speed_unit(system: str, *, ship: Ship, water: Water, U: float) -> float:
-    """Speed [m/s] by which velocities are divided in a non-dimensional system."""
-    return math.sqrt(water.g * ship.L) if system == "bis" else U
 
 
 _UNITS: Final[dict[str, tuple[str, float]]] = {
@@ -414,38 +448,3 @@ def unit_factor(unit: str) -> tuple[str, float]:
             f"deg/s, rad/s, s, Hz, rpm and similar."
         )
     return _UNITS[key]
-
-
-_LATEX: Final = {
-    "udot": r"\dot{u}",
-    "vdot": r"\dot{v}",
-    "rdot": r"\dot{r}",
-    "pdot": r"\dot{p}",
-    "phi": r"\phi ",
-    "d": r"\delta ",
-    "|d|": r"|\delta|",
-}
-
-
-def latex_symbol(name: str, *, beta: bool = False, double: bool = False) -> str:
-    r"""A derivative as LaTeX mathematics.
-
-    Parameters
-    ----------
-    name : str
-        Name of the derivative.
-    beta : bool
-        Write the drift angle in place of v.
-    double : bool
-        Two primes, for the bis system.
-
-    Examples
-    --------
-    >>> print(latex_symbol("Nv|v|"), latex_symbol("Yrdot"))
-    N'_{v|v|} Y'_{\dot{r}}
-    """
-    derivative = parse_derivative(name)
-    symbols = _LATEX | ({"v": r"\beta ", "|v|": r"|\beta|", "vdot": r"\dot{\beta}"} if beta else {})
-    lower = "".join(symbols.get(factor, factor) for factor in derivative.factors).strip()
-    prime = "''" if double else "'"
-    return f"{derivative.channel}{prime}_{{{lower}}}"

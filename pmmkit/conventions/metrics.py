@@ -118,6 +118,16 @@ class Metric:
         there = name.startswith(head) and name.endswith(tail) and "{}" in self.name
         return name[len(head) : len(name) - len(tail)] or None if there else None
 
+    def unit_of(self, name: str, *, lengths: str = "L") -> str:
+        """Unit of one of its numbers; `lengths` where that is in ship lengths.
+
+        Examples
+        --------
+        >>> [metric_of(name).unit_of(name) for name in ("advance", "advance_L", "time_90")]
+        ['m', 'L', 's']
+        """
+        return lengths if self.length and name.endswith(IN_LENGTHS) else self.unit
+
     def judged(self, criterion: Criterion) -> str:
         """Name of the number that a criterion is about, in ship lengths where that is the limit."""
         return self.name.format(criterion.number) + (IN_LENGTHS if self.length else "")
@@ -326,25 +336,6 @@ def metric_of(name: str, known: tuple[Metric, ...] = _METRICS) -> Metric:
     raise UnknownNameError(Registry(Metric, lambda: known, what="metric").unknown(name))
 
 
-def metric_unit(name: str, known: tuple[Metric, ...] = _METRICS, *, lengths: str = "L") -> str:
-    """Unit of a number, by the name that the number has.
-
-    Parameters
-    ----------
-    name, known
-        As for `metric_of`.
-    lengths : str
-        Unit of what is in ship lengths.
-
-    Examples
-    --------
-    >>> [metric_unit(name) for name in ("advance", "advance_L", "time_90", "overshoot_1_deg")]
-    ['m', 'L', 's', 'deg']
-    """
-    metric = metric_of(name, known)
-    return lengths if metric.length and name.endswith(IN_LENGTHS) else metric.unit
-
-
 def metrics_named(*names: str) -> tuple[Metric, ...]:
     """Metrics of the table.
 
@@ -354,31 +345,6 @@ def metrics_named(*names: str) -> tuple[Metric, ...]:
     ['m', 's']
     """
     return tuple(METRICS[name] for name in names)
-
-
-def in_both(L: float, values: Mapping[str, float], known: tuple[Metric, ...]) -> dict[str, float]:
-    """Numbers by name, each length also in ship lengths.
-
-    Parameters
-    ----------
-    L : float
-        Ship length [m].
-    values : mapping of str to float
-        Numbers, or arrays of them.
-    known : tuple of Metric
-        What they are.
-
-    Examples
-    --------
-    >>> in_both(100.0, {"advance": 310.0, "time_90": 51.0}, tuple(METRICS.values()))
-    {'advance': 310.0, 'advance_L': 3.1, 'time_90': 51.0}
-    """
-    found: dict[str, float] = {}
-    for name, value in values.items():
-        found[name] = value
-        if metric_of(name, known).length:
-            found[name + IN_LENGTHS] = value / L
-    return found
 
 
 def in_lengths(names: Iterable[str]) -> list[str]:
@@ -393,17 +359,6 @@ def in_lengths(names: Iterable[str]) -> list[str]:
     return [name for name in given if name + IN_LENGTHS not in given]
 
 
-def in_metres(names: Iterable[str]) -> list[str]:
-    """Names of numbers, without those in ship lengths.
-
-    Examples
-    --------
-    >>> in_metres(["advance", "advance_L", "time_90"])
-    ['advance', 'time_90']
-    """
-    return [name for name in names if not name.endswith(IN_LENGTHS)]
-
-
 def told(place: Place, names: Iterable[str], *, counted: int = COUNTED) -> list[str]:
     """Names of numbers that are told in a place.
 
@@ -412,7 +367,7 @@ def told(place: Place, names: Iterable[str], *, counted: int = COUNTED) -> list[
     place : {"turn", "comparison", "trial"}
         Where.
     names : iterable of str
-        Of all numbers there are.
+        Of all numbers there are; lengths are told in ship lengths of a turn, else in metres.
     counted : int
         How many are told of a metric that is counted.
 
@@ -421,11 +376,14 @@ def told(place: Place, names: Iterable[str], *, counted: int = COUNTED) -> list[
     >>> told("trial", ["advance", "speed_ratio", "overshoot_1_deg", "overshoot_4_deg"])
     ['advance', 'overshoot_1_deg']
     """
+    chosen = in_lengths(names) if place == "turn" else names
     return [
         name
-        for name in names
+        for name in chosen
         for metric in [metric_of(name)]
-        if place in metric.told and int(metric.count(name.removesuffix(IN_LENGTHS)) or 1) <= counted
+        if (place == "turn" or not name.endswith(IN_LENGTHS))
+        and place in metric.told
+        and int(metric.count(name.removesuffix(IN_LENGTHS)) or 1) <= counted
     ]
 
 
@@ -462,19 +420,3 @@ def criteria() -> tuple[tuple[Metric, Criterion], ...]:
     ['advance', 'tactical_diameter', 'initial_turning']
     """
     return tuple((metric, item) for metric in METRICS.values() for item in metric.criteria)
-
-
-def limits_in_lengths(metrics: Iterable[Metric] = _METRICS) -> dict[str, float]:
-    """Limits of lengths, by the name of the number in ship lengths.
-
-    Examples
-    --------
-    >>> limits_in_lengths()["advance_L"]
-    4.5
-    """
-    return {
-        metric.judged(item): item.limit
-        for metric in metrics
-        for item in metric.criteria
-        if metric.length and not callable(item.limit)
-    }

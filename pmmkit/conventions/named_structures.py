@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from pmmkit.base import Registry, UnknownNameError, did_you_mean
-from pmmkit.conventions.derivatives import CHANNELS, canonical, parse_derivative
+from pmmkit.conventions.derivatives import CHANNELS, parse_derivative
 from pmmkit.conventions.sources import cite
 
 GROUP: Final = "pmmkit.structures"
@@ -52,12 +52,16 @@ class Structure:
 
     def with_(self, *names: str) -> Structure:
         """A copy with more derivatives (those already there are left as they are)."""
-        added = [name for name in map(canonical, names) if name not in self.derivatives]
+        added = [
+            name
+            for name in (parse_derivative(name).name for name in names)
+            if name not in self.derivatives
+        ]
         return replace(self, derivatives=_ordered((*self.derivatives, *added)))
 
 
 def _ordered(names: Iterable[str]) -> tuple[str, ...]:
-    unique = dict.fromkeys(map(canonical, names))
+    unique = dict.fromkeys(parse_derivative(name).name for name in names)
     return tuple(sorted(unique, key=lambda name: CHANNELS.index(name[0])))
 
 

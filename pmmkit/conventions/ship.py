@@ -134,7 +134,7 @@ class Water:
     tank_width: float | None = None
     tank_depth: float | None = None
 
-
-def viscosity(water: Water) -> float:
-    """Kinematic viscosity [m²/s]: the stated one, else that of ITTC at 15 °C, fresh or salt."""
-    return water.nu or (1.1883e-6 if water.rho > 1010.0 else 1.1386e-6)
+    @property
+    def viscosity(self) -> float:
+        """Kinematic viscosity [m²/s]: the stated one, else that of ITTC at 15 °C, fresh or salt."""
+        return self.nu or (1.1883e-6 if self.rho > 1010.0 else 1.1386e-6)

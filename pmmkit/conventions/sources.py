@@ -14,8 +14,6 @@ from pmmkit.base import UnknownNameError, __version__
 
 Known = Literal["read", "quoted", "unseen"]
 """A source that was read; one as public programs or pages quote it; one that was not at hand."""
-ITSELF: Final = "pmmkit"
-"""The key of pmmkit."""
 _OURS: Final = frozenset({"key", "kind", "short", "known"})
 _AUTHORS_IN_FULL: Final = 3
 
@@ -99,12 +97,12 @@ def bibliography() -> Mapping[str, Reference]:
         key: Reference(key=key, **{**data, "author": tuple(data.get("author", ()))})
         for key, data in tomllib.loads(text).items()
     }
-    return MappingProxyType({ITSELF: _itself(), **found})
+    return MappingProxyType({"pmmkit": _itself(), **found})
 
 
 def _itself() -> Reference:
     return Reference(
-        key=ITSELF,
+        key="pmmkit",
         kind="misc",
         known="read",
         author=("{The pmmkit developers}",),
@@ -112,25 +110,6 @@ def _itself() -> Reference:
         note=f"Version {__version__}",
         short=f"pmmkit {__version__}",
     )
-
-
-def reference(key: str) -> Reference:
-    """One source.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is none of that key.
-
-    Examples
-    --------
-    >>> reference("msc137").title
-    'Standards for ship manoeuvrability, resolution MSC.137(76)'
-    """
-    known = bibliography()
-    if key not in known:
-        raise UnknownNameError(f"There is no source {key!r}; there are {', '.join(known)}.")
-    return known[key]
 
 
 def cite(*keys: str) -> str:
@@ -148,7 +127,7 @@ def cite(*keys: str) -> str:
     >>> cite("kijima_1990"), cite("ittc_7.5-02-06-02")
     ('Kijima et al. 1990', 'ITTC 7.5-02-06-02')
     """
-    return "; ".join(reference(key).cited for key in keys)
+    return "; ".join(_reference(key).cited for key in keys)
 
 
 def bibtex(keys: Iterable[str]) -> str:
@@ -171,4 +150,11 @@ def bibtex(keys: Iterable[str]) -> str:
     }
     <BLANKLINE>
     """
-    return "".join(f"{reference(key).bibtex}\n" for key in dict.fromkeys(keys))
+    return "".join(f"{_reference(key).bibtex}\n" for key in dict.fromkeys(keys))
+
+
+def _reference(key: str) -> Reference:
+    known = bibliography()
+    if key not in known:
+        raise UnknownNameError(f"There is no source {key!r}; there are {', '.join(known)}.")
+    return known[key]

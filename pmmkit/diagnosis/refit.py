@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from pmmkit.models import Model, Part, Step, Value, before_of, place_name
+from pmmkit.models import Model, Part, Step, before_of
 from pmmkit.numerics import Array
 
 Place = tuple[str, str]
@@ -19,7 +19,7 @@ Place = tuple[str, str]
 def put_back(
     model: Model,
     *,
-    values: Mapping[Place, Value],
+    values: Mapping[Place, float | tuple[float, ...]],
     known: Sequence[Place],
     covariance: Array,
     sources: Mapping[Place, str],
@@ -63,7 +63,7 @@ def put_back(
         parts=MappingProxyType(parts),
         Fn=Fn,
         covariance=np.tile(0.5 * (covariance + covariance.T), (copies, copies)),
-        covariance_names=tuple(place_name(*place) for place in known),
+        covariance_names=tuple(parts[home].place(name) for home, name in known),
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from pmmkit.conventions import Convention, Ship, Water, force_unit, parse_derivative, speed_unit
+from pmmkit.conventions import Convention, Ship, Water, parse_derivative
 from pmmkit.effects.definition import Effect, Parameter
 
 INERTIA: Final = "added_mass"
@@ -27,18 +27,6 @@ ADDED_MASS: Final = Effect(
     sources=("son_nomoto_1981", "yasukawa_yoshimura_2015"),
 )
 EFFECTS: Final = (ADDED_MASS,)
-_PLACES: Final = {
-    "Xudot": "Xudot",
-    "Yvdot": "Yvdot",
-    "Yrdot": "Yrdot",
-    "Ypdot": "Ypdot",
-    "Nvdot": "Nvdot",
-    "Nrdot": "Nrdot",
-    "Npdot": "Npdot",
-    "Kvdot": "Kvdot",
-    "Krdot": "Krdot",
-    "Kpdot": "Kpdot",
-}
 
 
 class AddedMass(NamedTuple):
@@ -59,54 +47,55 @@ class AddedMass(NamedTuple):
     coriolis_y: float = 0.0
     coriolis_k: float = 0.0
 
+    @staticmethod
+    def unit(name: str, *, ship: Ship, water: Water, convention: Convention) -> float:
+        """Force [N, N m] per unit of an acceleration derivative and SI acceleration.
 
-def dimensional(name: str, *, ship: Ship, water: Water, convention: Convention) -> float:
-    """Force [N, N m] per unit of an acceleration derivative and SI acceleration.
+        It does not depend on the speed: the squares of the speed cancel.
 
-    It does not depend on the speed: the squares of the speed cancel.
+        Examples
+        --------
+        >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
+        >>> AddedMass.unit("Yvdot", ship=ship, water=Water(rho=1000.0), convention=Convention())
+        32000.0
+        """
+        derivative = parse_derivative(name)
+        force = convention.force_unit(derivative.channel, ship=ship, water=water, U=1.0)
+        speed = convention.speed_unit(ship=ship, water=water, U=1.0)
+        sign = -1.0 if convention.sway == "beta" and "vdot" in derivative.factors else 1.0
+        return sign * force * ship.L**derivative.length_power / speed**2
 
-    Examples
-    --------
-    >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
-    >>> dimensional("Yvdot", ship=ship, water=Water(rho=1000.0), convention=Convention())
-    32000.0
-    """
-    derivative = parse_derivative(name)
-    force = force_unit(derivative.channel, convention.system, ship=ship, water=water, U=1.0)
-    speed = speed_unit(convention.system, ship=ship, water=water, U=1.0)
-    sign = -1.0 if convention.sway == "beta" and "vdot" in derivative.factors else 1.0
-    return sign * force * ship.L**derivative.length_power / speed**2
+    @classmethod
+    def of(
+        cls, values: Mapping[str, float], *, ship: Ship, water: Water, convention: Convention
+    ) -> AddedMass:
+        """The added mass of a ship in SI units.
 
+        Parameters
+        ----------
+        values : mapping
+            Acceleration derivatives by canonical name, and ``lx``; absent ones are zero.
+        ship, water, convention
+            The non-dimensional system. With ``coriolis = "separate"`` the terms my v r in X,
+            -mx u r in Y and mx lx u r in K stand in the equations, otherwise in the hull
+            derivatives.
 
-def resolve(
-    values: Mapping[str, float], *, ship: Ship, water: Water, convention: Convention
-) -> AddedMass:
-    """The added mass of a ship in SI units.
+        Returns
+        -------
+        AddedMass
+        """
+        given = {
+            name: values[name] * cls.unit(name, ship=ship, water=water, convention=convention)
+            for name in cls.places()
+            if name in values
+        }
+        if convention.coriolis == "in-derivatives":
+            return cls(**given)
+        along, across = -given.get("Xudot", 0.0), -given.get("Yvdot", 0.0)
+        lever = values.get("lx", 0.0) * ship.L
+        return cls(**given, coriolis_x=across, coriolis_y=-along, coriolis_k=along * lever)
 
-    Parameters
-    ----------
-    values : mapping
-        Acceleration derivatives by canonical name, and ``lx``; absent ones are zero.
-    ship, water, convention
-        The non-dimensional system. With ``coriolis = "separate"`` the terms my v r in X, -mx u r
-        in Y and mx lx u r in K stand in the equations, otherwise in the hull derivatives.
-
-    Returns
-    -------
-    AddedMass
-    """
-    given = {
-        name: values[name] * dimensional(name, ship=ship, water=water, convention=convention)
-        for name in _PLACES
-        if name in values
-    }
-    if convention.coriolis == "in-derivatives":
-        return AddedMass(**given)
-    along, across = -given.get("Xudot", 0.0), -given.get("Yvdot", 0.0)
-    lever = values.get("lx", 0.0) * ship.L
-    return AddedMass(**given, coriolis_x=across, coriolis_y=-along, coriolis_k=along * lever)
-
-
-def unknown_places(names: Mapping[str, object]) -> list[str]:
-    """Acceleration derivatives that the equations of motion have no place for."""
-    return [name for name in names if name not in _PLACES and name != "lx"]
+    @classmethod
+    def places(cls) -> tuple[str, ...]:
+        """The acceleration derivatives that the equations of motion have a place for."""
+        return tuple(name for name in cls._fields if name.endswith("dot"))

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
+from inspect import signature
 from itertools import pairwise
 from types import MappingProxyType
-from typing import Any, Final, Literal, get_args
+from typing import Any, ClassVar, Final, Literal, get_args
+
+import numpy as np
 
 from pmmkit.base import UnknownNameError, did_you_mean
 from pmmkit.conventions import cite, parse_derivative
-from pmmkit.effects.seen import Acts, Move, Vessel
+from pmmkit.effects.seen import Acts, Forces, Move, Observed, Vessel
 from pmmkit.effects.suspect import Suspect
+from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section
 
 Kind = Literal["force", "mass", "state", "terms", "freed", "fault"]
-KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 Role = Literal[
     "hull", "inertia", "roll", "propulsion", "shaft", "steering", "wind", "waves", "depth"
 ]
@@ -118,16 +122,10 @@ class Parameter:
         length, time, mass = _DIMENSIONS[self.unit]
         return length + time / 2 + 3 * mass
 
-
-def unit_is_known(unit: str) -> bool:
-    """Whether a parameter may have a unit.
-
-    Examples
-    --------
-    >>> unit_is_known("N m"), unit_is_known("knots")
-    (True, False)
-    """
-    return unit in _DIMENSIONS
+    @property
+    def unit_is_known(self) -> bool:
+        """Whether the unit is one that a parameter may have."""
+        return self.unit in _DIMENSIONS
 
 
 def _none() -> Mapping[str, Any]:
@@ -211,6 +209,8 @@ class Effect(Described):
     text : str
         The words in which a user wrote it down.
     """
+
+    KINDS: ClassVar[tuple[Kind, ...]] = get_args(Kind)
 
     name: str
     family: str
@@ -358,6 +358,52 @@ class Effect(Described):
         """Whether it is a fault of the measurement, which corrects data and enters no model."""
         return self.kind == "fault"
 
+    def serves(self, role: str) -> bool:
+        """Whether it has a role, and is no share of the hull beside it."""
+        return role in self.roles and not any(x.endswith("dot") for x in self.outputs)
+
+    @property
+    def drives(self) -> bool:
+        """Whether it is a propeller or another drive, and no share of the hull beside it."""
+        return self.serves("propulsion")
+
+    @property
+    def steers(self) -> bool:
+        """Whether it is a rudder or another gear that steers, and nothing of the hull."""
+        return self.serves("steering")
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """What its force asks for, by name; nothing where it has none."""
+        return _arguments(self.force) if self.force is not None else ()
+
+    def shown(self, run: Observed, at: Mapping[str, float]) -> Forces:
+        """What a fault shows of records; parameters that are not named are zero."""
+        assert self.acts is not None
+        none = dict.fromkeys((item.name for item in self.parameters), 0.0)
+        return self.acts(run, none | dict(at))
+
+    def slopes(
+        self, run: Observed, at: Mapping[str, float], names: Sequence[str]
+    ) -> dict[str, tuple[Array, ...]]:
+        """What a unit of some parameters of a fault changes in the forces, by channel.
+
+        ∂F/∂s ≈ [F(s = h) - F(s = 0)]/h with the `step` h of the parameter; with h = 1 this is exact
+        where the fault acts in proportion. `at` are the other parameters; those that are not named
+        are zero.
+        """
+        found = []
+        for name in names:
+            item = self.parameter(name)
+            assert item is not None
+            shown = self.shown(run, {**at, name: item.step})
+            found.append({c: (x - run.forces[c]) / item.step for c, x in shown.items()})
+        channels = dict.fromkeys(channel for own in found for channel in own)
+        return {
+            c: tuple(own[c] if c in own else np.zeros_like(run.forces[c]) for own in found)
+            for c in channels
+        }
+
     def derivatives_of(self, coefficient: str) -> Mapping[str, float]:
         """The derivatives that a coefficient stands for, each with its share of it."""
         return self.shares.get(coefficient, {coefficient: 1.0})
@@ -482,3 +528,8 @@ class Effect(Described):
                     f"{' times '.join(axes)} ask for {size}."
                 )
         return found
+
+
+@cache
+def _arguments(function: Callable[..., Any]) -> tuple[str, ...]:
+    return tuple(signature(function).parameters)

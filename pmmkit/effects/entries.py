@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cache
-from inspect import signature
 from typing import Any, Final
 
 from pmmkit.base import Registry, listed_in
@@ -91,16 +89,6 @@ def effect(**declared: Any) -> Callable[[Callable[..., Any]], Effect]:
         return register_effect(Effect(force=function, **fields))
 
     return made
-
-
-def arguments_of(effect: Effect) -> tuple[str, ...]:
-    """What the force of an effect asks for, by name; nothing where it has none."""
-    return _arguments(effect.force) if effect.force is not None else ()
-
-
-@cache
-def _arguments(function: Callable[..., Any]) -> tuple[str, ...]:
-    return tuple(signature(function).parameters)
 
 
 def is_fault(name: str) -> bool:

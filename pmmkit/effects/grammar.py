@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Any, Final, NoReturn
 
 from pmmkit.base import DataError, Problem, UnknownNameError
-from pmmkit.conventions import CHANNELS, bare, canonical, parse_derivative
+from pmmkit.conventions import CHANNELS, parse_derivative
 from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.entries import CATALOGUE
 from pmmkit.effects.expressions import (
@@ -164,7 +164,7 @@ def _products(
         if label not in shares:
             _stop(name, text or label, size.place, f"{label} stands in no term")
     factors = {
-        bare(factor)
+        factor.strip("|")
         for own in shares.values()
         for derivative in own
         for factor in parse_derivative(derivative).factors
@@ -341,7 +341,7 @@ def _statements(text: str) -> Iterator[tuple[str, int]]:
 def _label(text: str) -> str:
     """A coefficient's name: derivatives in their canonical spelling."""
     try:
-        return canonical(text.strip())
+        return parse_derivative(text.strip()).name
     except UnknownNameError:
         return text.strip()
 
@@ -440,7 +440,7 @@ def _term(
             if term[at][1] != "*" or at + 1 == len(term):
                 _stop(name, text, term[at][2], "factors are joined by * and end with a factor")
             at += 1
-    derivative = canonical(channel + factors)
+    derivative = parse_derivative(channel + factors).name
     if not label and share != 1.0:
         _stop(
             name,
@@ -474,4 +474,4 @@ def _stop(name: str, text: str, place: int, message: str) -> NoReturn:
 
 def _usual(derivative: str) -> float:
     facts = parse_derivative(derivative)
-    return 0.1 * SCALES[facts.channel] / math.prod(MOTIONS[bare(x)] for x in facts.factors)
+    return 0.1 * SCALES[facts.channel] / math.prod(MOTIONS[x.strip("|")] for x in facts.factors)

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from pmmkit.conventions import (
-    CHANNELS,
-    Convention,
-    Ship,
-    Water,
-    bare,
-    force_unit,
-    parse_derivative,
-    speed_unit,
-)
+from pmmkit.conventions import Convention, Ship, Water, parse_derivative
 from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
@@ -55,12 +46,6 @@ RUDDER_ABKOWITZ: Final = Effect(
 )
 EFFECTS: Final = (HULL_POLYNOMIAL, RUDDER_ABKOWITZ)
 
-FACTOR_PLACES: Final = ("0", "u", "v", "r", "p", "phi", "d", "|u|", "|v|", "|r|", "|p|", "|d|")
-"""Factors in the order by which a `Monomial` counts them."""
-
-Monomial = tuple[tuple[int, ...], Mapping[str, Any]]
-"""Places of the factors, and by channel the coefficients of X, Y [N] and N, K [N m] at 1 m/s."""
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Regressors:
@@ -90,162 +75,103 @@ class Regressors:
         found: Array = products[:, list(self.place)] * self.unit
         return found
 
+    @classmethod
+    def at(
+        cls,
+        names: Sequence[str],
+        state: State,
+        *,
+        ship: Ship,
+        water: Water,
+        convention: Convention,
+        approach_speed: float | Array,
+    ) -> Regressors:
+        """What each derivative multiplies, in newtons (newton metres) per unit of the derivative.
 
-def regressors(
-    names: Sequence[str],
-    state: State,
-    *,
-    ship: Ship,
-    water: Water,
-    convention: Convention,
-    approach_speed: float | Array,
-) -> Array:
-    """What each derivative multiplies, in newtons (newton metres) per unit of the derivative.
+        The force of a hull polynomial is ``Regressors.at(names, state, ...).columns @ values``.
+        Each product is computed once whatever channels have it.
 
-    The force of a hull polynomial is ``regressors(names, state, ...) @ values``.
+        Parameters
+        ----------
+        names : sequence of str
+            Derivatives, all of one channel or of several.
+        state : State
+            Motion at n instants, referred to the convention's motion reference point.
+        ship, water : Ship, Water
+            Lengths, volume, density and gravity of the non-dimensional system.
+        convention : Convention
+            System, speed and meaning of the factors.
+        approach_speed : float or array (n,)
+            Carriage speed Uc, or the speed of the approach [m/s].
 
-    Parameters
-    ----------
-    names : sequence of str
-        Derivatives, all of one channel or of several.
-    state : State
-        Motion at n instants, referred to the convention's motion reference point.
-    ship, water : Ship, Water
-        Lengths, volume, density and gravity of the non-dimensional system.
-    convention : Convention
-        System, speed and meaning of the factors.
-    approach_speed : float or array (n,)
-        Carriage speed Uc, or the speed of the approach [m/s].
+        Returns
+        -------
+        Regressors
+            In instantaneous-U prime units, column Yvvr holds ½ρL²U² v'²r'.
 
-    Returns
-    -------
-    array (n, len(names))
-        In instantaneous-U prime units, column Yvvr holds ½ρL²U² v'²r'.
-
-    Examples
-    --------
-    >>> ship = Ship(name="box", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
-    >>> water = Water(rho=1000.0)
-    >>> state = State.of(u=0.0, v=2.0)
-    >>> regressors(["Yv", "Yvvv"], state, ship=ship, water=water,
-    ...            convention=Convention(), approach_speed=2.0)
-    array([[32000., 32000.]])
-    """
-    return shared_regressors(
-        names, state, ship=ship, water=water, convention=convention, approach_speed=approach_speed
-    ).columns
-
-
-def shared_regressors(
-    names: Sequence[str],
-    state: State,
-    *,
-    ship: Ship,
-    water: Water,
-    convention: Convention,
-    approach_speed: float | Array,
-) -> Regressors:
-    """As `regressors`, each product computed once whatever channels have it.
-
-    Parameters
-    ----------
-    names, state, ship, water, convention, approach_speed
-        As in `regressors`.
-    """
-    U = state.speed if convention.U == "instantaneous" else np.full_like(state.u, approach_speed)
-    pressure = {
-        channel: force_unit(channel, convention.system, ship=ship, water=water, U=1.0)
-        for channel in {"X", *(name[0] for name in names)}
-    }
-    bis = convention.system == "bis"
-    speed = speed_unit(convention.system, ship=ship, water=water, U=1.0)
-    reference = np.full_like(U, speed) if bis else U
-    square = np.ones_like(U) if bis else U**2
-    surge = state.u - approach_speed if convention.surge == "delta-u" else state.u
-    sway = -1.0 if convention.sway == "beta" else 1.0
-    rudder = 1.0 if convention.rudder_positive == "starboard" else -1.0
-    along, over = ship.L / reference, ship.L / reference**2
-    primed: dict[str, Callable[[], Array]] = {
-        "u": lambda: surge / reference,
-        "v": lambda: sway * state.v / reference,
-        "r": lambda: state.r * along,
-        "p": lambda: state.p * along,
-        "phi": lambda: state.phi,
-        "d": lambda: rudder * state.delta,
-        "T": lambda: state.thrust / (pressure["X"] * square),
-        "udot": lambda: state.udot * over,
-        "vdot": lambda: sway * state.vdot * over,
-        "rdot": lambda: state.rdot * over * ship.L,
-        "pdot": lambda: state.pdot * over * ship.L,
-    }
-    own = [parse_derivative(name).factors for name in names]
-    place = {factors: number for number, factors in enumerate(dict.fromkeys(own))}
-    needed = {factor for factors in place for factor in factors if factor != "0"}
-    values = {name: primed[name]() for name in {bare(factor) for factor in needed}}
-    values |= {factor: np.abs(values[bare(factor)]) for factor in needed if bare(factor) != factor}
-    products = np.empty((len(place), len(U)))
-    rows = dict(zip(place, products, strict=True))
-    done: dict[tuple[str, ...], Array] = {(): square}
-    for factors in sorted(rows, key=len):
-        row = rows[factors]
-        if convention.surge == "constant" and factors == ("u", "u"):
-            np.multiply(square, (state.speed / reference) ** 2 if bis else 1.0, out=row)
-            continue
-        known = next(n for n in range(len(factors) - 1, -1, -1) if factors[:n] in done)
-        part = done[factors[:known]]
-        for factor in factors[known:]:
-            part = np.multiply(part, values.get(factor, 1.0), out=row)
-        done[factors] = row
-    return Regressors(
-        products=products,
-        place=tuple(place[factors] for factors in own),
-        unit=np.array([pressure[name[0]] for name in names]),
-    )
-
-
-def in_channel(names: Sequence[str], channel: str) -> list[str]:
-    """The names that contribute to one channel, in their order."""
-    assert channel in CHANNELS
-    return [name for name in names if name[0] == channel]
-
-
-def polynomial(
-    values: Mapping[str, Any], *, ship: Ship, water: Water, convention: Convention
-) -> tuple[Monomial, ...]:
-    """A hull polynomial as monomials with dimensional coefficients.
-
-    Parameters
-    ----------
-    values : mapping
-        Derivatives by canonical name, none of an acceleration or of the thrust; arrays where
-        ships differ.
-    ship, water, convention
-        The non-dimensional system.
-
-    Returns
-    -------
-    tuple of Monomial
-        One entry per product of factors, in a fixed order whatever the order of the values.
-    """
-    collected: dict[tuple[int, ...], dict[str, Any]] = {}
-    for name, value in values.items():
-        derivative = parse_derivative(name)
-        products: tuple[tuple[str, ...], ...] = (derivative.factors,)
-        if convention.surge == "constant" and derivative.factors == ("u", "u"):
-            products = (("u", "u"), ("v", "v")) if convention.system == "bis" else (("0",),)
-        sign = 1.0
-        if convention.sway == "beta":
-            sign *= derivative.sign_under_flip("v")
-        if convention.rudder_positive == "port":
-            sign *= derivative.sign_under_flip("d")
-        unit = force_unit(derivative.channel, convention.system, ship=ship, water=water, U=1.0)
-        for factors in products:
-            places = tuple(FACTOR_PLACES.index(factor) for factor in factors if factor != "0")
-            entry = collected.setdefault(places, {})
-            coefficient = sign * unit * value
-            channel = derivative.channel
-            entry[channel] = entry[channel] + coefficient if channel in entry else coefficient
-    return tuple(
-        (places, {channel: entry[channel] for channel in CHANNELS if channel in entry})
-        for places, entry in sorted(collected.items())
-    )
+        Examples
+        --------
+        >>> ship = Ship(name="box", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
+        >>> water = Water(rho=1000.0)
+        >>> state = State.of(u=0.0, v=2.0)
+        >>> Regressors.at(["Yv", "Yvvv"], state, ship=ship, water=water,
+        ...               convention=Convention(), approach_speed=2.0).columns
+        array([[32000., 32000.]])
+        """
+        U = (
+            state.speed
+            if convention.U == "instantaneous"
+            else np.full_like(state.u, approach_speed)
+        )
+        pressure = {
+            channel: convention.force_unit(channel, ship=ship, water=water, U=1.0)
+            for channel in {"X", *(name[0] for name in names)}
+        }
+        bis = convention.system == "bis"
+        speed = convention.speed_unit(ship=ship, water=water, U=1.0)
+        reference = np.full_like(U, speed) if bis else U
+        square = np.ones_like(U) if bis else U**2
+        surge = state.u - approach_speed if convention.surge == "delta-u" else state.u
+        sway = -1.0 if convention.sway == "beta" else 1.0
+        rudder = 1.0 if convention.rudder_positive == "starboard" else -1.0
+        along, over = ship.L / reference, ship.L / reference**2
+        primed: dict[str, Callable[[], Array]] = {
+            "u": lambda: surge / reference,
+            "v": lambda: sway * state.v / reference,
+            "r": lambda: state.r * along,
+            "p": lambda: state.p * along,
+            "phi": lambda: state.phi,
+            "d": lambda: rudder * state.delta,
+            "T": lambda: state.thrust / (pressure["X"] * square),
+            "udot": lambda: state.udot * over,
+            "vdot": lambda: sway * state.vdot * over,
+            "rdot": lambda: state.rdot * over * ship.L,
+            "pdot": lambda: state.pdot * over * ship.L,
+        }
+        own = [parse_derivative(name).factors for name in names]
+        place = {factors: number for number, factors in enumerate(dict.fromkeys(own))}
+        needed = {factor for factors in place for factor in factors if factor != "0"}
+        values = {name: primed[name]() for name in {factor.strip("|") for factor in needed}}
+        values |= {
+            factor: np.abs(values[factor.strip("|")])
+            for factor in needed
+            if factor.strip("|") != factor
+        }
+        products = np.empty((len(place), len(U)))
+        rows = dict(zip(place, products, strict=True))
+        done: dict[tuple[str, ...], Array] = {(): square}
+        for factors in sorted(rows, key=len):
+            row = rows[factors]
+            if convention.surge == "constant" and factors == ("u", "u"):
+                np.multiply(square, (state.speed / reference) ** 2 if bis else 1.0, out=row)
+                continue
+            known = next(n for n in range(len(factors) - 1, -1, -1) if factors[:n] in done)
+            part = done[factors[:known]]
+            for factor in factors[known:]:
+                part = np.multiply(part, values.get(factor, 1.0), out=row)
+            done[factors] = row
+        return cls(
+            products=products,
+            place=tuple(place[factors] for factors in own),
+            unit=np.array([pressure[name[0]] for name in names]),
+        )

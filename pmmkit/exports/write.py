@@ -19,7 +19,7 @@ from pmmkit.exports.subject import read_subject
 from pmmkit.exports.text import matlab_name
 from pmmkit.exports.track import write_track_csv, write_track_netcdf
 from pmmkit.files import atomic_path, write_text
-from pmmkit.models import DerivativeTable, Model, sidecar_of, write_table
+from pmmkit.models import DerivativeTable, Model, write_table
 from pmmkit.simulation import Track
 
 if TYPE_CHECKING:
@@ -167,7 +167,7 @@ def _written(
             if target.suffix.lower() not in (ENDINGS[to], *((".h5",) if to == "netcdf" else ())):
                 raise DataError(f"{target}: a table as {to} needs the ending {ENDINGS[to]}.")
             write_table(subject, target)
-    return [target, sidecar_of(target)] if (kind, to) == ("table", "csv") else [target]
+    return [target, target.with_suffix(".json")] if (kind, to) == ("table", "csv") else [target]
 
 
 def kind_of(subject: object) -> str:

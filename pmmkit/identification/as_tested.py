@@ -10,17 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pmmkit.campaigns import Campaign, Run
-from pmmkit.effects import (
-    ANTENNA,
-    CATALOGUE,
-    CLOCK_LAG,
-    CURRENT,
-    HEADING_OFFSET,
-    LOG_GAIN,
-    RUDDER_ZERO,
-)
+from pmmkit.effects import CATALOGUE, CURRENT
 from pmmkit.identification.record import FreeRecord
-from pmmkit.models import Model, Sailing, faults_of, moves_of
+from pmmkit.models import Model, Sailing
 from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
@@ -29,12 +21,12 @@ if TYPE_CHECKING:
 WORDS: Mapping[str, tuple[str, str, float]] = {
     CURRENT[0]: ("current to north", "m/s", 1.0),
     CURRENT[1]: ("current to east", "m/s", 1.0),
-    RUDDER_ZERO: ("rudder shown too little", "deg", math.degrees(1.0)),
-    CLOCK_LAG: ("positions late", "s", 1.0),
-    ANTENNA[0]: ("antenna forward", "m", 1.0),
-    ANTENNA[1]: ("antenna starboard", "m", 1.0),
-    HEADING_OFFSET: ("heading shown too much", "deg", math.degrees(1.0)),
-    LOG_GAIN: ("log shown too much", "%", 100.0),
+    "rudder_zero": ("rudder shown too little", "deg", math.degrees(1.0)),
+    "clock_lag": ("positions late", "s", 1.0),
+    "antenna_x": ("antenna forward", "m", 1.0),
+    "antenna_y": ("antenna starboard", "m", 1.0),
+    "heading_offset": ("heading shown too much", "deg", math.degrees(1.0)),
+    "log_gain": ("log shown too much", "%", 100.0),
 }
 """What records are off by: words, unit, and factor from SI to it."""
 
@@ -50,7 +42,7 @@ def known_faults(model: Model, records: Sequence[FreeRecord]) -> tuple[str, ...]
         Each with the title of its tests.
     """
     titles = dict.fromkeys(record.campaign for record in records)
-    return tuple(dict.fromkeys(name for x in titles for name in faults_of(model.steps, x)))
+    return tuple(dict.fromkeys(name for x in titles for name in model.faults_of(x)))
 
 
 def offsets(model: Model, campaign: str) -> dict[str, float]:
@@ -74,9 +66,9 @@ def offsets(model: Model, campaign: str) -> dict[str, float]:
     ({'rudder_zero': 1.0}, {})
     """
     found: dict[str, float] = {}
-    for name, step in faults_of(model.steps, campaign).items():
+    for name, step in model.faults_of(campaign).items():
         known = {label: float(x) for label, x in step.coefficients.items()}  # type: ignore[arg-type]
-        for label, move in moves_of(CATALOGUE[name], Sailing(model, 1.0)).items():
+        for label, move in Sailing(model, 1.0).moves(CATALOGUE[name]).items():
             for place, share in move.values.items() if label in known else ():
                 found[place] = found.get(place, 0.0) + share * known[label]
     return found
@@ -137,17 +129,17 @@ def _columns(
 ) -> dict[str, Array]:
     """Columns without what they are off by."""
     made = dict(columns)
-    if "delta" in made and RUDDER_ZERO in found:
-        made["delta"] = made["delta"] + found[RUDDER_ZERO]
-    if "psi" in made and HEADING_OFFSET in found:
-        made["psi"] = made["psi"] - found[HEADING_OFFSET]
-    for name in {"u", "v"} & set(made) if LOG_GAIN in found else ():
-        made[name] = made[name] / (1.0 + found[LOG_GAIN])
-    for name in {"x", "y"} & set(made) if CLOCK_LAG in found else ():
-        made[name] = np.interp(t + found[CLOCK_LAG], t, made[name], left=math.nan, right=math.nan)
-    if {"x", "y", "psi"} <= set(made) and set(ANTENNA) & set(found):
+    if "delta" in made and "rudder_zero" in found:
+        made["delta"] = made["delta"] + found["rudder_zero"]
+    if "psi" in made and "heading_offset" in found:
+        made["psi"] = made["psi"] - found["heading_offset"]
+    for name in {"u", "v"} & set(made) if "log_gain" in found else ():
+        made[name] = made[name] / (1.0 + found["log_gain"])
+    for name in {"x", "y"} & set(made) if "clock_lag" in found else ():
+        made[name] = np.interp(t + found["clock_lag"], t, made[name], left=math.nan, right=math.nan)
+    if {"x", "y", "psi"} <= set(made) and {"antenna_x", "antenna_y"} & set(found):
         ahead, aside = _direction(t, made["psi"])
-        forward, starboard = (found.get(name, 0.0) for name in ANTENNA)
+        forward, starboard = (found.get(name, 0.0) for name in ("antenna_x", "antenna_y"))
         made["x"] = made["x"] - (forward * ahead - starboard * aside)
         made["y"] = made["y"] - (forward * aside + starboard * ahead)
     return made

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.base import DataError, UnknownNameError
 from pmmkit.effects import CURRENT
-from pmmkit.models import DERIVATIVE_PARTS, Model, parts_of
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.simulation import (
     CALM,
@@ -56,7 +56,7 @@ def places(model: Model, names: Sequence[str]) -> tuple[Place, ...]:
             )
             found.append((effect, own)) if there else lost.append(name)
             continue
-        home = [part for part in DERIVATIVE_PARTS if name in _values(model, part)]
+        home = [part for part in model.derivative_parts if name in _values(model, part)]
         found.append((home[0], name)) if home else lost.append(name)
     if lost:
         raise UnknownNameError(
@@ -148,7 +148,7 @@ class Binding:
 
 def driven(model: Model) -> Model:
     """The model without the parts that move its revolutions: these are measured."""
-    shafts = parts_of(model, "shaft")
+    shafts = model.in_role("shaft")
     if not shafts:
         return model
     kept = {name: part for name, part in model.parts.items() if name not in shafts}

@@ -18,7 +18,7 @@ from pmmkit.identification.prediction import Course, Prediction, predict, smooth
 from pmmkit.identification.prior import Prior, asked_names, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
-from pmmkit.models import DERIVATIVE_PARTS, Model
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, number, plus_minus
 
@@ -364,7 +364,7 @@ def _derivatives(model: Model, prior: Prior) -> Prior:
     at = [
         i
         for i, name in enumerate(prior.names)
-        if name in homes and homes[name][0] in DERIVATIVE_PARTS and "." not in name
+        if name in homes and homes[name][0] in model.derivative_parts and "." not in name
     ]
     return Prior(
         names=tuple(prior.names[i] for i in at),

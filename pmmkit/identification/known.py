@@ -8,21 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from pmmkit.base import DataError, UnknownNameError, did_you_mean
-from pmmkit.conventions import canonical
+from pmmkit.conventions import parse_derivative
 from pmmkit.effects import CURRENT, HULL
 from pmmkit.identification.binding import places
 from pmmkit.identification.prior import Prior, prior_of
-from pmmkit.models import (
-    DERIVATIVE_PARTS,
-    DerivativeTable,
-    Model,
-    converted,
-    hull_table,
-    interpolate,
-    is_table,
-    load_model,
-    read_table,
-)
+from pmmkit.models import DerivativeTable, Model, ReferenceTable, converted, interpolate
 
 
 def parameters_of(model: Model, asked: Sequence[str] | None) -> tuple[str, ...]:
@@ -69,7 +59,7 @@ def _spelt(name: str) -> str:
     if "." in name or name in CURRENT:
         return name
     try:
-        return canonical(name)
+        return parse_derivative(name).name
     except UnknownNameError:
         return name
 
@@ -80,7 +70,7 @@ def _fittable(model: Model) -> tuple[str, ...]:
     for effect, part in model.parts.items():
         known = part.known
         single = [item.name for item in known.parameters if not item.table]
-        if effect in DERIVATIVE_PARTS:
+        if effect in model.derivative_parts:
             names += [name for name in part.values if name not in single]
         names += [f"{effect}.{name}" for name in single if name in part.values]
     return (*names, *CURRENT)
@@ -120,11 +110,10 @@ def known_before(
     own = prior_of(model, names, speed, spread=spread, extrapolate=extrapolate)
     if prior is None:
         return replace(own, origin=f"{model.name}, {own.origin}")
-    if is_table(prior):
-        return _from_table(own, read_table(prior), model, speed, prior, spread, extrapolate)
-    other = load_model(prior)
-    if other.convention != model.convention:
-        table = _with_covariance(hull_table(other), other)
+    beside = ReferenceTable.of(prior)
+    other, table = beside.model, beside.table
+    if other is None or other.convention != model.convention:
+        table = table if other is None else _with_covariance(table, other)
         return _from_table(own, table, model, speed, prior, spread, extrapolate)
     shared = [name for name in names if name in CURRENT or _has(other, name)]
     if not shared:

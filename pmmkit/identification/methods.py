@@ -20,7 +20,7 @@ from pmmkit.identification.record import FreeRecord, title_of
 from pmmkit.identification.restarts import filtered
 from pmmkit.identification.smoother import implied_forces, smooth
 from pmmkit.identification.trajectory import fit_trajectories
-from pmmkit.models import DERIVATIVE_PARTS, Model, Step, place_name
+from pmmkit.models import Model, Step
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus
 
@@ -497,14 +497,14 @@ def _with_values(
     for (effect, name), variance in zip(at, np.diagonal(block).tolist(), strict=True):
         part = parts[effect]
         std = {known: x for known, x in part.std.items() if known != name}
-        if model.Fn and effect not in DERIVATIVE_PARTS:
+        if model.Fn and effect not in made.derivative_parts:
             std[name] = math.sqrt(variance)
         parts[effect] = replace(
             part,
             sources=MappingProxyType({**part.sources, name: f"identified: {how}"}),
             std=MappingProxyType(std),
         )
-    named = () if model.Fn else tuple(place_name(*place) for place in at)
+    named = () if model.Fn else tuple(parts[effect].place(name) for effect, name in at)
     return replace(
         made,
         parts=MappingProxyType(parts),

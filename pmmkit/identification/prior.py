@@ -11,7 +11,7 @@ import numpy as np
 from pmmkit.base import DataError
 from pmmkit.effects import CURRENT, HULL
 from pmmkit.identification.binding import places
-from pmmkit.models import DERIVATIVE_PARTS, Model
+from pmmkit.models import Model
 from pmmkit.numerics import Array, precision_over
 from pmmkit.simulation import is_uncertain, spread_of, values_at
 
@@ -107,7 +107,8 @@ def prior_of(
         [
             DRIFTS * speed
             if name in CURRENT
-            else (relative.get(name, default) or SPREAD) * _size(name, values, numbers)
+            else (relative.get(name, default) or SPREAD)
+            * _size(name, values, {x: numbers.get(x, {}) for x in model.derivative_parts})
             for name in names
         ]
     )
@@ -133,8 +134,8 @@ def _size(
         return abs(values[name])
     others = [
         abs(x)
-        for part in DERIVATIVE_PARTS
-        for other, x in numbers.get(part, {}).items()
+        for own in numbers.values()
+        for other, x in own.items()
         if isinstance(x, float) and x != 0.0 and other[0] == name[0]
     ]
     return min(others, default=0.1)

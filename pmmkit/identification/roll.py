@@ -12,11 +12,11 @@ import numpy as np
 
 from pmmkit.base import DataError, ModelError, Problem, Remedy, Way
 from pmmkit.conventions import Ship, parse_derivative
-from pmmkit.effects import HULL, INERTIA, ROLL, RUDDER_POLYNOMIAL, dimensional
+from pmmkit.effects import HULL, INERTIA, AddedMass
 from pmmkit.identification.prediction import reference
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed, implied_forces
-from pmmkit.models import Model, Part, Step, Value, before_of
+from pmmkit.models import Model, Part, Step, before_of
 from pmmkit.numerics import Array
 from pmmkit.simulation import packed, rigid_body, values_at, water_forces
 
@@ -115,8 +115,8 @@ which its heel cannot follow from the forces. State them: GM=… and Ixx=….
     return found.stepped(
         Step(
             action="effect_added",
-            effect=ROLL.name,
-            coefficients=MappingProxyType({"damping": found.values(ROLL.name)["damping"]}),
+            effect="roll",
+            coefficients=MappingProxyType({"damping": found.values("roll")["damping"]}),
             numbers=MappingProxyType(
                 {f"{name}_lever": getattr(levers, name) * made.ship.L for name in LEVERS}
             ),
@@ -242,9 +242,9 @@ def _rolling(model: Model, levers: _Levers) -> Model:
     inertia, righting = _stiffness(model)
     parts = dict(model.parts)
     damping = 2.0 * levers.damping * math.sqrt(righting * inertia)
-    origin = f"identified: {ROLL.name}"
-    parts[ROLL.name] = Part(
-        effect=ROLL.name, values=MappingProxyType({"damping": damping}), source=origin
+    origin = "identified: roll"
+    parts["roll"] = Part(
+        effect="roll", values=MappingProxyType({"damping": damping}), source=origin
     )
     for name, values in _moments(model, levers).items():
         part = parts[name]
@@ -256,11 +256,11 @@ def _rolling(model: Model, levers: _Levers) -> Model:
     return replace(model, parts=MappingProxyType(parts))
 
 
-def _moments(model: Model, levers: _Levers) -> dict[str, dict[str, Value]]:
+def _moments(model: Model, levers: _Levers) -> dict[str, dict[str, float | tuple[float, ...]]]:
     """Values of the roll moment by part: derivatives of Y times their levers."""
-    found: dict[str, dict[str, Value]] = {}
+    found: dict[str, dict[str, float | tuple[float, ...]]] = {}
     ship = model.ship
-    for part in (HULL, RUDDER_POLYNOMIAL, INERTIA):
+    for part in (HULL, "rudder_abkowitz", INERTIA):
         for name, value in (model.parts[part].values if part in model.parts else {}).items():
             if name[0] != "Y":
                 continue
@@ -275,7 +275,7 @@ def _moments(model: Model, levers: _Levers) -> dict[str, dict[str, Value]]:
         mass["Npdot"] = mass["Krdot"]
     if model.convention.coriolis == "separate":
         mass["lx"] = levers.added
-    unit = dimensional("Kpdot", ship=ship, water=model.water, convention=model.convention)
+    unit = AddedMass.unit("Kpdot", ship=ship, water=model.water, convention=model.convention)
     mass["Kpdot"] = -ADDED_INERTIA * (ship.Ixx or 0.0) / unit
     for name in _steering(model):
         found[name] = {LEVER: levers.rudder}
@@ -289,5 +289,5 @@ def _steering(model: Model) -> tuple[str, ...]:
     )
 
 
-def _times(factor: float, value: Value) -> Value:
+def _times(factor: float, value: float | tuple[float, ...]) -> float | tuple[float, ...]:
     return tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.identification.record import FreeRecord
-from pmmkit.models import Model, parts_of
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 
 ONE_SEA: Final = 1.2
@@ -34,7 +34,7 @@ def sea_notes(model: Model, records: Sequence[FreeRecord]) -> tuple[str, ...]:
         That the table is for waves of another period; that wind and waves come from one side, so
         that their forces are not told apart.
     """
-    waves = parts_of(model, "waves")
+    waves = model.in_role("waves")
     stated = [item for item in records if item.wave_height is not None]
     if not waves or not stated:
         return ()
@@ -61,7 +61,7 @@ def other_period(model: Model, periods: Sequence[float], told: str) -> str:
     told : str
         Words before these periods.
     """
-    (waves, *_) = parts_of(model, "waves")
+    (waves, *_) = model.in_role("waves")
     made_for = model.parts[waves].values.get("Tp", 0.0)
     if not isinstance(made_for, float) or made_for <= 0.0:
         return ""

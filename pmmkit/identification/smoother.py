@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.base import DataError, SimulationError
-from pmmkit.conventions import force_unit
+from pmmkit.conventions import Convention
 from pmmkit.identification.binding import FORCES, bound, driven
 from pmmkit.identification.filters import GATE, STEP, first_state, with_forces
 from pmmkit.identification.forces import ForceRecord
@@ -175,7 +175,7 @@ def units(model: Model, speed: float) -> dict[str, float]:
     """½ρLdU² and ½ρL²dU² by channel [N, N m]."""
     ship, water = model.ship, model.water
     return {
-        channel: force_unit(channel, "prime-d", ship=ship, water=water, U=speed)
+        channel: Convention(system="prime-d").force_unit(channel, ship=ship, water=water, U=speed)
         for channel in ("X", "Y", "N", "K")
     }
 

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Final
 
 from pmmkit.base import ModelError
-from pmmkit.effects import FOUR_QUADRANT_PROPELLER, PROPELLER
+from pmmkit.effects import CATALOGUE
 from pmmkit.models.model import Model
 from pmmkit.models.step import Step
 
@@ -15,34 +15,12 @@ ESTIMATED: Final = (
     "What the propeller does astern is estimated: curves of Wageningen B4-70 of the pitch at which "
     "its thrust vanishes, joined to its open water ahead; no wake or side force astern."
 )
-BUCKET: Final = "bucket"
-"""What an effect asks for whose thrust a bucket turns astern."""
-DEDUCTION, DEDUCTION_STD = 0.22, 0.1
-"""Thrust deduction astern where nobody measured it, and how ships differ in it: van Berlekom and
-Goddard (1972) have 0.22 for a tanker in all quadrants, and such data are scarce."""
-
-
-def knows_astern(model: Model) -> bool:
-    """Whether a model says what its propulsion does astern."""
-    return any(part.known.astern for part in model.parts.values())
-
-
-def reversed_by_bucket(model: Model) -> bool:
-    """Whether a bucket turns the thrust of a model astern, as that of a waterjet does.
-
-    Examples
-    --------
-    >>> from pmmkit.models.store import load_model
-    >>> reversed_by_bucket(load_model("kvlcc2"))
-    False
-    """
-    return any(BUCKET in part.known.needs for part in model.parts.values())
 
 
 def astern_can_be_estimated(model: Model) -> bool:
     """Whether a model has a propeller with KT as a polynomial, which says nothing of astern."""
-    part = model.parts.get(PROPELLER.name)
-    return part is not None and "kt0" in part.values and not knows_astern(model)
+    part = model.parts.get("propeller")
+    return part is not None and "kt0" in part.values and not model.knows_astern
 
 
 def as_it_stops(model: Model) -> Model | None:
@@ -58,7 +36,7 @@ def as_it_stops(model: Model) -> Model | None:
     Model or None
         The model itself, or `with_estimated_astern`; None where nothing is known.
     """
-    if knows_astern(model):
+    if model.knows_astern:
         return model
     return with_estimated_astern(model) if astern_can_be_estimated(model) else None
 
@@ -95,19 +73,23 @@ def with_estimated_astern(model: Model) -> Model:
             f"Model {model.name!r} "
             + (
                 "says already what its propulsion does astern."
-                if knows_astern(model)
+                if model.knows_astern
                 else "has no propeller whose KT is a polynomial of J, from which curves astern "
                 "could be estimated: state a part four_quadrant_propeller."
             )
         )
-    own = model.parts[PROPELLER.name]
-    shared = {item.name for item in FOUR_QUADRANT_PROPELLER.parameters}
+    own = model.parts["propeller"]
+    shared = {item.name for item in CATALOGUE["four_quadrant_propeller"].parameters}
     turning = replace(
         own,
-        effect=FOUR_QUADRANT_PROPELLER.name,
+        effect="four_quadrant_propeller",
         values=MappingProxyType({name: x for name, x in own.values.items() if name in shared}),
         options=MappingProxyType(
-            {x: word for x, word in own.options.items() if x in FOUR_QUADRANT_PROPELLER.options}
+            {
+                x: word
+                for x, word in own.options.items()
+                if x in CATALOGUE["four_quadrant_propeller"].options
+            }
         ),
     )
     parts = {

@@ -20,13 +20,12 @@ from pmmkit.base import (
     setting,
 )
 from pmmkit.conventions import parse_derivative
-from pmmkit.effects import HULL, INERTIA, ROLL_PART, RUDDER_POLYNOMIAL, SHALLOW_WATER, dimensional
+from pmmkit.effects import HULL, INERTIA, AddedMass
 from pmmkit.models.estimates import estimated_table
 from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
 from pmmkit.models.store import load_model
 from pmmkit.models.tables.table import DerivativeTable
-from pmmkit.models.tables.verdict import MISFIT
 
 Missing = Literal["refuse", "zero", "library", "estimate"]
 HULL_TERMS: Final = ("Yv", "Yr", "Nv", "Nr")
@@ -40,6 +39,11 @@ SIMILAR: Final = 0.02
 """Share by which L/B, L/d and the block may differ before it is noted."""
 DIFFERENT: Final = 0.10
 """Share by which they may differ before it is refused."""
+
+
+def needed(missing: Missing = "refuse") -> tuple[str, ...]:
+    """Derivatives without which there is no model, whatever stands for those that are `missing`."""
+    return HULL_TERMS if missing == "estimate" else NEEDED  # added mass hardly hangs on the speed
 
 
 def to_model(
@@ -143,14 +147,14 @@ def to_model(
     }
     rolls = donor.rolls and any(needs_roll(item) for item in taken)
     depth = _depth(table, donor)
-    here = {} if depth is None else {SHALLOW_WATER.name: "the tests were made over their bottom"}
+    here = {} if depth is None else {"shallow_water": "the tests were made over their bottom"}
     others = {
         key: donor.parts[key]
         for key in donor.parts
         if key not in own
         and key not in here
-        and key != RUDDER_POLYNOMIAL
-        and (rolls or key != ROLL_PART)
+        and key != "rudder_abkowitz"
+        and (rolls or key != "roll")
     }
     notes += [
         f"Left out of the model: {key}, because {why}."
@@ -181,7 +185,7 @@ def to_model(
                 action="built",
                 ship=table.ship.name,
                 parts=donor.name,
-                misfit=tuple(table.provenance.get(MISFIT, ())),
+                misfit=tuple(table.provenance.get("misfit", ())),
             ),
             *forced,
         ),
@@ -283,11 +287,11 @@ def _fill(
     also: Iterable[str],
 ) -> tuple[dict[str, Value], dict[str, tuple[Value, float]], list[str]]:
     """Values borrowed from the library, estimates with their errors, and names taken as zero."""
-    needed = [item for item in NEEDED if item != "Xuu" or table.convention.surge != "delta-u"]
-    wanted = dict.fromkeys((*needed, *EXPECTED, *also))
+    essential = [item for item in NEEDED if item != "Xuu" or table.convention.surge != "delta-u"]
+    wanted = dict.fromkeys((*essential, *EXPECTED, *also))
     absent = [item for item in wanted if item not in taken]
     if table.convention.surge == "delta-u":
-        absent = [item for item in absent if item in needed]
+        absent = [item for item in absent if item in essential]
     borrowed: dict[str, Value] = {}
     guessed: dict[str, tuple[Value, float]] = {}
     zeroed, refused = [], []
@@ -358,8 +362,8 @@ def _borrow(name: str, table: DerivativeTable, donor: Model) -> float | None:
     value = donor.parts[INERTIA].values.get(name) if INERTIA in donor.parts else None
     if not isinstance(value, float):
         return None
-    theirs = dimensional(name, ship=donor.ship, water=donor.water, convention=donor.convention)
-    ours = dimensional(name, ship=donor.ship, water=donor.water, convention=table.convention)
+    theirs = AddedMass.unit(name, ship=donor.ship, water=donor.water, convention=donor.convention)
+    ours = AddedMass.unit(name, ship=donor.ship, water=donor.water, convention=table.convention)
     return value * theirs / ours
 
 

@@ -8,13 +8,13 @@ from types import MappingProxyType
 from typing import Literal, Protocol
 
 from pmmkit.base import ModelError, Problem, Remedy, UnknownNameError, Way, did_you_mean
-from pmmkit.conventions import canonical
+from pmmkit.conventions import parse_derivative
 from pmmkit.effects import BY_SPEED, CATALOGUE, Effect, Move, Parameter
 from pmmkit.models.changes import before_of, restored, without_values
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Before, Step, Value
-from pmmkit.models.terms import RequestedEffect, home_of, reference, with_terms, without_terms
-from pmmkit.models.vessel import Sailing, moves_of, told
+from pmmkit.models.terms import RequestedEffect, reference, with_terms, without_terms
+from pmmkit.models.vessel import Sailing
 
 
 class Found(Protocol):
@@ -185,7 +185,7 @@ def _asked(
     _refuse(entry)
     own: Mapping[str, Move] = {}
     if asked_here and not entry.faulty:
-        own = moves_of(entry, Sailing(model, 1.0))
+        own = Sailing(model, 1.0).moves(entry)
     origin = "diagnosis" if given is not None else "assumed: zero, to be fitted"
     if coefficients == "typical":
         given, origin = None, "assumed: usual size"
@@ -260,7 +260,7 @@ def _refuse(entry: Effect) -> None:
 
 def _derivative(label: str) -> bool:
     try:
-        return canonical(label.removesuffix(BY_SPEED)) == label.removesuffix(BY_SPEED)
+        return parse_derivative(label.removesuffix(BY_SPEED)).name == label.removesuffix(BY_SPEED)
     except UnknownNameError:
         return False
 
@@ -310,7 +310,7 @@ def _with_part(model: Model, asked: RequestedEffect) -> Model:
 
 def _with_moved(model: Model, asked: RequestedEffect) -> Model:
     """The model with values that an effect moves."""
-    moves = moves_of(asked.effect, Sailing(model, 1.0))
+    moves = Sailing(model, 1.0).moves(asked.effect)
     if not moves:
         raise ModelError(
             f"{asked.name} moves values of {asked.effect.frees}, which model {model.name!r} does "
@@ -324,7 +324,7 @@ def _with_moved(model: Model, asked: RequestedEffect) -> Model:
         )
     made = model
     for move in moves.values():
-        made = told(made, move.options, move.begins)
+        made = Sailing(made, 1.0).told(move.options, move.begins)
     if asked.moved and not moved and made is model:
         raise ModelError(
             f"Model {model.name!r} has {asked.name} already: change its values "
@@ -334,7 +334,7 @@ def _with_moved(model: Model, asked: RequestedEffect) -> Model:
     for label, size in asked.coefficients.items():
         for place, share in moves[label].values.items() if label in moves else ():
             home, _, name = place.rpartition(".")
-            home = home or home_of(model, name)
+            home = home or model.home_of(name)
             part = parts[home]
             before = part.known.parameter(name)
             known = part.values.get(name, before.default if before is not None else 0.0) or 0.0

@@ -8,13 +8,45 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
 from pmmkit.base import UnknownNameError
 from pmmkit.conventions import Convention, Ship, cite
 from pmmkit.presentation import WIDE, listed
+
+
+def criterion(values: Mapping[str, float], mass: float, xG: float) -> tuple[float, float]:
+    """Levers of yaw and sway: a ship is stable if the first is larger (both over L)."""
+    return ((values["Nr"] - mass * xG) / (values["Yr"] - mass), values["Nv"] / values["Yv"])
+
+
+@dataclass(frozen=True, kw_only=True)
+class StraightLine:
+    """Straight-line stability of a bare hull by estimated derivatives, without its rudder.
+
+    Parameters
+    ----------
+    lever_yaw, lever_sway : float
+        Points at which the forces of yaw and sway act, over L from midship; stable if that of yaw
+        lies further forward.
+    C, std : float
+        Yv (Nr - m'xG) - Nv (Yr - m') in the prime system, positive where stable, and its standard
+        uncertainty from those of the four derivatives.
+    """
+
+    lever_yaw: float
+    lever_sway: float
+    C: float
+    std: float
+
+    @property
+    def verdict(self) -> str:
+        """``stable``, ``unstable``; or ``not settled`` where the 95 % interval of C holds zero."""
+        if abs(self.C) <= WIDE * self.std:
+            return "not settled"
+        return "stable" if self.C > 0.0 else "unstable"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +67,8 @@ class HullEstimate:
         The same as keys of the bibliography, that of the added mass last.
     notes : tuple of str
         Where the ship lies outside what the method was made from.
+    grounds : mapping of str to str
+        From what the uncertainty of each value was found.
     """
 
     values: Mapping[str, float]
@@ -43,6 +77,38 @@ class HullEstimate:
     source: str
     sources: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    grounds: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+
+    def straight_line(self, ship: Ship) -> StraightLine:
+        """The criterion of straight-line stability by the estimate.
+
+        Parameters
+        ----------
+        ship : Ship
+            Its volume and centre of gravity count.
+
+        Examples
+        --------
+        >>> ship = Ship(name="b", L=175., B=25.4, d=8.5, volume=21222., mass=2.2e7, Izz=3.8e10)
+        >>> told = estimate(ship, "clarke").straight_line(ship)
+        >>> round(told.lever_yaw, 2), round(told.lever_sway, 2), told.verdict
+        (0.44, 0.37, 'not settled')
+        """
+        over = 1.0 if self.convention.system == "prime" else ship.d / ship.L
+        side = -1.0 if self.convention.sway == "beta" else 1.0
+        signs = {"Yv": side, "Nv": side, "Yr": 1.0, "Nr": 1.0}
+        x = {name: sign * over * self.values[name] for name, sign in signs.items()}
+        mass, xG = 2.0 * ship.volume / ship.L**3, ship.xG / ship.L
+        yaw, sway = criterion(x, mass, xG)
+        side_force, moment = x["Yr"] - mass, x["Nr"] - mass * xG
+        slopes = {"Yv": moment, "Nr": x["Yv"], "Nv": side_force, "Yr": x["Nv"]}
+        parts = [slope * over * self.std[name] for name, slope in slopes.items()]
+        return StraightLine(
+            lever_yaw=yaw,
+            lever_sway=sway,
+            C=x["Yv"] * moment - x["Nv"] * side_force,
+            std=math.hypot(*parts),
+        )
 
 
 _PRIME: Final = Convention(system="prime", coriolis="in-derivatives")
@@ -399,6 +465,7 @@ def estimate(ship: Ship, method: str) -> HullEstimate:
         source=cite(found.sources[0]) + found.remark,
         sources=found.sources,
         notes=found.outside(ship),
+        grounds=MappingProxyType({name: found.error_of(name).source for name in values}),
     )
 
 
@@ -437,72 +504,6 @@ def rudder_values(ship: Ship, *, area: float, aspect: float, D: float) -> dict[s
 def wake_fraction(ship: Ship) -> float:
     """Wake fraction of a single-screw ship, 0.5 CB - 0.05 (Taylor)."""
     return 0.5 * ship.block - 0.05
-
-
-def criterion(values: Mapping[str, float], mass: float, xG: float) -> tuple[float, float]:
-    """Levers of yaw and sway: a ship is stable if the first is larger (both over L)."""
-    return ((values["Nr"] - mass * xG) / (values["Yr"] - mass), values["Nv"] / values["Yv"])
-
-
-@dataclass(frozen=True, kw_only=True)
-class StraightLine:
-    """Straight-line stability of a bare hull by estimated derivatives, without its rudder.
-
-    Parameters
-    ----------
-    lever_yaw, lever_sway : float
-        Points at which the forces of yaw and sway act, over L from midship; stable if that of yaw
-        lies further forward.
-    C, std : float
-        Yv (Nr - m'xG) - Nv (Yr - m') in the prime system, positive where stable, and its standard
-        uncertainty from those of the four derivatives.
-    """
-
-    lever_yaw: float
-    lever_sway: float
-    C: float
-    std: float
-
-    @property
-    def verdict(self) -> str:
-        """``stable``, ``unstable``; or ``not settled`` where the 95 % interval of C holds zero."""
-        if abs(self.C) <= WIDE * self.std:
-            return "not settled"
-        return "stable" if self.C > 0.0 else "unstable"
-
-
-def straight_line(found: HullEstimate, ship: Ship) -> StraightLine:
-    """The criterion of straight-line stability by an estimate.
-
-    Parameters
-    ----------
-    found : HullEstimate
-        Of the ship, by any method.
-    ship : Ship
-        Its volume and centre of gravity count.
-
-    Examples
-    --------
-    >>> ship = Ship(name="b", L=175., B=25.4, d=8.5, volume=21222., mass=2.2e7, Izz=3.8e10)
-    >>> told = straight_line(estimate(ship, "clarke"), ship)
-    >>> round(told.lever_yaw, 2), round(told.lever_sway, 2), told.verdict
-    (0.44, 0.37, 'not settled')
-    """
-    over = 1.0 if found.convention.system == "prime" else ship.d / ship.L
-    side = -1.0 if found.convention.sway == "beta" else 1.0
-    signs = {"Yv": side, "Nv": side, "Yr": 1.0, "Nr": 1.0}
-    x = {name: sign * over * found.values[name] for name, sign in signs.items()}
-    mass, xG = 2.0 * ship.volume / ship.L**3, ship.xG / ship.L
-    yaw, sway = criterion(x, mass, xG)
-    side_force, moment = x["Yr"] - mass, x["Nr"] - mass * xG
-    slopes = {"Yv": moment, "Nr": x["Yv"], "Nv": side_force, "Yr": x["Nv"]}
-    parts = [slope * over * found.std[name] for name, slope in slopes.items()]
-    return StraightLine(
-        lever_yaw=yaw,
-        lever_sway=sway,
-        C=x["Yv"] * moment - x["Nv"] * side_force,
-        std=math.hypot(*parts),
-    )
 
 
 def friction_coefficient(reynolds: float) -> float:

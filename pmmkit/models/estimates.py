@@ -10,8 +10,8 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.conventions import Convention, Ship, Water, cite, force_unit, viscosity
-from pmmkit.effects import HULL, INERTIA, PROPELLER, RUDDER_MMG
+from pmmkit.conventions import Convention, Ship, Water, cite
+from pmmkit.effects import HULL, INERTIA
 from pmmkit.models.empirical import (
     METHODS,
     RUDDER_SOURCES,
@@ -22,16 +22,16 @@ from pmmkit.models.empirical import (
     rudder_values,
     wetted_surface,
 )
-from pmmkit.models.hull import hull_table
 from pmmkit.models.model import Model, Part
 from pmmkit.models.particulars import (
     ASPECT,
+    LONGEST_MODEL,
     PROPELLER_ERRORS,
     WAKE,
     propeller_values,
     rudder_errors,
 )
-from pmmkit.models.provenance import any_across
+from pmmkit.models.reference import hull_table
 from pmmkit.models.step import Step
 from pmmkit.models.tables.convert import converted, to_system
 from pmmkit.models.tables.table import DerivativeTable, from_values
@@ -47,6 +47,18 @@ COUPLINGS: Final = ("Yvvr", "Yvrr", "Nvvr", "Nvrr")
 """Terms of sway and yaw together."""
 SURGE: Final = "yoshimura-masumoto"
 """The method whose surge terms stand in all models."""
+
+HEAVIER: Final = 1.5
+"""From so many times the resistance of a ship of her size on it is taken for a model's. KVLCC2 and
+KCS of the library have 2.1 and 1.7 at full scale, S175 0.9; the estimate is good to a quarter."""
+PRIMES: Final = ("prime", "prime-d")
+"""Non-dimensional systems in which Xuu is a resistance over the square of the speed."""
+WAVES: Final = 0.3
+"""Froude number beyond which waves may make as much of the resistance."""
+HEAVY: Final = (
+    "Her resistance is {:.1f} times that of ships of her size, as a model's is: a ship runs on "
+    "farther when her engine is stopped, at other revolutions."
+)
 
 
 def estimated_model(
@@ -148,14 +160,14 @@ def estimated_model(
             ),
         ),
         Part(
-            effect=PROPELLER.name,
+            effect="propeller",
             options=WAKE,
             values=MappingProxyType(screw),
             source="empirical: typical propeller of a merchant ship, wake 0.5 CB - 0.05",
             std=_errors(PROPELLER_ERRORS, screw, but="D"),
         ),
         Part(
-            effect=RUDDER_MMG.name,
+            effect="rudder_mmg",
             options=MappingProxyType({"inflow": "mmg"}),
             values=MappingProxyType(blade | {"rate_deg_s": rate_deg_s}),
             source="empirical: Fujii; Quadvlieg 2013; Yoshimura and Masumoto 2012",
@@ -218,7 +230,7 @@ def resistance_derivative(
     >>> round(value, 5), round(std, 5)
     (-0.00069, 0.00017)
     """
-    unit = force_unit("X", convention.system, ship=ship, water=water, U=speed)
+    unit = convention.force_unit("X", ship=ship, water=water, U=speed)
     if resistance:
         return -resistance / unit, 0.0
     value = -_resistance(ship, water, speed) / unit
@@ -230,7 +242,7 @@ def estimated_table(like: DerivativeTable) -> DerivativeTable:
 
     Examples
     --------
-    >>> from pmmkit.models.hull import hull_table
+    >>> from pmmkit.models.reference import hull_table
     >>> table = estimated_table(hull_table("s175-3dof"))
     >>> round(table.at()["Xvr"], 4), round(table.at()["Nvvr"], 3)
     (-0.0035, -0.031)
@@ -265,6 +277,31 @@ def estimated_table(like: DerivativeTable) -> DerivativeTable:
     return converted(made, target)
 
 
+def of_a_model(model: Model, speed: float) -> str:
+    """That a ship has the resistance of a model, in a sentence; empty where she has not.
+
+    speed [m/s].
+
+    Examples
+    --------
+    >>> from pmmkit.models.store import load_model
+    >>> of_a_model(load_model("kvlcc2"), 7.97).split(":")[0]
+    "Her resistance is 2.1 times that of ships of her size, as a model's is"
+    >>> of_a_model(load_model("kvlcc2-l7"), 1.18)
+    ''
+    """
+    hull = model.parts.get(HULL)
+    ship = model.ship
+    slow = ship.froude(speed, model.water.g) < WAVES
+    if hull is None or "Xuu" not in hull.values or not slow or ship.L < LONGEST_MODEL:
+        return ""
+    if model.convention.surge == "delta-u" or model.convention.system not in PRIMES:
+        return ""
+    own = float(np.mean(hull.values["Xuu"]))
+    usual, _ = resistance_derivative(ship, model.water, speed, model.convention)
+    return HEAVY.format(own / usual) if own / usual > HEAVIER else ""
+
+
 @lru_cache(maxsize=64)
 def with_open_couplings(model: Model) -> Model:
     """A model of which bands are made: terms that nobody asked for are open, not zero.
@@ -277,7 +314,7 @@ def with_open_couplings(model: Model) -> Model:
     Returns
     -------
     Model
-        Where nothing of side force and moment goes with sway and yaw together (`standing`), the
+        Where nothing of side force and moment goes with sway and yaw together (`Standing`), the
         terms of `COUPLINGS` are zero with the size of their estimate as standard uncertainty; else
         the model itself.
 
@@ -288,8 +325,8 @@ def with_open_couplings(model: Model) -> Model:
     >>> with_open_couplings(ship) is ship
     True
     """
-    turns = HULL in model.parts and any_across(model, lambda v, r: v or r)
-    if not turns or any_across(model, lambda v, r: v and r):
+    turns = HULL in model.parts and model.acts_across(lambda v, r: v or r)
+    if not turns or model.acts_across(lambda v, r: v and r):
         return model
     guess = estimated_table(hull_table(model))
     std = {name: float(np.mean(np.abs(guess[name]))) for name in COUPLINGS if name in guess}
@@ -313,5 +350,5 @@ def _surge(guess: HullEstimate, ship: Ship) -> tuple[dict[str, float], dict[str,
 
 
 def _resistance(ship: Ship, water: Water, speed: float) -> float:
-    friction = friction_coefficient(speed * ship.L / viscosity(water))
+    friction = friction_coefficient(speed * ship.L / water.viscosity)
     return 0.5 * water.rho * wetted_surface(ship) * speed**2 * (1.2 * friction + 0.0010)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Final
@@ -20,21 +20,14 @@ from pmmkit.base import (
     UnknownNameError,
     Way,
 )
-from pmmkit.conventions import Convention, Derivative, Ship, Water, canonical, parse_derivative
-from pmmkit.effects import (
-    CATALOGUE,
-    HULL,
-    INERTIA,
-    ROLL_PART,
-    RUDDER_POLYNOMIAL,
-    Effect,
-    unknown_places,
-    written_effect,
-)
-from pmmkit.models.step import Step, Value, added
+from pmmkit.conventions import Convention, Ship, Water, parse_derivative
+from pmmkit.effects import CATALOGUE, HULL, INERTIA, AddedMass, Effect, written_effect
+from pmmkit.models.step import Step, Value, added, faults_of
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus
 
-DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
+DERIVATIVE_PARTS: Final = (HULL, "rudder_abkowitz", INERTIA)
+SAILING: Final = ("propulsion", "steering")
+"""What a ship needs beside its hull."""
 TAKE_PARTS: Final = Remedy(
     "Take parts from a library ship ({}) or write them into the model file.",
     (Way('to_model(table, parts="…")', "pmmkit model replace MODEL PART --from SHIP"),),
@@ -91,6 +84,19 @@ class Part:
     def source_of(self, name: str) -> str:
         """Where one value comes from."""
         return self.sources.get(name, self.source)
+
+    def place(self, name: str) -> str:
+        """One of its values by one name: ``Yv``, or ``rudder_mmg.aH`` where it is no derivative."""
+        return place_name(self.effect, name)
+
+    @property
+    def estimated(self) -> list[str]:
+        """Names of the values that are estimates from particulars."""
+        return [name for name in self.values if self.source_of(name).startswith("empirical")]
+
+    def assumed(self, name: str = "") -> bool:
+        """Whether a value, or the part, is a usual one that stands for what nobody states."""
+        return self.source_of(name).startswith("assumed")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -167,6 +173,23 @@ class Model(Described):
         faults = [text for step in self.steps if step.action == "forced" for text in step.names]
         return FORCED.format(" ".join(dict.fromkeys(faults))) if faults else ""
 
+    @property
+    def added(self) -> tuple[int, ...]:
+        """Places of the steps that added what is still in it: effects, and faults of the tests."""
+        return added(self.steps)
+
+    def faults_of(self, campaign: str) -> dict[str, Step]:
+        """The faults that its steps tell of the tests of a title: of each the last step."""
+        return faults_of(self.steps, campaign)
+
+    def home_of(self, derivative: str) -> str:
+        """The part in which a derivative stands, or would."""
+        known = parse_derivative(derivative)
+        if any(factor.endswith("dot") for factor in known.factors):
+            return INERTIA
+        steered = known.count("d") and "rudder_abkowitz" in self.parts
+        return "rudder_abkowitz" if steered else HULL
+
     def stepped(self, *steps: Step) -> Model:
         """A copy with steps more; what a table said of its misfit stands among the notes as long as
         no effect is in the model that was fitted together with the derivatives."""
@@ -188,7 +211,7 @@ class Model(Described):
         return MappingProxyType({name: tuple(values) for name, values in each})
 
     def _headline(self) -> str:
-        count = sum(len(part.values) for part in self._hull())
+        count = sum(len(part.values) for part in self.derivative_parts.values())
         return (
             f"{self.name}: {counted(count, 'derivative')}, {counted(len(self.parts), 'part')}, "
             f"L = {self.ship.L:g} m, {self._speeds()}"
@@ -200,10 +223,6 @@ class Model(Described):
         low, high = (self.ship.speed(Fn, self.water.g) for Fn in (self.Fn[0], self.Fn[-1]))
         return f"Fn {self.Fn[0]:.3f} to {self.Fn[-1]:.3f} ({low:.2f} to {high:.2f} m/s)"
 
-    def _hull(self) -> list[Part]:
-        """The parts that hold derivatives."""
-        return [self.parts[name] for name in DERIVATIVE_PARTS if name in self.parts]
-
     def _sections(self) -> Sequence[Section]:
         about = [
             self.not_usable,
@@ -212,7 +231,8 @@ class Model(Described):
             self.scale,
             f"Derivatives: {self.convention.meaning}",
         ]
-        others = [x for x in self.parts.values() if x.values and x not in self._hull()]
+        hull = self.derivative_parts
+        others = [x for name, x in self.parts.items() if x.values and name not in hull]
         told = [
             Section(title="History", points=self.history),
             Section(title="Notes", points=self.notes),
@@ -239,7 +259,7 @@ class Model(Described):
         """Values with half of their 95 % interval where it is known, and how they were found."""
         std = self.std
         rows = []
-        for part in self._hull():
+        for part in self.derivative_parts.values():
             for name, value in part.values.items():
                 values = value if isinstance(value, tuple) else (value,) * max(len(self.Fn), 1)
                 alone = part.std.get(name, math.nan)
@@ -251,7 +271,7 @@ class Model(Described):
                 rows.append([name, *cells, kind])
         speeds = [f"Fn {Fn:.3f}" for Fn in self.Fn] or ["value"]
         head = ["", *speeds, "origin"]
-        known = std or any(part.std for part in self._hull())
+        known = std or any(part.std for part in self.derivative_parts.values())
         caption = "Value ± half of the 95 % interval" if known else "No uncertainty is known"
         return Grid(head=head, groups=[Group(rows=rows)], caption=caption, texts=(len(head) - 1,))
 
@@ -275,9 +295,78 @@ class Model(Described):
         return f"{part.effect}: {', '.join(told)}"
 
     @property
+    def derivative_parts(self) -> dict[str, Part]:
+        """The parts that hold derivatives, by name."""
+        return {name: self.parts[name] for name in DERIVATIVE_PARTS if name in self.parts}
+
+    @property
+    def derivatives(self) -> tuple[str, ...]:
+        """Derivatives of which it has a value."""
+        return tuple(
+            name
+            for part in self.derivative_parts.values()
+            for name in part.values
+            if part.known.parameter(name) is None
+        )
+
+    def in_role(self, role: str) -> tuple[str, ...]:
+        """Names of the parts that have a role.
+
+        Examples
+        --------
+        >>> from pmmkit.models.store import load_model
+        >>> load_model("kvlcc2").in_role("propulsion")
+        ('propeller',)
+        """
+        return tuple(name for name, part in self.parts.items() if role in part.known.roles)
+
+    @property
+    def lacking(self) -> tuple[str, ...]:
+        """What it has no part for and needs besides the hull, to be sailed.
+
+        A model in the loss of speed Δu holds the propeller's share in its hull.
+
+        Examples
+        --------
+        >>> from pmmkit.models.store import load_model
+        >>> ship = load_model("kvlcc2")
+        >>> hull = {"hull_polynomial": ship.parts["hull_polynomial"]}
+        >>> ship.lacking, ship.with_(parts=hull).lacking
+        ((), ('propulsion', 'steering'))
+        """
+        held = {"propulsion"} if self.convention.surge == "delta-u" else set()
+        return tuple(x for x in SAILING if x not in held and not self.in_role(x))
+
+    @property
+    def knows_astern(self) -> bool:
+        """Whether it says what its propulsion does astern."""
+        return any(part.known.astern for part in self.parts.values())
+
+    @property
+    def has_bucket(self) -> bool:
+        """Whether a bucket turns the thrust astern, as that of a waterjet does."""
+        return any("bucket" in part.known.needs for part in self.parts.values())
+
+    def acts_across(self, which: Callable[[int, int], object]) -> bool:
+        """Whether the hull's side force and moment have such a term, by powers of v and r, that is
+        not zero; other parts that hold some of them have any."""
+        others = any(
+            name != HULL
+            and "Y" in part.known.outputs
+            and not (part.known.roles or part.known.needs)
+            for name, part in self.parts.items()
+        )
+        hull = self.parts.get(HULL)
+        there = {} if hull is None else hull.values
+        terms = [parse_derivative(name) for name, value in there.items() if np.any(value)]
+        return others or any(
+            which(x.count("v"), x.count("r")) for x in terms if x.channel in ("Y", "N")
+        )
+
+    @property
     def rolls(self) -> bool:
         """Whether the model has roll as a fourth degree of freedom."""
-        return ROLL_PART in self.parts
+        return "roll" in self.parts
 
     @property
     def heeled(self) -> tuple[str, ...]:
@@ -288,7 +377,12 @@ class Model(Described):
         """
         if self.rolls:
             return ()
-        return tuple(name for part in self._hull() for name in part.values if knows_heel(name))
+        return tuple(
+            name
+            for part in self.derivative_parts.values()
+            for name in part.values
+            if needs_roll(name) and name[0] != "K"
+        )
 
     def part(self, effect: str, need: str = "the request") -> Part:
         """One part.
@@ -347,6 +441,11 @@ class Model(Described):
             )
         return filled
 
+    @property
+    def held(self) -> tuple[float, float]:
+        """Ends of the Froude numbers at which its values hold, a tolerance beyond its own."""
+        return self.Fn[0] * (1 - FN_TOLERANCE), self.Fn[-1] * (1 + FN_TOLERANCE)
+
     def weights(self, Fn: float | None, *, extrapolate: bool = False) -> tuple[float, ...]:
         """Share of each of the model's Froude numbers in the values at another one.
 
@@ -359,7 +458,7 @@ class Model(Described):
             raise ModelError(
                 f"Model {self.name!r} has values at {len(self.Fn)} Froude numbers: say which."
             )
-        low, high = self.Fn[0] * (1 - FN_TOLERANCE), self.Fn[-1] * (1 + FN_TOLERANCE)
+        low, high = self.held
         if not low <= Fn <= high and not extrapolate:
             raise ExtrapolationError(
                 f"Fn {Fn:.4g} ({self.ship.speed(Fn, self.water.g):.4g} m/s) is outside the range "
@@ -427,7 +526,8 @@ def _part_problems(part: Part, rows: int) -> list[str]:
         return [f"There is no effect {part.effect!r}; there are: {', '.join(CATALOGUE)}."]
     known = part.known
     found = known.problems(part.values, part.options)
-    if part.effect == INERTIA and (lost := unknown_places(part.values)):
+    lost = [x for x in part.values if x not in (*AddedMass.places(), "lx")]
+    if part.effect == INERTIA and lost:
         found.append(f"The equations of motion have no place for {', '.join(lost)}.")
     for name, value in part.values.items():
         place = f"{part.effect}.{name}"
@@ -442,8 +542,8 @@ def _part_problems(part: Part, rows: int) -> list[str]:
             continue
         parameter = known.parameter(name)
         if parameter is None:
-            if known.accepts(name) and canonical(name) != name:
-                found.append(f"{place} is spelled {canonical(name)}.")
+            if known.accepts(name) and parse_derivative(name).name != name:
+                found.append(f"{place} is spelled {parse_derivative(name).name}.")
             elif known.accepts(name) and "T" in parse_derivative(name).factors:
                 found.append(f"{place}: factors of the thrust are not simulated.")
         elif not all(parameter.low <= x <= parameter.high for x in numbers):
@@ -467,59 +567,29 @@ def _roll_problems(model: Model) -> list[str]:
     if not model.rolls:
         needed = sorted(
             name
-            for effect in DERIVATIVE_PARTS
-            if effect in model.parts
-            for name in model.parts[effect].values
-            if needs_roll(name) and not knows_heel(name)
+            for part in model.derivative_parts.values()
+            for name in part.values
+            if needs_roll(name) and name[0] == "K"
         )
         return (
-            [f"{', '.join(needed)} need roll, but the model has no part {ROLL_PART!r}."]
-            if needed
-            else []
+            [f"{', '.join(needed)} need roll, but the model has no part 'roll'."] if needed else []
         )
     absent = [name for name in ("GM", "Ixx") if getattr(model.ship, name) is None]
-    return [f"The part {ROLL_PART!r} needs {' and '.join(absent)} of the ship."] if absent else []
+    return [f"The part 'roll' needs {' and '.join(absent)} of the ship."] if absent else []
 
 
 def needs_roll(name: str) -> bool:
-    """Whether a derivative belongs to roll: a K, or a factor of heel or its rates.
+    """Whether a value is a derivative that belongs to roll.
 
     Examples
     --------
     >>> [needs_roll(name) for name in ("Kv", "Nvvphi", "Yp", "Ypdot", "Yv", "lx")]
     [True, True, True, True, False, False]
     """
-    return knows_heel(name) or _rolls_by_itself(name)
-
-
-def knows_heel(name: str) -> bool:
-    """Whether a derivative asks for heel or its rates alone, which may be measured.
-
-    Examples
-    --------
-    >>> [knows_heel(name) for name in ("Kv", "Nvvphi", "Yp", "Ypdot", "Yv", "lx")]
-    [False, True, True, True, False, False]
-    """
-    known = _parsed(name)
-    return (
-        known is not None
-        and any(known.count(of_roll) for of_roll in ("phi", "p", "pdot"))
-        and known.channel != "K"
-    )
-
-
-def _rolls_by_itself(name: str) -> bool:
-    known = _parsed(name)
-    return known is not None and known.channel == "K"
-
-
-def _parsed(name: str) -> Derivative | None:
-    if name == "lx":
-        return None
     try:
-        return parse_derivative(name)
+        return name != "lx" and parse_derivative(name).rolls
     except UnknownNameError:
-        return None
+        return False
 
 
 def _covariance_problems(model: Model) -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.conventions import Ship, Water
-from pmmkit.effects import PROPELLER, ROLL, RUDDER_MMG, Effect, Parameter
+from pmmkit.effects import CATALOGUE, Effect, Parameter
 from pmmkit.models.empirical import (
     RUDDER_SOURCES,
     StandardError,
@@ -20,7 +20,8 @@ from pmmkit.models.empirical import (
     shares,
     wake_fraction,
 )
-from pmmkit.models.model import Part
+from pmmkit.models.model import Model, Part
+from pmmkit.models.stated_parts import SECTIONS
 from pmmkit.models.wageningen import open_water_curve
 from pmmkit.numerics import Array
 
@@ -155,7 +156,7 @@ def parts_from_particulars(
     diameter = _number(propeller, "D") or propeller_diameter(ship)
     curve = _series(propeller)
     screw = _completed(
-        PROPELLER,
+        CATALOGUE["propeller"],
         {**WAKE, **propeller},
         propeller_values(ship, D=diameter) | curve,
         {**PROPELLER_ERRORS, **(SERIES_ERRORS if curve else {})},
@@ -170,7 +171,7 @@ def parts_from_particulars(
     height = _number(rudder, "height")
     aspect = height**2 / area if height else ASPECT
     blade = _completed(
-        RUDDER_MMG,
+        CATALOGUE["rudder_mmg"],
         {**rudder, "area": area} if stated else rudder,
         rudder_values(ship, area=area, aspect=aspect, D=diameter)
         | {"rate_deg_s": steering_rate(ship, _number(rudder, "full_length"))},
@@ -179,6 +180,41 @@ def parts_from_particulars(
         RUDDER_SOURCES,
     )
     return screw, blade
+
+
+def hull_less_model(
+    ship: Ship, water: Water, propeller: Mapping[str, Any], rudder: Mapping[str, Any]
+) -> Model:
+    """A ship with propeller and rudder as `parts_from_particulars`, and no hull yet.
+
+    Parameters
+    ----------
+    ship, water : Ship, Water
+        As tested.
+    propeller, rudder : mapping
+        What the campaign file states of both, by key.
+    """
+    parts = parts_from_particulars(ship, propeller, rudder)
+    return Model(
+        name=ship.name,
+        ship=ship,
+        water=water,
+        parts=MappingProxyType({part.effect: part for part in parts}),
+        notes=tuple(filter(None, map(_guessed, parts))),
+        scale=f"L = {ship.L:.4g} m, the scale of the tests",
+    )
+
+
+def _guessed(part: Part) -> str:
+    """What of a part was not stated, in words."""
+    guessed = [name for name in part.values if part.source_of(name) != STATED]
+    section = next(name for name, own in SECTIONS.items() if own.effect_name == part.effect)
+    return (
+        f"Not stated in [{section}] of the campaign file, so estimated from the "
+        f"particulars: {', '.join(guessed)}."
+        if guessed
+        else ""
+    )
 
 
 def rudder_errors(*, drawn: bool) -> Mapping[str, StandardError]:
@@ -215,7 +251,7 @@ def roll_from_particulars(ship: Ship, water: Water, *, damped: bool = False) -> 
     share, doubt = (0.0, 0.0) if damped else DAMPED
     critical = 2.0 * math.sqrt(righting * ship.Ixx)
     return Part(
-        effect=ROLL.name,
+        effect="roll",
         values=MappingProxyType({"damping": share * critical}),
         source="measured: GM of the campaign file",
         sources=MappingProxyType({} if damped else {"damping": "empirical: usual roll damping"}),

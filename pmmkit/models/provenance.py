@@ -2,81 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-import numpy as np
-
 from pmmkit.conventions import parse_derivative
-from pmmkit.effects import CATALOGUE, HULL, Effect, Role
-from pmmkit.models.model import FN_TOLERANCE, Model, Part
+from pmmkit.effects import HULL
+from pmmkit.models.model import FN_TOLERANCE, SAILING, Model, Part
 from pmmkit.presentation import listed
-
-# What the parts of a model do for the ship, as their effects declare it.
-
-
-SAILING: Final[tuple[Role, ...]] = ("propulsion", "steering")
-"""What a ship needs beside its hull."""
-
-
-def parts_of(model: Model, role: Role) -> tuple[str, ...]:
-    """The parts of a model that have a role.
-
-    Examples
-    --------
-    >>> from pmmkit.models.store import load_model
-    >>> parts_of(load_model("kvlcc2"), "propulsion")
-    ('propeller',)
-    """
-    return tuple(name for name, part in model.parts.items() if role in part.known.roles)
-
-
-def lacking(model: Model) -> tuple[Role, ...]:
-    """What a model has no part for and needs besides the hull, to be sailed.
-
-    A model in the loss of speed Δu holds the propeller's share in its hull.
-
-    Examples
-    --------
-    >>> from pmmkit.models.store import load_model
-    >>> ship = load_model("kvlcc2")
-    >>> hull = {"hull_polynomial": ship.parts["hull_polynomial"]}
-    >>> lacking(ship), lacking(ship.with_(parts=hull))
-    ((), ('propulsion', 'steering'))
-    """
-    held = {"propulsion"} if model.convention.surge == "delta-u" else set()
-    return tuple(role for role in SAILING if role not in held and not parts_of(model, role))
-
-
-def in_role(role: Role) -> tuple[str, ...]:
-    """All effects of the catalogue that have a role."""
-    return tuple(effect.name for effect in CATALOGUE.values() if role in effect.roles)
-
-
-def serves(effect: Effect, role: Role) -> bool:
-    """Whether an effect has a role, and is no share of the hull beside it."""
-    return role in effect.roles and not _holds_the_hull(effect.outputs)
-
-
-def drives(effect: Effect) -> bool:
-    """Whether an effect is a propeller or another drive, and no share of the hull beside it."""
-    return serves(effect, SAILING[0])
-
-
-def steers(effect: Effect) -> bool:
-    """Whether an effect is a rudder or another gear that steers, and nothing of the hull."""
-    return serves(effect, SAILING[1])
-
-
-def _holds_the_hull(outputs: Iterable[str]) -> bool:
-    return any(output.endswith("dot") for output in outputs)
-
 
 EMPIRICAL: Final = "empirical"
 """How the source of an estimate begins."""
-ASSUMED: Final = "assumed"
-"""How the source of a usual value begins that stands for what nobody states."""
 FASTEST: Final = 0.29
 """Largest Froude number of the ships that the standard errors of the estimates come from: KVLCC2,
 KCS and S175."""
@@ -135,6 +71,50 @@ class Standing:
     reversed: bool = False
     Fn: float = 0.0
     tested: tuple[float, ...] = ()
+
+    @classmethod
+    def of(cls, model: Model, speed: float) -> Standing:
+        """What the numbers of a model stand on.
+
+        Parameters
+        ----------
+        model : Model
+            Whose steps say whether it was made by force, and whose sources which values are
+            estimates.
+        speed : float
+            Of the approach [m/s].
+
+        Examples
+        --------
+        >>> from pmmkit.models.estimates import estimated_model
+        >>> from pmmkit.models.store import load_model
+        >>> ship = load_model("kcs").ship
+        >>> made = estimated_model(ship, speed=12.35, propeller_diameter=7.9, rudder_area=45.3)
+        >>> Standing.of(load_model("kcs"), 12.35).sentences
+        ()
+        >>> Standing.of(made, 12.35).hull, Standing.of(made, 12.35).estimated
+        (True, ('propulsion', 'steering'))
+        """
+        hull = model.parts.get(HULL)
+        across = [] if hull is None else [hull.source_of(x) for x in hull.values if x[0] in "YN"]
+        both = [] if hull is None else [hull.source_of(x) for x in hull.values if _together(x)]
+        guessed = _empirical(across)
+        return cls(
+            forced=model.not_usable,
+            hull=guessed,
+            coupled=not guessed and _empirical(both),
+            uncoupled=bool(across) and not model.acts_across(lambda v, r: v and r),
+            estimated=tuple(
+                role
+                for role in SAILING
+                if any(_guessed(x) for x in model.parts.values() if x.known.serves(role))
+            ),
+            reversed=any(
+                "n" in part.known.states and part.assumed() for part in model.parts.values()
+            ),
+            Fn=model.ship.froude(speed, model.water.g),
+            tested=tuple(model.Fn),
+        )
 
     @property
     def outside(self) -> float:
@@ -224,50 +204,6 @@ class Standing:
         }
 
 
-def standing(model: Model, speed: float) -> Standing:
-    """What the numbers of a model stand on.
-
-    Parameters
-    ----------
-    model : Model
-        Whose steps say whether it was made by force, and whose sources which values are estimates.
-    speed : float
-        Of the approach [m/s].
-
-    Examples
-    --------
-    >>> from pmmkit.models.estimates import estimated_model
-    >>> from pmmkit.models.store import load_model
-    >>> ship = load_model("kcs").ship
-    >>> made = estimated_model(ship, speed=12.35, propeller_diameter=7.9, rudder_area=45.3)
-    >>> standing(load_model("kcs"), 12.35).sentences
-    ()
-    >>> standing(made, 12.35).hull, standing(made, 12.35).estimated
-    (True, ('propulsion', 'steering'))
-    """
-    hull = model.parts.get(HULL)
-    across = [] if hull is None else [hull.source_of(x) for x in hull.values if x[0] in "YN"]
-    both = [] if hull is None else [hull.source_of(x) for x in hull.values if _together(x)]
-    guessed = _empirical(across)
-    return Standing(
-        forced=model.not_usable,
-        hull=guessed,
-        coupled=not guessed and _empirical(both),
-        uncoupled=bool(across) and not any_across(model, lambda v, r: v and r),
-        estimated=tuple(
-            role
-            for role in SAILING
-            if any(_guessed(x) for x in model.parts.values() if serves(x.known, role))
-        ),
-        reversed=any(
-            "n" in part.known.states and part.source.startswith(ASSUMED)
-            for part in model.parts.values()
-        ),
-        Fn=model.ship.froude(speed, model.water.g),
-        tested=tuple(model.Fn),
-    )
-
-
 def _empirical(sources: Sequence[str]) -> bool:
     """Whether there are sources, and all are of estimates."""
     return bool(sources) and all(source.startswith(EMPIRICAL) for source in sources)
@@ -279,26 +215,6 @@ def _together(name: str) -> bool:
     return name[0] in "YN" and bool(term.count("v") and term.count("r"))
 
 
-def any_across(model: Model, which: Callable[[int, int], object]) -> bool:
-    """Whether the hull's side force and moment have such a term, by powers of v and r, that is not
-    zero; other parts that hold some of them have any."""
-    others = any(
-        name != HULL and "Y" in part.known.outputs and not (part.known.roles or part.known.needs)
-        for name, part in model.parts.items()
-    )
-    hull = model.parts.get(HULL)
-    there = {} if hull is None else hull.values
-    terms = [parse_derivative(name) for name, value in there.items() if np.any(value)]
-    return others or any(
-        which(x.count("v"), x.count("r")) for x in terms if x.channel in ("Y", "N")
-    )
-
-
-def estimates_in(part: Part) -> list[str]:
-    """Names of the values of a part that are estimates from particulars."""
-    return [name for name in part.values if part.source_of(name).startswith(EMPIRICAL)]
-
-
 def _guessed(part: Part) -> bool:
     """Whether an estimate of a part is of those by which ships differ."""
-    return any(name in part.std for name in estimates_in(part))
+    return any(name in part.std for name in part.estimated)

@@ -19,7 +19,7 @@ from typing import (
 
 from pmmkit.base import ModelError, Problem, did_you_mean
 from pmmkit.models.library import number
-from pmmkit.models.step import Value
+from pmmkit.models.step import Step, Value
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -119,6 +119,15 @@ class FileReader:
             for problem in error.problems:
                 self.fault(f"{place}: {problem.message}")
         return None
+
+    def steps(self, data: Mapping[str, Any]) -> tuple[Step, ...]:
+        """The ``[[steps]]`` of a file; what is wrong is added to the faults."""
+        items = data.get("steps", [])
+        if not isinstance(items, list) or not all(isinstance(item, dict) for item in items):
+            self.fault("steps must be sections [[steps]].")
+            return ()
+        found = [self.record(Step, item, f"steps.{i}") for i, item in enumerate(items, start=1)]
+        return tuple(step for step in found if step is not None)
 
     def _entry(self, hint: Any, data: Mapping[str, Any], key: str, place: str) -> Any:
         """One entry as the annotation of its field wants it."""

@@ -8,8 +8,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.base import ModelError, UnknownNameError, did_you_mean
-from pmmkit.conventions import canonical
-from pmmkit.effects import PROPELLER, RUDDER_MMG
+from pmmkit.conventions import parse_derivative
 from pmmkit.models.changes import before_of, covariance_of
 from pmmkit.models.model import DERIVATIVE_PARTS, Model, Part, place_name
 from pmmkit.models.particulars import (
@@ -20,11 +19,10 @@ from pmmkit.models.particulars import (
     PROPELLER_ERRORS,
     RUDDER_ERRORS,
 )
-from pmmkit.models.provenance import drives, steers
 from pmmkit.models.scale import scaled
 from pmmkit.models.step import Step, Value
 
-ERRORS: Final = MappingProxyType({PROPELLER.name: PROPELLER_ERRORS, RUDDER_MMG.name: RUDDER_ERRORS})
+ERRORS: Final = MappingProxyType({"propeller": PROPELLER_ERRORS, "rudder_mmg": RUDDER_ERRORS})
 
 
 def with_stated(model: Model, values: Mapping[str, float], because: str) -> Model:
@@ -102,8 +100,8 @@ def part_of(model: Model, words: str) -> str:
     """The part that words mean: its name, or ``rudder`` and ``propeller`` for what it does."""
     if words in model.parts:
         return words
-    does = {"rudder": steers, PROPELLER.name: drives}.get(words)
-    found = [name for name, part in model.parts.items() if does is not None and does(part.known)]
+    role = {"rudder": "steering", "propeller": "propulsion"}.get(words, "")
+    found = [name for name, part in model.parts.items() if part.known.serves(role)]
     if len(found) != 1:
         raise UnknownNameError(
             f"Model {model.name!r} has no part {words!r}"
@@ -127,7 +125,7 @@ def _known(model: Model, effect: str, name: str) -> tuple[str, str]:
 
 def _spelled(name: str) -> str:
     try:
-        return canonical(name)
+        return parse_derivative(name).name
     except UnknownNameError:
         return name
 
@@ -172,8 +170,8 @@ def with_part_of(model: Model, words: str, donor: Model, because: str = "") -> M
         own
         for own, there in model.parts.items()
         if own == name
-        or (drives(there.known) and drives(part.known))
-        or (steers(there.known) and steers(part.known))
+        or (there.known.drives and part.known.drives)
+        or (there.known.steers and part.known.steers)
     ]
     if any(own in DERIVATIVE_PARTS for own in (*same, name)):
         raise ModelError("The hull comes from tests: reduce them, or take the other model whole.")
@@ -185,14 +183,14 @@ def with_part_of(model: Model, words: str, donor: Model, because: str = "") -> M
 
 def _in_the_slipstream(old: Model, new: Model) -> Model:
     """The rudder with as much of its height in the slipstream as a new diameter reaches."""
-    if not all(x in m.parts for m in (old, new) for x in (PROPELLER.name, RUDDER_MMG.name)):
+    if not all(x in m.parts for m in (old, new) for x in ("propeller", "rudder_mmg")):
         return new
-    before, after = (m.parts[PROPELLER.name].values["D"] for m in (old, new))
-    eta = new.parts[RUDDER_MMG.name].values.get("eta")
-    kept = old.parts[RUDDER_MMG.name] == new.parts[RUDDER_MMG.name]
+    before, after = (m.parts["propeller"].values["D"] for m in (old, new))
+    eta = new.parts["rudder_mmg"].values.get("eta")
+    kept = old.parts["rudder_mmg"] == new.parts["rudder_mmg"]
     if not (isinstance(eta, float) and isinstance(before, float) and isinstance(after, float)):
         return new
-    return new.with_values(RUDDER_MMG.name, eta=eta * after / before) if kept else new
+    return new.with_values("rudder_mmg", eta=eta * after / before) if kept else new
 
 
 def lent(part: Part, source: str = "", *, same_ship: bool) -> Part:
@@ -274,13 +272,13 @@ def with_stated_parts(
     1.019
     """
     stated: dict[str, float] = {}
-    if PROPELLER.name in model.parts:
-        stated |= _values(model, PROPELLER.name, propeller)
-    if RUDDER_MMG.name in model.parts:
+    if "propeller" in model.parts:
+        stated |= _values(model, "propeller", propeller)
+    if "rudder_mmg" in model.parts:
         areas = [x for name in TURNS if (x := rudder.get(name))]
         given = {**rudder, "area": areas[0]} if areas else rudder
-        stated |= _values(model, RUDDER_MMG.name, given)
-        place = f"{RUDDER_MMG.name}.eta"
+        stated |= _values(model, "rudder_mmg", given)
+        place = "rudder_mmg.eta"
         if place not in stated and (eta := _reach(model, stated, rudder)) is not None:
             stated[place] = eta
     return with_stated(model, stated, because) if stated else model
@@ -300,11 +298,11 @@ def _values(model: Model, part: str, given: Mapping[str, Any]) -> dict[str, floa
 
 def _reach(model: Model, stated: Mapping[str, float], rudder: Mapping[str, Any]) -> float | None:
     """Diameter of the propeller over the height of the rudder; None where nothing changes it."""
-    if PROPELLER.name not in model.parts:
+    if "propeller" not in model.parts:
         return None
-    before = model.parts[PROPELLER.name].values.get("D")
-    eta = model.parts[RUDDER_MMG.name].values.get("eta")
-    after = stated.get(f"{PROPELLER.name}.D", before)
+    before = model.parts["propeller"].values.get("D")
+    eta = model.parts["rudder_mmg"].values.get("eta")
+    after = stated.get("propeller.D", before)
     if not (isinstance(before, float) and isinstance(after, float) and isinstance(eta, float)):
         return None
     height = rudder.get("height")

@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from pmmkit.base import MissingPartError, ModelError, Problem, Remedy, Way
-from pmmkit.conventions import Ship, Water, viscosity
+from pmmkit.conventions import Ship, Water
 from pmmkit.effects import HULL
 from pmmkit.models.empirical import form_factor, friction_coefficient, wetted_surface
 from pmmkit.models.model import Model, Part, place_name
-from pmmkit.models.provenance import drives
 from pmmkit.models.step import Step, Value
 
 
@@ -185,7 +184,7 @@ def full_scale(
     """
     carried = scaled(model, length)
     hull = carried.part(HULL, "the correction of friction").values
-    if "Xuu" not in hull or not any(drives(part.known) for part in model.parts.values()):
+    if "Xuu" not in hull or not any(part.known.drives for part in model.parts.values()):
         raise MissingPartError(
             Problem(
                 message=f"Model {model.name!r} does not keep the resistance of its hull (Xuu) "
@@ -216,9 +215,9 @@ def full_scale(
     surface = wetted_surface(ship) if wetted is None else wetted
     extra = max(105.0 * (roughness / length) ** (1.0 / 3.0) - 0.64, 0.0) * 1e-3
     of_model = [
-        friction_coefficient(small.speed(x, g) * small.L / viscosity(model.water)) for x in numbers
+        friction_coefficient(small.speed(x, g) * small.L / model.water.viscosity) for x in numbers
     ]
-    of_ship = [friction_coefficient(ship.speed(x, g) * ship.L / viscosity(sea)) for x in numbers]
+    of_ship = [friction_coefficient(ship.speed(x, g) * ship.L / sea.viscosity) for x in numbers]
     side = ship.L**2 if model.convention.system == "prime" else ship.L * ship.d
     if model.convention.system == "bis":
         side = 2.0 * ship.volume / ship.L

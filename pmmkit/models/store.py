@@ -271,7 +271,7 @@ def model_from(data: Mapping[str, Any], file: str) -> Model:
     names, covariance = _covariance(reader, data)
     given = {key: reader.text(data, key) for key in ("title", "scale")}
     notes = reader.texts(data, "notes")
-    steps = steps_of_sentences(reader.texts(data, "history")) + read_steps(reader, data)
+    steps = steps_of_sentences(reader.texts(data, "history")) + reader.steps(data)
     if reader.problems or ship is None or water is None or convention is None:
         raise ModelError(reader.problems, title=title)
     try:
@@ -294,16 +294,6 @@ def model_from(data: Mapping[str, Any], file: str) -> Model:
     except DataError as error:
         found = [Problem(message=item.message, file=file) for item in error.problems]
         raise ModelError(found, title=title) from error
-
-
-def read_steps(reader: FileReader, data: Mapping[str, Any]) -> tuple[Step, ...]:
-    """The ``[[steps]]`` of a file; what is wrong is added to the faults of `reader`."""
-    items = data.get("steps", [])
-    if not isinstance(items, list) or not all(isinstance(item, dict) for item in items):
-        reader.fault("steps must be sections [[steps]].")
-        return ()
-    found = [reader.record(Step, item, f"steps.{i}") for i, item in enumerate(items, start=1)]
-    return tuple(step for step in found if step is not None)
 
 
 def _part(reader: FileReader, effect: str, data: Mapping[str, Any]) -> Part:

@@ -9,12 +9,11 @@ from types import MappingProxyType
 from typing import Final, TypeVar
 
 from pmmkit.base import ModelError
-from pmmkit.conventions import canonical, parse_derivative
-from pmmkit.effects import FOUR_QUADRANT_PROPELLER, HULL, INERTIA, RUDDER_POLYNOMIAL
-from pmmkit.models.astern import as_it_stops, reversed_by_bucket
+from pmmkit.conventions import parse_derivative
+from pmmkit.effects import HULL, INERTIA
+from pmmkit.models.astern import as_it_stops
 from pmmkit.models.changes import covariance_of
 from pmmkit.models.model import Model, Part, needs_roll, place_name
-from pmmkit.models.provenance import drives
 from pmmkit.models.step import Step
 
 T = TypeVar("T")
@@ -56,11 +55,11 @@ def held_straight(model: Model) -> Model:
     ({'Xu|u|': -0.022}, ['four_quadrant_propeller', 'rudder_abkowitz'])
     """
     turning = as_it_stops(model)
-    known = turning and (FOUR_QUADRANT_PROPELLER.name in turning.parts or reversed_by_bucket(model))
+    known = turning and ("four_quadrant_propeller" in turning.parts or model.has_bucket)
     if turning is None or not known:
         raise ModelError(
             f"Model {model.name!r} does not say what its propulsion does while the ship moves "
-            f"astern: state a part {FOUR_QUADRANT_PROPELLER.name}."
+            f"astern: state a part four_quadrant_propeller."
         )
     if model.convention.surge == "delta-u":
         raise ModelError(
@@ -76,9 +75,9 @@ def held_straight(model: Model) -> Model:
         elif name == INERTIA:
             kept = [own for own in part.values if own != "lx" and not needs_roll(own)]
             parts[name] = _only(part, dict(zip(kept, kept, strict=True)))
-        elif drives(part.known) or "n" in part.known.states:
+        elif part.known.drives or "n" in part.known.states:
             parts[name] = _along_the_ship(part)
-    parts.setdefault(RUDDER_POLYNOMIAL, Part(effect=RUDDER_POLYNOMIAL))
+    parts.setdefault("rudder_abkowitz", Part(effect="rudder_abkowitz"))
     there = {place_name(x, own) for x, part in parts.items() for own in part.values}
     names = [x for x in turning.covariance_names if renamed.get(x, x) in there]
     C, names_left = covariance_of(turning, names)
@@ -103,7 +102,7 @@ def _odd(name: str) -> str:
     factors = [x for x in known.factors if x != "0"] or ["u", "u"]
     if factors.count("u") % 2:
         return name
-    return canonical("X" + "".join(["|u|", *factors[1:]]))
+    return parse_derivative("X" + "".join(["|u|", *factors[1:]])).name
 
 
 def _only(part: Part, names: Mapping[str, str]) -> Part:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmmkit.base import ModelError, Problem, Remedy, Way
 from pmmkit.conventions import Convention, parse_derivative
-from pmmkit.effects import BY_SPEED, HULL, INERTIA, ROLL_PART, RUDDER_POLYNOMIAL, Effect
+from pmmkit.effects import BY_SPEED, INERTIA, Effect
 from pmmkit.models.changes import before_of, without_values
 from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
@@ -74,7 +74,7 @@ def with_terms(model: Model, asked: RequestedEffect) -> Model:
         raise ModelError(
             Problem(
                 message=f"{asked.name} ({', '.join(roll)}) needs roll, and model {model.name!r} "
-                f"has no part {ROLL_PART!r}.",
+                f"has no part 'roll'.",
                 remedy=Remedy(
                     "Take a ship that rolls, as {} does, or give it roll by {}.",
                     (
@@ -124,17 +124,8 @@ def with_terms(model: Model, asked: RequestedEffect) -> Model:
     )
 
 
-def home_of(model: Model, name: str) -> str:
-    """The part in which a derivative stands, or would."""
-    derivative = parse_derivative(name)
-    if any(factor.endswith("dot") for factor in derivative.factors):
-        return INERTIA
-    steered = derivative.count("d") and RUDDER_POLYNOMIAL in model.parts
-    return RUDDER_POLYNOMIAL if steered else HULL
-
-
 def _home(model: Model, name: str) -> Part:
-    return model.part(home_of(model, name), "an effect of derivatives")
+    return model.part(model.home_of(name), "an effect of derivatives")
 
 
 def _parts(model: Model, values: Mapping[str, Value], source: str) -> Mapping[str, Part]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from pmmkit.conventions import Ship, Water, force_unit, parse_derivative, speed_unit
+from pmmkit.conventions import Convention, Ship, Water, parse_derivative
 from pmmkit.effects import HULL, INERTIA, Effect, Move
 from pmmkit.models.model import Model
 
@@ -48,77 +48,71 @@ class Sailing:
             or known.chosen(own.options)[parameter.form[0]] in parameter.form[1:]
         )
 
+    def moves(self, effect: Effect) -> Mapping[str, Move]:
+        """How the coefficients of an effect move the values of the model.
 
-def moves_of(effect: Effect, vessel: Sailing) -> Mapping[str, Move]:
-    """How the coefficients of an effect move the values of a model.
-
-    Coefficients of derivatives are those of the catalogue, in the prime system.
-    """
-    if effect.moves is not None:
-        found = effect.moves(vessel)
-        if effect.kind != "terms":
-            return found
-        if found:
-            return {label: _in_the_system_of(vessel.model, move) for label, move in found.items()}
-    if effect.kind == "terms":
+        Coefficients of derivatives are those of the catalogue, in the prime system.
+        """
+        if effect.moves is not None:
+            found = effect.moves(self)
+            if effect.kind != "terms":
+                return found
+            if found:
+                return {label: _in_the_system_of(self.model, move) for label, move in found.items()}
+        if effect.kind == "terms":
+            return {
+                label: Move(
+                    values={
+                        name: share * _from_prime(self.model, name)
+                        for name, share in effect.derivatives_of(label).items()
+                    },
+                    typical=size,
+                )
+                for label, size in effect.typical.items()
+            }
+        part = effect.frees or effect.name
+        held = [
+            label
+            for label in effect.typical
+            if (effect.enters and part not in self.model.parts) or self.holds(part, label)
+        ]
         return {
-            label: Move(
-                values={
-                    name: share * _from_prime(vessel.model, name)
-                    for name, share in effect.derivatives_of(label).items()
-                },
-                typical=size,
-            )
-            for label, size in effect.typical.items()
+            label: Move(values={f"{part}.{label}": 1.0}, typical=effect.typical[label])
+            for label in held
         }
-    part = effect.frees or effect.name
-    held = [
-        label
-        for label in effect.typical
-        if (effect.enters and part not in vessel.model.parts) or vessel.holds(part, label)
-    ]
-    return {
-        label: Move(values={f"{part}.{label}": 1.0}, typical=effect.typical[label])
-        for label in held
-    }
 
+    def told(self, options: Mapping[str, Mapping[str, str]], begins: Mapping[str, float]) -> Model:
+        """The model with its parts told to use values, which act as little as before.
 
-def told(
-    model: Model, options: Mapping[str, Mapping[str, str]], begins: Mapping[str, float]
-) -> Model:
-    """A model whose parts are told to use values, which act as little as before.
+        Parameters
+        ----------
+        options : mapping of str to (mapping of str to str)
+            By part: the words that it is told; those that it has by default need not be said.
+        begins : mapping of str to float
+            What values become that the part did not use before.
 
-    Parameters
-    ----------
-    model : Model
-        The model.
-    options : mapping of str to (mapping of str to str)
-        By part: the words that it is told; those that it has by default need not be said.
-    begins : mapping of str to float
-        What values become that the part did not use before.
-
-    Examples
-    --------
-    >>> from pmmkit.models.store import load_model
-    >>> ship = load_model("s175")
-    >>> begins = {"rudder_mmg.stall_deg": 20.0, "rudder_mmg.stall_loss": 0.0}
-    >>> stalls = told(ship, {"rudder_mmg": {"stall": "smooth"}}, begins)
-    >>> told(stalls, {"rudder_mmg": {"stall": "smooth"}}, begins) is stalls
-    True
-    """
-    known, parts = Sailing(model, 1.0), dict(model.parts)
-    for name, words in options.items():
-        part = parts[name]
-        chosen = part.known.chosen(part.options)
-        new = {option: word for option, word in words.items() if chosen[option] != word}
-        parts[name] = replace(part, options=MappingProxyType({**part.options, **new}))
-    for place, value in begins.items():
-        name, _, own = place.partition(".")
-        if not known.holds(name, own) or own not in parts[name].values:
-            values = MappingProxyType({**parts[name].values, own: value})
-            parts[name] = replace(parts[name], values=values)
-    same = all(parts[name] == model.parts[name] for name in parts)
-    return model if same else replace(model, parts=MappingProxyType(parts))
+        Examples
+        --------
+        >>> from pmmkit.models.store import load_model
+        >>> ship = load_model("s175")
+        >>> begins = {"rudder_mmg.stall_deg": 20.0, "rudder_mmg.stall_loss": 0.0}
+        >>> stalls = Sailing(ship, 1.0).told({"rudder_mmg": {"stall": "smooth"}}, begins)
+        >>> Sailing(stalls, 1.0).told({"rudder_mmg": {"stall": "smooth"}}, begins) is stalls
+        True
+        """
+        model, parts = self.model, dict(self.model.parts)
+        for name, words in options.items():
+            part = parts[name]
+            chosen = part.known.chosen(part.options)
+            new = {option: word for option, word in words.items() if chosen[option] != word}
+            parts[name] = replace(part, options=MappingProxyType({**part.options, **new}))
+        for place, value in begins.items():
+            name, _, own = place.partition(".")
+            if not self.holds(name, own) or own not in parts[name].values:
+                values = MappingProxyType({**parts[name].values, own: value})
+                parts[name] = replace(parts[name], values=values)
+        same = all(parts[name] == model.parts[name] for name in parts)
+        return model if same else replace(model, parts=MappingProxyType(parts))
 
 
 def _in_the_system_of(model: Model, move: Move) -> Move:
@@ -133,9 +127,9 @@ def _in_the_system_of(model: Model, move: Move) -> Move:
 def _from_prime(model: Model, name: str) -> float:
     """A derivative of the prime system in the system and signs of a model, per unit."""
     convention, ship, water = model.convention, model.ship, model.water
-    U = speed_unit(convention.system, ship=ship, water=water, U=1.0)
-    prime = force_unit(name[0], "prime", ship=ship, water=water, U=U)
-    ratio = prime / force_unit(name[0], convention.system, ship=ship, water=water, U=1.0)
+    U = convention.speed_unit(ship=ship, water=water, U=1.0)
+    prime = Convention(system="prime").force_unit(name[0], ship=ship, water=water, U=U)
+    ratio = prime / convention.force_unit(name[0], ship=ship, water=water, U=1.0)
     derivative, sign = parse_derivative(name), 1.0
     if convention.sway == "beta":
         sign *= derivative.sign_under_flip("v")

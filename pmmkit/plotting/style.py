@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from pmmkit.conventions import Convention, latex_symbol
+from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.files import atomic_path
 
 if TYPE_CHECKING:
@@ -206,7 +206,7 @@ def symbol(name: str, convention: Convention) -> str:
     $Y'_{\\dot{v}}$
     """
     beta, double = convention.sway == "beta", convention.system == "bis"
-    return f"${latex_symbol(name, beta=beta, double=double)}$"
+    return f"${parse_derivative(name).latex(beta=beta, double=double)}$"
 
 
 def legend_below(figure: Figure, axes: Sequence[Axes], columns: int = 4) -> None:

@@ -11,7 +11,6 @@ import numpy as np
 from pmmkit.campaigns import Campaign, TypeB, has_nominal, rig_of
 from pmmkit.conventions import CHANNEL_UNITS, Convention
 from pmmkit.inference import Restricted, RunEffects, per_column
-from pmmkit.models import CONFIDENCE
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.reduction.estimate import BIRGE_P, ChannelFit, RunBlock, Width
 from pmmkit.reduction.observations.equations import Rows, Sensitivity, sensitivity
@@ -247,7 +246,7 @@ def widened(
         uneven = np.maximum(weight @ variance**2 / mean**2 - 1.0, 1e-6)
     dof = np.where(there, 4.0 + 2.0 / uneven, np.inf)
     half = half_width(
-        change[:, there], variance[:, there], weight, np.zeros(int(there.sum())), CONFIDENCE
+        change[:, there], variance[:, there], weight, np.zeros(int(there.sum())), 0.95
     )
     plain = np.zeros(len(there))
     for gain, noise, stated, own in zip(
@@ -257,7 +256,7 @@ def widened(
             plain += np.sum((gain @ part) ** 2, axis=1)
         plain += np.einsum("pi,ij,pj->p", gain, noise, gain)
     factor = np.ones(len(there))
-    factor[there] = half / coverage_factor(dof[there], CONFIDENCE) / np.sqrt(plain[there])
+    factor[there] = half / coverage_factor(dof[there]) / np.sqrt(plain[there])
     return replace(item, width=Width(columns=columns, factor=factor, dof=dof))
 
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign, by_depth
-from pmmkit.effects import SHALLOWEST
-from pmmkit.models import CONFIDENCE, NEARLY, DerivativeTable, TablesByDepth, grown, in_step
+from pmmkit.models import DerivativeTable, TablesByDepth, grown
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import WIDE, plus_minus
 from pmmkit.reduction.reduce import Reduction, reduce_campaign
@@ -120,7 +121,7 @@ def reduce_depths(campaign: Campaign, **settings: Any) -> tuple[Reduction, ...]:
 
 def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
     deep = tables.tables[0]
-    one, other = in_step(deep, shallow)
+    one, other = tables.in_step(shallow)
     ship, depths = shallow.ship, (deep.water.depth or math.inf, shallow.water.depth or math.inf)
     for name in TOLD:
         if name not in one or name not in other:
@@ -134,7 +135,7 @@ def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
             continue
         factor, error, used = found
         laws = (math.nan, math.nan)
-        if depths[1] >= NEARLY * SHALLOWEST * ship.d:
+        with suppress(DataError):  # the formulas hold down to some depth
             laws = (grown(ship, name, depths[0] / ship.d), grown(ship, name, depths[1] / ship.d))
         yield Growth(
             name=name,
@@ -142,7 +143,7 @@ def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
             deepest=depths[0] / ship.d,
             factor=factor,
             std=error,
-            half=float(coverage_factor(dof[used].min(), CONFIDENCE)) * error,
+            half=float(coverage_factor(dof[used].min())) * error,
             laws=laws,
         )
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from pmmkit.campaigns import Run
-from pmmkit.conventions import CHANNELS, Structure, bare, parse_derivative
+from pmmkit.conventions import CHANNELS, Structure, parse_derivative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +28,7 @@ class DerivativeNames:
         allowed = {"0", *factors}
 
         def inside(name: str) -> bool:
-            return {bare(factor) for factor in parse_derivative(name).factors} <= allowed
+            return parse_derivative(name).variables <= allowed
 
         return DerivativeNames(
             required={c: tuple(filter(inside, names)) for c, names in self.required.items()},

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pmmkit.inference import of_others
-from pmmkit.models import CONFIDENCE
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import at_froude
 from pmmkit.reduction.estimate import ChannelFit, solvable
@@ -133,7 +132,7 @@ def influences(solution: Solution, rows: Sequence[Rows]) -> tuple[Influence, ...
 
 def _half_widths(solution: Solution) -> dict[tuple[int, str], float]:
     joint = solution.joint
-    half = coverage_factor(joint.dof, CONFIDENCE) * np.sqrt(np.diagonal(joint.covariance))
+    half = coverage_factor(joint.dof) * np.sqrt(np.diagonal(joint.covariance))
     return dict(zip(joint.labels, half.tolist(), strict=True))
 
 

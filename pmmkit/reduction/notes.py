@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmmkit.conventions import bare, parse_derivative
+from pmmkit.conventions import parse_derivative
 from pmmkit.presentation import at_froude, counted, listed
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.observations.equations import Rows
@@ -49,7 +49,7 @@ def tests_for(name: str) -> str:
     >>> tests_for("Nvvr")
     'yaw with drift or circular motion with drift'
     """
-    factors = {bare(factor) for factor in parse_derivative(name).factors}
+    factors = parse_derivative(name).variables
     choices = (
         ({"d", "v"}, "drift with rudder"),
         ({"d", "r"}, "yaw with rudder"),

@@ -12,15 +12,7 @@ import numpy as np
 
 from pmmkit.base import MissingPartError
 from pmmkit.campaigns import open_water
-from pmmkit.effects import (
-    State,
-    in_channel,
-    normal_force,
-    over_arrays,
-    regressors,
-    rudder_flow,
-    rudder_force,
-)
+from pmmkit.effects import Effect, State, normal_force, over_arrays, rudder_flow
 from pmmkit.models import Part, straight_polynomial
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus
@@ -302,15 +294,15 @@ class Parts(Described):
             if not any(factor in name[1:] for factor in ("d", "T")) and name not in ("Xuu", "X0")
         ]
         for channel, force in forces.items():
-            chosen = in_channel(names, channel)
-            columns = regressors(
+            chosen = [name for name in names if name[0] == channel]
+            columns = Regressors.at(
                 chosen,
                 state,
                 ship=ship,
                 water=water,
                 convention=table.convention,
                 approach_speed=speed,
-            )
+            ).columns
             size = np.linalg.norm(columns, axis=0)
             share = np.linalg.lstsq(columns / size, force, rcond=None)[0] / size
             for name, value in zip(chosen, share, strict=True):
@@ -364,9 +356,11 @@ def rudder_amidships(
     parts: Parts, state: State, L: float, rho: float, revolutions: float
 ) -> dict[str, Array]:
     """X, Y [N] and N [N m] of the rudder at zero angle behind its propeller, over histories."""
-    from pmmkit.effects import CATALOGUE, propeller_force
+    from pmmkit.effects import CATALOGUE
 
     screw, blade = CATALOGUE["propeller"], CATALOGUE["rudder_mmg"]
+    assert screw.force is not None
+    assert blade.force is not None
     motion: dict[str, Any] = {
         "u": state.u,
         "v": state.v,
@@ -376,23 +370,18 @@ def rudder_amidships(
         "L": L,
         "rho": rho,
     }
-    _, inflow, _, _, loading = over_arrays(propeller_force)(
-        n=revolutions, **_words(screw, parts.propeller, propeller_force, motion)
+    _, inflow, _, _, loading = over_arrays(screw.force)(
+        n=revolutions, **_words(screw, parts.propeller, motion)
     )
-    X, Y, N, _, _ = over_arrays(rudder_force)(
-        delta=0.0,
-        propeller_inflow=inflow,
-        loading=loading,
-        **_words(blade, parts.rudder, rudder_force, motion),
+    X, Y, N, _, _ = over_arrays(blade.force)(
+        delta=0.0, propeller_inflow=inflow, loading=loading, **_words(blade, parts.rudder, motion)
     )
     return {"X": X, "Y": Y, "N": N}
 
 
-def _words(effect: Any, part: Part, function: Any, motion: Mapping[str, Any]) -> dict[str, Any]:
+def _words(effect: Effect, part: Part, motion: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments of an effect's function from a part and a motion."""
-    from inspect import signature
-
-    asked = signature(function).parameters
+    asked = effect.arguments
     chosen = effect.chosen(part.options)
     given: dict[str, Any] = {name: motion[name] for name in asked if name in motion}
     for item in effect.parameters:

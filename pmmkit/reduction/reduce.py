@@ -13,7 +13,7 @@ from pmmkit.base import CampaignError, ContradictionError, Problem, Workers, __v
 from pmmkit.campaigns import Campaign, file_hashes, one_depth, rig_of, within_reach
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, Structure, structure_of
 from pmmkit.intake import CheckFinding, examine, loudest_first, refuse, untold
-from pmmkit.models import KEY, MISFIT, DerivativeTable, TableVerdict
+from pmmkit.models import DerivativeTable, TableVerdict
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.agreement import Difference, differences, worst
 from pmmkit.reduction.between_runs import between_runs
@@ -357,7 +357,7 @@ def reduce_campaign(
         notes=remarks,
         provenance={
             **_provenance(campaign, results, wanted, fn, cycles, blockage),
-            MISFIT: list(misfits(solution)),
+            "misfit": list(misfits(solution)),
         },
     )
     histories = tuple(item.history for item in read if item.history is not None)
@@ -388,10 +388,10 @@ def reduce_campaign(
     moved = Influences(items=each, odd=odd)
     judged = verdict(table, families, solution, moved, told, rows, weighed=weighed)
     return Reduction(
-        table=_judged(table, judged),
+        table=table.judged(judged),
         method=main,
         estimates={
-            name: replace(item, table=_judged(item.table, judged)) for name, item in found.items()
+            name: replace(item, table=item.table.judged(judged)) for name, item in found.items()
         },
         runs=results,
         findings=told,
@@ -410,11 +410,6 @@ def reduce_campaign(
         verdict=judged,
         because=because,
     )
-
-
-def _judged(table: DerivativeTable, found: TableVerdict) -> DerivativeTable:
-    """A table that keeps what was found against it."""
-    return table.with_(provenance={**table.provenance, KEY: found.to_dict()})
 
 
 def _excited(

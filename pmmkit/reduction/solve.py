@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import Convention, canonical
+from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.inference import Restricted, RunEffects
 from pmmkit.models import DerivativeTable
 from pmmkit.numerics import Array
@@ -283,7 +283,7 @@ def to_table(
     """The solution as a DerivativeTable; zero offsets that nobody asked for stay out."""
     found = {name for _, name in solution.joint.labels}
     names = tuple(
-        canonical(name)
+        parse_derivative(name).name
         for channel in columns.required
         for name in (
             *columns.required[channel],

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.effects import resolve
+from pmmkit.effects import AddedMass
 from pmmkit.inference import RunEffects
 from pmmkit.intake import CheckFinding
 from pmmkit.models import DerivativeTable, TableVerdict
@@ -291,7 +291,7 @@ def _massless(table: DerivativeTable) -> Iterator[str]:
             if math.isfinite(x)
         }
         if all(name in known for name in MASS):
-            added = resolve(known, ship=ship, water=table.water, convention=table.convention)
+            added = AddedMass.of(known, ship=ship, water=table.water, convention=table.convention)
             sway, yaw = ship.mass - added.Yvdot, ship.Izz - added.Nrdot
             moment = ship.mass * ship.xG
             cross = (moment - added.Yrdot) * (moment - added.Nvdot)

@@ -15,16 +15,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.base import DataError, Progress, Workers, each, opened
-from pmmkit.conventions import in_lengths, main_of, metric_unit
-from pmmkit.models import (
-    DERIVATIVE_PARTS,
-    Model,
-    Standing,
-    load_model,
-    reversed_by_bucket,
-    standing,
-    with_open_couplings,
-)
+from pmmkit.conventions import in_lengths, main_of, metric_of
+from pmmkit.models import Model, Standing, load_model, with_open_couplings
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.simulation.equations.following import known_speeds, packed_following
@@ -311,7 +303,7 @@ class Batch:
         given = values_at(self.model, speed, extrapolate=self.extrapolate)
         for column, name in enumerate(names):
             effect, dot, own = name.rpartition(".")
-            for home in (effect,) if dot else DERIVATIVE_PARTS:
+            for home in (effect,) if dot else self.model.derivative_parts:
                 if own in given.get(home, {}):
                     given[home][own] = values[:, column]
                     break
@@ -353,11 +345,7 @@ def batch_of(
     conditions = Conditions(**around)
     pace = speed / loaded.ship.L
     plan = chosen.plan(
-        pace,
-        speed=speed,
-        wind=conditions.wind_speed > 0.0,
-        bucket=reversed_by_bucket(loaded),
-        **settings,
+        pace, speed=speed, wind=conditions.wind_speed > 0.0, bucket=loaded.has_bucket, **settings
     )
     return Batch(
         model=loaded,
@@ -483,9 +471,11 @@ def monte_carlo(
         name=loaded.name,
         manoeuvre=batch.plan.name,
         scale=loaded.scale,
-        units=MappingProxyType({name: metric_unit(name, batch.plan.metrics) for name in nominal}),
+        units=MappingProxyType(
+            {name: metric_of(name, batch.plan.metrics).unit_of(name) for name in nominal}
+        ),
         tested=batch.nominal_range(),
-        standing=standing(loaded, speed),
+        standing=Standing.of(loaded, speed),
     )
 
 

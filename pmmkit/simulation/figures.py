@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.conventions import IN_LENGTHS, limits_in_lengths, metric_of
+from pmmkit.conventions import IN_LENGTHS, criteria, metric_of
 from pmmkit.numerics import Array
 from pmmkit.plotting import (
     LIMIT,
@@ -26,7 +26,11 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_LIMITS: Final = limits_in_lengths()
+_LIMITS: Final = {
+    metric.judged(item): item.limit
+    for metric, item in criteria()
+    if metric.length and not callable(item.limit)
+}
 _SEEN: Final = 0.02
 """Share of a metric below which no trial could tell a change."""
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 
 import numpy as np
 
-from pmmkit.models import FN_TOLERANCE, Model
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Section
 from pmmkit.simulation.equations.following import prepare_following
@@ -125,8 +125,8 @@ def froude_range(model: Model, history: DenseHistory) -> FroudeRange | None:
         high=high,
         slowest=float(froude.min()),
         fastest=float(froude.max()),
-        below=time_below(t, froude, low * (1 - FN_TOLERANCE)),
-        above=time_below(t, -froude, -high * (1 + FN_TOLERANCE)),
+        below=time_below(t, froude, model.held[0]),
+        above=time_below(t, -froude, -model.held[1]),
         duration=history.end,
     )
 

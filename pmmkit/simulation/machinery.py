@@ -12,35 +12,14 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.effects import CATALOGUE, FOUR_QUADRANT_PROPELLER, HULL, SHAFT
-from pmmkit.models import (
-    ASSUMED,
-    DEDUCTION,
-    DEDUCTION_STD,
-    LONGEST_MODEL,
-    Model,
-    Part,
-    as_it_stops,
-    resistance_derivative,
-    reversed_by_bucket,
-)
+from pmmkit.effects import CATALOGUE
+from pmmkit.models import Model, Part, as_it_stops
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, number
 from pmmkit.simulation.equations.layouts import State
 from pmmkit.simulation.equations.prepared import prepare
 from pmmkit.simulation.kinds.manoeuvre import Setting
 
-HEAVIER: Final = 1.5
-"""From so many times the resistance of a ship of her size on it is taken for a model's. KVLCC2 and
-KCS of the library have 2.1 and 1.7 at full scale, S175 0.9; the estimate is good to a quarter."""
-PRIMES: Final = ("prime", "prime-d")
-"""Non-dimensional systems in which Xuu is a resistance over the square of the speed."""
-WAVES: Final = 0.3
-"""Froude number beyond which waves may make as much of the resistance."""
-HEAVY: Final = (
-    "Her resistance is {:.1f} times that of ships of her size, as a model's is: a ship runs on "
-    "farther when her engine is stopped, at other revolutions."
-)
 THERE: Final = 0.02
 """Revolutions this near those ordered, as a share of the approach's, count as reached."""
 SPIN: Final = 0.05
@@ -49,6 +28,9 @@ the revolutions of the approach, in ship lengths over the speed: 1 to 2 s of a l
 double of it change a track reach by 2 %."""
 GOVERNOR: Final = 0.2
 """Time constant of its governor, in the same unit."""
+DEDUCTION, DEDUCTION_STD = 0.22, 0.1
+"""Thrust deduction astern where nobody measured it, and how ships differ in it: van Berlekom and
+Goddard (1972) have 0.22 for a tanker in all quadrants, and such data are scarce."""
 FADING: Final = 0.2
 """Share of the revolutions of the approach below which its friction fades."""
 
@@ -244,7 +226,7 @@ def as_it_reverses(
     ordered = reversal_s is not None and torque is None
     if turning is None or turns >= 0.0:
         return model
-    if reversed_by_bucket(turning):
+    if turning.has_bucket:
         return turning
     turning = _with_deduction(turning)
     if own or ordered:
@@ -284,18 +266,16 @@ def _with_engine(
 @lru_cache(maxsize=64)
 def _with_deduction(model: Model) -> Model:
     """A model with a thrust deduction astern, which is assumed where nobody states it."""
-    blades = model.parts.get(FOUR_QUADRANT_PROPELLER.name)
+    blades = model.parts.get("four_quadrant_propeller")
     if blades is None or "t_astern" in blades.values:
         return model
     losing = replace(
         blades,
         values=MappingProxyType({**blades.values, "t_astern": DEDUCTION}),
         std=MappingProxyType({**blades.std, "t_astern": DEDUCTION_STD}),
-        sources=MappingProxyType({**blades.sources, "t_astern": ASSUMED}),
+        sources=MappingProxyType({**blades.sources, "t_astern": "assumed"}),
     )
-    return model.with_(
-        parts=MappingProxyType({**model.parts, FOUR_QUADRANT_PROPELLER.name: losing})
-    )
+    return model.with_(parts=MappingProxyType({**model.parts, "four_quadrant_propeller": losing}))
 
 
 def assumed(model: Model, turns: Setting | None = None) -> str:
@@ -307,46 +287,21 @@ def assumed(model: Model, turns: Setting | None = None) -> str:
     >>> print(assumed(load_model("esso190k")))
     <BLANKLINE>
     """
-    shaft, blades = model.parts.get(SHAFT.name), model.parts.get(FOUR_QUADRANT_PROPELLER.name)
+    shaft, blades = model.parts.get("shaft"), model.parts.get("four_quadrant_propeller")
     told = []
     if turns is not None:
-        what, sign = ("of the pumps", -1.0) if reversed_by_bucket(model) else ("astern", 1.0)
+        what, sign = ("of the pumps", -1.0) if model.has_bucket else ("astern", 1.0)
         mean = sign * (turns.default or 0.0)
         told.append(_told(f"revolutions {what}", mean, turns.std, f" of {OF_TURNS}"))
-    if shaft is not None and shaft.source.startswith(ASSUMED):
+    if shaft is not None and shaft.assumed():
         told += [
             _told(item.text, item.mean, item.std, f" of {item.of}")
             for name, item in ENGINE.items()
             if name in shaft.std
         ]
-    if blades is not None and blades.source_of("t_astern").startswith(ASSUMED):
+    if blades is not None and blades.assumed("t_astern"):
         told.append(_told("thrust deduction astern", DEDUCTION, DEDUCTION_STD, ""))
     return f"Assumed: {'; '.join(told)}." if told else ""
-
-
-def of_a_model(model: Model, speed: float) -> str:
-    """That a ship has the resistance of a model, in a sentence; empty where she has not.
-
-    speed [m/s].
-
-    Examples
-    --------
-    >>> from pmmkit.models import load_model
-    >>> of_a_model(load_model("kvlcc2"), 7.97).split(":")[0]
-    "Her resistance is 2.1 times that of ships of her size, as a model's is"
-    >>> of_a_model(load_model("kvlcc2-l7"), 1.18)
-    ''
-    """
-    hull = model.parts.get(HULL)
-    ship = model.ship
-    slow = ship.froude(speed, model.water.g) < WAVES
-    if hull is None or "Xuu" not in hull.values or not slow or ship.L < LONGEST_MODEL:
-        return ""
-    if model.convention.surge == "delta-u" or model.convention.system not in PRIMES:
-        return ""
-    own = float(np.mean(hull.values["Xuu"]))
-    usual, _ = resistance_derivative(ship, model.water, speed, model.convention)
-    return HEAVY.format(own / usual) if own / usual > HEAVIER else ""
 
 
 def _told(text: str, mean: float, std: float, of: str) -> str:
@@ -392,12 +347,12 @@ def _torque(model: Model, speed: float, **settings: Any) -> float:
 
 def _with_shaft(model: Model, values: Mapping[str, float], std: Mapping[str, float]) -> Model:
     """A model with an engine of constant torque, whichever way the shaft turns."""
-    limit, (constant, *_) = next(iter(SHAFT.options.items()))
+    limit, (constant, *_) = next(iter(CATALOGUE["shaft"].options.items()))
     shaft = Part(
-        effect=SHAFT.name,
+        effect="shaft",
         values=MappingProxyType(dict(values)),
         std=MappingProxyType(dict(std)),
         options=MappingProxyType({limit: constant}),
-        source=f"{ASSUMED}: an engine that nobody states",
+        source="assumed: an engine that nobody states",
     )
-    return model.with_(parts=MappingProxyType({**model.parts, SHAFT.name: shaft}))
+    return model.with_(parts=MappingProxyType({**model.parts, "shaft": shaft}))

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.conventions import METRICS, Metric, in_both
+from pmmkit.conventions import IN_LENGTHS, METRICS, Metric, metric_of
 from pmmkit.numerics import Array
 from pmmkit.simulation.equations.layouts import Ask, End, PhaseField, ProbeField, State
 
@@ -138,7 +138,7 @@ class Plan:
 
     def metrics_of(self, results: ProbeResults) -> dict[str, Any]:
         """The metrics by name, each length also in ship lengths."""
-        return in_both(results.L, self.measure(results), self.metrics)
+        return _in_both(results.L, self.measure(results), self.metrics)
 
     @cached_property
     def orders(self) -> list[float]:
@@ -169,3 +169,13 @@ class Plan:
     def places(self) -> dict[str, int]:
         """Place of each probe."""
         return {name: place for place, name in enumerate(self.probes)}
+
+
+def _in_both(L: float, values: Mapping[str, float], known: tuple[Metric, ...]) -> dict[str, float]:
+    """Numbers by name, each length also in ship lengths; L [m]."""
+    found: dict[str, float] = {}
+    for name, value in values.items():
+        found[name] = value
+        if metric_of(name, known).length:
+            found[name + IN_LENGTHS] = value / L
+    return found

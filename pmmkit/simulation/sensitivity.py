@@ -20,9 +20,9 @@ from pmmkit.base import (
     opened,
     setting,
 )
-from pmmkit.conventions import in_lengths, main_of, metric_unit
+from pmmkit.conventions import in_lengths, main_of, metric_of
 from pmmkit.inference import Propagated, Stencil
-from pmmkit.models import Model, place_name
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.simulation.ensemble import Batch, batch_of, unstated
@@ -248,7 +248,9 @@ def sensitivities(
     )
     given = values_at(loaded, speed, extrapolate=batch.extrapolate)
     chosen = tuple(names) if names is not None else drawn.names
-    known = {place_name(part, name): x for part, own in given.items() for name, x in own.items()}
+    known = {
+        loaded.parts[part].place(name): x for part, own in given.items() for name, x in own.items()
+    }
     lost = [name for name in chosen if name not in known]
     if lost:
         raise UnknownNameError(f"Model {loaded.name!r} has no {', '.join(lost)}.")
@@ -276,7 +278,9 @@ def sensitivities(
         slopes=MappingProxyType(slopes),
         nominal=MappingProxyType({name: float(x[-1]) for name, x in metrics.items()}),
         covariance=covariance,
-        units=MappingProxyType({name: metric_unit(name, batch.plan.metrics) for name in slopes}),
+        units=MappingProxyType(
+            {name: metric_of(name, batch.plan.metrics).unit_of(name) for name in slopes}
+        ),
         settings=tuple(item.name for item in free),
     )
 

@@ -13,23 +13,13 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from pmmkit.base import DataError, Problem, SimulationError
-from pmmkit.models import (
-    ESTIMATED,
-    HELD,
-    Model,
-    any_across,
-    held_straight,
-    knows_astern,
-    load_model,
-    reversed_by_bucket,
-    standing,
-)
+from pmmkit.models import Model, Standing, held_straight, load_model, of_a_model
 from pmmkit.simulation.equations.layouts import Control, End, State
 from pmmkit.simulation.equations.prepared import CALM, Conditions, feels_depth, feels_waves
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre
-from pmmkit.simulation.machinery import as_it_reverses, of_a_model
+from pmmkit.simulation.machinery import as_it_reverses
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import INSTANT, DenseHistory, Gear, run_plan
 from pmmkit.simulation.track import Track
@@ -183,11 +173,7 @@ def simulate(
     conditions = CALM if calm else Conditions(**around)
     ready = prepared(loaded, speed, fn, conditions=conditions, extrapolate=extrapolate)
     plan = chosen.plan(
-        speed / ready.L,
-        speed=speed,
-        wind=wind_speed > 0.0,
-        bucket=reversed_by_bucket(loaded),
-        **settings,
+        speed / ready.L, speed=speed, wind=wind_speed > 0.0, bucket=loaded.has_bucket, **settings
     )
     lag = rudder_lag if rudder_law == "lag" else 0.0
     gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
@@ -204,12 +190,10 @@ def simulate(
         drift = float(np.degrees(np.abs(np.arctan2(-track.v, track.u))).max())
         rate = float((np.abs(track.r) * track.L / speeds).max())
         more.append(LINEAR.format(drift=drift, rate=rate))
-    more += [HELD] if chosen.held_straight else []
-    if chosen.held_straight or chosen.reverses:
-        more += [] if knows_astern(stated) or not knows_astern(loaded) else [ESTIMATED]
+    more += [step.note for step in reversed(loaded.steps[len(stated.steps) :])]
     heavy = of_a_model(stated, speed) if chosen.reverses else ""
     more += [heavy] if heavy else []
-    return replace(track, notes=(*track.notes, *more), standing=standing(loaded, speed))
+    return replace(track, notes=(*track.notes, *more), standing=Standing.of(loaded, speed))
 
 
 def ship_for(
@@ -248,8 +232,8 @@ def has_linear_hull(model: Model) -> bool:
     >>> has_linear_hull(load_model("kcs"))
     False
     """
-    some = any_across(model, lambda _v, _r: True)
-    return some and not any_across(model, lambda v, r: v + r > 1)
+    some = model.acts_across(lambda _v, _r: True)
+    return some and not model.acts_across(lambda v, r: v + r > 1)
 
 
 def check_request(

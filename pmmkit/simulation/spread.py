@@ -11,7 +11,7 @@ import numpy as np
 from pmmkit.base import DataError, ModelError, Problem, Remedy, setting
 from pmmkit.effects import CATALOGUE
 from pmmkit.inference import root
-from pmmkit.models import DERIVATIVE_PARTS, TOGETHER, Model, place_name
+from pmmkit.models import TOGETHER, Model
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
 from pmmkit.simulation.equations.following import known_speeds
@@ -226,7 +226,11 @@ def spread_of(
     speeds = (known_speeds(model, speed) if fn == "instant" else ()) or (speed,)
     values = [values_at(model, each, extrapolate=extrapolate) for each in speeds]
     given = [
-        {place_name(effect, name): x for effect, held in own.items() for name, x in held.items()}
+        {
+            model.parts[effect].place(name): x
+            for effect, held in own.items()
+            for name, x in held.items()
+        }
         for own in values
     ]
     alone = _of_estimates(model, values)
@@ -235,7 +239,7 @@ def spread_of(
             raise DataError(f"spread = {spread} must lie between 0 and 1.")
         names = tuple(
             name
-            for effect in DERIVATIVE_PARTS
+            for effect in model.derivative_parts
             for name in values[0].get(effect, {})
             if CATALOGUE[effect].parameter(name) is None
         )
@@ -316,7 +320,7 @@ def _fitting(draws: Draws, model: Model, speed: float, *, extrapolate: bool, fn:
     if fn == "instant" and known_speeds(model, speed):
         raise DataError("Draws are of one speed: let the derivatives be those of the approach.")
     values = values_at(model, speed, extrapolate=extrapolate)
-    there = {place_name(effect, name) for effect, own in values.items() for name in own}
+    there = {model.parts[effect].place(name) for effect, own in values.items() for name in own}
     lost = [name for name in draws.names if name not in there]
     if lost:
         raise ModelError(
@@ -350,7 +354,7 @@ def _of_estimates(model: Model, values: Sequence[Numbers]) -> Spread | None:
             first = part.values[name]
             stated = first[0] if isinstance(first, tuple) else first
             mean = [float(own[effect][name]) for own in values]
-            named.append(place_name(effect, name))
+            named.append(part.place(name))
             means.append(mean)
             stds.append([std * abs(x / stated) if stated else std for x in mean])
     if not named:

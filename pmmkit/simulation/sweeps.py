@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.base import DataError, Problem, Remedy, Way, Workers, each, opened
-from pmmkit.conventions import in_lengths, metric_unit
+from pmmkit.conventions import in_lengths, metric_of
 from pmmkit.models import Model, load_model
 from pmmkit.simulation.ensemble import monte_carlo
 from pmmkit.simulation.imo.judged import imo_turning
@@ -250,7 +250,7 @@ def _variables(
         if column in SHARES:
             return "-"
         plain = column.removesuffix("_low").removesuffix("_high")
-        return metric_unit(plain, manoeuvre.metrics, lengths="-")
+        return metric_of(plain, manoeuvre.metrics).unit_of(plain, lengths="-")
 
     return {
         name: (over, np.array([row[name] for row in rows]), {"units": unit(name)})

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import UnknownNameError
-from pmmkit.conventions import IN_LENGTHS, METRICS, Metric, in_lengths, metric_unit
+from pmmkit.conventions import IN_LENGTHS, METRICS, Metric, in_lengths, metric_of
 from pmmkit.models import Standing
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, number
@@ -264,12 +264,12 @@ def scaled(values: Mapping[str, float], length: float, pace: float) -> Mapping[s
     """
     time = length / pace
     factors = {"m": length, "s": time, "deg/s": 1.0 / time, "m/s": pace}
-    return {name: x * factors.get(metric_unit(name), 1.0) for name, x in values.items()}
+    return {name: x * factors.get(metric_of(name).unit_of(name), 1.0) for name, x in values.items()}
 
 
 def _unit(name: str, known: tuple[Metric, ...]) -> str:
     """Unit of a number; empty for one that a user brings along."""
     try:
-        return metric_unit(name, known)
+        return metric_of(name, known).unit_of(name)
     except UnknownNameError:
         return ""

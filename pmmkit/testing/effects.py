@@ -17,23 +17,12 @@ from pmmkit.conventions import bibliography, parse_derivative
 from pmmkit.diagnosis import candidate_of as captive_candidate
 from pmmkit.diagnosis import free_candidate_of as free_candidate
 from pmmkit.diagnosis import standard_tests
-from pmmkit.effects import (
-    BY_SPEED,
-    CATALOGUE,
-    EXCITES,
-    KINDS,
-    OUTSIDE,
-    Effect,
-    arguments_of,
-    over_arrays,
-    unit_is_known,
-)
+from pmmkit.effects import BY_SPEED, CATALOGUE, EXCITES, OUTSIDE, Effect, over_arrays
 from pmmkit.models import (
     Model,
     Part,
     Sailing,
     load_model,
-    parts_of,
     scaled,
     ships,
     with_effect,
@@ -112,7 +101,7 @@ class _Case:
         lacking = [name for name in effect.required({}) if name not in sizes]
         if lacking:
             return None
-        alike = {name for role in effect.roles for name in parts_of(model, role)}
+        alike = {name for role in effect.roles for name in model.in_role(role)}
         parts = {name: part for name, part in model.parts.items() if name not in alike}
         own = Part(effect=effect.name, values=MappingProxyType(sizes), text=effect.text)
         made = model.with_(parts=MappingProxyType({**parts, effect.name: own}))
@@ -230,7 +219,7 @@ def _parameters(case: _Case) -> Iterator[str]:
     for item in effect.parameters:
         if effect.force is not None and not item.name.isidentifier():
             yield f"{item.name!r} is no name of an argument"
-        if not unit_is_known(item.unit):
+        if not item.unit_is_known:
             yield f"the unit {item.unit!r} of {item.name} is not known"
         if item.typical is not None and not (
             math.isfinite(item.typical) and item.typical != 0.0 and _inside(item, item.typical)
@@ -258,7 +247,7 @@ def _inside(item: Any, value: float) -> bool:
 
 def _kind(case: _Case) -> Iterator[str]:
     effect = case.effect
-    if effect.kind not in KINDS:
+    if effect.kind not in effect.KINDS:
         yield f"there is no kind {effect.kind!r}"
         return
     yield from _OF_KIND[effect.kind](effect)
@@ -323,7 +312,7 @@ def _arguments(case: _Case) -> Iterator[str]:
     effect = case.effect
     own = {*(item.name for item in effect.parameters), *effect.options, *effect.states}
     signals = {x for item in CATALOGUE.values() for x in (*item.outputs, *item.states)}
-    lost = [x for x in arguments_of(effect) if x not in own | GIVEN | signals]
+    lost = [x for x in effect.arguments if x not in own | GIVEN | signals]
     if lost:
         yield f"nobody gives the force {', '.join(lost)}"
 
@@ -354,7 +343,7 @@ def _point(case: _Case) -> Iterator[dict[str, Any]]:
         "wind_speed": speed, "wind_direction": 0.7, "depth": 3.0 * ship.d, "bucket": 0.0,
         "wave_height": 0.01 * ship.L, "wave_direction": 0.4,
     }  # fmt: skip
-    signals = [x for x in arguments_of(case.effect) if x not in GIVEN]
+    signals = [x for x in case.effect.arguments if x not in GIVEN]
     for share, angle, turn, rudder in product(
         (0.3, 1.0), (-2.8, -1.2, -0.2, 0.0, 0.15, 1.0, 3.1), (-0.5, 0.0, 0.3), (-0.5, 0.2)
     ):
@@ -372,7 +361,7 @@ def _point(case: _Case) -> Iterator[dict[str, Any]]:
 def _outputs(case: _Case, there: Mapping[str, Any], **changed: Any) -> tuple[Any, ...]:
     given = {**there, **case.values, **changed}
     assert case.effect.force is not None
-    found: tuple[Any, ...] = case.effect.force(**{x: given[x] for x in arguments_of(case.effect)})
+    found: tuple[Any, ...] = case.effect.force(**{x: given[x] for x in case.effect.arguments})
     return found
 
 
@@ -393,7 +382,7 @@ def _by_arrays(case: _Case) -> Iterator[str]:
     several = {name: np.array([point[name] for point in points]) for name in points[0]}
     given = {**several, **values}
     with np.errstate(all="ignore"):
-        found = over_arrays(effect.force)(**{x: given[x] for x in arguments_of(effect)})
+        found = over_arrays(effect.force)(**{x: given[x] for x in effect.arguments})
     for name, column, numbers in zip(effect.outputs, found, single.T, strict=True):
         size = np.max(np.abs(numbers), initial=1e-300)
         if not np.allclose(column, numbers, rtol=1e-12, atol=1e-13 * size, equal_nan=True):

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 from pmmkit.diagnosis import candidate_of, standard_tests
-from pmmkit.effects import Effect, shown_by
+from pmmkit.effects import Effect
 from pmmkit.numerics import Array
 from pmmkit.reduction import RunView
 
@@ -40,7 +40,7 @@ def acts_on_records(effect: Effect) -> Iterator[str]:
         at = {effect.nonlinear.name: value} if effect.nonlinear else {}
         for item in effect.coefficients:
             none, once, twice = (
-                shown_by(effect, run, {**at, item.name: times * item.step}) for times in (0, 1, 2)
+                effect.shown(run, {**at, item.name: times * item.step}) for times in (0, 1, 2)
             )
             for channel, shown in once.items():
                 true = run.forces[channel]

@@ -8,8 +8,15 @@ from typing import Final, get_args, get_type_hints
 import numpy as np
 
 from pmmkit.base import PmmkitError
-from pmmkit.conventions import CHANNELS, Convention, Structure, Water, bibliography, canonical
-from pmmkit.effects import State, in_channel, regressors
+from pmmkit.conventions import (
+    CHANNELS,
+    Convention,
+    Structure,
+    Water,
+    bibliography,
+    parse_derivative,
+)
+from pmmkit.effects import Regressors, State
 from pmmkit.models import converted, from_values, load_ship
 from pmmkit.numerics import Array
 
@@ -59,7 +66,7 @@ def _faults(structure: Structure) -> Iterator[str]:
     names: list[str] = []
     for written in structure.derivatives:
         try:
-            names.append(canonical(written))
+            names.append(parse_derivative(written).name)
         except PmmkitError as error:
             yield str(error)
         else:
@@ -84,10 +91,10 @@ def _unusable(structure: Structure) -> Iterator[str]:
     convention = Convention(system=structure.system, surge=structure.surge)
     state, approach = _motion(ship.L)
     for channel in CHANNELS:
-        names = in_channel(structure.derivatives, channel)
-        columns = regressors(
+        names = [name for name in structure.derivatives if name[0] == channel]
+        columns = Regressors.at(
             names, state, ship=ship, water=water, convention=convention, approach_speed=approach
-        )
+        ).columns
         unit = columns / np.linalg.norm(columns, axis=0)
         if names and not np.linalg.svd(unit, compute_uv=False)[-1] > _SMALLEST:
             yield f"no motion tells its terms in {channel} apart"

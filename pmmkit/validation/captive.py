@@ -11,9 +11,9 @@ import numpy as np
 from pmmkit.base import DataError, ExtrapolationError, Progress
 from pmmkit.campaigns import Campaign, Rig, TypeB, force_of_water, rig_of
 from pmmkit.conventions import CHANNELS
-from pmmkit.effects import CATALOGUE, slopes
+from pmmkit.effects import CATALOGUE
 from pmmkit.inference import COVERAGE
-from pmmkit.models import Model, Step, faults_of
+from pmmkit.models import Model, Step
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
 from pmmkit.reduction import RunView, View, idle
@@ -53,7 +53,7 @@ def shown_too_much(view: View, predictor: Predictor, steps: Mapping[str, Step]) 
     for name, sizes in sizes_told(steps).items():
         effect = CATALOGUE[name]
         at = {effect.nonlinear.name: steps[name].value or 0.0} if effect.nonlinear else {}
-        shown = slopes(effect, seen, at, list(effect.typical))
+        shown = effect.slopes(seen, at, list(effect.typical))
         for channel, columns in shown.items():
             for size, column in zip(sizes, columns, strict=True):
                 beside[channel] = beside.get(channel, 0.0) + size * column
@@ -177,7 +177,7 @@ def compare_captive(
         *predictor.notes,
         *idle(campaign.uncertainty, [(view.run, tuple(view.force)) for view in views]),
     ]
-    faults = faults_of(model.steps, campaign.title or campaign.ship.name)
+    faults = model.faults_of(campaign.title or campaign.ship.name)
     sizes = sizes_told(faults)
     if sizes:
         notes.append(

@@ -11,7 +11,7 @@ import numpy as np
 
 from pmmkit.base import DataError, Progress, UnknownNameError
 from pmmkit.campaigns import TEST_KINDS, Campaign, Rig, Run, rig_of
-from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, in_metres, in_words, told
+from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, in_words, told
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
@@ -538,7 +538,7 @@ def _size(row: Mapping[str, Any]) -> str:
 
 def _told(item: ManoeuvreComparison) -> list[dict[str, Any]]:
     """The rows of the measures that a comparison tells."""
-    chosen = told("comparison", in_metres(item.trial.metrics), counted=OVERSHOOTS)
+    chosen = told("comparison", item.trial.metrics, counted=OVERSHOOTS)
     return [row for row in item.rows() if row["measure"] in chosen]
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pmmkit.campaigns import Run
-from pmmkit.conventions import metric_unit
+from pmmkit.conventions import metric_of
 from pmmkit.identification import Trial
 from pmmkit.inference import COVERAGE
 from pmmkit.simulation import Track
@@ -56,7 +56,7 @@ class ManoeuvreComparison:
                     "test": self.run.test,
                     "speed": self.run.settings.speed,
                     "measure": name,
-                    "unit": metric_unit(name),
+                    "unit": metric_of(name).unit_of(name),
                     "measured": measured,
                     "predicted": predicted,
                     "error": error,

@@ -13,7 +13,7 @@ from pmmkit.base import ModelError
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Ship, Water
 from pmmkit.effects import State
-from pmmkit.models import Model, Part, drives, place_name, scaled, steers
+from pmmkit.models import Model, Part, scaled
 from pmmkit.numerics import Array
 from pmmkit.reduction import View
 from pmmkit.simulation import CALM, packed, repeating_states, values_at, water_forces
@@ -63,10 +63,10 @@ class Predictor:
         speed = view.speed if speed is None else speed
         turning = bool(np.any(view.motion.rps))
         parts = self.model.parts
-        hull = {name for name, part in parts.items() if not drives(part.known)}
+        hull = {name for name, part in parts.items() if not part.known.drives}
         if turning or len(hull) == len(self.model.parts):
             return self._of(set(self.model.parts), speed)
-        towed = {name for name in hull if not steers(parts[name].known)}
+        towed = {name for name in hull if not parts[name].known.steers}
         if not _asks_for_propeller(parts[name] for name in hull):
             return self._of(hull, speed)
         whole, still, bare = (
@@ -107,7 +107,7 @@ def history_of(motion: State) -> dict[str, Array]:
 
 def _asks_for_propeller(parts: Iterable[Part]) -> bool:
     """Whether one of the parts needs the flow behind a propeller."""
-    return any("n" in part.known.needs for part in parts if steers(part.known))
+    return any("n" in part.known.needs for part in parts if part.known.steers)
 
 
 def _in_the_air(part: Part) -> bool:
@@ -122,7 +122,7 @@ def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) 
     ruddered = bool(campaign.rudder) or any(run.settings.largest_rudder for run in campaign)
     left: list[str] = []
     for name, part in made.parts.items():
-        driving, steering = drives(part.known), steers(part.known)
+        driving, steering = part.known.drives, part.known.steers
         idle = (driving and not turning and not ruddered) or (steering and not ruddered)
         if idle or _in_the_air(part):
             left.append(name)
@@ -142,7 +142,7 @@ def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) 
 
 def _without_stale_covariance(model: Model, kept: Mapping[str, Part]) -> Model:
     """The model with the covariance of what is left of it (the marginal one)."""
-    values = {place_name(effect, name) for effect, x in kept.items() for name in x.values}
+    values = {part.place(name) for part in kept.values() for name in part.values}
     held = [name in values for name in model.covariance_names]
     if model.covariance is None or all(held):
         return model

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign, Run, TypeB, rig_of
-from pmmkit.conventions import force_unit
+from pmmkit.conventions import Convention
 from pmmkit.numerics import Array
 from pmmkit.reduction import FLOOR, View
 from pmmkit.validation.captive import CaptiveRun, measured_shares, observed
@@ -148,7 +148,9 @@ class _Side:
     def unit(self, channel: str, view: View) -> float:
         """½ρL²U² of a run, ½ρL³U² of moments."""
         own = self.campaign
-        return force_unit(channel, "prime", ship=own.ship, water=own.water, U=view.speed)
+        return Convention(system="prime").force_unit(
+            channel, ship=own.ship, water=own.water, U=view.speed
+        )
 
     def condition(self, run: Run) -> tuple[Mapping[str, float], Mapping[str, float]]:
         """What a run was set to without dimension: sizes, and angles [rad]."""

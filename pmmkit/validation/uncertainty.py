@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.campaigns import Campaign, Rig, TypeB, as_read, inertia_inside, move_motion
-from pmmkit.effects import regressors
+from pmmkit.effects import Regressors
 from pmmkit.inference import Propagated, Stencil, std_along
 from pmmkit.numerics import Array
 from pmmkit.reduction import View, altered
@@ -117,14 +117,14 @@ def model_share(view: View, predictor: Predictor, known: Spread | None) -> dict[
         own = [i for i in terms if known.names[i][0] == channel]
         if own:
             jacobian[channel][:, own] = view.project(
-                regressors(
+                Regressors.at(
                     [known.names[i] for i in own],
                     view.motion,
                     ship=model.ship,
                     water=model.water,
                     convention=model.convention,
                     approach_speed=view.speed,
-                )
+                ).columns
             )
     others = [i for i, name in enumerate(known.names) if "." in name]
     if others:

@@ -26,8 +26,8 @@ from pathlib import Path
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.effects import FACTOR_PLACES
 from pmmkit.simulation import Constant, Prepared, prepare
+from pmmkit.simulation.equations.monomials import FACTOR_PLACES
 
 SHIP, SPEED, RTOL = "kvlcc2-l7", 1.179, 1e-6
 SOURCE = Path(__file__).with_name("benchmark_turn.c")

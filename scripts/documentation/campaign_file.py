@@ -32,8 +32,7 @@ from pmmkit.campaigns.file.single_tables import (
     UncertainEntry,
     WaterEntry,
 )
-from pmmkit.models import OPEN_WATER, SECTIONS, numbers_of, words_of
-from pmmkit.models.stated_parts import GEOMETRY
+from pmmkit.models import SECTIONS
 from pmmkit.readers import READERS
 from scripts.documentation.fences import table
 
@@ -80,12 +79,12 @@ def format_table() -> str:
 
 def stated_table(section: str) -> str:
     """What a campaign file can state of the propeller or the rudder."""
-    geometry = {item.name for item in GEOMETRY[section]}
-    numbers = sorted(numbers_of(section).values(), key=lambda item: item.name not in geometry)
+    geometry = {item.name for item in SECTIONS[section].geometry}
+    numbers = sorted(SECTIONS[section].numbers.values(), key=lambda item: item.name not in geometry)
     words = [
         (f"`{name}`", " or ".join(f'`"{word}"`' for word in options), "")
-        for name, options in words_of(section).items()
-        if name != OPEN_WATER
+        for name, options in SECTIONS[section].words.items()
+        if name != "open_water"
     ]
     return table(
         ("key", "", "unit"),

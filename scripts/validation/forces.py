@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from pmmkit.conventions import Convention, Ship, Water
-from pmmkit.effects import State, in_channel, regressors
+from pmmkit.effects import Regressors, State
 from scripts.validation.published import Values
 
 FRESH: Final = Water(rho=1000.0, g=9.81)
@@ -19,7 +19,7 @@ def polynomial(values: Values, ship: Ship, convention: Convention, **motion: flo
     given = {"ship": ship, "water": FRESH, "convention": convention}
     forces = {}
     for channel in ("X", "Y", "N", "K"):
-        names = in_channel(list(values), channel)
-        columns = regressors(names, state, approach_speed=float(state.speed[0]), **given)
+        names = [name for name in list(values) if name[0] == channel]
+        columns = Regressors.at(names, state, approach_speed=float(state.speed[0]), **given).columns
         forces[channel] = sum(x * values[n] for x, n in zip(columns[0], names, strict=True))
     return forces

@@ -12,8 +12,9 @@ from small_campaign import TRUTH, write_campaign
 import pmmkit
 from pmmkit.actions.jobs.reduce import Fourier, Method
 from pmmkit.cli import main
-from pmmkit.models import published_of
-from pmmkit.reduction.methods.registry import ALL, METHODS
+from pmmkit.models import ReferenceTable
+from pmmkit.reduction import METHODS
+from pmmkit.reduction.methods.registry import ALL
 
 
 @pytest.fixture(scope="module")
@@ -64,14 +65,14 @@ def test_the_table_and_the_model_are_of_the_method_that_was_asked_for(
     model = pmmkit.load_model(out / "model.toml")
     assert model.parts["hull_polynomial"].values["Yv"] == pytest.approx(table["Yv"])
     assert "by harmonics (Each derivative" in (out / "report.html").read_text(encoding="utf-8")
-    assert published_of(table).name == "Son and Nomoto 1981"
+    assert ReferenceTable.published(table).name == "Son and Nomoto 1981"
     capsys.readouterr()
 
 
 def test_a_ship_that_the_library_does_not_hold_has_no_published_values():
     ship = pmmkit.Ship(name="m", L=5.0, B=1.0, d=0.2, volume=0.5, mass=500.0, Izz=600.0)
     table = pmmkit.from_values({"Yv": -0.01}, ship=ship, water=pmmkit.Water())
-    assert published_of(table) is None
+    assert ReferenceTable.published(table) is None
 
 
 def test_an_unknown_method_is_refused_with_those_there_are(campaign, tmp_path, capsys):

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from pmmkit.cli import main
-from pmmkit.conventions import METRICS, in_lengths, metric_unit
+from pmmkit.conventions import METRICS, in_lengths, metric_of
 from pmmkit.simulation import MANOEUVRES, manoeuvre_of
 
 CASES = {"turning": (), "zigzag": ("--rudder-deg", "10"), "pull_out": ("--rudder-deg", "20")}
@@ -23,7 +23,7 @@ def test_a_sweep_has_units_over_its_columns(manoeuvre, tmp_path, capsys):
     assert columns.pop("speed") == "m/s"
     assert re.sub(r"\w+ \[[^\]]+\]", "", head).split() == ["Fn"]
     known = manoeuvre_of(manoeuvre).metrics
-    assert columns == {name: metric_unit(name, known) for name in columns}
+    assert columns == {name: metric_of(name, known).unit_of(name) for name in columns}
     assert columns
 
 
@@ -41,7 +41,9 @@ def test_a_simulation_prints_a_unit_with_every_metric(manoeuvre, tmp_path, capsy
     start = lines.index("Metrics") + 2
     rows = [line.split() for line in lines[start : lines.index("", start)]]
     known = manoeuvre_of(manoeuvre).metrics
-    assert {row[0]: row[2] for row in rows} == {row[0]: metric_unit(row[0], known) for row in rows}
+    assert {row[0]: row[2] for row in rows} == {
+        row[0]: metric_of(row[0], known).unit_of(row[0]) for row in rows
+    }
     assert len(rows) >= 3
 
 
@@ -58,5 +60,5 @@ def test_what_decides_a_metric_is_said_with_its_unit(tmp_path, capsys):
 def test_every_metric_there_is_has_a_unit():
     for manoeuvre in MANOEUVRES.values():
         names = in_lengths(metric.name for metric in manoeuvre.metrics)
-        assert all(metric_unit(name, manoeuvre.metrics) for name in names)
+        assert all(metric_of(name, manoeuvre.metrics).unit_of(name) for name in names)
     assert all(metric.unit for metric in METRICS.values())

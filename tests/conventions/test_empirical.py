@@ -11,15 +11,7 @@ import pytest
 from pmmkit import converted, hull_table
 from pmmkit.base import UnknownNameError
 from pmmkit.conventions import Convention
-from pmmkit.models import (
-    METHODS,
-    Model,
-    estimate,
-    estimated_model,
-    load_model,
-    load_ship,
-    straight_line,
-)
+from pmmkit.models import METHODS, Model, estimate, estimated_model, load_model, load_ship
 from pmmkit.models.empirical import UNSEEN, criterion, rudder_values, zhou_added_mass
 from pmmkit.simulation import monte_carlo, simulate
 from scripts.studies.paper_b_table import MASS, PRINTED, REASONS, TANKER
@@ -193,7 +185,7 @@ def test_linear_derivatives_alone_are_simulated_with_a_warning(method):
 def test_the_criterion_is_that_of_the_tanker_in_any_system_and_sign():
     """Levers of the table, C by the product of the differences; β and ½ρLd change nothing."""
     ship = replace(TANKER, xG=0.034 * TANKER.L)
-    told = {m: straight_line(estimate(ship, m), ship) for m in METHODS}
+    told = {m: estimate(ship, m).straight_line(ship) for m in METHODS}
     assert told["wagner-smitt"].lever_yaw == pytest.approx(0.2319, abs=5e-4)
     assert told["wagner-smitt"].lever_sway == pytest.approx(0.3899, abs=5e-4)
     for item in told.values():
@@ -216,7 +208,7 @@ def test_the_uncertainty_of_the_criterion_is_that_of_drawn_derivatives():
     )
     mass = 2 * ship.volume / ship.L**3
     C = Yv * (Nr - mass * ship.xG / ship.L) - Nv * (Yr - mass)
-    assert straight_line(found, ship).std == pytest.approx(C.std(), rel=0.05)
+    assert found.straight_line(ship).std == pytest.approx(C.std(), rel=0.05)
 
 
 def test_there_is_no_other_method():

@@ -18,7 +18,7 @@ from pmmkit.base import MissingPartError, ModelError, TableError, UnknownNameErr
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.diagnose import diagnose_captive
 from pmmkit.diagnosis.captive.refit import captive_candidates
-from pmmkit.effects import BY_SPEED, State, regressors
+from pmmkit.effects import BY_SPEED, Regressors, State
 from pmmkit.models import load_model, model_text
 from pmmkit.simulation import prepare, water_forces
 
@@ -146,14 +146,14 @@ def test_derivatives_keep_their_force_in_the_convention_of_any_model(ship, effec
         "delta": rng.uniform(-0.5, 0.5, 20),
         "n": np.full(20, 0.5),
     }
-    truth = regressors(
+    truth = Regressors.at(
         list(used),
         State.of(**{k: x for k, x in motion.items() if k != "n"}),
         ship=model.ship,
         water=model.water,
         convention=Convention(),
         approach_speed=U,
-    )
+    ).columns
     with_it, without = (
         water_forces(ready.structure, ready.k, motion)
         for ready in (prepare(x, U) for x in (better, model))

@@ -16,11 +16,11 @@ from pmmkit.base import UnknownNameError
 from pmmkit.conventions import STRUCTURES, Convention, Ship, Water
 from pmmkit.effects import (
     CATALOGUE,
+    AddedMass,
+    Regressors,
     State,
-    added_mass,
     over_arrays,
     propeller,
-    regressors,
     roll,
     rudder,
 )
@@ -63,14 +63,14 @@ def test_histories_and_simulator_see_the_same_hull_force(motion, convention, see
     numbers = np.random.default_rng(seed).normal(size=len(NAMES))
     values = dict(zip(NAMES, numbers.tolist(), strict=True))
     approach = 7.0
-    columns = regressors(
+    columns = Regressors.at(
         NAMES,
         State.of(**motion),
         ship=SHIP,
         water=WATER,
         convention=convention,
         approach_speed=approach,
-    )
+    ).columns
     forces = polynomial_forces(
         values,
         [motion[name] for name in ("u", "v", "r", "p", "phi", "delta")],
@@ -91,21 +91,19 @@ def test_added_mass_does_not_depend_on_speed(convention, approach):
     for name in ("Xudot", "Yvdot", "Yrdot", "Nvdot", "Nrdot", "Kpdot", "Ypdot"):
         motion = name[1:]
         state = State.of(u=approach, **{motion: 0.3})
-        column = regressors(
+        column = Regressors.at(
             [name], state, ship=SHIP, water=WATER, convention=convention, approach_speed=approach
-        )
-        factor = added_mass.dimensional(name, ship=SHIP, water=WATER, convention=convention)
+        ).columns
+        factor = AddedMass.unit(name, ship=SHIP, water=WATER, convention=convention)
         assert factor * 0.3 == pytest.approx(column[0, 0], rel=1e-12)
 
 
 def test_coriolis_terms_stand_apart_only_where_the_convention_says_so():
     values = {"Xudot": -0.0003, "Yvdot": -0.007, "lx": 0.03}
-    inside = added_mass.resolve(
+    inside = AddedMass.of(
         values, ship=SHIP, water=WATER, convention=Convention(coriolis="in-derivatives")
     )
-    apart = added_mass.resolve(
-        values, ship=SHIP, water=WATER, convention=Convention(coriolis="separate")
-    )
+    apart = AddedMass.of(values, ship=SHIP, water=WATER, convention=Convention(coriolis="separate"))
     unit = 0.5 * 1025.0 * 100.0**3
     assert (inside.coriolis_x, inside.coriolis_y, inside.coriolis_k) == (0.0, 0.0, 0.0)
     assert apart.coriolis_x == pytest.approx(0.007 * unit)

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.columns import columns_of
-from pmmkit.effects import CATALOGUE, shown_by
+from pmmkit.effects import CATALOGUE
 from pmmkit.effects.faults.rig import strokes
 from pmmkit.reduction import RunView, View
 from tests.support.by_hand import BY_HAND, behind_a_filter, forces, longer_strokes
@@ -85,7 +85,7 @@ def test_actions_are_exact_at_any_size(name, views):
     label = effect.coefficients[0].name
     for view in views:
         run = RunView(view, BASE)
-        shown = shown_by(effect, run, {label: size})
+        shown = effect.shown(run, {label: size})
         for channel, expected in by_hand(BY_HAND[name], view, size).items():
             found = shown.get(channel, run.forces[channel]) - run.forces[channel]
             scale = np.abs(run.forces[channel]).max()
@@ -95,7 +95,7 @@ def test_actions_are_exact_at_any_size(name, views):
 def test_a_whole_filter_is_one_of_its_corner(views):
     for view in views:
         at = {"share": 1.0, "corner": 1 / (2 * np.pi * 0.08)}
-        shown = shown_by(CATALOGUE["fault_filter_lag"], RunView(view, BASE), at)
+        shown = CATALOGUE["fault_filter_lag"].shown(RunView(view, BASE), at)
         for channel, expected in by_hand(behind_a_filter, view, 0.08).items():
             found = shown[channel] - RunView(view, BASE).forces[channel]
             scale = np.abs(RunView(view, BASE).forces[channel]).max()
@@ -122,8 +122,8 @@ def test_a_mass_on_the_balance_that_is_not_the_ship_s_is_what_is_left_in(views):
     ship = replace(SHIP, balance_mass=0.5 * SHIP.mass, balance_xG=0.1 * SHIP.L)
     view = next(view for view in views if view.run.test == "sway_yaw")
     m = motion_of(PLANS[view.run.id], view.t)
-    shown = shown_by(
-        CATALOGUE["fault_inertia"], RunView(view, replace(BASE, ship=ship)), {"mass share": 0.1}
+    shown = CATALOGUE["fault_inertia"].shown(
+        RunView(view, replace(BASE, ship=ship)), {"mass share": 0.1}
     )
     mass, x = 0.05 * SHIP.mass, 0.1 * SHIP.L
     read = {

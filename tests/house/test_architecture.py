@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pmmkit
 from pmmkit import testing
-from pmmkit.effects import KINDS
+from pmmkit.effects import Effect
 from scripts.documentation import rooms
 
 ROOT = Path(__file__).parents[2]
@@ -81,4 +81,4 @@ def test_every_contract_stands_in_the_plan():
 
 def test_the_kinds_of_effect_are_those_of_the_catalogue():
     (listed,) = re.findall(r"Its kinds:\n\n((?:- .*\n(?:  .*\n)*)+)", PLAN)
-    assert tuple(re.findall(r"^- `(\w+)`", listed, re.M)) == KINDS
+    assert tuple(re.findall(r"^- `(\w+)`", listed, re.M)) == Effect.KINDS

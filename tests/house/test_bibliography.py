@@ -13,7 +13,7 @@ import pytest
 import pmmkit as pk
 from pmmkit import catalogue
 from pmmkit.base import UnknownNameError
-from pmmkit.conventions import ITSELF, bibliography, bibtex, cite, reference
+from pmmkit.conventions import bibliography, bibtex, cite
 from pmmkit.models import METHODS, estimate, estimated_model, load_model, load_ship, ships
 from pmmkit.models.empirical import RUDDER_SOURCES
 
@@ -42,7 +42,7 @@ def quotations(text: str) -> set[tuple[str, str]]:
 
 
 def last_names(key: str) -> set[tuple[str, str]]:
-    entry = reference(key)
+    entry = bibliography()[key]
     return {(family.split()[-1], str(entry.year)) for family in entry.families}
 
 
@@ -65,16 +65,16 @@ def test_an_entry_is_whole(key):
 
 
 def expected_key(key: str) -> str:
-    families = [name for name in reference(key).families if name != "others"]
+    families = [name for name in bibliography()[key].families if name != "others"]
     several = len(families) > 3
     names = "_".join(families[:1] if several else families)
     plain = unicodedata.normalize("NFKD", names.replace("ø", "o")).encode("ascii", "ignore")
-    return re.sub(r"[^a-z]+", "_", f"{plain.decode().lower()}") + f"_{reference(key).year}"
+    return re.sub(r"[^a-z]+", "_", f"{plain.decode().lower()}") + f"_{bibliography()[key].year}"
 
 
-@pytest.mark.parametrize("key", [key for key in bibliography() if key != ITSELF])
+@pytest.mark.parametrize("key", [key for key in bibliography() if key != "pmmkit"])
 def test_every_entry_is_quoted(key):
-    told = (f'"{key}"', reference(key).cited)
+    told = (f'"{key}"', bibliography()[key].cited)
     assert last_names(key) & QUOTED or any(word in LINES for word in told)
 
 
@@ -115,7 +115,7 @@ def test_an_entry_comes_once_in_the_order_asked():
 
 def test_pmmkit_is_cited_as_its_own_file_asks():
     stated = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    entry = reference(ITSELF)
+    entry = bibliography()["pmmkit"]
     assert f'title: "{entry.title}"' in stated
     assert f"version: {entry.note.removeprefix('Version ')}" in stated
     assert all(f"name: {family}" in stated for family in entry.families)
@@ -167,7 +167,7 @@ def test_a_model_cites_what_it_uses_and_nothing_else():
     model = load_model("kcs")
     values = [key for part in model.parts.values() for key in part.references]
     forms = [key for name in model.parts for key in catalogue()[name].sources]
-    assert keys_of(pk.citation(model)) == list(dict.fromkeys([ITSELF, *values, *forms]))
+    assert keys_of(pk.citation(model)) == list(dict.fromkeys(["pmmkit", *values, *forms]))
     assert "simman_2008" in values
     assert "kijima_1990" not in keys_of(pk.citation("kcs"))
     deep = pk.with_effect(model, "memory", value=0.3)
@@ -178,9 +178,9 @@ def test_a_model_cites_what_it_uses_and_nothing_else():
 
 def test_a_table_cites_its_structure():
     table = pk.hull_table("s175-3dof")
-    assert keys_of(pk.citation(table)) == [ITSELF]
+    assert keys_of(pk.citation(table)) == ["pmmkit"]
     reduced = replace(table, provenance={"structure": "modulus"})
-    assert keys_of(pk.citation(reduced)) == [ITSELF, "fedyaevsky_sobolev_1964", "norrbin_1971"]
+    assert keys_of(pk.citation(reduced)) == ["pmmkit", "fedyaevsky_sobolev_1964", "norrbin_1971"]
 
 
 def test_a_source_that_is_not_known_is_said():

@@ -13,6 +13,7 @@ import pmmkit as pk
 from pmmkit import Run
 from pmmkit.base import DataError, ModelError
 from pmmkit.campaigns import Settings
+from pmmkit.conventions import parse_derivative
 from pmmkit.effects import HULL
 from pmmkit.identification import (
     FreeRecord,
@@ -26,10 +27,14 @@ from pmmkit.identification import (
 )
 from pmmkit.identification.from_run import measured_roll
 from pmmkit.identification.trajectory import fit_trajectories
-from pmmkit.models import knows_heel, load_model
+from pmmkit.models import load_model
 
 ROLLING, UPRIGHT = load_model("s175"), load_model("s175-3dof")
-HEEL_TERMS = {name: x for name, x in ROLLING.values(HULL).items() if knows_heel(name)}
+HEEL_TERMS = {
+    name: x
+    for name, x in ROLLING.values(HULL).items()
+    if name != "lx" and parse_derivative(name).heels
+}
 HEELED = UPRIGHT.with_values(HULL, **HEEL_TERMS)
 NOISE = {"x": 0.3, "y": 0.3, "psi": math.radians(0.1), "u": 0.02, "v": 0.02}
 NOISE |= {"r": math.radians(0.01), "phi": math.radians(0.1)}

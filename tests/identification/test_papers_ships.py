@@ -8,9 +8,9 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.cli import main
-from pmmkit.conventions import Ship, force_unit
+from pmmkit.conventions import Ship
 from pmmkit.effects.cross_flow import hoerner_cd
-from pmmkit.models import estimate, resistance_derivative, standing
+from pmmkit.models import Standing, estimate, resistance_derivative
 from pmmkit.models.empirical import rudder_values
 from pmmkit.models.particulars import (
     ASPECT,
@@ -86,9 +86,7 @@ def test_what_the_patrol_vessel_estimates_is_what_the_formulas_give():
     over = ship.L / ship.d
     guess, cross = estimate(ship, "yoshimura-masumoto"), estimate(ship, "clarke")
     resistance, fast, flow = patrol.jet(patrol.PROPULSIVE, 0.05)
-    unit = force_unit(
-        "X", VESSEL.convention.system, ship=ship, water=VESSEL.water, U=patrol.TURNING_SPEED
-    )
+    unit = VESSEL.convention.force_unit("X", ship=ship, water=VESSEL.water, U=patrol.TURNING_SPEED)
     lent = ("Yrdot", "Nvdot")
     values = guess.values | {name: over * cross.values[name] for name in lent}
     doubts = guess.std | {name: over * cross.std[name] for name in lent}
@@ -110,7 +108,7 @@ def test_what_the_patrol_vessel_estimates_is_what_the_formulas_give():
     ],
 )
 def test_who_sails_them_is_told_what_is_estimated(model, speed, hull, estimated):
-    found = standing(model, speed)
+    found = Standing.of(model, speed)
     assert (found.hull, found.estimated) == (hull, estimated)
     told = pk.simulate(model, speed=speed, rudder_deg=30, compiled=False).standing.sentences
     assert set(found.sentences) <= set(told)

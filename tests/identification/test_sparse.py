@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pmmkit.base import PmmkitError
-from pmmkit.effects import State, regressors
+from pmmkit.effects import Regressors, State
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.sparse.regression import look_for_collinearity, sparse_regression
 from pmmkit.identification.sparse.request import physics_groups
@@ -228,14 +228,14 @@ def test_columns_are_those_of_the_hull_polynomial(ship):
     record = measured()[-1]
     rows = equations(ship, [record], names, ("Y", "N"))[0].channels
     state = State.of(u=record.motion["u"], v=record.motion["v"], r=record.motion["r"])
-    columns = regressors(
+    columns = Regressors.at(
         names,
         state,
         ship=ship.ship,
         water=ship.water,
         convention=ship.convention,
         approach_speed=1.2,
-    )
+    ).columns
     for channel in ("Y", "N"):
         own = np.array([name[0] == channel for name in names])
         design = rows[channel][0] * record.std[channel]

@@ -16,7 +16,7 @@ from pmmkit import save_campaign
 from pmmkit.base import CampaignError, DataError
 from pmmkit.campaigns.samples.geodesy import geographic, local_metres
 from pmmkit.cli import main
-from pmmkit.identification import evaluate, evaluate_trials, mean_current
+from pmmkit.identification import evaluate_trials, mean_current
 from pmmkit.identification.trials.circle import fit_circle
 from pmmkit.identification.trials.current import Current
 from pmmkit.identification.trials.orders import rudder_orders

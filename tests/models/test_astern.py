@@ -9,7 +9,7 @@ import pytest
 import pmmkit as pk
 from pmmkit.base import ModelError
 from pmmkit.cli import main
-from pmmkit.models import ESTIMATED, Part, as_it_stops, knows_astern, with_estimated_astern
+from pmmkit.models import ESTIMATED, Part, as_it_stops, with_estimated_astern
 
 
 def test_ahead_nothing_changes():
@@ -53,5 +53,5 @@ def test_the_command_writes_a_model_that_stops(tmp_path, capsys):
     out = tmp_path / "kcs-astern.toml"
     assert main(["model", "astern", "kcs", "--out", str(out)]) == 0
     assert ESTIMATED in capsys.readouterr().out
-    assert knows_astern(pk.load_model(out))
+    assert pk.load_model(out).knows_astern
     assert main(["model", "astern", "kcs", "propeller"]) == 2

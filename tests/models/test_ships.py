@@ -6,7 +6,7 @@ import pytest
 
 from pmmkit.base import ModelError, UnknownNameError
 from pmmkit.files import read_toml
-from pmmkit.models import lacking, load_model, load_ship, model_text, ships
+from pmmkit.models import load_model, load_ship, model_text, ships
 from pmmkit.models.library import SHIPS
 from pmmkit.simulation import prepare, simulate
 
@@ -19,7 +19,7 @@ def test_every_library_ship_is_a_model_and_can_be_simulated(name):
     assert model.name == name
     assert load_ship(name) == model.ship
     assert model.scale
-    assert lacking(model) == ()
+    assert model.lacking == ()
     assert all(part.source for part in model.parts.values())
     assert SHIPS[name].file.read_text(encoding="utf-8").startswith("#")
     speed = model.ship.speed(0.15)

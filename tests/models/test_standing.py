@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import pmmkit as pk
 from pmmkit.cli import main
-from pmmkit.models import Standing, parts_from_particulars, standing, with_part_of
+from pmmkit.models import Standing, parts_from_particulars, with_part_of
 from pmmkit.models.estimates import COUPLINGS
 from pmmkit.simulation import imo_turning, metrics_of
 
@@ -30,7 +30,7 @@ def guessed():
 
 
 def test_a_ship_of_the_library_stands_on_what_was_published():
-    assert standing(SHIP, 9.0).unsettled == ()
+    assert Standing.of(SHIP, 9.0).unsettled == ()
     assert [item.words for item in imo_turning(pk.simulate(SHIP, speed=9.0))] == ["met", "met"]
 
 
@@ -57,8 +57,8 @@ def test_it_has_its_probability_all_the_same(guessed):
 def test_one_estimated_part_is_named_alone():
     values = SHIP.parts["propeller"].values
     stated = with_parts({name: float(x) for name, x in values.items() if name != "J"}, {})
-    assert standing(stated, 9.0).estimated == ("steering",)
-    assert standing(stated, 9.0).unsettled[0].startswith("Steering is an estimate")
+    assert Standing.of(stated, 9.0).estimated == ("steering",)
+    assert Standing.of(stated, 9.0).unsettled[0].startswith("Steering is an estimate")
 
 
 def test_a_turn_beyond_the_tests_says_so_wherever_it_is_told(tmp_path, capsys):
@@ -96,7 +96,7 @@ def test_a_hull_without_couplings_is_no_ground_for_a_verdict_on_turns():
     assert track.metrics["tactical_diameter_L"] < 0.85 * whole.metrics["tactical_diameter_L"]
     assert any("no term of sway and yaw together" in text for text in track.standing.sentences)
     assert {item.words for item in imo_turning(track)} == {"not settled"}
-    assert not any(standing(pk.load_model(name), 3.0).uncoupled for name in pk.ships())
+    assert not any(Standing.of(pk.load_model(name), 3.0).uncoupled for name in pk.ships())
 
 
 def test_estimated_couplings_of_a_measured_hull_are_no_ground_either():
@@ -104,12 +104,12 @@ def test_estimated_couplings_of_a_measured_hull_are_no_ground_either():
     empirical = dict.fromkeys(COUPLINGS, "empirical: somebody's formula")
     part = replace(hull, sources={**hull.sources, **empirical})
     model = SHIP.with_(parts={**SHIP.parts, "hull_polynomial": part})
-    found = standing(model, 9.0)
+    found = Standing.of(model, 9.0)
     assert (found.coupled, found.uncoupled, found.hull) == (True, False, False)
     (said,) = found.unsettled
     assert said.startswith("The terms of sway and yaw together")
     one = replace(hull, sources={**hull.sources, "Yvvr": "empirical: somebody's formula"})
-    assert not standing(SHIP.with_(parts={**SHIP.parts, "hull_polynomial": one}), 9.0).coupled
+    assert not Standing.of(SHIP.with_(parts={**SHIP.parts, "hull_polynomial": one}), 9.0).coupled
 
 
 def test_drawings_and_open_water_of_the_same_ship_do_not_vary():

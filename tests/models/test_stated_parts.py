@@ -7,8 +7,7 @@ import pytest
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError
 from pmmkit.intake import examine
-from pmmkit.models import SECTIONS, problems_of
-from pmmkit.models.stated_parts import GEOMETRY
+from pmmkit.models import SECTIONS
 
 SHIP = '[campaign]\n[ship]\nname = "kvlcc2-l7"\n[water]\nrho = 1000.0\n'
 RUN = '[[runs]]\nid = "a"\ntest = "static_drift"\nfile = "a.csv"\nspeed = 1.0\ndrift_deg = 4.0\n'
@@ -43,15 +42,16 @@ def test_what_is_wrong_is_said_with_the_key(tmp_path, text, says):
 
 
 def test_names_of_the_geometry_are_not_those_of_the_effect():
-    for section, effect in SECTIONS.items():
-        values = {item.name for item in effect.parameters}
-        assert values.isdisjoint(item.name for item in GEOMETRY[section])
+    for section in SECTIONS.values():
+        values = {item.name for item in section.effect.parameters}
+        assert values.isdisjoint(item.name for item in section.geometry)
 
 
 def test_everything_that_the_effects_take_can_be_stated():
-    for section, effect in SECTIONS.items():
-        stated = {item.name: max(item.low, min(0.5, item.high)) for item in effect.parameters}
-        assert list(problems_of(section, stated)) == []
+    for section in SECTIONS.values():
+        parameters = section.effect.parameters
+        stated = {item.name: max(item.low, min(0.5, item.high)) for item in parameters}
+        assert list(section.problems(stated)) == []
 
 
 @pytest.mark.slow

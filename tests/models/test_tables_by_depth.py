@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from pmmkit.base import ExtrapolationError, TableError
 from pmmkit.conventions import Ship, Water
-from pmmkit.models import KEY, RATIO, TablesByDepth, TableVerdict, from_values
+from pmmkit.models import TablesByDepth, TableVerdict, from_values
 from pmmkit.models.tables.compare import identical
 
 SHIP = Ship(name="m", L=4.0, B=0.6, d=0.2, volume=0.3, mass=300.0, Izz=300.0)
@@ -84,12 +84,12 @@ def test_what_is_no_series_over_the_depth_is_refused():
 
 def test_a_table_that_is_not_usable_spoils_what_lies_beside_it():
     fault = TableVerdict(faults=("Yv is positive, which no hull has.",)).to_dict()
-    deep, shallow = table(2.0, -0.01), table(1.2, 0.03).with_(provenance={KEY: fault})
+    deep, shallow = table(2.0, -0.01), table(1.2, 0.03).with_(provenance={"verdict": fault})
     both = TablesByDepth(tables=(deep, shallow))
     assert both.at(1.5).verdict.faults
 
 
 def test_the_frame_has_the_depth_before_each_row():
     frame = TablesByDepth(tables=(table(2.0, -0.01), table(1.2, -0.03))).to_pandas()
-    assert frame.columns[0] == RATIO
-    assert frame[RATIO].round(6).tolist() == [2.0] * 4 + [1.2] * 4
+    assert frame.columns[0] == TablesByDepth.RATIO
+    assert frame[TablesByDepth.RATIO].round(6).tolist() == [2.0] * 4 + [1.2] * 4

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pmmkit.actions.submissions import worst_deviation
 from pmmkit.base import ExtrapolationError, TableError, UnknownNameError
 from pmmkit.conventions import Convention, Ship, Water
-from pmmkit.models import compare, from_values, worst_deviation
+from pmmkit.models import compare, from_values
 
 MODEL = Ship(name="1:36", L=175 / 36, B=0.7056, d=8.5 / 36, volume=0.4549, mass=454.5, Izz=618.0)
 FULL = Ship(name="S175", L=175.0, B=25.4, d=8.5, volume=21222.0, mass=2.12e7, Izz=2.9e10)

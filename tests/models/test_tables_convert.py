@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from pmmkit.base import TableError
 from pmmkit.conventions import STRUCTURES, Convention, Ship, Water
-from pmmkit.effects import State, regressors
+from pmmkit.effects import Regressors, State
 from pmmkit.models import DerivativeTable, converted, from_values
 from pmmkit.models.tables.compare import identical
 from pmmkit.models.tables.convert import to_system
@@ -78,14 +78,14 @@ def random_state(seed: int, size: int = 20, speed: float | None = None, small=1.
 
 def forces(table: DerivativeTable, state: State, channel: str, row: int = 0) -> np.ndarray:
     names = [name for name in table.names if name[0] == channel]
-    columns = regressors(
+    columns = Regressors.at(
         names,
         state,
         ship=table.ship,
         water=table.water,
         convention=table.convention,
         approach_speed=8.0,
-    )
+    ).columns
     return columns @ table.select(names).value[row]
 
 

@@ -7,7 +7,7 @@ import pytest
 import pmmkit as pk
 from pmmkit.api import model_of
 from pmmkit.base import CampaignError
-from pmmkit.models import standing
+from pmmkit.models import Standing
 from pmmkit.models.estimates import COUPLINGS
 from pmmkit.reduction import reduce_campaign
 from tests.support import second_tank
@@ -67,7 +67,7 @@ def test_couplings_that_runs_show_and_nobody_asked_for_are_open_in_bands(tanker)
     model = model_of(reduced(tanker, "cubic"))
     assert not set(COUPLINGS) & set(model.part("hull_polynomial").values)
     speed = model.ship.speed(model.Fn[0], model.water.g)
-    assert standing(model, speed).uncoupled
+    assert Standing.of(model, speed).uncoupled
     many = pk.monte_carlo(model, speed=speed, n=200, rudder_deg=35.0)
     assert set(COUPLINGS) <= set(many.names)
     assert many.standing.uncoupled

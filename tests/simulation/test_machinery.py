@@ -15,7 +15,7 @@ import pmmkit as pk
 from pmmkit.base import DataError
 from pmmkit.conventions import criteria
 from pmmkit.effects.four_quadrant import b4_70
-from pmmkit.models import Part
+from pmmkit.models import Part, of_a_model
 from pmmkit.simulation import machinery, measured_astern
 from pmmkit.simulation.imo import judged
 from pmmkit.simulation.machinery import ENGINE, as_it_reverses, reached, torque_of
@@ -237,8 +237,8 @@ def test_a_verdict_by_assumptions_is_settled_where_nearly_all_of_them_agree(monk
 
 def test_a_ship_with_the_resistance_of_her_model_is_not_settled():
     """KVLCC2 at full scale has her model's; S175 has a ship's."""
-    assert machinery.of_a_model(pk.load_model("s175-3dof"), 9.0) == ""
-    heavy = machinery.of_a_model(pk.load_model("kvlcc2"), SPEED)
+    assert of_a_model(pk.load_model("s175-3dof"), 9.0) == ""
+    heavy = of_a_model(pk.load_model("kvlcc2"), SPEED)
     assert "2.1 times" in heavy
     track = pk.simulate("kvlcc2", "stopping", speed=SPEED, compiled=False)
     assert heavy in track.notes

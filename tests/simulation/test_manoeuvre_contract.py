@@ -13,15 +13,7 @@ import numpy as np
 import pytest
 
 from pmmkit.base import DataError, UnknownNameError
-from pmmkit.conventions import (
-    METRICS,
-    Criterion,
-    Metric,
-    criteria,
-    metric_of,
-    metric_unit,
-    metrics_named,
-)
+from pmmkit.conventions import METRICS, Criterion, Metric, criteria, metric_of, metrics_named
 from pmmkit.simulation import (
     MANOEUVRES,
     Manoeuvre,
@@ -81,9 +73,9 @@ def test_a_manoeuvre_that_is_near_to_none_is_told_in_two_sentences():
 
 def test_the_metric_that_was_meant_is_named():
     with pytest.raises(UnknownNameError, match="did you mean 'tactical_diameter'"):
-        metric_unit("tactical_diametre")
+        metric_of("tactical_diametre").unit_of("tactical_diametre")
     with pytest.raises(UnknownNameError):
-        metric_unit("time_90_L")
+        metric_of("time_90_L").unit_of("time_90_L")
 
 
 def test_a_sweep_over_a_whole_number_is_one():

@@ -11,8 +11,9 @@ from scipy.integrate import solve_ivp
 
 import pmmkit as pk
 from pmmkit.base import MissingPartError, ModelError
+from pmmkit.conventions import parse_derivative
 from pmmkit.effects import HULL, INERTIA
-from pmmkit.models import knows_heel, load_model
+from pmmkit.models import load_model
 from pmmkit.simulation import (
     CALM,
     ESTIMATING,
@@ -31,7 +32,7 @@ from pmmkit.simulation import (
 
 SPEED = 9.0
 ROLLING, UPRIGHT = load_model("s175"), load_model("s175-3dof")
-HEEL_TERMS = {name: x for name, x in ROLLING.values(HULL).items() if knows_heel(name)}
+HEEL_TERMS = {name: x for name, x in ROLLING.values(HULL).items() if parse_derivative(name).heels}
 HEELED = UPRIGHT.with_values(HULL, **HEEL_TERMS)
 
 

@@ -15,7 +15,7 @@ from long_work import done, waited
 from pmmkit.actions import action
 from pmmkit.base import DataError
 from pmmkit.files import datasets_folder
-from pmmkit.models import load_model, standing
+from pmmkit.models import Standing, load_model
 from pmmkit.views.pages.page_file import bundle
 from pmmkit.workbench import Desk, WorkbenchState, frozen_page
 from pmmkit.workbench.application import answers, application
@@ -52,7 +52,7 @@ def test_a_structure_is_lent_propeller_and_rudder_and_the_commands_say_so(place,
         desk.wait(lambda _: None)
         made = load_model(desk.folder / "model_0.toml")
         assert made.parts["rudder_mmg"].source == "library: Son and Nomoto 1981"
-        assert standing(made, 1.0).estimated == ()
+        assert Standing.of(made, 1.0).estimated == ()
         first = desk.page()["commands"][0]["line"]
         assert "--structure cubic --fn pooled --parts s175-3dof --out" in first
         with pytest.raises(DataError, match="has its own parts"):

@@ -63,7 +63,7 @@ def add(job: AddSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.campaigns import sailing
     from pmmkit.diagnosis import read_session, undone
-    from pmmkit.effects import ROLL_PART, own_effects
+    from pmmkit.effects import own_effects
     from pmmkit.files import write_results
     from pmmkit.models import load_model, save_model
 
@@ -87,9 +87,9 @@ def add(job: AddSettings) -> Outcome:
     sailed = opened[sailing(opened)]
     base = before
     rest = [step.effect for step in kept.steps] if kept else list(job.effects)
-    if ROLL_PART in rest:
+    if "roll" in rest:
         base = _rolling(before, sailed, job.records)
-        rest.remove(ROLL_PART)
+        rest.remove("roll")
     rolled = [str(step) for step in base.history[len(before.history) :]]
     fall: Fall | None = None
     held_out: Mapping[str, Mapping[str, float]] = {}
@@ -139,13 +139,12 @@ def _rolling(model: Model, campaign: Campaign, asked: RecordSettings) -> Model:
     """The model with a roll of its own, by the heel of free-running records."""
 
     from pmmkit.base import DataError
-    from pmmkit.effects import ROLL_PART
     from pmmkit.identification import with_roll
 
     if campaign.kind != "free-running":
         raise DataError(
-            f"{ROLL_PART} is found from the heel of free-running records; K of captive tests gives "
-            f"it to the model that pmmkit reduce writes."
+            "roll is found from the heel of free-running records; K of captive tests gives "
+            "it to the model that pmmkit reduce writes."
         )
     used, _ = asked.chosen(campaign, model)
     ship = model.ship

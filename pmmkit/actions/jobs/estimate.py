@@ -11,7 +11,8 @@ from pmmkit.actions.places import results_folder
 from pmmkit.actions.setting import setting, settings
 from pmmkit.actions.shared import Out
 from pmmkit.actions.speeds import WAYS, TypedSpeed, typed
-from pmmkit.models import METHODS, EmpiricalMethod, HullEstimate, StraightLine
+from pmmkit.conventions import Ship
+from pmmkit.models import HullEstimate
 from pmmkit.presentation import ABSENT, WIDE, aligned, fixed, plus_minus
 
 EXAMPLE: Final = (
@@ -48,7 +49,7 @@ def estimate(job: EstimateSettings) -> Outcome:
     from pmmkit.files import MODEL, write_results
     from pmmkit.models import METHODS as METHODS_empirical
     from pmmkit.models import estimate as estimate_empirical
-    from pmmkit.models import estimated_model, save_model, straight_line
+    from pmmkit.models import estimated_model, save_model
     from pmmkit.simulation import simulate
 
     folder = results_folder(job.out, f"{job.name}-estimate")
@@ -78,8 +79,7 @@ def estimate(job: EstimateSettings) -> Outcome:
     track = simulate(model, "turning", speed=service)
     turn = track.metrics
     warnings = [*track.notes, *track.standing.sentences]
-    straight = {item: straight_line(guess, ship) for item, guess in found.items()}
-    rows = [_row(item, guess, straight[item]) for item, guess in found.items()]
+    rows = [_row(item, guess, ship) for item, guess in found.items()]
     write_results(
         folder, [(MODEL.file, partial(save_model, model)), ("estimates.csv", pd.DataFrame(rows))]
     )
@@ -91,12 +91,12 @@ def estimate(job: EstimateSettings) -> Outcome:
         "",
         "Straight-line stability of the bare hull, stable where the lever of yaw is the larger "
         "(both over L from midship); C = Yv(Nr - m'xG) - Nv(Yr - m') in the prime system:",
-        _stability(straight),
+        _stability(found, ship),
         "",
         f"Values of {job.method}:",
         _values(found[job.method]),
         f"Their uncertainty is how far ships lie from the formulas ("
-        f"{_grounds(found[job.method], METHODS[job.method])}).",
+        f"{_grounds(found[job.method])}).",
         "",
         f"Turning circle at {service:g} m/s by {job.method}: "
         f"advance {fixed(turn['advance_L'], 2)} L, "
@@ -117,8 +117,9 @@ def estimate(job: EstimateSettings) -> Outcome:
     )
 
 
-def _row(method: str, guess: HullEstimate, straight: StraightLine) -> dict[str, str | float]:
+def _row(method: str, guess: HullEstimate, ship: Ship) -> dict[str, str | float]:
     """An estimate as a row of a table."""
+    straight = guess.straight_line(ship)
     return {
         "method": method,
         "system": guess.convention.system,
@@ -148,7 +149,7 @@ def _linear(found: Mapping[str, HullEstimate]) -> str:
     return aligned(["method", "system", "sway by", *LINEAR], rows)
 
 
-def _stability(straight: Mapping[str, StraightLine]) -> str:
+def _stability(found: Mapping[str, HullEstimate], ship: Ship) -> str:
     """The criterion by every method."""
     rows = [
         [
@@ -158,7 +159,7 @@ def _stability(straight: Mapping[str, StraightLine]) -> str:
             plus_minus(1e6 * it.C, 1e6 * WIDE * it.std),
             it.verdict,
         ]
-        for item, it in straight.items()
+        for item, it in ((item, guess.straight_line(ship)) for item, guess in found.items())
     ]
     return aligned(["method", "lever of yaw", "of sway", "C × 10⁶", "straight line"], rows)
 
@@ -169,11 +170,11 @@ def _values(guess: HullEstimate) -> str:
     return aligned(["", "value"], rows)
 
 
-def _grounds(guess: HullEstimate, method: EmpiricalMethod) -> str:
+def _grounds(guess: HullEstimate) -> str:
     """From what the uncertainties of the values were found, exceptions first."""
     grounds: dict[str, list[str]] = {}
     for name in guess.values:
-        grounds.setdefault(method.error_of(name).source, []).append(name)
+        grounds.setdefault(guess.grounds[name], []).append(name)
     most = max(grounds, key=lambda source: len(grounds[source]))
     apart = [f"{', '.join(names)}: {text}" for text, names in grounds.items() if text != most]
     return "; ".join([*apart, f"all others: {most}" if apart else most])

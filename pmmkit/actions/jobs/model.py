@@ -92,7 +92,6 @@ def model(job: ModelSettings) -> Outcome:
 
 def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
     """The model's page, and what it lacks for a simulation."""
-    from pmmkit.models import place_name
     from pmmkit.simulation import missing_parts
 
     lacks = missing_parts(model)
@@ -113,7 +112,7 @@ def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
                         own: {
                             "value": value,
                             "source": part.source_of(own),
-                            "std": part.std.get(own) or _first(model.std, place_name(name, own)),
+                            "std": part.std.get(own) or _first(model.std, part.place(own)),
                         }
                         for own, value in part.values.items()
                     },

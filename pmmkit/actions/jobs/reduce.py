@@ -133,7 +133,7 @@ def reduced(
     """
     from pmmkit.actions.depths import over_depths
     from pmmkit.campaigns import by_depth, open_campaign
-    from pmmkit.models import load_model, reference_of
+    from pmmkit.models import ReferenceTable, load_model
 
     settings = {
         "structure": job.structure,
@@ -150,7 +150,7 @@ def reduced(
         job=job,
         settings=settings,
         donor=load_model(job.parts) if job.parts else None,
-        beside=reference_of(job.reference, reference_name) if job.reference else None,
+        beside=ReferenceTable.of(job.reference, reference_name) if job.reference else None,
         lacking=lacking,
     )
     depths = by_depth(opened)
@@ -258,10 +258,9 @@ def _turns(
 ) -> tuple[Turns | None, list[str]]:
     """Turning circles, or why there are none."""
     from pmmkit.base import PmmkitError
-    from pmmkit.models import lacking
     from pmmkit.views import turns_of
 
-    if model is None or lacking(model):
+    if model is None or model.lacking:
         return None, []
     tested = sorted({round(item.froude, 4) for item in found.runs})
     try:

@@ -64,7 +64,7 @@ class SweepSettings:
 
 def sweep(job: SweepSettings) -> Outcome:
     """Do what is asked."""
-    from pmmkit.models import load_model, standing
+    from pmmkit.models import Standing, load_model
     from pmmkit.plotting import save
     from pmmkit.simulation import (
         SHARES,
@@ -117,7 +117,7 @@ def sweep(job: SweepSettings) -> Outcome:
     sailed = asked or [loaded.ship.speed(Fn, loaded.water.g) for Fn in loaded.Fn]
     lines = [
         f"Scale: {loaded.scale}",
-        *dict.fromkeys(text for speed in sailed for text in standing(loaded, speed).sentences),
+        *dict.fromkeys(text for speed in sailed for text in Standing.of(loaded, speed).sentences),
         aligned(
             [*_heads(found, coordinates, metrics, job.manoeuvre), *columns[len(metrics) :]], cells
         ),
@@ -130,10 +130,10 @@ def _heads(
     found: xr.Dataset, coordinates: Sequence[str], metrics: Sequence[str], manoeuvre: str
 ) -> list[str]:
     """Names of the columns, with their units."""
-    from pmmkit.conventions import metric_unit
+    from pmmkit.conventions import metric_of
     from pmmkit.simulation import manoeuvre_of
 
     known = manoeuvre_of(manoeuvre).metrics
     units = {name: found[name].attrs.get("units", "") for name in coordinates}
-    units |= {name: metric_unit(name, known) for name in metrics}
+    units |= {name: metric_of(name, known).unit_of(name) for name in metrics}
     return [f"{name} [{unit}]" if unit else name for name, unit in units.items()]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from pmmkit.base import DataError
 from pmmkit.campaigns.file.faults import Faults
+from pmmkit.campaigns.file.schema import SettingsEntry
 from pmmkit.campaigns.file.search import Search
 from pmmkit.campaigns.file.settings import missing_settings, settings_of
 from pmmkit.campaigns.file.struts import on_struts
@@ -18,11 +19,11 @@ from pmmkit.campaigns.run import Correction, Run
 from pmmkit.campaigns.run_settings import setting_units
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import Frame
-from pmmkit.campaigns.samples.loading import Context, HistoryLoader, at_hand
+from pmmkit.campaigns.samples.loading import STRUT_CHANNELS, Context, HistoryLoader, at_hand
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 from pmmkit.campaigns.test_kinds.struts import Struts
-from pmmkit.conventions import STRUT_CHANNELS, Ship, Water
+from pmmkit.conventions import Ship, Water
 from pmmkit.readers import Cells, Options, Request, reader_for
 
 if TYPE_CHECKING:
@@ -258,7 +259,7 @@ def _motion(
 
 def out_of_range(given: Mapping[str, Any], label: str, out: Assembled) -> bool:
     """Whether settings out of cells are none that a campaign file may state; with problems."""
-    from pmmkit.campaigns.file.schema import SettingsEntry, read_entry
+    from pmmkit.campaigns.file.schema import read_entry
 
     before = len(out.problems)
     read_entry(SettingsEntry, dict(given), label, out)

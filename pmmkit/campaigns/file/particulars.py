@@ -249,7 +249,7 @@ def _columns(raw: Mapping[str, Any], out: Faults) -> dict[str, ColumnSpec]:
 
 def _stated_part(name: str, raw: Mapping[str, Any], out: Faults) -> dict[str, Any]:
     """What is stated of the propeller or the rudder; what is wrong is added to `out`."""
-    from pmmkit.models import problems_of
+    from pmmkit.models import SECTIONS
 
     if name not in raw:
         return {}
@@ -257,7 +257,7 @@ def _stated_part(name: str, raw: Mapping[str, Any], out: Faults) -> dict[str, An
     if not isinstance(table, Mapping):
         out.report("must be a table.", f"[{name}]")
         return {}
-    for key, fault in problems_of(name, table):
+    for key, fault in SECTIONS[name].problems(table):
         out.report(fault, f"[{name}]" + (f", key {key!r}" if key else ""))
     return dict(table)
 

@@ -18,7 +18,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError, PydanticUndefined
 
-from pmmkit.conventions import SYSTEMS
+from pmmkit.conventions import System
 from pmmkit.readers import READERS
 
 
@@ -169,7 +169,7 @@ class SourceEntry(StrictTable):
     missing: Literal["error", "drop"] = said(
         "`drop` leaves out rows with empty values; else they are errors", "error"
     )
-    nondimensional: Literal[SYSTEMS] | None = said(  # type: ignore[valid-type]
+    nondimensional: System | None = said(
         "system in which the forces of the file are non-dimensional", None
     )
     in_phase_with: Literal["displacement", "velocity", "acceleration"] | None = said(

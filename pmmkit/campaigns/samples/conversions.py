@@ -9,7 +9,7 @@ from typing import Final, Literal
 import numpy as np
 
 from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
-from pmmkit.conventions import FORCE_CHANNELS, MOMENTS, Ship, Water, force_unit, harmonic_part
+from pmmkit.conventions import CHANNEL_UNITS, FORCE_CHANNELS, Convention, Ship, Water, harmonic_part
 from pmmkit.numerics import Array
 
 TURNED: Final = "sign changed to our axes and rudder"
@@ -163,7 +163,13 @@ def to_ours(
 
 
 def _unit(channel: str, system: str, ship: Ship, water: Water, speed: float) -> float:
-    return force_unit("N" if channel in MOMENTS else "X", system, ship=ship, water=water, U=speed)
+    return (
+        Convention()
+        .with_(system=system)
+        .force_unit(
+            "N" if CHANNEL_UNITS[channel] == "N m" else "X", ship=ship, water=water, U=speed
+        )
+    )
 
 
 def in_phase_parts(name: str, phase: str) -> tuple[str, int]:

@@ -28,13 +28,17 @@ from pmmkit.campaigns.samples.corrections import correct
 from pmmkit.campaigns.samples.geodesy import out_of_range, placed
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.struts import Struts, place_on_struts
-from pmmkit.conventions import CHANNEL_UNITS, STRUT_CHANNELS, Ship, Water
+from pmmkit.conventions import CHANNEL_UNITS, Ship, Water
 from pmmkit.files import Origin, local_copy, sha256
 from pmmkit.numerics import Array
 from pmmkit.readers import Columns, Request, files_of, reader_for, recognise
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+STRUT_CHANNELS: Final = frozenset({"y_forward", "y_aft"})
+"""Positions of two struts across the tank, which tell place and heading of the hull."""
 
 
 # Files behind URLs, brought to this machine when they are read.

@@ -13,7 +13,7 @@ import numpy as np
 
 from pmmkit.campaigns import repeats
 from pmmkit.conventions import Convention, Ship, Water
-from pmmkit.effects import State, regressors
+from pmmkit.effects import Regressors, State
 from pmmkit.numerics import Array
 from pmmkit.reduction import View
 
@@ -113,14 +113,14 @@ class CaptiveBase:
 
     def columns(self, names: Sequence[str], motion: State, speed: float | Array) -> Array:
         """What derivatives multiply along a motion [N, N m], (n, len(names))."""
-        return regressors(
+        return Regressors.at(
             names,
             motion,
             ship=self.ship,
             water=self.water,
             convention=self.convention,
             approach_speed=speed,
-        )
+        ).columns
 
     def forces(self, motion: State, speed: float) -> Forces:
         """Predicted forces of the water along a motion [N, N m]."""

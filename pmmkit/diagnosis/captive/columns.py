@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.base import MOTION, CaptiveBase, ViewSequence, stretches
-from pmmkit.effects import BY_SPEED, Effect, arguments_of, over_arrays, slopes
+from pmmkit.effects import BY_SPEED, Effect, over_arrays
 from pmmkit.numerics import Array
 from pmmkit.reduction import RunView, View
 
@@ -64,7 +64,7 @@ def _of_a_fault(effect: Effect) -> Columns:
 
     def columns(view: View, base: CaptiveBase, value: float) -> Mapping[str, Array]:
         at = {inner.name: value} if inner is not None else {}
-        return spread_over(view, slopes(effect, RunView(view, base), at, names), len(names))
+        return spread_over(view, effect.slopes(RunView(view, base), at, names), len(names))
 
     return columns
 
@@ -158,7 +158,7 @@ def histories(
 ) -> list[dict[str, Array]]:
     """Force of an effect of the catalogue along views, its states as in steady oscillation."""
     ship, water = base.ship, base.water
-    names = arguments_of(effect)
+    names = effect.arguments
     there: dict[str, Any] = {
         "L": ship.L,
         "B": ship.B,

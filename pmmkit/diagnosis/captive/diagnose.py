@@ -21,7 +21,7 @@ from pmmkit.diagnosis.captive.system import LEAST, System, scale_of
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects import CATALOGUE, Effect
-from pmmkit.models import DERIVATIVE_PARTS, Model, load_model
+from pmmkit.models import Model, load_model
 from pmmkit.reduction import FLOOR, View, columns_of
 
 FLOOR_LEAST: Final = 0.001
@@ -40,14 +40,7 @@ def derivatives_of(
         model = load_model(model)
     if not isinstance(model, Model):
         return tuple(model), tuple(model), ()
-    names = tuple(
-        name
-        for effect in DERIVATIVE_PARTS
-        if effect in model.parts
-        for name in model.parts[effect].values
-        if CATALOGUE[effect].parameter(name) is None
-    )
-    return model, names, effects_of(model)
+    return model, model.derivatives, effects_of(model)
 
 
 def diagnose_captive(

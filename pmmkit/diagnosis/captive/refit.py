@@ -16,16 +16,8 @@ from pmmkit.diagnosis.captive.joint_fit import JointFit
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.system import CandidateColumns
 from pmmkit.diagnosis.refit import put_back
-from pmmkit.effects import BY_SPEED, CATALOGUE, HULL, RUDDER_POLYNOMIAL, Effect
-from pmmkit.models import (
-    DerivativeTable,
-    Model,
-    converted,
-    home_of,
-    needs_roll,
-    with_effect,
-    without_effect,
-)
+from pmmkit.effects import BY_SPEED, CATALOGUE, HULL, Effect
+from pmmkit.models import DerivativeTable, Model, converted, with_effect, without_effect
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE
 
@@ -146,8 +138,8 @@ def refitted(
     known = [name for name in table.names if np.isfinite(table[name]).all()]
     kept = [name for name in table.names if name not in known]
     rudder = [name for name in known if parse_derivative(name).count("d")]
-    steered = RUDDER_POLYNOMIAL in model.parts
-    roll = [] if model.rolls else [name for name in known if needs_roll(name)]
+    steered = "rudder_abkowitz" in model.parts
+    roll = [] if model.rolls else [name for name in known if parse_derivative(name).rolls]
     left = [*([] if steered else rudder), *roll]
     notes = []
     if kept:
@@ -165,7 +157,7 @@ def refitted(
     for entry, block in parts:
         made = _with_part(made, entry, block, fit, froude_numbers(campaign), source)
     derivatives = {
-        (home_of(model, name), name): tuple(taken[name].tolist()) if len(Fn) else taken[name].item()
+        (model.home_of(name), name): tuple(taken[name].tolist()) if len(Fn) else taken[name].item()
         for name in taken.names
     }
     coefficients = {
@@ -273,7 +265,7 @@ def places_of(block: CandidateColumns, model: Model, own: Sequence[Effect] = ())
     if c.name in model.parts:
         return (c.name,)
     names = dict.fromkeys(name for label in labels(c) for name, _, _ in _places(label, own))
-    return tuple(f"{home_of(model, name)}.{name}" for name in names)
+    return tuple(f"{model.home_of(name)}.{name}" for name in names)
 
 
 def in_convention(

@@ -19,7 +19,7 @@ from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.columns import channels_of_terms, of_derivatives
 from pmmkit.diagnosis.captive.drawn import OwnColumns, RunEffectColumns
 from pmmkit.diagnosis.captive.whitening import Channel, Piece, Places
-from pmmkit.effects import MISALIGNMENT, slopes
+from pmmkit.effects import CATALOGUE
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 from pmmkit.reduction import RunView, View
@@ -192,7 +192,7 @@ def run_columns(
     k harmonics, which its pieces have in common (n, 3 + k)."""
     harmonics = max(view.rows for view in views)
     turned = {
-        i: slopes(MISALIGNMENT, RunView(view, base), {}, ["turned"])
+        i: CATALOGUE["fault_misalignment"].slopes(RunView(view, base), {}, ["turned"])
         for i, view in enumerate(views)
         if view.run.settings.drift and not view.run.kind_of_test.swings_hull
     }

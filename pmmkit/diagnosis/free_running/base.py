@@ -9,7 +9,7 @@ import numpy as np
 
 from pmmkit.effects import CATALOGUE
 from pmmkit.identification import Prior, prior_of
-from pmmkit.models import DERIVATIVE_PARTS, Model, Part, Sailing, moves_of
+from pmmkit.models import Model, Part, Sailing
 from pmmkit.numerics import Array
 
 SPREAD: Final = 0.15
@@ -73,20 +73,13 @@ def movable(model: Model) -> tuple[str, ...]:
     A table of wave drift whose factors are zero waits to be asked for: it does not act, and no base
     moves it.
     """
-    derivatives = [
-        name
-        for part in DERIVATIVE_PARTS
-        if part in model.parts
-        for name in model.parts[part].values
-        if CATALOGUE[part].parameter(name) is None
-    ]
     others = [
         f"{part.effect}.{item.name}"
         for part in model.parts.values()
         for item in part.known.parameters
         if item.uncertain and item.name in part.values and not idle(part)
     ]
-    return (*derivatives, *others)
+    return (*model.derivatives, *others)
 
 
 def base_of(
@@ -139,7 +132,7 @@ def usual_sizes(model: Model, speed: float) -> dict[str, float]:
         asked = effect.kind in ("terms", "freed") and effect.frees in ("", *model.parts)
         if not asked or effect.varies_with_speed:
             continue
-        for move in moves_of(effect, vessel).values():
+        for move in vessel.moves(effect).values():
             for name, share in move.values.items():
                 sizes[name] = max(sizes.get(name, 0.0), abs(share * move.typical))
     return sizes

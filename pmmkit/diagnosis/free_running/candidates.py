@@ -11,7 +11,7 @@ from typing import Final, Literal
 from pmmkit.base import DataError
 from pmmkit.effects import CATALOGUE, EXCITES, HULL, INERTIA, OUTSIDE, Effect
 from pmmkit.identification import ONE_SEA, FreeRecord
-from pmmkit.models import DERIVATIVE_PARTS, Model, Part, Sailing, moves_of, parts_of, told
+from pmmkit.models import Model, Part, Sailing
 
 APART: Final = 1.1
 """Ratio of two speeds of approach from which they count as two."""
@@ -51,7 +51,7 @@ class FreeCandidate:
 
     def added_to(self, model: Model) -> Model:
         """The model with a place for the effect, its size still zero."""
-        made = told(model, self.options, self.begins)
+        made = Sailing(model, 1.0).told(self.options, self.begins)
         if self.part is not None and self.part.effect not in model.parts:
             made = replace(
                 made, parts=MappingProxyType({**made.parts, self.part.effect: self.part})
@@ -65,7 +65,7 @@ class FreeCandidate:
 
 
 def _known(model: Model, name: str) -> bool:
-    return any(name in model.parts[part].values for part in DERIVATIVE_PARTS if part in model.parts)
+    return any(name in part.values for part in model.derivative_parts.values())
 
 
 def excited(model: Model, records: Sequence[FreeRecord]) -> frozenset[str]:
@@ -80,7 +80,7 @@ def excited(model: Model, records: Sequence[FreeRecord]) -> frozenset[str]:
             "roll": model.rolls
             or (bool(records) and all(item.roll is not None for item in records)),
             "wind": bool(records) and all(item.wind_speed is not None for item in records),
-            "waves": bool(parts_of(model, "waves"))
+            "waves": bool(model.in_role("waves"))
             and bool(records)
             and all(item.wave_height is not None for item in records),
             "depth": any((item.depth or math.inf) < DEEP * model.ship.d for item in records),
@@ -105,7 +105,7 @@ def why_not_asked(effect: Effect, model: Model, records: Sequence[FreeRecord]) -
 def check_seas(model: Model, records: Sequence[FreeRecord]) -> None:
     """Refuse records of seas that one table of drift cannot stand for."""
     periods = [item.wave_period for item in records if item.wave_period is not None]
-    if parts_of(model, "waves") and periods and max(periods) > ONE_SEA * min(periods):
+    if model.in_role("waves") and periods and max(periods) > ONE_SEA * min(periods):
         raise DataError(
             f"The records state waves of {min(periods):g} to {max(periods):g} s, and a table of "
             f"wave drift holds at one period: give the records of one sea, with a table made for "
@@ -148,7 +148,7 @@ def free_candidate_of(
     effect: Effect, vessel: Sailing, given: Mapping[str, float] = MappingProxyType({})
 ) -> FreeCandidate:
     """An effect as free-running records are asked for it; without moves if it has no place."""
-    moves, part = moves_of(effect, vessel), None
+    moves, part = vessel.moves(effect), None
     if effect.enters:
         part = _part(effect, vessel, given)
     return FreeCandidate(

@@ -19,7 +19,7 @@ from pmmkit.diagnosis.free_running.left_out import left_out_errors, mean_log
 from pmmkit.diagnosis.refit import Place, put_back
 from pmmkit.effects import OUTSIDE, Parameter
 from pmmkit.identification import FreeRecord, places, predict, reference, smoothed_without, title_of
-from pmmkit.models import DERIVATIVE_PARTS, Model, Value
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.simulation import values_at
 
@@ -92,7 +92,7 @@ def model_of(
     whole = _unknown(fit)
     deviations = np.sqrt(np.maximum(np.diagonal(whole), 0.0)).tolist()
     std = dict(zip(fit.place.question.numbers.values, deviations, strict=True))
-    values: dict[Place, Value] = {}
+    values: dict[Place, float | tuple[float, ...]] = {}
     for (effect, name), (label, x) in zip(places(made, list(change)), change.items(), strict=True):
         own = made.parts[effect].values.get(name)
         within = partial(_within, made.parts[effect].known.parameter(name), unsure=std[label])
@@ -118,7 +118,9 @@ def _source(model: Model, place: Place, title: str) -> str:
     """Where a value comes from that records tell more of, or alone."""
     effect, name = place
     part = model.parts.get(effect)
-    stated = effect not in DERIVATIVE_PARTS and part is not None and part.known.parameter(name)
+    stated = (
+        effect not in model.derivative_parts and part is not None and part.known.parameter(name)
+    )
     if part is None or (name not in part.values and not stated):
         return f"measured: {title}"
     said = f"; fitted to {title}"
@@ -126,7 +128,7 @@ def _source(model: Model, place: Place, title: str) -> str:
 
 
 def _known(
-    model: Model, fit: SetFit, values: Mapping[Place, Value], whole: Array
+    model: Model, fit: SetFit, values: Mapping[Place, float | tuple[float, ...]], whole: Array
 ) -> tuple[tuple[Place, ...], Array]:
     """Values of a model of which a fit knows how uncertain they are, and their covariance."""
     numbers = fit.place.question.numbers

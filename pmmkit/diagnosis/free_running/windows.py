@@ -10,15 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.effects import (
-    ANTENNA,
-    CLOCK_LAG,
-    CURRENT,
-    HEADING_OFFSET,
-    LOG_GAIN,
-    OUTSIDE,
-    RUDDER_ZERO,
-)
+from pmmkit.effects import CURRENT, OUTSIDE
 from pmmkit.identification import (
     FORCES,
     STEP,
@@ -245,7 +237,7 @@ def inputs(stretch: RecordWindows, change: Array) -> Array:
     """Inputs (n, i) after a change of the values."""
     moved = dict(zip(stretch.names, change.tolist(), strict=True))
     found = stretch.record.inputs
-    found[:, InputField.rudder] += moved.get(RUDDER_ZERO, 0.0)
+    found[:, InputField.rudder] += moved.get("rudder_zero", 0.0)
     return found
 
 
@@ -276,9 +268,9 @@ def shown(stretch: RecordWindows, states: Array, change: Array) -> Array:
     current = [stretch.binding.base[Constant[name]] + moved.get(name, 0.0) for name in CURRENT]
     north = u * ahead - level * aside + current[0]
     east = u * aside + level * ahead + current[1]
-    lag, offset = moved.get(CLOCK_LAG, 0.0), moved.get(HEADING_OFFSET, 0.0)
-    forward, starboard = (moved.get(name, 0.0) for name in ANTENNA)
-    gain = 1.0 + moved.get(LOG_GAIN, 0.0)
+    lag, offset = moved.get("clock_lag", 0.0), moved.get("heading_offset", 0.0)
+    forward, starboard = (moved.get(name, 0.0) for name in ("antenna_x", "antenna_y"))
+    gain = 1.0 + moved.get("log_gain", 0.0)
     made = {
         "x": states[:, State.x] - lag * north + forward * ahead - starboard * aside,
         "y": states[:, State.y] - lag * east + forward * aside + starboard * ahead,

@@ -24,7 +24,7 @@ from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues
 from pmmkit.diagnosis.joint.captive_vote import Ballot, Kind, Names, asked_in, fault_sets, of_ship
 from pmmkit.identification import FreeRecord
-from pmmkit.models import Model, place_name
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 
 # How well a model knows its values by itself.
@@ -54,8 +54,8 @@ class Stated:
 def stated_values(model: Model, base: FreeBase) -> Stated:
     """The covariance of a model, and what single values state."""
     std = {
-        place_name(effect, name): x
-        for effect, part in model.parts.items()
+        part.place(name): x
+        for part in model.parts.values()
         for name, x in part.std.items()
         if x > 0.0
     }

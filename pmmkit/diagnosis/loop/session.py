@@ -25,11 +25,9 @@ from pmmkit.models import (
     FileReader,
     Model,
     Step,
-    added,
     entries,
     load_model,
     odds,
-    read_steps,
     restored,
     without_effect,
 )
@@ -78,7 +76,7 @@ def read_session(path: str | Path) -> SavedSession:
     if not isinstance(head, dict) or not isinstance(floor, float):
         raise ModelError(f"{path} is no session: [session] needs the number floor.")
     reader = FileReader(str(path))
-    steps = _first_release(head, str(path)) if "effects" in head else read_steps(reader, data)
+    steps = _first_release(head, str(path)) if "effects" in head else reader.steps(data)
     for number, step in enumerate(steps, start=1):
         if step.action not in ("effect_added", "fault_corrected") or not step.effect:
             reader.fault(f"steps.{number} adds no effect: a session has no other steps.")
@@ -476,7 +474,7 @@ def undone(model: Model, own: Sequence[Effect] = ()) -> tuple[Model, str]:
     ModelError
         If its steps know of no effect that was added.
     """
-    there = added(model.steps)
+    there = model.added
     if not there:
         raise ModelError(f"The history of {model.name} knows of no effect that was added.")
     last = there[-1]

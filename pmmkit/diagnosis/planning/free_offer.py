@@ -24,7 +24,7 @@ from pmmkit.diagnosis.planning.free_options import FreeOption
 from pmmkit.diagnosis.planning.options import Option
 from pmmkit.diagnosis.planning.planned_records import planned_record, sea_of
 from pmmkit.diagnosis.planning.separation import Likely, UsualEffects
-from pmmkit.effects import SHOWN
+from pmmkit.effects import CURRENT, OUTSIDE
 from pmmkit.identification import FreeRecord
 from pmmkit.numerics import Array
 from pmmkit.presentation import counted
@@ -207,7 +207,8 @@ def _products(
     )
     change = question.numbers.T @ fit.z
     # Planned columns show the ship as she is: no fault of the instruments is in them.
-    plain = np.where(np.isin(question.numbers.values, SHOWN), 0.0, change)
+    instruments = [name for name in OUTSIDE if name not in (*CURRENT, "rudder_zero")]
+    plain = np.where(np.isin(question.numbers.values, instruments), 0.0, change)
     for stretch in stretches:
         asked = replace(question, stretches=(follow(stretch, plain, question.sensors),))
         known = asked.information(asked.sheets(fit.z, columns), fit.z).under(fit.forces)

@@ -15,7 +15,7 @@ from pmmkit.diagnosis.free_running.findings import model_of, moved
 from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.system import FreeSystem
 from pmmkit.diagnosis.planning.free_options import FreeOption
-from pmmkit.effects import CURRENT, RUDDER_ZERO, WAVE_DRIFT
+from pmmkit.effects import CURRENT
 from pmmkit.identification import FreeRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
@@ -96,7 +96,7 @@ def planned_record(sea: PlannedConditions, option: FreeOption) -> FreeRecord:
     return FreeRecord(
         name=option.id,
         t=t,
-        delta=track.delta[kept] - sea.change.get(RUDDER_ZERO, 0.0),
+        delta=track.delta[kept] - sea.change.get("rudder_zero", 0.0),
         turns=track.n[kept],
         measured=MappingProxyType({name: shown[name] for name in like.measured}),
         speed=speed,
@@ -126,14 +126,10 @@ def _approach(record: FreeRecord) -> float:
 
 def _in_waves(model: Model, like: FreeRecord, course: float) -> Model:
     """The ship in the sea that a record states, as `simulate` takes it."""
-    if (
-        like.wave_height is None
-        or like.wave_direction is None
-        or WAVE_DRIFT.name not in model.parts
-    ):
+    if like.wave_height is None or like.wave_direction is None or "wave_drift" not in model.parts:
         return model
     angle = math.degrees(_middle(like.wave_direction) - course)
-    return model.with_values(WAVE_DRIFT.name, Hs=float(np.mean(like.wave_height)), from_deg=angle)
+    return model.with_values("wave_drift", Hs=float(np.mean(like.wave_height)), from_deg=angle)
 
 
 def _middle(way: Array | None) -> float:

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, Final
-
-import numpy as np
 
 from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.seen import Acts, Forces, Observed
@@ -76,43 +74,4 @@ def beside(run: Observed, more: Mapping[str, Array]) -> Forces:
         channel: run.forces[channel] + run.project(history)
         for channel, history in more.items()
         if channel in run.forces
-    }
-
-
-def shown_by(effect: Effect, run: Observed, at: Mapping[str, float]) -> Forces:
-    """What a fault shows of records; parameters that are not named are zero."""
-    assert effect.acts is not None
-    none = dict.fromkeys((item.name for item in effect.parameters), 0.0)
-    return effect.acts(run, none | dict(at))
-
-
-def slopes(
-    effect: Effect, run: Observed, at: Mapping[str, float], names: Sequence[str]
-) -> dict[str, tuple[Array, ...]]:
-    """What a unit of some parameters of a fault changes in the forces, by channel.
-
-    ∂F/∂s ≈ [F(s = h) - F(s = 0)]/h with the `step` h of the parameter; with h = 1 this is exact
-    where the fault acts in proportion.
-
-    Parameters
-    ----------
-    effect : Effect
-        A fault that acts on records.
-    run : Observed
-        The records.
-    at : mapping of str to float
-        The other parameters; those that are not named are zero.
-    names : sequence of str
-        The parameters.
-    """
-    found = []
-    for name in names:
-        item = effect.parameter(name)
-        assert item is not None
-        shown = shown_by(effect, run, {**at, name: item.step})
-        found.append({c: (x - run.forces[c]) / item.step for c, x in shown.items()})
-    channels = dict.fromkeys(channel for own in found for channel in own)
-    return {
-        c: tuple(own[c] if c in own else np.zeros_like(run.forces[c]) for own in found)
-        for c in channels
     }

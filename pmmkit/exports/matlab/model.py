@@ -15,7 +15,7 @@ from pmmkit.exports.matlab.printed import COLUMN, printed
 from pmmkit.exports.matlab.transcribe import MatlabLine, line, needed, transcribe
 from pmmkit.exports.matlab.words import heading, meaning
 from pmmkit.exports.text import WHICH_SPEED, is_matlab_name, matlab_name, number
-from pmmkit.models import Model, parts_of
+from pmmkit.models import Model
 from pmmkit.simulation import (
     ACCELERATIONS,
     FORCES,
@@ -180,7 +180,7 @@ def _effects(
     signals: dict[str, str] = {}
     if model.water.depth is not None:
         problems += [
-            f"{name}: it changes derivatives by the depth." for name in parts_of(model, "depth")
+            f"{name}: it changes derivatives by the depth." for name in model.in_role("depth")
         ]
     for item in ready.structure.used:
         if why := _unfit(item):

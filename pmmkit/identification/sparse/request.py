@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError, UnknownNameError
-from pmmkit.conventions import CHANNELS, Structure, canonical, parse_derivative, structure_of
+from pmmkit.conventions import Structure, parse_derivative, structure_of
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.sparse.collinear import Collinearity
 from pmmkit.identification.sparse.rows import RunRows, check_records, equations, measured
 from pmmkit.inference import Equations, Resampling, SelectionMethod, SparseProblem
-from pmmkit.models import DERIVATIVE_PARTS, Model, knows_heel
+from pmmkit.models import Model
 
 Groups = Literal["physics"] | Mapping[str, Sequence[str]] | Sequence[Sequence[str]]
 HEEL: Final = frozenset({"phi", "p"})
@@ -63,7 +63,7 @@ def physics_groups(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     {'lift': ('Yv', 'Nv'), 'drag': ('Yv|v|', 'Nv|v|', 'Yr|r|'), 'cubic': ('Nvvr',)}
     """
     found: dict[str, tuple[str, ...]] = {}
-    for name in map(canonical, names):
+    for name in (parse_derivative(name).name for name in names):
         family = _family(name)
         found[family] = (*found.get(family, ()), name)
     return found
@@ -118,8 +118,8 @@ def request(
             f"at least {Resampling.FEWEST}, or cut long runs into pieces that are not alike."
         )
     check_records(records)
-    held = {canonical(name) for name in fixed}
-    absent = sorted(held - set(derivatives(model)))
+    held = {parse_derivative(name).name for name in fixed}
+    absent = sorted(held - set(model.derivatives))
     if absent:
         raise UnknownNameError(
             f"Model {model.name!r} has no value of {', '.join(absent)} to hold: give it one, or "
@@ -134,7 +134,7 @@ def request(
             f"records have finite forces with a standard deviation in "
             f"{', '.join(sorted(there)) or 'no channel'}."
         )
-    heeled = [name for name in names if knows_heel(name)]
+    heeled = [name for name in names if parse_derivative(name).heels]
     if heeled and not model.rolls and not any(HEEL & set(item.motion) for item in records):
         raise DataError(
             f"{', '.join(heeled)} need roll: model {model.name!r} has none and no record holds a "
@@ -175,17 +175,6 @@ def request(
     )
 
 
-def derivatives(model: Model) -> tuple[str, ...]:
-    """Derivatives of which a model has a value."""
-    return tuple(
-        name
-        for part in DERIVATIVE_PARTS
-        if part in model.parts
-        for name in model.parts[part].values
-        if name[:1] in CHANNELS
-    )
-
-
 def excited(rows: Sequence[RunRows], names: Sequence[str]) -> list[str]:
     """Terms of which a derivative of one would stand out of the noise of all runs together."""
     size = np.zeros(len(names))
@@ -197,7 +186,7 @@ def excited(rows: Sequence[RunRows], names: Sequence[str]) -> list[str]:
 
 def _listed(names: Sequence[str], library: Sequence[str], word: str) -> tuple[str, ...]:
     """Canonical names, all of them in the library."""
-    wanted = tuple(canonical(name) for name in names)
+    wanted = tuple(parse_derivative(name).name for name in names)
     lost = [name for name in wanted if name not in library]
     if lost:
         raise UnknownNameError(

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.identification.sparse.collinear import Collinearity
-from pmmkit.identification.sparse.request import SparseRequest, derivatives
+from pmmkit.identification.sparse.request import SparseRequest
 from pmmkit.identification.sparse.rows import homes
 from pmmkit.inference import Equations, Selection, ThresholdPath
-from pmmkit.models import NEEDED, DerivativeTable, Model, Part, Step
+from pmmkit.models import DerivativeTable, Model, Part, Step, needed
 from pmmkit.numerics import Array
 
 FEW: Final = 8
@@ -84,7 +84,7 @@ def assembled(
     left_out = tuple(str(name) for name in names[~stays])
     held = tuple(
         name
-        for name in derivatives(model)
+        for name in model.derivatives
         if name not in (*asked.names, *asked.undetermined, *asked.unmeasured)
     )
     return SparseRegression(
@@ -219,7 +219,7 @@ def _doubts(
         for channel, size in misfit.items()
         if size > MISFIT
     ]
-    basic = [name for name in left_out if name in NEEDED]
+    basic = [name for name in left_out if name in needed()]
     if basic:
         said.append(f"Left out although every simulation needs it: {', '.join(basic)}.")
     return said

@@ -14,7 +14,7 @@ from pmmkit.conventions import parse_derivative
 from pmmkit.effects import HULL, INERTIA
 from pmmkit.identification.binding import Place, replaced
 from pmmkit.identification.forces import ForceRecord
-from pmmkit.models import DERIVATIVE_PARTS, Model
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.simulation import (
     Conditions,
@@ -83,11 +83,7 @@ def homes(model: Model, names: Sequence[str]) -> tuple[Place, ...]:
     """The part of a model in which each derivative stands, or would stand."""
     found = []
     for name in names:
-        there = [
-            part
-            for part in DERIVATIVE_PARTS
-            if part in model.parts and name in model.parts[part].values
-        ]
+        there = [own for own, part in model.derivative_parts.items() if name in part.values]
         factors = parse_derivative(name).factors
         new = INERTIA if any(f.endswith("dot") for f in factors) else HULL
         found.append((there[0] if there else new, name))
@@ -98,7 +94,7 @@ def emptied(model: Model, at: Sequence[Place]) -> Model:
     """The model with the derivatives at these places zero, added where they were not there."""
     made = model
     wanted = {name for _, name in at}
-    for effect in DERIVATIVE_PARTS:
+    for effect in dict.fromkeys((*model.derivative_parts, *(part for part, _ in at))):
         own = {name for part, name in at if part == effect}
         if effect in model.parts:
             own |= wanted & set(model.parts[effect].values)

@@ -13,14 +13,7 @@ from pmmkit.campaigns import STOPPING, Campaign
 from pmmkit.conventions import Criterion, criteria
 from pmmkit.identification.trials.evaluate import evaluate_trials
 from pmmkit.identification.trials.table import Trial
-from pmmkit.models import (
-    ESTIMATED,
-    Model,
-    as_it_stops,
-    astern_can_be_estimated,
-    load_model,
-    standing,
-)
+from pmmkit.models import Model, Standing, as_it_stops, load_model
 from pmmkit.presentation import Grid, Group, percent
 from pmmkit.simulation import LOADED, Verdict, simulate, steering
 
@@ -81,7 +74,7 @@ class LoadingPrediction:
 
     def unusable(self, speed: float) -> str:
         """Why a ratio to it is no ground for a verdict at an approach [m/s]; empty where it is."""
-        return "" if self.model is None else standing(self.model, speed).forced
+        return "" if self.model is None else Standing.of(self.model, speed).forced
 
     def to_full_load(
         self, trials: Sequence[Trial], full_load: LoadingPrediction, **settings: Any
@@ -161,8 +154,12 @@ class LoadingPrediction:
             if own is not None and abs(item.draught * L / item.L / own - 1.0) > LOADED
         )
         models = [item.model for item in (self, full_load) if item.model is not None]
-        estimated = any(astern_can_be_estimated(model) for model in models)
-        return (*loaded, f"Stops of the models: {ESTIMATED}") if estimated else loaded
+        notes = [
+            stops.steps[-1].note
+            for model in models
+            if (stops := as_it_stops(model)) is not None and stops is not model
+        ]
+        return (*loaded, f"Stops of the models: {notes[0]}") if notes else loaded
 
 
 @dataclass(frozen=True, kw_only=True)

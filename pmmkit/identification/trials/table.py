@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pmmkit.campaigns import STOPPING, TURNING, ZIGZAG
-from pmmkit.conventions import IN_LENGTHS, in_metres, in_words, metric_of, metric_unit, told
+from pmmkit.conventions import IN_LENGTHS, in_words, metric_of, told
 from pmmkit.identification.trials.current import Current
 from pmmkit.identification.trials.noise import PositionNoise
 from pmmkit.numerics import Array
@@ -156,7 +156,7 @@ class Trial(Track):
                     "measure": name,
                     "value": value,
                     "std": self.std.get(name, math.nan),
-                    "unit": metric_unit(name),
+                    "unit": metric_of(name).unit_of(name),
                     "limit": math.nan if verdict is None else verdict.limit,
                     "passed": None if verdict is None else verdict.passed,
                     "probability": None if verdict is None else verdict.probability,
@@ -201,13 +201,13 @@ class Trial(Track):
         limits = {verdict.metric: verdict for verdict in self.verdicts}
         rows = [
             [*self._cells(name), *_limit(limits.get(f"{name}_L", limits.get(name)))]
-            for name in told("trial", in_metres(self.metrics))
+            for name in told("trial", self.metrics)
         ]
         head = ["measure", "value", "std", "in L", "limit", ""]
         return Grid(head=head, groups=[Group(rows=rows)])
 
     def _cells(self, name: str) -> list[str]:
-        value, std, unit = self.metrics[name], self.std[name], metric_unit(name)
+        value, std, unit = self.metrics[name], self.std[name], metric_of(name).unit_of(name)
         digits = 3 if unit == "-" else 1
         shown = "°" if unit == "deg" else "" if unit == "-" else f" {unit}"
         label = in_words(name)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from pmmkit.effects import SHALLOWEST, factors
+from pmmkit.effects import SHALLOWEST, apply
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
@@ -100,7 +100,8 @@ def _grown(campaign: Campaign) -> Mapping[str, float]:
     ship, depth = campaign.ship, campaign.water.depth
     if depth is None or not is_shallow(campaign):
         return defaultdict(lambda: 1.0)
-    return factors(max(depth, SHALLOWEST * ship.d), ship.d, ship.L, ship.B, ship.block)
+    names = ("Yv", "Yr", "Nv", "Nr", "Xuu", "Yvdot", "Nrdot")
+    return apply(dict.fromkeys(names, 1.0), ship=ship, depth=max(depth, SHALLOWEST * ship.d))
 
 
 def prime_unit(campaign: Campaign, name: str, speed: float) -> float:

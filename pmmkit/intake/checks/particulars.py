@@ -11,7 +11,6 @@ import numpy as np
 from pmmkit.campaigns import open_water
 from pmmkit.intake.checks.expected import round_factor
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure
-from pmmkit.models import OPEN_WATER
 from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
@@ -148,12 +147,12 @@ def examine_open_water(campaign: Campaign, _summaries: Sequence[Summary]) -> Ite
     """The best efficiency J KT/(2π KQ) of the open-water table, which lies at 0.3 to 0.85."""
     table = open_water(campaign)
     if table is None:
-        if OPEN_WATER in campaign.propeller:
+        if "open_water" in campaign.propeller:
             yield CheckFinding(
                 check="open water",
                 severity="warning",
                 message="open_water of [propeller] cannot be read "
-                f"({campaign.propeller[OPEN_WATER]!r}): the propeller is estimated instead.",
+                f"({campaign.propeller['open_water']!r}): the propeller is estimated instead.",
                 remedy="Name a CSV file beside the data with the columns J, KT and KQ, or state "
                 "the three as lists of equal length.",
             )

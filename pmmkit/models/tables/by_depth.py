@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 
 from pmmkit.base import ExtrapolationError, Problem, TableError
 from pmmkit.models.tables.interpolate import SAME, interpolate
 from pmmkit.models.tables.table import DerivativeTable
-from pmmkit.models.tables.verdict import KEY
 from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import pandas as pd
 
-RATIO: Final = "h_T"
-"""Column of the depth over the draught."""
 SPEEDS_APART: Final = 0.01
 """Share by which Froude numbers of two depths differ and are still one, as for runs of one."""
 
@@ -38,6 +35,9 @@ class TablesByDepth:
         If there is no table, a depth is not stated or stands twice, or their draughts or the
         meanings of their numbers differ.
     """
+
+    RATIO: ClassVar = "h_T"
+    """Column of the depth over the draught."""
 
     tables: tuple[DerivativeTable, ...]
 
@@ -100,13 +100,28 @@ class TablesByDepth:
             return self.tables[above]
         return _between(self.tables[above], self.tables[above + 1], share, ratio)
 
+    def in_step(self, shallow: DerivativeTable) -> tuple[DerivativeTable, DerivativeTable]:
+        """The table of the deepest water and another, at the Froude numbers of both.
+
+        Parameters
+        ----------
+        shallow : DerivativeTable
+            One of the others.
+
+        Raises
+        ------
+        TableError, ExtrapolationError
+            If one is pooled over all speeds and the other is not, or they share no speed.
+        """
+        return _in_step(self.tables[0], shallow)
+
     def to_pandas(self) -> pd.DataFrame:
         """The rows of all tables, the depth over the draught before each."""
         import pandas as pd
 
         parts = [table.to_pandas() for table in self.tables]
         for ratio, part in zip(self.ratios.tolist(), parts, strict=True):
-            part.insert(0, RATIO, ratio)
+            part.insert(0, self.RATIO, ratio)
         return pd.concat(parts, ignore_index=True)
 
 
@@ -146,7 +161,7 @@ def _between(
     if not names:
         raise TableError("The tables at two depths have no derivative in common.")
     ends = [table.select(names) for table in (deep, shallow)]
-    one, other = in_step(*ends)
+    one, other = _in_step(*ends)
     weights = (1.0 - share, share)
     depths = [f"{(table.water.depth or 0.0) / table.ship.d:.4g}" for table in (deep, shallow)]
     notes = [f"Between the tables at {depths[0]} and {depths[1]} draughts of water."]
@@ -163,26 +178,15 @@ def _between(
         water=replace(deep.water, depth=ratio * deep.ship.d),
         notes=tuple(dict.fromkeys((*notes, *deep.notes, *shallow.notes))),
         provenance=MappingProxyType(
-            origin | ({KEY: worse.provenance[KEY]} if KEY in worse.provenance else {})
+            origin | {k: x for k, x in worse.provenance.items() if k == "verdict"}
         ),
     )
 
 
-def in_step(
+def _in_step(
     one: DerivativeTable, other: DerivativeTable
 ) -> tuple[DerivativeTable, DerivativeTable]:
-    """Two tables at the same Froude numbers: those of both, within the range of both.
-
-    Parameters
-    ----------
-    one, other : DerivativeTable
-        At two depths of the water.
-
-    Raises
-    ------
-    TableError, ExtrapolationError
-        If one is pooled over all speeds and the other is not, or they share no speed.
-    """
+    """Two tables at the same Froude numbers: those of both, within the range of both."""
     if one.pooled != other.pooled:
         raise TableError("One table is pooled over all speeds, the other is not.")
     if one.pooled:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pmmkit.base import TableError
-from pmmkit.conventions import canonical
+from pmmkit.conventions import parse_derivative
 from pmmkit.models.tables.convert import converted
 from pmmkit.models.tables.interpolate import interpolate
 from pmmkit.models.tables.table import DerivativeTable, from_values
@@ -98,7 +97,10 @@ def compare(
         other = alike(table, reference)
     else:
         other = _from_numbers(table, reference)
-    chosen = [canonical(name) for name in names or [name for name in table.names if name in other]]
+    chosen = [
+        parse_derivative(name).name
+        for name in names or [name for name in table.names if name in other]
+    ]
     if not chosen:
         raise TableError(
             f"No derivative in common: the table has {', '.join(table.names)}; the reference "
@@ -121,66 +123,6 @@ def compare(
         "inside": (frame["ci_low"] <= value) & (value <= frame["ci_high"]),
     }
     return pd.concat([frame, pd.DataFrame(columns)], axis=1)
-
-
-@dataclass(frozen=True)
-class Deviation:
-    """The largest deviation of a table from its reference.
-
-    `Fn`: at which Froude number; NaN in a pooled table. `std`: the deviation in standard
-    uncertainties, with its sign. `compared`: how many values were compared.
-    """
-
-    derivative: str
-    Fn: float
-    std: float
-    compared: int
-
-    def __str__(self) -> str:
-        place = "" if np.isnan(self.Fn) else f" at Fn {self.Fn:.4g}"
-        return (
-            f"{self.derivative}{place}: {self.std:+.2f} standard deviations, "
-            f"the largest of {self.compared}"
-        )
-
-
-def worst_deviation(
-    table: DerivativeTable, reference: Reference, *, names: Sequence[str] | None = None
-) -> Deviation:
-    """The value that is farthest from its reference, in standard uncertainties.
-
-    Values whose uncertainty is not known do not count.
-
-    Parameters
-    ----------
-    table : DerivativeTable
-        The table.
-    reference : DerivativeTable or mapping
-        What it is compared with, as in `compare`.
-    names : sequence of str, optional
-        Which derivatives; those that both have by default.
-
-    Raises
-    ------
-    TableError
-        If no value can be compared.
-
-    Examples
-    --------
-    >>> from pmmkit.conventions import Ship, Water
-    >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
-    >>> table = from_values({"Yv": -.0118}, std={"Yv": .0001}, ship=ship, water=Water())
-    >>> print(worst_deviation(table, {"Yv": -.0116}))
-    Yv: -2.00 standard deviations, the largest of 1
-    """
-    frame = compare(table, reference, names=names)
-    frame = frame[frame["difference_std"].notna()]
-    if frame.empty:
-        raise TableError("No value has an uncertainty and a reference to compare it with.")
-    row = frame.iloc[int(np.argmax(frame["difference_std"].abs().to_numpy()))]
-    return Deviation(
-        str(row["derivative"]), float(row["Fn"]), float(row["difference_std"]), len(frame)
-    )
 
 
 def alike(table: DerivativeTable, reference: DerivativeTable) -> DerivativeTable:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import TableError
-from pmmkit.conventions import Derivative, bare, canonical, parse_derivative
+from pmmkit.conventions import Derivative, parse_derivative
 from pmmkit.models.tables.table import DerivativeTable
 from pmmkit.numerics import Array
 
@@ -139,7 +139,7 @@ def _motion(table: DerivativeTable, step: float) -> DerivativeTable:
                 for third, gained in _speed_ratio(exponent, room, step):
                     new = (*rates, *accelerations, *gained)
                     kept = tuple(factor for factor in rest if factor != "0" or not new)
-                    name = canonical(derivative.channel + "".join((*kept, *new)))
+                    name = parse_derivative(derivative.channel + "".join((*kept, *new))).name
                     sums[name] += first * second * third
         return sums
 
@@ -148,7 +148,7 @@ def _motion(table: DerivativeTable, step: float) -> DerivativeTable:
 
 def _order(derivative: Derivative) -> int:
     """Order of a term in v and r."""
-    return sum(bare(factor) in ("v", "r") for factor in derivative.factors)
+    return sum(factor.strip("|") in ("v", "r") for factor in derivative.factors)
 
 
 def _shifted(

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import TableError, UnknownNameError, did_you_mean
-from pmmkit.conventions import CHANNELS, Convention, Ship, Water, canonical
+from pmmkit.conventions import CHANNELS, Convention, Ship, Water, parse_derivative
 from pmmkit.models.tables.verdict import TableVerdict, kept_verdict
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import Described, Grid, Group, Section, counted, plus_minus
@@ -157,6 +157,10 @@ class DerivativeTable(Described):
         """What its reduction found against it; None for a table that nobody judged."""
         return kept_verdict(self.provenance)
 
+    def judged(self, verdict: TableVerdict) -> DerivativeTable:
+        """The table, which keeps what was found against it."""
+        return self.with_(provenance={**self.provenance, "verdict": verdict.to_dict()})
+
     @property
     def std(self) -> Array:
         """Standard uncertainties, array (k, n)."""
@@ -172,7 +176,7 @@ class DerivativeTable(Described):
         alone would spread too little where few degrees of freedom stand behind them (JCGM
         101:2008, 6.4.9).
         """
-        wide: Array = coverage_factor(self.dof, CONFIDENCE) / coverage_factor(np.inf, CONFIDENCE)
+        wide: Array = coverage_factor(self.dof) / coverage_factor(np.inf)
         return wide
 
     def interval(self, confidence: float = CONFIDENCE) -> tuple[Array, Array]:
@@ -182,7 +186,7 @@ class DerivativeTable(Described):
 
     def index(self, name: str) -> int:
         """Column of a derivative, factors in any order."""
-        wanted = canonical(name)
+        wanted = parse_derivative(name).name
         if wanted not in self.names:
             guess = did_you_mean(wanted, self.names) or "."
             raise UnknownNameError(
@@ -191,7 +195,7 @@ class DerivativeTable(Described):
         return self.names.index(wanted)
 
     def __contains__(self, name: str) -> bool:
-        return canonical(name) in self.names
+        return parse_derivative(name).name in self.names
 
     def __getitem__(self, name: str) -> Array:
         """Values of one derivative over Fn, array (k,)."""
@@ -450,9 +454,9 @@ def from_values(
     array([-0.004, -0.004])
     """
     grid = np.array([np.nan]) if Fn is None else np.asarray(Fn, float)
-    names = tuple(canonical(name) for name in values)
+    names = tuple(parse_derivative(name).name for name in values)
     k, n = len(grid), len(names)
-    given = {canonical(name): item for name, item in (std or {}).items()}
+    given = {parse_derivative(name).name: item for name, item in (std or {}).items()}
     wrong = [
         f"{name}: {np.size(item)} numbers for {k} Froude numbers."
         for name, item in (*values.items(), *given.items())

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Any, Literal
 
 from pmmkit.presentation import counted
 
 Use = Literal["usable", "usable with doubts", "not usable"]
-KEY: Final = "verdict"
-"""Entry of a table's provenance that holds its verdict."""
-MISFIT: Final = "misfit"
-"""Entry of a table's provenance that holds those of its notes that speak of a misfit."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +67,7 @@ def kept_verdict(provenance: Mapping[str, Any]) -> TableVerdict | None:
     >>> kept_verdict({"verdict": {"use": "usable", "faults": [], "doubts": []}}).use
     'usable'
     """
-    kept = provenance.get(KEY)
+    kept = provenance.get("verdict")
     if not isinstance(kept, Mapping):
         return None
     faults, doubts = (tuple(map(str, kept.get(name, ()))) for name in ("faults", "doubts"))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.campaigns import KindFit, TestKind, captive_kinds
-from pmmkit.conventions import bare, parse_derivative
+from pmmkit.conventions import parse_derivative
 from pmmkit.inference import LeastSquares
 from pmmkit.numerics import Array
 from pmmkit.reduction.estimate import ChannelFit, RunBlock, blocks_of, origins_of
@@ -118,9 +118,9 @@ def _stacked(item: ChannelFit, rows: Sequence[Rows]) -> _Stacked:
     )
 
 
-def _factors(name: str) -> set[str]:
+def _factors(name: str) -> frozenset[str]:
     """Variables of a derivative; none of a constant."""
-    return {bare(factor) for factor in parse_derivative(name).factors} - {"0"}
+    return parse_derivative(name).variables - {"0"}
 
 
 def _as_fit(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pmmkit.conventions import STRUCTURES, Structure, bare, parse_derivative, structure_of
+from pmmkit.conventions import STRUCTURES, Structure, parse_derivative, structure_of
 from pmmkit.reduction.derivatives import DerivativeNames
 
 
@@ -37,5 +37,5 @@ def library_of(
     }
 
 
-def _variables(name: str) -> set[str]:
-    return {bare(factor) for factor in parse_derivative(name).factors}
+def _variables(name: str) -> frozenset[str]:
+    return parse_derivative(name).variables

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.campaigns import Campaign, Rig, Run, TypeB, has_nominal, inertia_inside
-from pmmkit.conventions import Convention, bare, parse_derivative
-from pmmkit.effects import Regressors, State, shared_regressors
+from pmmkit.conventions import Convention, parse_derivative
+from pmmkit.effects import Regressors, State
 from pmmkit.numerics import Array
 from pmmkit.reduction.observations.prepare import PreparedRun, RunResult
 from pmmkit.reduction.observations.stated import altered, nominal_path
@@ -113,7 +113,7 @@ def _shared(
     convention: Convention,
 ) -> Regressors:
     """What the derivatives of all channels multiply."""
-    return shared_regressors(
+    return Regressors.at(
         [name for listed in names.values() for name in listed],
         motion,
         ship=campaign.ship,
@@ -259,15 +259,12 @@ def _limit(factors: Sequence[str]) -> float:
     if any(factor.endswith("dot") for factor in factors):
         return ACCELERATED
     order = min(len(factors), max(LARGEST))
-    return COUPLED if order == 3 and len({bare(x) for x in factors}) > 1 else LARGEST[order]
+    return COUPLED if order == 3 and len({x.strip("|") for x in factors}) > 1 else LARGEST[order]
 
 
 def _imposed(names: Sequence[str]) -> NDArray[np.bool_]:
     """Which derivatives hold imposed motion alone; heel and thrust come as they do."""
-    return np.array(
-        [{bare(factor) for factor in parse_derivative(name).factors} <= IMPOSED for name in names],
-        dtype=bool,
-    )
+    return np.array([parse_derivative(name).variables <= IMPOSED for name in names], dtype=bool)
 
 
 def _nominal(

@@ -9,9 +9,10 @@ from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.conventions import Ship, Water
-from pmmkit.effects import Factor, State
+from pmmkit.effects import State
 from pmmkit.numerics import Array
 from pmmkit.reduction.observations.views import View, times_factors
 
@@ -127,7 +128,9 @@ class RunView:
         kept = slice(None) if self.view.kept is None else self.view.kept
         return np.asarray(self.view.basis[:, kept] @ force)
 
-    def filtered(self, factor: Factor, *channels: str) -> dict[str, Array]:
+    def filtered(
+        self, factor: Callable[[Array, Array], NDArray[np.complex128]], *channels: str
+    ) -> dict[str, Array]:
         """Harmonics of predicted forces, each times a factor."""
         expected = {name: self._expected[name] for name in channels or self._expected}
         count = max(map(len, expected.values()), default=1)

@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Final
 
 from pmmkit.base import DataError
-from pmmkit.effects import WAVE_DRIFT
 from pmmkit.models import Model, Part
 from pmmkit.seakeeping.hull_forms.hull import Hull
 from pmmkit.seakeeping.hull_forms.particulars import hull_of
@@ -120,7 +119,7 @@ def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: fl
         **{name: tuple(x for row in rows for x in row[name]) for name in _FORCES},
     }
     return Part(
-        effect=WAVE_DRIFT.name,
+        effect="wave_drift",
         values=MappingProxyType(values),
         options=MappingProxyType({"coefficients": "speeds" if several else "table"}),
         source=f"strip theory: mean drift of {found.name}",

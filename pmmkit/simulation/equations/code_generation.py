@@ -11,7 +11,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, Final
 
-from pmmkit.effects import FACTOR_PLACES, PRIMITIVES, catalogue, function_of_text, over_arrays
+from pmmkit.effects import PRIMITIVES, catalogue, function_of_text, over_arrays
 from pmmkit.inference import FILTERS
 from pmmkit.simulation.equations import layouts
 from pmmkit.simulation.equations.layouts import (
@@ -25,6 +25,7 @@ from pmmkit.simulation.equations.layouts import (
     State,
     StepField,
 )
+from pmmkit.simulation.equations.monomials import FACTOR_PLACES
 from pmmkit.simulation.equations.structure import ACCELERATIONS, FORCES, EquationStructure, Used
 from pmmkit.syntax import (
     Binary,

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from pmmkit.base import ModelError
-from pmmkit.effects import SHALLOW_WATER
 from pmmkit.models import Model
 from pmmkit.simulation.equations.layouts import Constant
 from pmmkit.simulation.equations.prepared import (
@@ -89,10 +88,10 @@ def packed_following(
     "delta-u"``) is still counted from the approach.
     """
     structure, k = packed(model, at_approach, speed, conditions)
-    powers = model.parts.get(SHALLOW_WATER.name)
+    powers = model.parts.get("shallow_water")
     if speeds and powers and any(isinstance(x, tuple) for x in powers.values.values()):
         raise ModelError(
-            f"The powers of {SHALLOW_WATER.name} in model {model.name!r} differ between Froude "
+            f"The powers of shallow_water in model {model.name!r} differ between Froude "
             f"numbers, which the derivatives of the moment cannot follow. Give one value of each, "
             f'or take fn="approach".'
         )

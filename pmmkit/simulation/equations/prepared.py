@@ -13,23 +13,13 @@ import numpy as np
 
 from pmmkit.base import DataError, MissingPartError, ModelError, Problem, Remedy, Way
 from pmmkit.conventions import CHANNELS
-from pmmkit.effects import (
-    CATALOGUE,
-    HULL,
-    INERTIA,
-    ROLL_PART,
-    SHALLOW_WATER,
-    Monomial,
-    apply,
-    factors,
-    polynomial,
-    resolve,
-)
-from pmmkit.models import TAKE_PARTS, Model, in_role, lacking
+from pmmkit.effects import CATALOGUE, HULL, INERTIA, AddedMass, apply
+from pmmkit.models import TAKE_PARTS, Model
 from pmmkit.numerics import Array
 from pmmkit.simulation.equations.code_generation import GIVEN
 from pmmkit.simulation.equations.compilation import compiled, interpreted
 from pmmkit.simulation.equations.layouts import NO_SEA, Constant, State
+from pmmkit.simulation.equations.monomials import Monomial, polynomial
 from pmmkit.simulation.equations.structure import POLYNOMIALS, EquationStructure, Used, in_order
 from pmmkit.simulation.equations.surroundings import flow, wind_over_current
 
@@ -331,7 +321,7 @@ def packed(
             f"The depth {depth:g} m is {depth / ship.d:.2f} draughts: the ship is aground."
         )
     values = _in_shallow_water(model, values, depth)
-    added = resolve(values.get(INERTIA, {}), ship=ship, water=water, convention=convention)
+    added = AddedMass.of(values.get(INERTIA, {}), ship=ship, water=water, convention=convention)
     terms: dict[str, Any] = {}
     for effect in POLYNOMIALS:
         known = CATALOGUE[effect]
@@ -436,7 +426,7 @@ def structure_of(
 
 
 def _in_shallow_water(model: Model, values: Numbers, depth: float) -> Numbers:
-    name = SHALLOW_WATER.name
+    name = "shallow_water"
     if name not in model.parts or math.isinf(depth):
         return values
     ship, powers = model.ship, values[name]
@@ -445,7 +435,7 @@ def _in_shallow_water(model: Model, values: Numbers, depth: float) -> Numbers:
         found[effect] = apply(values[effect], ship=ship, depth=depth, **powers)
     for effect, part in model.parts.items():
         for parameter, derivative in part.known.grows_with.items():
-            grown = factors(depth, ship.d, ship.L, ship.B, ship.block, **powers)[derivative]
+            grown = apply({derivative: 1.0}, ship=ship, depth=depth, **powers)[derivative]
             found[effect][parameter] = values[effect][parameter] * grown
     return found
 
@@ -470,8 +460,12 @@ def missing_parts(model: Model) -> list[str]:
     []
     """
     missing = [name for name in (HULL, INERTIA) if name not in model.parts]
-    missing += [ROLL_PART] if model.heeled else []
-    return missing + [" or ".join(in_role(role)) for role in lacking(model)]
+    missing += ["roll"] if model.heeled else []
+    every = CATALOGUE.values()
+    return missing + [
+        " or ".join(effect.name for effect in every if role in effect.roles)
+        for role in model.lacking
+    ]
 
 
 def _heel_problem(model: Model) -> Problem:
@@ -494,7 +488,7 @@ def _heel_problem(model: Model) -> Problem:
 
 
 def _check_parts(model: Model) -> None:
-    missing = [name for name in missing_parts(model) if name != ROLL_PART]
+    missing = [name for name in missing_parts(model) if name != "roll"]
     if missing:
         raise MissingPartError(
             Problem(

@@ -8,11 +8,11 @@ from functools import cached_property
 from typing import Final
 
 from pmmkit.base import MissingPartError, ModelError, Problem
-from pmmkit.effects import CATALOGUE, HULL, RUDDER_POLYNOMIAL, Effect, arguments_of, written_effect
+from pmmkit.effects import CATALOGUE, HULL, Effect, written_effect
 from pmmkit.models import TAKE_PARTS
 from pmmkit.simulation.equations.layouts import ROLLING, STATES, Constant
 
-POLYNOMIALS: Final = (HULL, RUDDER_POLYNOMIAL)
+POLYNOMIALS: Final = (HULL, "rudder_abkowitz")
 FORCES: Final = ("X", "Y", "N", "K")
 ACCELERATIONS: Final = (
     "Xudot",
@@ -52,7 +52,7 @@ class Used:
     @property
     def arguments(self) -> tuple[str, ...]:
         """What its function asks for, by name."""
-        return arguments_of(self.known)
+        return self.known.arguments
 
     @property
     def own(self) -> tuple[str, ...]:

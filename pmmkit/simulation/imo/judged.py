@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pmmkit.base import DataError
 from pmmkit.conventions import HARD_OVER, Criterion, Metric, criteria
 from pmmkit.effects import CATALOGUE
-from pmmkit.models import ESTIMATED, Model, as_it_stops, load_model, reversed_by_bucket, standing
+from pmmkit.models import Model, Standing, as_it_stops, load_model, of_a_model
 from pmmkit.simulation.imo.conditions import Condition, simulated_conditions
 from pmmkit.simulation.imo.verdict import (
     Verdict,
@@ -22,7 +22,7 @@ from pmmkit.simulation.imo.verdict import (
     verdict_of,
 )
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
-from pmmkit.simulation.machinery import FullAstern, assumed, of_a_model, reached
+from pmmkit.simulation.machinery import FullAstern, assumed, reached
 from pmmkit.simulation.single import NO_BOTTOM, NO_WAVES, REVERSAL, ship_for, simulate, steering
 from pmmkit.simulation.track import Track
 
@@ -258,13 +258,13 @@ def _stopping(
                 f"{', '.join(x.name for x in CATALOGUE.values() if x.astern)} do, and it has no "
                 "propeller from whose open water they could be estimated.",
             ),
-            unsettled=standing(model, speed).unsettled,
+            unsettled=Standing.of(model, speed).unsettled,
         )
     stopping = manoeuvre_of(criterion.manoeuvre)
     allowed = bool(settings.get("extrapolate"))
     ship = ship_for(stopping, model, speed, given, extrapolate=allowed)
     track = simulate(model, criterion.manoeuvre, speed=speed, **settings, **given)
-    bucket = reversed_by_bucket(ship)
+    bucket = ship.has_bucket
     turns = next(item for item in stopping.settings if item.name == "turns")
     guessed = assumed(ship, None if turns.name in given else turns)
     differs = guessed or draws.known or any(part.std for part in ship.parts.values())
@@ -283,7 +283,7 @@ def _stopping(
         reversal_s=there,
         most=float(track.n.min()) / ahead,
         torque=given.get("torque"),
-        assumed=guessed if turning is model else f"{guessed} {ESTIMATED}".strip(),
+        assumed=guessed if turning is model else f"{guessed} {turning.steps[-1].note}".strip(),
         low=low,
         high=high,
         bucket=bucket,

@@ -7,15 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final, Literal
 
-from pmmkit.conventions import (
-    HARD_OVER,
-    Criterion,
-    Metric,
-    cite,
-    criteria,
-    first_overshoot_limit,
-    second_overshoot_limit,
-)
+from pmmkit.conventions import HARD_OVER, Criterion, Metric, cite, criteria
 from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, fixed
 from pmmkit.simulation.imo.conditions import Condition, approach_condition, length_condition
 from pmmkit.simulation.machinery import FullAstern
@@ -248,8 +240,8 @@ def zigzag_limits(L: float, speed: float) -> tuple[float, float]:
     >>> zigzag_limits(175.0, 17.6), zigzag_limits(200.0, 10.0), zigzag_limits(320.0, 7.97)
     ((10.0, 25.0), (15.0, 32.5), (20.0, 40.0))
     """
-    time = L / speed
-    return first_overshoot_limit(time), second_overshoot_limit(time)
+    first, second = (x for _, x in criteria() if x.name.endswith("overshoot_10_10"))
+    return first.limit_for(L, speed), second.limit_for(L, speed)
 
 
 def turning_conditions(

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pmmkit.base import TableError
-from pmmkit.conventions import CHANNELS, canonical
-from pmmkit.models import DerivativeTable, Reference, compare
+from pmmkit.conventions import CHANNELS, parse_derivative
+from pmmkit.models import DerivativeTable, compare
 from pmmkit.numerics import Array
 from pmmkit.plotting import REFERENCE, canvas, legend_below, marker, styled, symbol
 from pmmkit.plotting import colour as colour_style
@@ -27,7 +27,7 @@ _WIDEST = (-0.5, 2.5)
 def derivatives_over_froude(
     table: DerivativeTable,
     *,
-    reference: Reference | None = None,
+    reference: DerivativeTable | Mapping[str, float | Sequence[float]] | None = None,
     reference_name: str = "reference",
     names: Sequence[str] | None = None,
 ) -> Figure:
@@ -38,7 +38,7 @@ def derivatives_over_froude(
 
 def beside_reference(
     table: DerivativeTable,
-    reference: Reference,
+    reference: DerivativeTable | Mapping[str, float | Sequence[float]],
     *,
     reference_name: str = "the reference",
     names: Sequence[str] | None = None,
@@ -73,7 +73,11 @@ def beside_reference(
         If the table and the source have no derivative in common.
     """
     known = {name: value for name, value in _beside(table, reference).items() if np.all(value)}
-    shown = [name for name in map(canonical, names or table.names) if name in known]
+    shown = [
+        name
+        for name in (parse_derivative(name).name for name in names or table.names)
+        if name in known
+    ]
     if not shown:
         raise TableError("The table and the reference have no derivative in common.")
     unknown = np.full(len(table.Fn), np.nan)
@@ -116,7 +120,9 @@ def beside_reference(
     return figure
 
 
-def _beside(table: DerivativeTable, reference: Reference) -> dict[str, Array]:
+def _beside(
+    table: DerivativeTable, reference: DerivativeTable | Mapping[str, float | Sequence[float]]
+) -> dict[str, Array]:
     """Values of the reference at the Froude numbers and in the convention of the table."""
     frame = compare(table, reference)
     return {

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.conventions import force_unit
-from pmmkit.effects import State, regressors
+from pmmkit.effects import Regressors, State
 from pmmkit.inference import std_along
 from pmmkit.models import DerivativeTable
 from pmmkit.numerics import Array
@@ -111,8 +110,8 @@ def forces_over_drift(
 def unit_in(table: DerivativeTable, channel: str, froude: float) -> float:
     """What a force [N, N m] is divided by in the convention of a table, at a Froude number."""
     ship, water = table.ship, table.water
-    return force_unit(
-        channel, table.convention.system, ship=ship, water=water, U=ship.speed(froude, water.g)
+    return table.convention.force_unit(
+        channel, ship=ship, water=water, U=ship.speed(froude, water.g)
     )
 
 
@@ -130,14 +129,14 @@ def _curve(
     thrust = 0.0 if points.thrust is None else np.interp(drift, points.drift, points.thrust)
     state = State.of(u=speed * np.cos(drift), v=-speed * np.sin(drift), thrust=thrust)
     names = [name for name in table.names if name[0] == channel]
-    design = regressors(
+    design = Regressors.at(
         names,
         state,
         ship=table.ship,
         water=table.water,
         convention=table.convention,
         approach_speed=speed,
-    )
+    ).columns
     acting = np.any(design != 0, axis=0)
     columns = [table.index(name) for name, acts in zip(names, acting, strict=True) if acts]
     design = scale * design[:, acting]

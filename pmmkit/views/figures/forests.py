@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.base import TableError
-from pmmkit.models import DerivativeTable, Reference, alike, compare
+from pmmkit.models import DerivativeTable, alike, compare
 from pmmkit.numerics import Array
 from pmmkit.plotting import (
     INK,
@@ -41,7 +41,7 @@ _BAND: Final = "#dadde2"
 def forest(
     tables: Mapping[str, DerivativeTable],
     *,
-    reference: Reference | None = None,
+    reference: DerivativeTable | Mapping[str, float | Sequence[float]] | None = None,
     reference_name: str = "published",
 ) -> Figure:
     """Every derivative from several sources with 95 % intervals, a panel per Froude number."""
@@ -178,7 +178,9 @@ def _half(table: DerivativeTable) -> Array:
     return np.where(high > low, (high - low) / 2, np.nan)
 
 
-def _published(table: DerivativeTable, reference: Reference) -> dict[str, Array]:
+def _published(
+    table: DerivativeTable, reference: DerivativeTable | Mapping[str, float | Sequence[float]]
+) -> dict[str, Array]:
     frame = compare(table, reference)
     return {
         str(name): group["reference"].to_numpy(float)

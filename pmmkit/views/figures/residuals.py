@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.conventions import force_unit
+from pmmkit.conventions import Convention
 from pmmkit.numerics import Array
 from pmmkit.plotting import REFERENCE, WIDTH, canvas, in_powers, legend_below, marker, styled
 from pmmkit.plotting import colour as colour_style
@@ -138,7 +138,9 @@ def _at_samples(run: CaptiveRun) -> Array:
 def prime_scale(run: CaptiveRun, channel: str, comparison: Comparison) -> float:
     """What makes 10³ times a coefficient of a force: over ½ρL²U², moments ½ρL³U²."""
     ship, water = comparison.ship, comparison.water
-    return 1e3 / force_unit(channel, "prime", ship=ship, water=water, U=run.view.speed)
+    return 1e3 / Convention(system="prime").force_unit(
+        channel, ship=ship, water=water, U=run.view.speed
+    )
 
 
 def summed_up(x: Array, y: Array) -> tuple[Array, Array, Array, Array]:

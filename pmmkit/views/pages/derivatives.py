@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import TableError
-from pmmkit.models import DerivativeTable, ReferenceTable, compare, published_of
+from pmmkit.models import DerivativeTable, ReferenceTable, compare
 from pmmkit.numerics import Array
 from pmmkit.presentation import plus_minus
 from pmmkit.reduction import Reduction
@@ -41,7 +41,7 @@ def derivatives_page(reduction: Reduction, beside: ReferenceTable | None = None)
         what it ``trades`` with.
     """
     table = reduction.table
-    reference = beside or published_of(table)
+    reference = beside or ReferenceTable.published(table)
     published = _published(table, reference.table) if reference else {}
     moved, trades = _moved(reduction), _trades(table)
     families = reduction.families

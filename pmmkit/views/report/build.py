@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from pmmkit.files import write_text
-from pmmkit.models import ReferenceTable, published_of
+from pmmkit.models import ReferenceTable
 from pmmkit.presentation import Picture, Section, counted, percent
 from pmmkit.reduction import Reduction
 from pmmkit.views.pages.derivatives import derivatives_page
@@ -69,7 +69,7 @@ def report_places(
     reduction: Reduction, *, reference: ReferenceTable | None = None, turns: Turns | None = None
 ) -> dict[str, PageSection]:
     """What is told of a reduction by place, figures drawn (see `write_report`)."""
-    beside = reference or published_of(reduction.table)
+    beside = reference or ReferenceTable.published(reduction.table)
     told = {
         "data": PageSection(
             facts=_facts(reduction),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pmmkit.files import MODEL, write_results
-from pmmkit.models import Model, ReferenceTable, compare, published_of, save_model, write_table
+from pmmkit.models import Model, ReferenceTable, compare, save_model, write_table
 from pmmkit.plotting import document
 from pmmkit.reduction import Reduction
 from pmmkit.simulation import sweep_frame, track_files
@@ -57,7 +57,7 @@ def write_reduction(
     return write_results(
         out,
         (
-            *_tables(reduction, reference or published_of(reduction.table)),
+            *_tables(reduction, reference or ReferenceTable.published(reduction.table)),
             *(
                 (f"{picture.file}.svg", document(picture.svg))
                 for place in places.values()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.base import PmmkitError, SimulationError
-from pmmkit.conventions import HARD_OVER, in_lengths, metric_of, metric_unit, told
+from pmmkit.conventions import HARD_OVER, metric_of, told
 from pmmkit.models import Model, ReferenceTable
 from pmmkit.plotting import trajectory, turn_histories
 from pmmkit.presentation import Cell, Grid, Group, Section, fixed, number, percent
@@ -178,7 +178,7 @@ def turning_section(turns: Turns) -> Section:
 def _measures(turns: Turns) -> Grid:
     tracks = sorted(turns.tracks, key=lambda item: item.Fn)
     limits = _verdicts(tracks)
-    names = told("turn", in_lengths(tracks[0].metrics))
+    names = told("turn", tracks[0].metrics)
     moved = changes(tracks)
     rows: list[list[Cell]] = []
     for name in names:
@@ -194,7 +194,7 @@ def _measures(turns: Turns) -> Grid:
 
 def _titled(name: str) -> str:
     """Long name of a number, with its unit."""
-    title, unit = metric_of(name).title.capitalize(), metric_unit(name)
+    title, unit = metric_of(name).title.capitalize(), metric_of(name).unit_of(name)
     return title if unit == "-" else f"{title} / L" if unit == "L" else f"{title} [{unit}]"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Final
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.campaigns import Run, has_nominal, motion_at_phase, move_motion
-from pmmkit.effects import CATALOGUE, Effect, Forces, Observed, Suspect, shown_by, slopes, suspicion
+from pmmkit.effects import CATALOGUE, Effect, Suspect
 from pmmkit.inference import log_normal
 from pmmkit.intake.checks.agreement.posterior import Agreement, evidence
 from pmmkit.intake.checks.agreement.records import Records
@@ -46,12 +46,12 @@ class Suspected(Suspect):
         told = records.histories
         if self.unknown:
             return told
-        shown = shown_by(self.effect, records, self.at(value))
+        shown = self.effect.shown(records, self.at(value))
         return records.as_histories(shown, told, self._touched(records.group))
 
     def column(self, valued: Records, value: float) -> Array:
         """Harmonics (n, 3, 7) of what its unknown size multiplies, over its standard deviation."""
-        slope = slopes(self.effect, valued, self.at(value), [self.unknown])
+        slope = self.effect.slopes(valued, self.at(value), [self.unknown])
         shown = valued.as_histories(
             {name: self.spread(value) * own for name, (own,) in slope.items()},
             np.zeros(valued.histories.shape[:-1]),
@@ -95,11 +95,17 @@ def record_of(run: Run, reference_x: float) -> Suspected:
         slip=True,
     )
 
-    def acts(records: Observed, at: Mapping[str, float]) -> Forces:
-        del at
-        return records.along(move_motion(motion_at_phase(run, phases()), reference_x))
-
-    own = suspicion("slip_exchanged_records", "slips", "The record of another run.", acts, (form,))
+    own = Effect(
+        name="slip_exchanged_records",
+        family="slips",
+        kind="fault",
+        summary="The record of another run.",
+        acts=lambda records, _: records.along(
+            move_motion(motion_at_phase(run, phases()), reference_x)
+        ),
+        suspects=(form,),
+        remark="a slip that files hold, no formula of a source",
+    )
     return suspects([own])[0]
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.conventions import Ship, Water
-from pmmkit.effects import Factor, State
+from pmmkit.effects import State
 from pmmkit.intake.checks.agreement.rows import CHANNELS, PHASES, RunGroup
 from pmmkit.numerics import Array
 
@@ -113,7 +113,9 @@ class Records:
         """A force times a history."""
         return np.asarray(force * history.reshape(-1, PHASES, *(1,) * (force.ndim - 2)))
 
-    def filtered(self, factor: Factor, *channels: str) -> dict[str, Array]:
+    def filtered(
+        self, factor: Callable[[Array, Array], NDArray[np.complex128]], *channels: str
+    ) -> dict[str, Array]:
         """Forces with each harmonic times a factor."""
         gain = factor(np.arange(PHASES // 2 + 1.0)[None, :], self.group.omega[:, None])
         found = {}

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pmmkit.base import DataError
 from pmmkit.campaigns import beside_motion, inertia_force, motion_at_phase, move_motion, rig_of
 from pmmkit.conventions import Convention
-from pmmkit.effects import State, regressors
+from pmmkit.effects import Regressors, State
 from pmmkit.intake.checks.agreement.usual import SPREAD, UsualDerivatives, usual_derivatives
 from pmmkit.intake.checks.expected import prime_unit
 from pmmkit.numerics import Array
@@ -116,14 +116,14 @@ class RunGroup:
         out = np.zeros((count * PHASES, 3, len(names)))
         for row, channel in enumerate(CHANNELS):
             at = [k for k, name in enumerate(names) if name[0] == channel]
-            columns = regressors(
+            columns = Regressors.at(
                 [names[k] for k in at],
                 moved,
                 ship=self.campaign.ship,
                 water=self.campaign.water,
                 convention=Convention(),
                 approach_speed=self.speed if speed is None else speed,
-            )
+            ).columns
             out[:, row, at] = columns
         rig = rig_of(self.campaign)
         for k, part in ((-2, replace(rig, Izz=0.0)), (-1, replace(rig, mass=0.0))):

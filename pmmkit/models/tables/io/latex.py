@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
-from pmmkit.conventions import CHANNELS, latex_symbol
+from pmmkit.conventions import CHANNELS, parse_derivative
 from pmmkit.files import write_text
 from pmmkit.models.tables.table import DerivativeTable
 from pmmkit.presentation import plus_minus, with_uncertainty
@@ -35,7 +35,7 @@ def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
                 told(value, spread).replace("±", r"\pm")
                 for value, spread in zip(table.value[:, column], std[:, column], strict=True)
             ]
-            name = latex_symbol(table.names[column], beta=beta, double=double)
+            name = parse_derivative(table.names[column]).latex(beta=beta, double=double)
             lines.append(
                 " & ".join([f"${name}$", *(f"${cell}$" if cell else "--" for cell in cells)])
                 + r" \\"

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import Problem, TableError, UnknownNameError
-from pmmkit.conventions import canonical
+from pmmkit.conventions import parse_derivative
 from pmmkit.models.tables.io.content import NOT_READ
 from pmmkit.models.tables.table import DerivativeTable
 from pmmkit.numerics import Array
@@ -192,7 +192,7 @@ def _entry(
         text = "" if cell is None else str(cell)
         if column == "derivative":
             try:
-                entry[column] = canonical(text.strip())
+                entry[column] = parse_derivative(text.strip()).name
             except UnknownNameError as error:
                 wrong(column, str(error))
         elif column == "method":

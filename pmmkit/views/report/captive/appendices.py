@@ -7,8 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, reference
-from pmmkit.models import CONFIDENCE
+from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, bibliography, cite
 from pmmkit.numerics import coverage_factor
 from pmmkit.presentation import Cell, Grid, Group, Section, plus_minus
 from pmmkit.reduction import Reduction, RunResult
@@ -58,7 +57,7 @@ def _force(result: RunResult, channel: str, part: str) -> Cell:
     covariance = result.covariance.get(channel)
     half = math.nan
     if covariance is not None:
-        factor = coverage_factor(result.dof.get(channel, math.inf), CONFIDENCE)
+        factor = coverage_factor(result.dof.get(channel, math.inf))
         half = float(factor * np.sqrt(covariance[place, place]))
     return plus_minus(float(result.measured[channel][place]), half) or None
 
@@ -66,7 +65,7 @@ def _force(result: RunResult, channel: str, part: str) -> Cell:
 def origin(reduction: Reduction, sources: Sequence[str]) -> Chapter:
     """Sources, versions, files and their hashes."""
     section = sections.provenance(reduction, None)
-    named = [f"{reference(key).cited}: {reference(key).title}." for key in sources]
+    named = [f"{cite(key)}: {bibliography()[key].title}." for key in sources]
     return Chapter(
         title=section.title,
         sections=[untitled(section), Section(title="Procedures named", points=named)],

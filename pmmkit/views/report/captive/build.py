@@ -9,7 +9,7 @@ from typing import Final
 
 from pmmkit.base import UnknownNameError, did_you_mean
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import reference
+from pmmkit.conventions import cite
 from pmmkit.reduction import Reduction
 from pmmkit.views.report.captive import appendices, campaign_chapters, result_chapters
 from pmmkit.views.report.captive.document import Document, Item
@@ -85,8 +85,8 @@ def captive_document(reduction: Reduction, *, standard: str = "ittc") -> Documen
         )
     after, campaign = STANDARDS[standard], reduction.campaign
     made: Sequence[Item] = [
-        Item(what="Analysed with", value=reference("pmmkit").cited),
-        Item(what="Structured after", value=reference(after.sources[0]).cited),
+        Item(what="Analysed with", value=cite("pmmkit")),
+        Item(what="Structured after", value=cite(after.sources[0])),
     ]
     return Document(
         title=campaign.title or campaign.ship.name,

@@ -9,7 +9,7 @@ from typing import Any
 from pmmkit.campaigns import STATABLE, Campaign
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.effects import Parameter
-from pmmkit.models import numbers_of, words_of
+from pmmkit.models import SECTIONS
 from pmmkit.presentation import number
 from pmmkit.views.report.captive.document import Item
 from pmmkit.views.report.tables import particulars_of
@@ -64,7 +64,8 @@ def of_part(campaign: Campaign, section: str) -> list[Item]:
     fitted = of_report(campaign, f"{section}_fitted")
     if not stated and campaign.report.get(f"{section}_fitted"):
         return fitted
-    known = numbers_of(section)
+    can = SECTIONS[section]
+    known = can.numbers
     rows = [
         Item(
             what=f"{section.capitalize()}: {_particular(key, known)}",
@@ -73,7 +74,7 @@ def of_part(campaign: Campaign, section: str) -> list[Item]:
             key=key,
         )
         for key, value in stated.items()
-        if key in known or key in words_of(section)
+        if key in known or key in can.words
     ]
     return [
         *fitted,
