@@ -12,7 +12,7 @@ import numpy as np
 
 from pmmkit.base import MissingPartError
 from pmmkit.campaigns import open_water
-from pmmkit.effects import Effect, State, normal_force, over_arrays, rudder_flow
+from pmmkit.effects import Effect, Regressors, State, normal_force, over_arrays, rudder_flow
 from pmmkit.models import Part, straight_polynomial
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus

@@ -16,11 +16,17 @@ from pmmkit import save_campaign
 from pmmkit.base import CampaignError, DataError
 from pmmkit.campaigns.samples.geodesy import geographic, local_metres
 from pmmkit.cli import main
-from pmmkit.identification import evaluate_trials, mean_current
+from pmmkit.identification import evaluate_trials
 from pmmkit.identification.trials.circle import fit_circle
-from pmmkit.identification.trials.current import Current
+from pmmkit.identification.trials.current import Current, mean_current
 from pmmkit.identification.trials.orders import rudder_orders
 from pmmkit.simulation.machinery import reached
+
+
+def evaluate(run, campaign, *, order=None, current=None):
+    given = None if order is None else {run.id: order}
+    return evaluate_trials(campaign, runs=[run.id], order=given, current=current)[0]
+
 
 A, F = 6378137.0, 1 / 298.257223563
 ORIGIN = (36.2, -6.4)
