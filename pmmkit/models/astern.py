@@ -65,7 +65,7 @@ def with_estimated_astern(model: Model) -> Model:
     --------
     >>> from pmmkit.models.store import load_model
     >>> made = with_estimated_astern(load_model("kvlcc2"))
-    >>> knows_astern(made), made.values("four_quadrant_propeller")["kt0"]
+    >>> made.knows_astern, made.values("four_quadrant_propeller")["kt0"]
     (True, 0.2931)
     """
     if not astern_can_be_estimated(model):

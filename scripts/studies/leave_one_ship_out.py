@@ -24,21 +24,14 @@ from scipy import stats
 import pmmkit as pk
 from pmmkit.conventions import Ship
 from pmmkit.files import write_text
-from pmmkit.models import (
-    METHODS,
-    Model,
-    converted,
-    estimate,
-    estimated_model,
-    hull_table,
-    parts_from_particulars,
-)
+from pmmkit.models import METHODS, Model, converted, estimate, estimated_model, hull_table
 from pmmkit.models.empirical import StandardError
 from pmmkit.models.particulars import (
     DRAWN,
     PROPELLER_ERRORS,
     RUDDER_ERRORS,
     WAKE_GROWTH,
+    parts_from_particulars,
     propeller_diameter,
     rudder_area,
 )

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit.base import DataError
-from pmmkit.effects import factors
+from pmmkit.effects.shallow_water import factors
 from pmmkit.effects.wind import force
 from pmmkit.models import Part, load_model
 from pmmkit.simulation import prepare, simulate

@@ -30,11 +30,7 @@ from pmmkit.identification.trajectory import fit_trajectories
 from pmmkit.models import load_model
 
 ROLLING, UPRIGHT = load_model("s175"), load_model("s175-3dof")
-HEEL_TERMS = {
-    name: x
-    for name, x in ROLLING.values(HULL).items()
-    if name != "lx" and parse_derivative(name).heels
-}
+HEEL_TERMS = {name: x for name, x in ROLLING.values(HULL).items() if parse_derivative(name).heels}
 HEELED = UPRIGHT.with_values(HULL, **HEEL_TERMS)
 NOISE = {"x": 0.3, "y": 0.3, "psi": math.radians(0.1), "u": 0.02, "v": 0.02}
 NOISE |= {"r": math.radians(0.01), "phi": math.radians(0.1)}

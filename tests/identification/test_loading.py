@@ -13,7 +13,8 @@ from pmmkit.base import DataError
 from pmmkit.conventions import Ship, Water
 from pmmkit.identification import Corrected, LoadingPrediction, Trial
 from pmmkit.identification.trials.verdicts import verdicts_of
-from pmmkit.models import ESTIMATED, Step, estimated_model, with_estimated_astern
+from pmmkit.models import Step, estimated_model, with_estimated_astern
+from pmmkit.models.astern import ESTIMATED
 from pmmkit.views import form_of_trials
 
 SPEED = 8.0

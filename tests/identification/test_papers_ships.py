@@ -10,8 +10,9 @@ import pmmkit as pk
 from pmmkit.cli import main
 from pmmkit.conventions import Ship
 from pmmkit.effects.cross_flow import hoerner_cd
-from pmmkit.models import Standing, estimate, resistance_derivative
+from pmmkit.models import Standing, estimate
 from pmmkit.models.empirical import rudder_values
+from pmmkit.models.estimates import resistance_derivative
 from pmmkit.models.particulars import (
     ASPECT,
     PROPELLER_ERRORS,

@@ -9,7 +9,8 @@ import pytest
 import pmmkit as pk
 from pmmkit.base import ModelError
 from pmmkit.cli import main
-from pmmkit.models import ESTIMATED, Part, as_it_stops, with_estimated_astern
+from pmmkit.models import Part, as_it_stops, with_estimated_astern
+from pmmkit.models.astern import ESTIMATED
 
 
 def test_ahead_nothing_changes():

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 import pmmkit as pk
-from pmmkit.models import estimated_model, parts_from_particulars
+from pmmkit.models import estimated_model
+from pmmkit.models.particulars import parts_from_particulars
 from pmmkit.simulation import spread_of
 from scripts.studies.leave_one_ship_out import (
     PARTS,

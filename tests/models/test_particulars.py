@@ -10,8 +10,10 @@ import pytest
 import pmmkit as pk
 from pmmkit import hull_table
 from pmmkit.campaigns import open_water
-from pmmkit.models import HULL_TERMS, STATED, from_values, parts_from_particulars
+from pmmkit.models import from_values
+from pmmkit.models.build import HULL_TERMS
 from pmmkit.models.estimates import estimated_table
+from pmmkit.models.particulars import STATED, parts_from_particulars
 from pmmkit.models.wageningen import open_water_curve
 
 MMG = ("kvlcc2-l7", "kcs", "esso-osaka-3m")

@@ -9,7 +9,8 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.base import ModelError, UnknownNameError
-from pmmkit.models import model_text, parts_from_particulars, with_part_of, with_stated
+from pmmkit.models import model_text, with_part_of, with_stated
+from pmmkit.models.particulars import parts_from_particulars
 from pmmkit.models.store import model_from
 from pmmkit.presentation import WIDE
 from pmmkit.simulation import spread_of

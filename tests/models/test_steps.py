@@ -17,8 +17,8 @@ import pmmkit as pk
 from pmmkit.base import ModelError
 from pmmkit.diagnosis import read_session, undone
 from pmmkit.diagnosis.captive.refit import effects_of
-from pmmkit.models import Step, added, load_model, model_text, save_model
-from pmmkit.models.step import SENTENCES, Action, Before
+from pmmkit.models import Step, load_model, model_text, save_model
+from pmmkit.models.step import SENTENCES, Action, Before, added
 from pmmkit.models.store import steps_of_sentences
 
 DATA = Path(__file__).parents[1] / "data"

@@ -1,6 +1,6 @@
 """The same forces in every convention, the published numbers of other forms, and what is refused.
 
-The forces come from `effects.hull.regressors`, which knows nothing of the conversions.
+The forces come from `effects.hull.Regressors`, which knows nothing of the conversions.
 """
 
 from __future__ import annotations

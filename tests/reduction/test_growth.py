@@ -13,7 +13,7 @@ from small_campaign import TRUTH, write_depths
 
 import pmmkit as pk
 from pmmkit.conventions import Ship, Water
-from pmmkit.effects import factors
+from pmmkit.effects.shallow_water import factors
 from pmmkit.models import TablesByDepth
 from pmmkit.reduction import Growth
 from pmmkit.reduction.depths import TOLD, Felt, reduce_depths

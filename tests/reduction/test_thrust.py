@@ -10,7 +10,7 @@ from small_campaign import RHO, L, write_campaign
 
 import pmmkit as pk
 from pmmkit.api import model_of
-from pmmkit.models import resistance_derivative
+from pmmkit.models.estimates import resistance_derivative
 from pmmkit.reduction import reduce_campaign
 
 THRUST = 3.8e-4
