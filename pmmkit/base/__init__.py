@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pmmkit.base.executors.board import each
     from pmmkit.base.executors.places import ONE_THREAD, Workers, opened
     from pmmkit.base.progress import Progress, shown
-    from pmmkit.base.registry import Registry, did_you_mean, listed_in, offered
+    from pmmkit.base.registry import Registry, did_you_mean, listed_in
     from pmmkit.base.version import __version__
 
 __all__ = [
@@ -54,7 +54,6 @@ __all__ = [
     "each",
     "lazy",
     "listed_in",
-    "offered",
     "opened",
     "setting",
     "shown",
