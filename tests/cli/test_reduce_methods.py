@@ -13,8 +13,7 @@ import pmmkit
 from pmmkit.actions.jobs.reduce import Fourier, Method
 from pmmkit.cli import main
 from pmmkit.models import ReferenceTable
-from pmmkit.reduction import METHODS
-from pmmkit.reduction.methods.registry import ALL
+from pmmkit.reduction.methods.registry import ALL, METHODS
 
 
 @pytest.fixture(scope="module")

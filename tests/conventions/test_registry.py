@@ -15,7 +15,7 @@ from pmmkit.identification.methods import METHODS as OF_RECORDS
 from pmmkit.intake.checks import CHECKS
 from pmmkit.models.library import SHIPS
 from pmmkit.readers import READERS
-from pmmkit.reduction import METHODS as OF_TABLES
+from pmmkit.reduction.methods.registry import METHODS as OF_TABLES
 from pmmkit.simulation import MANOEUVRES
 
 EVERY = (
