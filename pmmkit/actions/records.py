@@ -56,9 +56,9 @@ class RecordSettings:
 
     def chosen(self, campaign: Campaign, model: Model) -> tuple[Chosen, Chosen | None]:
         """The records that are used, and those held out."""
-        from pmmkit.identification import chosen_records
+        from pmmkit.identification import Chosen
 
-        return chosen_records(
+        return Chosen.of(
             campaign,
             model,
             runs=patterns(self.runs),
@@ -128,10 +128,11 @@ class RecordSettings:
 
 def errors_table(errors: Mapping[str, Mapping[str, float]]) -> str:
     """Errors of windows, a line for each model."""
-    from pmmkit.identification import UNITS
+    from pmmkit.identification import MethodComparison
 
-    names = [name for name in UNITS if any(name in row for row in errors.values())]
-    head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in names]
+    units = MethodComparison.UNITS
+    names = [name for name in units if any(name in row for row in errors.values())]
+    head = [f"{name.replace('_', ' ')} [{units[name]}]" for name in names]
     rows = [
         [what, *(f"{row[name]:.3g}" if name in row else "-" for name in names)]
         for what, row in errors.items()

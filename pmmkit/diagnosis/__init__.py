@@ -16,12 +16,11 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.loop.session import Session, begin, fit, read_session, replay, undone
     from pmmkit.diagnosis.loop.several import SeveralCampaigns
     from pmmkit.diagnosis.planning.advice import Advice
-    from pmmkit.diagnosis.planning.manoeuvres import limits_of_records, next_manoeuvres
+    from pmmkit.diagnosis.planning.manoeuvres import next_manoeuvres
     from pmmkit.diagnosis.planning.next_run import next_runs
-    from pmmkit.diagnosis.planning.options import Limits, Option, limits_of
-    from pmmkit.diagnosis.planning.plan_file import entries_text, read_plan_file
+    from pmmkit.diagnosis.planning.options import Limits, Option
+    from pmmkit.diagnosis.planning.plan_file import read_plan_file
     from pmmkit.diagnosis.planning.programme import TestPlan, plan
-    from pmmkit.diagnosis.record_figures import Sailed, before_and_after
 
 __all__ = [
     "Advice",
@@ -29,23 +28,18 @@ __all__ = [
     "Fall",
     "Limits",
     "Option",
-    "Sailed",
     "Session",
     "SeveralCampaigns",
     "TestPlan",
     "Together",
-    "before_and_after",
     "begin",
     "candidate_of",
     "carried",
     "complete_model",
     "diagnose",
-    "entries_text",
     "fit",
     "free_candidate_of",
     "joint_diagnosis",
-    "limits_of",
-    "limits_of_records",
     "next_manoeuvres",
     "next_runs",
     "plan",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -31,59 +32,67 @@ WORDS: Mapping[str, tuple[str, str, float]] = {
 """What records are off by: words, unit, and factor from SI to it."""
 
 
-def known_faults(model: Model, records: Sequence[FreeRecord]) -> tuple[str, ...]:
-    """Names of the faults that a model's steps tell of records, each once.
+@dataclass(frozen=True, kw_only=True)
+class RecordOffsets:
+    """What records of some tests are off by, and the current that they were sailed in.
 
     Parameters
     ----------
-    model : Model
-        With its steps.
-    records : sequence of FreeRecord
-        Each with the title of its tests.
+    values : mapping of str to float
+        By `effects.seen.OUTSIDE`: SI and radians.
     """
-    titles = dict.fromkeys(record.campaign for record in records)
-    return tuple(dict.fromkeys(name for x in titles for name in model.faults_of(x)))
 
+    values: Mapping[str, float]
 
-def offsets(model: Model, campaign: str) -> dict[str, float]:
-    """What records of some tests are off by, as a model's steps tell, by `effects.seen.OUTSIDE`.
+    @classmethod
+    def of(cls, model: Model, campaign: str) -> RecordOffsets:
+        """As a model's steps tell.
 
-    Parameters
-    ----------
-    model : Model
-        With its steps.
-    campaign : str
-        Title of the tests.
+        Parameters
+        ----------
+        model : Model
+            With its steps.
+        campaign : str
+            Title of the tests.
 
-    Examples
-    --------
-    >>> from pmmkit.models import load_model
-    >>> from pmmkit.models import Step
-    >>> found = Step(action="fault_corrected", effect="fault_rudder_zero", campaign="trial",
-    ...              coefficients={"angle": 180.0 / math.pi})
-    >>> ship = load_model("kvlcc2-l7").stepped(found)
-    >>> offsets(ship, "trial"), offsets(ship, "another")
-    ({'rudder_zero': 1.0}, {})
-    """
-    found: dict[str, float] = {}
-    for name, step in model.faults_of(campaign).items():
-        known = {label: float(x) for label, x in step.coefficients.items()}  # type: ignore[arg-type]
-        for label, move in Sailing(model, 1.0).moves(CATALOGUE[name]).items():
-            for place, share in move.values.items() if label in known else ():
-                found[place] = found.get(place, 0.0) + share * known[label]
-    return found
+        Examples
+        --------
+        >>> from pmmkit.models import load_model
+        >>> from pmmkit.models import Step
+        >>> found = Step(action="fault_corrected", effect="fault_rudder_zero", campaign="trial",
+        ...              coefficients={"angle": 180.0 / math.pi})
+        >>> ship = load_model("kvlcc2-l7").stepped(found)
+        >>> RecordOffsets.of(ship, "trial").words, RecordOffsets.of(ship, "another").values
+        ('rudder shown too little 57.3 deg', {})
+        """
+        found: dict[str, float] = {}
+        for name, step in model.faults_of(campaign).items():
+            known = {label: float(x) for label, x in step.coefficients.items()}  # type: ignore[arg-type]
+            for label, move in Sailing(model, 1.0).moves(CATALOGUE[name]).items():
+                for place, share in move.values.items() if label in known else ():
+                    found[place] = found.get(place, 0.0) + share * known[label]
+        return cls(values=found)
 
+    @property
+    def current(self) -> tuple[float, float]:
+        """To north and east [m/s]."""
+        return self.values.get(CURRENT[0], 0.0), self.values.get(CURRENT[1], 0.0)
 
-def in_words(found: Mapping[str, float]) -> str:
-    """What records are off by, for people.
+    @property
+    def words(self) -> str:
+        """For people."""
+        said = [(*WORDS[name], x) for name, x in self.values.items()]
+        return ", ".join(f"{words} {factor * x:.3g} {unit}" for words, unit, factor, x in said)
 
-    Examples
-    --------
-    >>> in_words({"rudder_zero": 0.0174533, "current_x": -0.2})
-    'rudder shown too little 1 deg, current to north -0.2 m/s'
-    """
-    said = [(*WORDS[name], x) for name, x in found.items()]
-    return ", ".join(f"{words} {factor * x:.3g} {unit}" for words, unit, factor, x in said)
+    def taken_off(self, campaign: Campaign) -> Campaign:
+        """Free-running tests without what their columns are off by."""
+        if not self.values:
+            return campaign
+        return campaign.with_(
+            runs=tuple(
+                run.with_(loader=partial(_data_without, run, self.values)) for run in campaign.runs
+            )
+        )
 
 
 def without(record: FreeRecord, found: Mapping[str, float]) -> FreeRecord:
@@ -94,34 +103,12 @@ def without(record: FreeRecord, found: Mapping[str, float]) -> FreeRecord:
     return record.with_(measured=columns, delta=delta, current=(north, east))
 
 
-def campaign_without(campaign: Campaign, found: Mapping[str, float]) -> Campaign:
-    """Free-running tests without what their columns are off by; `current_of` is their current.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        As measured.
-    found : mapping of str to float
-        By `effects.seen.OUTSIDE`: SI and radians.
-    """
-    if not found:
-        return campaign
-    return campaign.with_(
-        runs=tuple(run.with_(loader=partial(_data_without, run, found)) for run in campaign.runs)
-    )
-
-
 def _data_without(run: Run, found: Mapping[str, float]) -> xr.Dataset:
     """The data of a run without what its columns are off by."""
     data = run.data
     columns = {str(name): np.asarray(data[name].values) for name in data.data_vars}
     right = _columns(np.asarray(data["t"].values, float), columns, found)
     return data.assign({name: data[name].copy(data=x) for name, x in right.items()})
-
-
-def current_of(found: Mapping[str, float]) -> tuple[float, float]:
-    """The current to north and east [m/s] among what records are off by."""
-    return found.get(CURRENT[0], 0.0), found.get(CURRENT[1], 0.0)
 
 
 def _columns(

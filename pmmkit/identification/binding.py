@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,6 +113,9 @@ class Binding:
         A sparse matrix by rows: the constants that each parameter touches.
     """
 
+    STEP: ClassVar[float] = 0.05
+    """Longest step of the integration in ship lengths over the speed of the approach."""
+
     structure: EquationStructure
     names: tuple[str, ...]
     mean: Array
@@ -120,6 +123,71 @@ class Binding:
     starts: NDArray[np.int64]
     places: NDArray[np.int64]
     slopes: Array
+
+    @classmethod
+    def of(
+        cls,
+        model: Model,
+        names: Sequence[str],
+        speed: float,
+        *,
+        conditions: Conditions = CALM,
+        extrapolate: bool = False,
+    ) -> Binding:
+        """How the equations of a model at a speed depend on some of its values.
+
+        Parameters
+        ----------
+        model : Model
+            With values of all parts.
+        names : sequence of str
+            Derivatives (``Yv``), parameters with their effect (``rudder_mmg.aH``), and
+            ``current_x``, ``current_y`` [m/s].
+        speed : float
+            Speed of the approach [m/s].
+        conditions : Conditions
+            Wind, current and depth.
+        extrapolate : bool
+            Allow a speed outside the range of the model's values.
+
+        Raises
+        ------
+        DataError
+            If the equations are not straight lines over a parameter.
+
+        Examples
+        --------
+        >>> from pmmkit.models import load_model
+        >>> found = Binding.of(load_model("kvlcc2-l7"), ["Yv", "rudder_mmg.aH"], 1.179)
+        >>> found.mean.round(3)
+        array([-0.315,  0.312])
+        """
+        ready = driven(model)
+        numbers = values_at(ready, speed, extrapolate=extrapolate)
+        own = [name for name in names if name not in (*CURRENT, *FORCES)]
+        at = dict(zip(own, places(ready, own), strict=True))
+        structure, k = packed(ready, numbers, speed, conditions, heeled=True)
+        base = np.array(k, float)
+        mean, starts, places_of, slopes = [], [0], [], []
+        for name in names:
+            if name in at:
+                start, touched, slope = _line(ready, numbers, speed, conditions, at[name], base)
+            else:
+                place = Constant[name]
+                start, touched, slope = float(base[place]), [place], [1.0]
+            mean.append(start)
+            places_of += touched
+            slopes += slope
+            starts.append(len(places_of))
+        return cls(
+            structure=structure,
+            names=tuple(names),
+            mean=np.array(mean),
+            base=base,
+            starts=np.array(starts, np.int64),
+            places=np.array(places_of, np.int64),
+            slopes=np.array(slopes),
+        )
 
     def constants(self, values: Array) -> Array:
         """The constants with other values of the parameters, mass matrix not yet inverted."""
@@ -153,74 +221,6 @@ def driven(model: Model) -> Model:
         return model
     kept = {name: part for name, part in model.parts.items() if name not in shafts}
     return replace(model, parts=MappingProxyType(kept))
-
-
-def bound(
-    model: Model,
-    names: Sequence[str],
-    speed: float,
-    *,
-    conditions: Conditions = CALM,
-    extrapolate: bool = False,
-) -> Binding:
-    """How the equations of a model at a speed depend on some of its values.
-
-    Parameters
-    ----------
-    model : Model
-        With values of all parts.
-    names : sequence of str
-        Derivatives (``Yv``), parameters with their effect (``rudder_mmg.aH``), and ``current_x``,
-        ``current_y`` [m/s].
-    speed : float
-        Speed of the approach [m/s].
-    conditions : Conditions
-        Wind, current and depth.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-
-    Returns
-    -------
-    Binding
-
-    Raises
-    ------
-    DataError
-        If the equations are not straight lines over a parameter.
-
-    Examples
-    --------
-    >>> from pmmkit.models import load_model
-    >>> found = bound(load_model("kvlcc2-l7"), ["Yv", "rudder_mmg.aH"], 1.179)
-    >>> found.mean.round(3)
-    array([-0.315,  0.312])
-    """
-    ready = driven(model)
-    numbers = values_at(ready, speed, extrapolate=extrapolate)
-    own = [name for name in names if name not in (*CURRENT, *FORCES)]
-    at = dict(zip(own, places(ready, own), strict=True))
-    structure, k = packed(ready, numbers, speed, conditions, heeled=True)
-    base = np.array(k, float)
-    mean, starts, places_of, slopes = [], [0], [], []
-    for name in names:
-        if name in at:
-            start, touched, slope = _line(ready, numbers, speed, conditions, at[name], base)
-        else:
-            place = Constant[name]
-            start, touched, slope = float(base[place]), [place], [1.0]
-        mean.append(start)
-        places_of += touched
-        slopes += slope
-        starts.append(len(places_of))
-    return Binding(
-        structure=structure,
-        names=tuple(names),
-        mean=np.array(mean),
-        base=base,
-        starts=np.array(starts, np.int64),
-        places=np.array(places_of, np.int64),
-        slopes=np.array(slopes),
-    )
 
 
 def _line(

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 
 from pmmkit.base import DataError, Problem, UnknownNameError, did_you_mean
 from pmmkit.campaigns import Campaign, Cut, Run, usable
-from pmmkit.identification.as_tested import offsets, without
+from pmmkit.identification.as_tested import RecordOffsets, without
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
@@ -35,6 +35,76 @@ class Chosen:
     runs: tuple[str, ...]
     records: tuple[FreeRecord, ...]
     cuts: tuple[tuple[str, Cut], ...]
+
+    @classmethod
+    def of(
+        cls,
+        campaign: Campaign,
+        model: Model,
+        *,
+        runs: Sequence[str] | None,
+        test_runs: Sequence[str] | None,
+        channels: Sequence[str] | None,
+        rudder: Literal["auto", "measured", "ordered"],
+        wind: bool,
+        shortest: float | None = None,
+    ) -> tuple[Chosen, Chosen | None]:
+        """Records to identify from, and those held out.
+
+        Parameters
+        ----------
+        campaign : Campaign
+            Free-running runs.
+        model : Model
+            Of the ship as tested.
+        runs, test_runs : sequence of str, optional
+            Patterns of ids.
+        channels, rudder, wind, shortest
+            As for `free_records`.
+
+        Returns
+        -------
+        Chosen, Chosen or None
+            A run that is held out is never identified from.
+
+        Raises
+        ------
+        DataError
+            If the campaign is captive or of another ship, or no record is left.
+        UnknownNameError
+            If a pattern fits no run.
+        """
+        if campaign.kind != "free-running":
+            raise DataError(
+                f"Campaign {campaign.title!r} is {campaign.kind}: identify takes free-running "
+                "records. Captive tests go into `pmmkit reduce` (its --method has sindy and ekf "
+                "too)."
+            )
+        if abs(model.ship.L / campaign.ship.L - 1.0) > SAME_LENGTH:
+            raise DataError(
+                f"Model {model.name!r} is of a ship of {model.ship.L:g} m, the records of one of "
+                f"{campaign.ship.L:g} m. Bring the model to that length: pmmkit scale {model.name} "
+                f"--length {campaign.ship.L:g} --froude-only."
+            )
+        held = matching(campaign, test_runs) if test_runs else []
+        asked = matching(campaign, runs) if runs else list(campaign.runs)
+        train = [run for run in asked if run not in held]
+        if not train:
+            raise DataError("Every run is held out: none is left to identify from.")
+
+        def records(chosen: Sequence[Run]) -> Chosen:
+            return _records(
+                chosen,
+                model,
+                channels=channels,
+                rudder=rudder,
+                wind=wind,
+                shortest=shortest,
+                depth_of=campaign.depth_of,
+                campaign=campaign.title,
+            )
+
+        return records(train), records(held) if held else None
 
     @property
     def seconds(self) -> float:
@@ -83,7 +153,9 @@ class Chosen:
 
     def corrected(self, model: Model) -> Chosen:
         """The records as the model's steps say that they were sailed."""
-        records = (without(item, offsets(model, item.campaign)) for item in self.records)
+        records = (
+            without(item, RecordOffsets.of(model, item.campaign).values) for item in self.records
+        )
         return replace(self, records=tuple(records))
 
     def long_enough(self, window: float) -> tuple[FreeRecord, ...]:
@@ -107,74 +179,6 @@ class Chosen:
 def _is_of(record: str, run: str) -> bool:
     """Whether a record is a run or one of its segments."""
     return record == run or record.rpartition("/")[0] == run
-
-
-def chosen_records(
-    campaign: Campaign,
-    model: Model,
-    *,
-    runs: Sequence[str] | None,
-    test_runs: Sequence[str] | None,
-    channels: Sequence[str] | None,
-    rudder: Literal["auto", "measured", "ordered"],
-    wind: bool,
-    shortest: float | None = None,
-) -> tuple[Chosen, Chosen | None]:
-    """Records to identify from, and those held out.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Free-running runs.
-    model : Model
-        Of the ship as tested.
-    runs, test_runs : sequence of str, optional
-        Patterns of ids.
-    channels, rudder, wind, shortest
-        As for `free_records`.
-
-    Returns
-    -------
-    Chosen, Chosen or None
-        A run that is held out is never identified from.
-
-    Raises
-    ------
-    DataError
-        If the campaign is captive or of another ship, or no record is left.
-    UnknownNameError
-        If a pattern fits no run.
-    """
-    if campaign.kind != "free-running":
-        raise DataError(
-            f"Campaign {campaign.title!r} is {campaign.kind}: identify takes free-running records. "
-            f"Captive tests go into `pmmkit reduce` (its --method has sindy and ekf too)."
-        )
-    if abs(model.ship.L / campaign.ship.L - 1.0) > SAME_LENGTH:
-        raise DataError(
-            f"Model {model.name!r} is of a ship of {model.ship.L:g} m, the records of one of "
-            f"{campaign.ship.L:g} m. Bring the model to that length: pmmkit scale {model.name} "
-            f"--length {campaign.ship.L:g} --froude-only."
-        )
-    held = matching(campaign, test_runs) if test_runs else []
-    asked = matching(campaign, runs) if runs else list(campaign.runs)
-    train = [run for run in asked if run not in held]
-    if not train:
-        raise DataError("Every run is held out: none is left to identify from.")
-
-    def records(chosen: Sequence[Run]) -> Chosen:
-        return _records(
-            chosen,
-            model,
-            channels=channels,
-            rudder=rudder,
-            wind=wind,
-            shortest=shortest,
-            depth_of=campaign.depth_of,
-            campaign=campaign.title,
-        )
-
-    return records(train), records(held) if held else None
 
 
 def matching(campaign: Campaign, patterns: Sequence[str]) -> list[Run]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,8 @@ from pmmkit.base import DataError, ModelError, PmmkitError, Progress, UnknownNam
 from pmmkit.effects import CURRENT
 from pmmkit.identification.binding import places
 from pmmkit.identification.methods import METHODS, SECONDS, Identified, identify
-from pmmkit.identification.prediction import Course, Prediction, predict, smoothed_without
-from pmmkit.identification.prior import Prior, asked_names, prior_of
+from pmmkit.identification.prediction import Course, Prediction
+from pmmkit.identification.prior import Prior, asked_names
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
 from pmmkit.models import Model
@@ -25,17 +25,6 @@ from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
-
-BEFORE: Final = "before"
-"""The model as it was, among the methods."""
-UNITS: Final[Mapping[str, str]] = {
-    "position": "m",
-    "position_end": "m",
-    "heading": "deg",
-    "speed": "m/s",
-    "yaw_rate": "deg/s",
-}
-"""Errors of a prediction and their units."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -57,6 +46,19 @@ class MethodComparison(Described):
     window : float
         Length of the predicted windows [s].
     """
+
+    BEFORE: ClassVar[str] = "before"
+    """The model as it was, among the methods."""
+    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "position": "m",
+            "position_end": "m",
+            "heading": "deg",
+            "speed": "m/s",
+            "yaw_rate": "deg/s",
+        }
+    )
+    """Errors of a prediction and their units."""
 
     model: Model
     prior: Prior
@@ -91,7 +93,7 @@ class MethodComparison(Described):
             for name, item in self.predictions.items()
             for run, errors in (*item.errors.items(), ("all", item.pooled()))
         ]
-        return pd.DataFrame(rows, columns=["model", "run", "window", *UNITS, "windows"])
+        return pd.DataFrame(rows, columns=["model", "run", "window", *self.UNITS, "windows"])
 
     def plot(self) -> Figure:
         """Intervals of 95 % before and after, by method."""
@@ -137,8 +139,8 @@ class MethodComparison(Described):
             pooled = item.pooled()
             windows = pooled["windows"]
             time = f"{self.found[name].seconds:.2f} s" if name in self.found else ""
-            rows.append([name, *(number(pooled[error], 3) for error in UNITS), time])
-        head = [f"{error.replace('_', ' ')} [{unit}]" for error, unit in UNITS.items()]
+            rows.append([name, *(number(pooled[error], 3) for error in self.UNITS), time])
+        head = [f"{error.replace('_', ' ')} [{unit}]" for error, unit in self.UNITS.items()]
         caption = (
             f"Root mean square errors over {windows:.0f} windows of {self.window:g} s with the "
             f"measured rudder:"
@@ -154,7 +156,7 @@ class MethodComparison(Described):
         import pandas as pd
 
         columns: dict[str, dict[tuple[str, str], float]] = {
-            BEFORE: {
+            self.BEFORE: {
                 **_rows("value", self.prior.names, self.prior.mean),
                 **_rows("std", self.prior.names, self.prior.std),
             }
@@ -168,7 +170,7 @@ class MethodComparison(Described):
         for name, prediction in self.predictions.items():
             pooled = prediction.pooled()
             columns[name] |= {
-                ("error", f"{error} [{unit}]"): pooled[error] for error, unit in UNITS.items()
+                ("error", f"{error} [{unit}]"): pooled[error] for error, unit in self.UNITS.items()
             }
         keys = list(dict.fromkeys(key for column in columns.values() for key in column))
         order = ("value", "std", "error", "seconds")
@@ -262,7 +264,7 @@ def compare_methods(
     if not records:
         raise DataError("There is no record to identify from.")
     asked = asked_names(model, names)
-    before = prior or prior_of(
+    before = prior or Prior.of(
         model, asked, records[0].speed, spread=spread, extrapolate=extrapolate
     )
     total = len(methods) + 1
@@ -296,12 +298,16 @@ def compare_methods(
         progress(total, total, "predict")
     predictions = {}
     if references:
-        predictions[BEFORE] = predict(model, references, window=window, extrapolate=extrapolate)
+        predictions[MethodComparison.BEFORE] = Prediction.of(
+            model, references, window=window, extrapolate=extrapolate
+        )
         for name, item in found.items():
-            seen = smoothed_without(
+            seen = Smoothed.corrected(
                 model, references, _current(item), sensors=sensors, extrapolate=extrapolate
             )
-            predictions[name] = predict(item.model, seen, window=window, extrapolate=extrapolate)
+            predictions[name] = Prediction.of(
+                item.model, seen, window=window, extrapolate=extrapolate
+            )
     return MethodComparison(
         model=model,
         prior=before,
@@ -401,64 +407,63 @@ class PredictedWindow:
     predicted: Mapping[str, Mapping[str, Array]]
     L: float
 
+    @classmethod
+    def of(
+        cls,
+        models: Mapping[str, Model],
+        references: Sequence[Smoothed],
+        *,
+        window: float = 60.0,
+        extrapolate: bool = False,
+        currents: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
+    ) -> PredictedWindow:
+        """The window in which the ship turned most, as models sail it with the measured rudder.
 
-def predicted_window(
-    models: Mapping[str, Model],
-    references: Sequence[Smoothed],
-    *,
-    window: float = 60.0,
-    extrapolate: bool = False,
-    currents: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
-) -> PredictedWindow:
-    """The window in which the ship turned most, as models sail it with the measured rudder.
+        Parameters
+        ----------
+        models : mapping of str to Model
+            By name.
+        references : sequence of Smoothed
+            From `reference`.
+        window : float
+            Its length [s].
+        extrapolate : bool
+            Allow a speed outside the range of the models' values.
+        currents : mapping of str to mapping of str to float
+            By name of a model the current that was found with it, as `MethodComparison.currents`.
 
-    Parameters
-    ----------
-    models : mapping of str to Model
-        By name.
-    references : sequence of Smoothed
-        From `reference`.
-    window : float
-        Its length [s].
-    extrapolate : bool
-        Allow a speed outside the range of the models' values.
-    currents : mapping of str to mapping of str to float
-        By name of a model the current that was found with it, as `MethodComparison.currents`.
-
-    Returns
-    -------
-    PredictedWindow
-
-    Raises
-    ------
-    DataError
-        If no record is as long as a window.
-    """
-    found = [
-        (float(np.ptp(item.motion["psi"][at])), item, at)
-        for item in references
-        for at in _windows(item.t, window)
-    ]
-    if not found:
-        raise DataError(f"No record is as long as a window of {window:g} s.")
-    _, item, at = max(found, key=lambda entry: entry[0])
-    names = ("x", "y", "psi", "u", "v", "r")
-    own = {
-        name: smoothed_without(model, [item], currents.get(name, {}), extrapolate=extrapolate)[0]
-        for name, model in models.items()
-    }
-    # Where a log tells the speed through the water, the track is smooth only in the current.
-    best = list(own.values())[-1]
-    return PredictedWindow(
-        name=item.name,
-        t=item.t[at],
-        delta=item.record.delta[at],
-        measured=MappingProxyType({name: best.motion[name][at] for name in names}),
-        predicted=MappingProxyType(
-            {name: _sailed(model, own[name], at, extrapolate) for name, model in models.items()}
-        ),
-        L=next(iter(models.values())).ship.L,
-    )
+        Raises
+        ------
+        DataError
+            If no record is as long as a window.
+        """
+        found = [
+            (float(np.ptp(item.motion["psi"][at])), item, at)
+            for item in references
+            for at in _windows(item.t, window)
+        ]
+        if not found:
+            raise DataError(f"No record is as long as a window of {window:g} s.")
+        _, item, at = max(found, key=lambda entry: entry[0])
+        names = ("x", "y", "psi", "u", "v", "r")
+        own = {
+            name: Smoothed.corrected(
+                model, [item], currents.get(name, {}), extrapolate=extrapolate
+            )[0]
+            for name, model in models.items()
+        }
+        # Where a log tells the speed through the water, the track is smooth only in the current.
+        best = list(own.values())[-1]
+        return cls(
+            name=item.name,
+            t=item.t[at],
+            delta=item.record.delta[at],
+            measured=MappingProxyType({name: best.motion[name][at] for name in names}),
+            predicted=MappingProxyType(
+                {name: _sailed(model, own[name], at, extrapolate) for name, model in models.items()}
+            ),
+            L=next(iter(models.values())).ship.L,
+        )
 
 
 def _windows(t: Array, window: float) -> list[NDArray[np.intp]]:

@@ -10,10 +10,9 @@ from types import MappingProxyType, ModuleType
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.base import DataError, Progress, SimulationError
-from pmmkit.identification.binding import Binding, bound, driven
+from pmmkit.identification.binding import Binding, driven
 from pmmkit.identification.lack import LackOfFit, RecordPiece, colour_of, lack_of, stretches
 from pmmkit.identification.passes import Pass, Process, passed, seen, state_steps
 from pmmkit.identification.prior import Prior
@@ -27,8 +26,6 @@ GATE: Final = 5.0
 """Residuals beyond so many of their standard deviations are not taken in."""
 SETTLED: Final = 0.02
 """Iterations end when no parameter changes by more than this share of its standard deviation."""
-STEP: Final = 0.05
-"""Longest step of the integration in ship lengths over the speed of the approach."""
 ROUGHNESS: Final = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
 """Process noise that is tried, in U²/L over the root of L/U."""
 FIRST: Final = 0.03
@@ -142,7 +139,7 @@ def kalman(
     extrapolate: bool = False,
     about: Array | None = None,
     first: float = FIRST,
-    step: float = STEP,
+    step: float = Binding.STEP,
     progress: Progress | None = None,
 ) -> Filtered:
     """Identify parameters by a Kalman filter over free-running records, one after another.
@@ -171,7 +168,7 @@ def kalman(
     started = time.perf_counter()
     ready = driven(model)
     speed = records[0].speed
-    binding = bound(
+    binding = Binding.of(
         ready, prior.names, speed, conditions=records[0].conditions, extrapolate=extrapolate
     )
     pace = speed / ready.ship.L
@@ -334,7 +331,7 @@ def _pass(
     )
     runs = []
     for record in setup.records:
-        y, spread = first_state(record, states, setup.sensors, setup.L)
+        y, spread = record.first_state(states, setup.sensors, setup.L)
         P = np.diag(np.concatenate([spread, np.zeros(len(values))]))
         P[size:, size:] = covariance
         run = passed(
@@ -371,61 +368,3 @@ def with_forces(
         np.diag(np.concatenate([variances, spread**2])),
         np.concatenate([np.zeros(len(y)), 2.0 * spread**2 * fading]),
     )
-
-
-def first_state(
-    record: FreeRecord, states: Sequence[str], sensors: Mapping[str, float], L: float
-) -> tuple[Array, Array]:
-    """States at the first instant and their variances.
-
-    Positions and heading are those measured, velocities too where they are; else the speed is that
-    of the path over the first ship length, with a wide variance.
-    """
-    y, spread = np.zeros(len(states)), np.zeros(len(states))
-    pace = record.speed / L
-    wide = {
-        "x": L,
-        "y": L,
-        "psi": 0.5,
-        "u": 0.3 * record.speed,
-        "v": 0.2 * record.speed,
-        "r": 0.3 * pace,
-        "p": 0.1 * pace,
-        "phi": 0.1,
-    }
-    for i, name in enumerate(states):
-        values = record.measured.get(name)
-        there = np.flatnonzero(np.isfinite(values)) if values is not None else np.array([])
-        if values is not None and len(there) and record.t[there[0]] - record.t[0] < 0.2 / pace:
-            y[i], spread[i] = _begun(record.t, values, there, sensors[name]), 9 * sensors[name] ** 2
-        else:
-            y[i] = record.speed if name == "u" else 0.0
-            spread[i] = wide.get(name, 1.0) ** 2
-    if "u" not in record.measured and {"x", "y"} <= set(record.measured):
-        path = _pace_over_ground(record, 1.0 / pace)
-        if math.isfinite(path):
-            y[list(states).index("u")] = path
-    return y, spread
-
-
-def _begun(t: Array, values: Array, there: NDArray[np.intp], std: float) -> float:
-    """The first measurement; if it is wild, what a line through the next ones says of it."""
-    v, after = values[there[:7]], t[there[:7]] - t[there[0]]
-    if len(v) < 4:
-        return float(v[0])
-    i, j = np.triu_indices(len(v), 1)
-    line = v - after * np.median((v[j] - v[i]) / (after[j] - after[i]))
-    level = float(np.median(line))
-    scatter = float(np.median(np.abs(line - level)))
-    return level if abs(v[0] - level) > 15.0 * std + 10.0 * scatter else float(v[0])
-
-
-def _pace_over_ground(record: FreeRecord, within: float) -> float:
-    """Speed over ground during the first seconds, by a straight line."""
-    at = record.t <= record.t[0] + within
-    x, y, t = record.measured["x"][at], record.measured["y"][at], record.t[at]
-    there = np.isfinite(x) & np.isfinite(y)
-    if there.sum() < 3:
-        return math.nan
-    slopes = np.polyfit(t[there] - t[0], np.stack([x[there], y[there]], axis=1), 1)[0]
-    return float(np.hypot(*slopes))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError, Progress
-from pmmkit.identification.binding import bound, driven, places, replaced, with_parameters
+from pmmkit.identification.binding import Binding, driven, places, replaced, with_parameters
 from pmmkit.identification.lack import LackOfFit, RecordPiece, lack_of, lasting
 from pmmkit.identification.prior import Prior
 from pmmkit.inference import LeastSquares
@@ -250,7 +250,7 @@ def _packs(
     if driven(model) is not model:
         return anew
     try:
-        line = bound(model, names, speed, conditions=conditions, extrapolate=extrapolate)
+        line = Binding.of(model, names, speed, conditions=conditions, extrapolate=extrapolate)
     except DataError:
         return anew
     return lambda values: (line.structure, line.constants(values).tolist())

@@ -11,7 +11,7 @@ import numpy as np
 
 from pmmkit.base import DataError, did_you_mean
 from pmmkit.campaigns import GAP, Run, half_window, true_wind, usable, velocity
-from pmmkit.identification.record import CHANNELS, FreeRecord, rate_limited
+from pmmkit.identification.record import FreeRecord, rate_limited
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.simulation import steering
@@ -159,7 +159,7 @@ def _record(
             f"Run {run.id} has no {' and no '.join(lost)}: rudder and revolutions must be "
             f"measured to identify a model from it."
         )
-    known = [name for name in CHANNELS if name in columns]
+    known = [name for name in FreeRecord.CHANNELS if name in columns]
     if not model.rolls:
         known = [name for name in known if name not in ("p", "phi")]
     if channels is not None:

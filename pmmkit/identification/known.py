@@ -11,7 +11,7 @@ from pmmkit.base import DataError, UnknownNameError, did_you_mean
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects import CURRENT, HULL
 from pmmkit.identification.binding import places
-from pmmkit.identification.prior import Prior, prior_of
+from pmmkit.identification.prior import Prior
 from pmmkit.models import DerivativeTable, Model, ReferenceTable, converted, interpolate
 
 
@@ -37,6 +37,7 @@ def parameters_of(model: Model, asked: Sequence[str] | None) -> tuple[str, ...]:
 
     Examples
     --------
+    >>> from pmmkit.models import load_model
     >>> parameters_of(load_model("kvlcc2-l7"), ["Yrvv", "rudder_mmg.aH"])
     ('Yvvr', 'rudder_mmg.aH')
     """
@@ -78,7 +79,7 @@ def _fittable(model: Model) -> tuple[str, ...]:
 
 def known_before(
     model: Model,
-    names: Sequence[str],
+    asked: Sequence[str] | None,
     speed: float,
     *,
     prior: str | None,
@@ -91,8 +92,9 @@ def known_before(
     ----------
     model : Model
         Gives what `prior` does not have.
-    names : sequence of str
-        Parameters.
+    asked : sequence of str, optional
+        Derivatives (factors in any order), parameters with their effect, currents; by default all
+        derivatives of the hull.
     speed : float
         Of the approach [m/s].
     prior : str, optional
@@ -107,7 +109,8 @@ def known_before(
     Prior
         Its origin says what came from where.
     """
-    own = prior_of(model, names, speed, spread=spread, extrapolate=extrapolate)
+    names = parameters_of(model, asked)
+    own = Prior.of(model, names, speed, spread=spread, extrapolate=extrapolate)
     if prior is None:
         return replace(own, origin=f"{model.name}, {own.origin}")
     beside = ReferenceTable.of(prior)
@@ -118,7 +121,7 @@ def known_before(
     shared = [name for name in names if name in CURRENT or _has(other, name)]
     if not shared:
         raise UnknownNameError(f"{prior} has none of {', '.join(names)}.")
-    given = prior_of(other, shared, speed, spread=spread, extrapolate=extrapolate)
+    given = Prior.of(other, shared, speed, spread=spread, extrapolate=extrapolate)
     return _joined(own, given, f"{prior}, {given.origin}")
 
 

@@ -15,10 +15,10 @@ from pmmkit.base import DataError, ModelError, Progress, Registry
 from pmmkit.effects import CURRENT
 from pmmkit.identification.binding import places, with_parameters
 from pmmkit.identification.forces import ForceRecord, fit_to_forces
-from pmmkit.identification.prior import Prior, asked_names, prior_of
-from pmmkit.identification.record import FreeRecord, title_of
+from pmmkit.identification.prior import Prior, asked_names
+from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.restarts import filtered
-from pmmkit.identification.smoother import implied_forces, smooth
+from pmmkit.identification.smoother import Smoothed
 from pmmkit.identification.trajectory import fit_trajectories
 from pmmkit.models import Model, Step
 from pmmkit.numerics import Array
@@ -251,7 +251,7 @@ def identify(
     started = time.perf_counter()
     speed = records[0].speed
     asked = asked_names(model, names)
-    before = prior or prior_of(model, asked, speed, spread=spread, extrapolate=extrapolate)
+    before = prior or Prior.of(model, asked, speed, spread=spread, extrapolate=extrapolate)
     shared: dict[str, Any] = {"sensors": sensors, "extrapolate": extrapolate, "progress": progress}
     if chosen.selects:
         shared["library"] = [name for name in asked if "." not in name and name not in CURRENT]
@@ -259,7 +259,7 @@ def identify(
     if chosen.selects:
         return _sparse(found, before, started)
     seconds = time.perf_counter() - started
-    return _told(model, method, before, found, notes, seconds, title_of(records))
+    return _told(model, method, before, found, notes, seconds, FreeRecord.title_of(records))
 
 
 MethodResult = tuple[Any, tuple[str, ...]]
@@ -335,8 +335,8 @@ def _implied(
     for number, record in enumerate(records):
         if progress is not None:
             progress(number, len(records), f"forces that {record.name} implies")
-        kept = smooth(model, record, **shared, **memory)
-        forces.append(implied_forces(model, kept, **memory))
+        kept = Smoothed.of(model, record, **shared, **memory)
+        forces.append(kept.implied_forces(model, **memory))
     return forces
 
 

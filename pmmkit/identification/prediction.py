@@ -11,14 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError
-from pmmkit.identification.as_tested import without
-from pmmkit.identification.binding import Binding, bound, driven
-from pmmkit.identification.disagreement import disagree, each_by_itself
-from pmmkit.identification.filters import STEP
+from pmmkit.identification.binding import Binding, driven
 from pmmkit.identification.prior import stated_covariance
 from pmmkit.identification.record import FreeRecord
-from pmmkit.identification.smoother import Smoothed, smooth
-from pmmkit.inference import Stencil, axes
+from pmmkit.identification.smoother import Smoothed
+from pmmkit.inference import Stencil, root
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.simulation import ESTIMATING, State, compiled
@@ -34,13 +31,110 @@ STARTS: Final = 4
 class Prediction:
     """Errors of a model over windows of records.
 
-    `window`: length of the windows [s]. `errors`: by record: root mean square over all instants
-    of all windows of ``position`` [m], ``position_end`` [m] at the end of a window, ``heading``
-    [deg], ``speed`` [m/s], ``yaw_rate`` [deg/s], and the number of ``windows``.
+    Parameters
+    ----------
+    window : float
+        Length of the windows [s].
+    errors : mapping of str to mapping of str to float
+        By record: root mean square over all instants of all windows of ``position`` [m],
+        ``position_end`` [m] at the end of a window, ``heading`` [deg], ``speed`` [m/s],
+        ``yaw_rate`` [deg/s], and the number of ``windows``.
     """
 
     window: float
     errors: Mapping[str, Mapping[str, float]]
+
+    @classmethod
+    def of(
+        cls,
+        model: Model,
+        references: Sequence[Smoothed],
+        *,
+        window: float = 60.0,
+        extrapolate: bool = False,
+    ) -> Prediction:
+        """Simulate windows from the smoothed motion with the measured rudder and revolutions.
+
+        Parameters
+        ----------
+        model : Model
+            To be judged.
+        references : sequence of Smoothed
+            From `Smoothed.references`; the same for all models that are compared.
+        window : float
+            Length of the windows [s]; they begin four times in each such length.
+        extrapolate : bool
+            Allow a speed outside the range of the model's values.
+
+        Raises
+        ------
+        DataError
+            If no record is as long as a window.
+        """
+        errors = {}
+        for item in references:
+            course = Course.of(model, item.record, extrapolate=extrapolate)
+            truth = course.states_of(item)
+            t = item.record.t - item.record.t[0]
+            begins = np.arange(0.0, t[-1] - window + 1e-9, window / STARTS)
+            squares = []
+            for begin in begins:
+                at = np.flatnonzero((t >= begin - 1e-9) & (t <= begin + window + 1e-9))
+                if len(at) < 3:
+                    continue
+                (out,) = course.sail(at, truth[at[:1]])
+                squares.append(_squares(out, truth[at]))
+            if squares:
+                mean = np.sqrt(np.mean(squares, axis=0))
+                errors[item.name] = dict(zip(NAMES, mean.tolist(), strict=True)) | {
+                    "windows": float(len(squares))
+                }
+        if not errors:
+            raise DataError(f"No record is as long as a window of {window:g} s.")
+        return cls(window=window, errors=errors)
+
+    @staticmethod
+    @np.errstate(over="ignore", invalid="ignore")
+    def std(
+        model: Model, item: Smoothed, at: NDArray[np.intp], *, extrapolate: bool = False
+    ) -> dict[str, Array]:
+        """Standard uncertainty of what a model sails from a measured start.
+
+        Parameters
+        ----------
+        model : Model
+            With the uncertainty of its values, if it states one.
+        item : Smoothed
+            The record; its covariance says how well the start is known.
+        at : array (n,) of int
+            Instants; the ship starts from the first.
+        extrapolate : bool
+            Allow a speed outside the range of the model's values.
+
+        Returns
+        -------
+        dict of str to array (n,)
+            By state [m, rad, m/s, rad/s]: to first order, from ships a standard deviation away to
+            either side along each of the principal axes of the start and of the values of the model
+            (JCGM 100:2008, 5.1.3, note 2). What the rudder's noise moves is left out: of a tanker
+            0.01° of heading in two minutes.
+        """
+        names, C = _stated(model, item.record, extrapolate)
+        course = Course.of(model, item.record, names, extrapolate=extrapolate)
+        start = course.states_of(item)[at[0]]
+        size = len(start)
+        begun = Stencil().points(start, root(item.covariance[at[0]][:size, :size], thin=True).T)
+        sailed = [
+            course.sail(at, begun),
+            *(
+                course.sail(at, start[None], x)
+                for x in Stencil().points(np.zeros(len(names)), root(C, thin=True).T)
+            ),
+        ]
+        factors = Stencil().differences(np.concatenate(sailed))
+        square = np.sum(factors**2, axis=0)
+        std = np.sqrt(np.where(np.isnan(square), np.inf, square))
+        return dict(zip(course.states, std.T, strict=True))
 
     def pooled(self) -> dict[str, float]:
         """Root mean square over all windows of all records."""
@@ -64,115 +158,6 @@ class Prediction:
         return pd.DataFrame.from_dict(rows, orient="index")
 
 
-def reference(
-    model: Model,
-    records: Sequence[FreeRecord],
-    *,
-    sensors: Mapping[str, float] | None = None,
-    extrapolate: bool = False,
-) -> tuple[Smoothed, ...]:
-    """Smoothed records that predictions start from and are compared with, one for all models.
-
-    Parameters
-    ----------
-    model : Model
-        Any model of the ship: unknown forces are given room enough (0.1 of ½ρLdU²) that the
-        smoothed motion is that of the sensors.
-    records : sequence of FreeRecord
-        Records that were held out.
-    sensors : mapping of str to float, optional
-        As for `smooth`.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-
-    Returns
-    -------
-    tuple of Smoothed
-        Where sensors disagree (positions drift from where a log and a compass lead) each channel
-        shows what its own sensor does.
-    """
-    found = [
-        smooth(model, record, sensors=sensors, size=0.1, extrapolate=extrapolate)
-        for record in records
-    ]
-    return tuple(
-        each_by_itself(item, model, sensors or {}) if disagree(item) else item for item in found
-    )
-
-
-def smoothed_without(
-    model: Model,
-    references: Sequence[Smoothed],
-    found: Mapping[str, float],
-    *,
-    sensors: Mapping[str, float] | None = None,
-    extrapolate: bool = False,
-) -> Sequence[Smoothed]:
-    """References of records without what they are off by; themselves where nothing is.
-
-    Parameters
-    ----------
-    model, sensors, extrapolate
-        As for `reference`.
-    references : sequence of Smoothed
-        Of the records as measured.
-    found : mapping of str to float
-        As for `as_tested.without`.
-    """
-    if not any(found.values()):
-        return references
-    records = [without(item.record, found) for item in references]
-    return reference(model, records, sensors=sensors, extrapolate=extrapolate)
-
-
-def predict(
-    model: Model, references: Sequence[Smoothed], *, window: float = 60.0, extrapolate: bool = False
-) -> Prediction:
-    """Simulate windows from the smoothed motion with the measured rudder and revolutions.
-
-    Parameters
-    ----------
-    model : Model
-        To be judged.
-    references : sequence of Smoothed
-        From `reference`; the same for all models that are compared.
-    window : float
-        Length of the windows [s]; they begin four times in each such length.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-
-    Returns
-    -------
-    Prediction
-
-    Raises
-    ------
-    DataError
-        If no record is as long as a window.
-    """
-    errors = {}
-    for item in references:
-        course = Course.of(model, item.record, extrapolate=extrapolate)
-        truth = course.states_of(item)
-        t = item.record.t - item.record.t[0]
-        begins = np.arange(0.0, t[-1] - window + 1e-9, window / STARTS)
-        squares = []
-        for begin in begins:
-            at = np.flatnonzero((t >= begin - 1e-9) & (t <= begin + window + 1e-9))
-            if len(at) < 3:
-                continue
-            (out,) = course.sail(at, truth[at[:1]])
-            squares.append(_squares(out, truth[at]))
-        if squares:
-            mean = np.sqrt(np.mean(squares, axis=0))
-            errors[item.name] = dict(zip(NAMES, mean.tolist(), strict=True)) | {
-                "windows": float(len(squares))
-            }
-    if not errors:
-        raise DataError(f"No record is as long as a window of {window:g} s.")
-    return Prediction(window=window, errors=errors)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Course:
     """What sails along a record with its measured rudder, from states that are given.
@@ -192,14 +177,14 @@ class Course:
     ) -> Course:
         """Of a model, whose values of some names may be changed."""
         ready = driven(model)
-        binding = bound(
+        binding = Binding.of(
             ready, names, record.speed, conditions=record.conditions, extrapolate=extrapolate
         )
         return cls(
             record=record,
             binding=binding,
             functions=compiled(binding.structure, ESTIMATING),
-            longest=STEP * ready.ship.L / record.speed,
+            longest=Binding.STEP * ready.ship.L / record.speed,
         )
 
     @property
@@ -232,46 +217,6 @@ class Course:
         return out.reshape(len(starts), len(at), -1)
 
 
-@np.errstate(over="ignore", invalid="ignore")
-def prediction_std(
-    model: Model, item: Smoothed, at: NDArray[np.intp], *, extrapolate: bool = False
-) -> dict[str, Array]:
-    """Standard uncertainty of what a model sails from a measured start.
-
-    Parameters
-    ----------
-    model : Model
-        With the uncertainty of its values, if it states one.
-    item : Smoothed
-        The record; its covariance says how well the start is known.
-    at : array (n,) of int
-        Instants; the ship starts from the first.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-
-    Returns
-    -------
-    dict of str to array (n,)
-        By state [m, rad, m/s, rad/s]: to first order, from ships a standard deviation away to
-        either side along each of the `axes` of the start and of the values of the model (JCGM
-        100:2008, 5.1.3, note 2). What the rudder's noise moves is left out: of a tanker 0.01° of
-        heading in two minutes.
-    """
-    names, C = _stated(model, item.record, extrapolate)
-    course = Course.of(model, item.record, names, extrapolate=extrapolate)
-    start = course.states_of(item)[at[0]]
-    size = len(start)
-    begun = Stencil().points(start, axes(item.covariance[at[0]][:size, :size]))
-    sailed = [
-        course.sail(at, begun),
-        *(course.sail(at, start[None], x) for x in Stencil().points(np.zeros(len(names)), axes(C))),
-    ]
-    factors = Stencil().differences(np.concatenate(sailed))
-    square = np.sum(factors**2, axis=0)
-    std = np.sqrt(np.where(np.isnan(square), np.inf, square))
-    return dict(zip(course.states, std.T, strict=True))
-
-
 def _stated(model: Model, record: FreeRecord, extrapolate: bool) -> tuple[tuple[str, ...], Array]:
     """Values of a model that it is uncertain of and the equations are straight in: covariance."""
     ready = driven(model)
@@ -284,7 +229,9 @@ def _stated(model: Model, record: FreeRecord, extrapolate: bool) -> tuple[tuple[
 def _straight(model: Model, name: str, record: FreeRecord, extrapolate: bool) -> bool:
     """Whether the equations are straight lines over a value."""
     try:
-        bound(model, (name,), record.speed, conditions=record.conditions, extrapolate=extrapolate)
+        Binding.of(
+            model, (name,), record.speed, conditions=record.conditions, extrapolate=extrapolate
+        )
     except DataError:
         return False
     return True

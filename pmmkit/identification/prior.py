@@ -42,6 +42,76 @@ class Prior:
     covariance: Array
     origin: str = ""
 
+    @classmethod
+    def of(
+        cls,
+        model: Model,
+        names: Sequence[str],
+        speed: float,
+        *,
+        spread: float | Mapping[str, float] | None = None,
+        extrapolate: bool = False,
+    ) -> Prior:
+        """The prior of parameters: what the model says of its values, or a spread about them.
+
+        Parameters
+        ----------
+        model : Model
+            Its values are the means.
+        names : sequence of str
+            Parameters.
+        speed : float
+            Speed of the approach [m/s].
+        spread : float or mapping, optional
+            Relative standard deviation, for all or by name; it counts before the covariance. A
+            value of zero takes the size of the smallest of its channel.
+        extrapolate : bool
+            Allow a speed outside the range of the model's values.
+
+        Examples
+        --------
+        >>> from pmmkit.models import load_model
+        >>> Prior.of(load_model("kvlcc2-l7"), ["Yv", "Nr"], 1.179, spread=0.1).std.round(4)
+        array([0.0315, 0.0049])
+        """
+        if not names:
+            raise DataError("Name at least one parameter.")
+        own = [name for name in names if name not in CURRENT]
+        numbers = values_at(model, speed, extrapolate=extrapolate)
+        values = {
+            name: float(numbers[effect][item])
+            for name, (effect, item) in zip(own, places(model, own), strict=True)
+        }
+        mean = np.array([values.get(name, 0.0) for name in names])
+        relative = spread if isinstance(spread, Mapping) else {}
+        default = None if spread is None or isinstance(spread, Mapping) else float(spread)
+        std = np.array(
+            [
+                DRIFTS * speed
+                if name in CURRENT
+                else (relative.get(name, default) or SPREAD)
+                * _size(name, values, {x: numbers.get(x, {}) for x in model.derivative_parts})
+                for name in names
+            ]
+        )
+        covariance = np.diag(std**2)
+        measured = (
+            stated_covariance(model, speed, extrapolate=extrapolate) if default is None else {}
+        )
+        known = [
+            i for i, name in enumerate(names) if (name, name) in measured and name not in relative
+        ]
+        for i in known:
+            for j in known:
+                covariance[i, j] = measured.get((names[i], names[j]), 0.0)
+        told = f"{100 * (default or SPREAD):g} % of each value"
+        origin = (
+            f"the uncertainty that the model states for {len(known)} of {len(names)}, else {told}"
+            if known
+            else told
+        )
+        return cls(names=tuple(names), mean=mean, covariance=covariance, origin=origin)
+
     @property
     def std(self) -> Array:
         """Standard deviations (m,)."""
@@ -56,75 +126,6 @@ class Prior:
 def asked_names(model: Model, names: Sequence[str] | None) -> tuple[str, ...]:
     """The names asked for; all derivatives of the hull where none are."""
     return tuple(model.parts[HULL].values if names is None else names)
-
-
-def prior_of(
-    model: Model,
-    names: Sequence[str],
-    speed: float,
-    *,
-    spread: float | Mapping[str, float] | None = None,
-    extrapolate: bool = False,
-) -> Prior:
-    """The prior of parameters: what the model says of its values, or a spread about them.
-
-    Parameters
-    ----------
-    model : Model
-        Its values are the means.
-    names : sequence of str
-        Parameters.
-    speed : float
-        Speed of the approach [m/s].
-    spread : float or mapping, optional
-        Relative standard deviation, for all or by name; it counts before the covariance. A value of
-        zero takes the size of the smallest of its channel.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-
-    Returns
-    -------
-    Prior
-
-    Examples
-    --------
-    >>> from pmmkit.models import load_model
-    >>> prior_of(load_model("kvlcc2-l7"), ["Yv", "Nr"], 1.179, spread=0.1).std.round(4)
-    array([0.0315, 0.0049])
-    """
-    if not names:
-        raise DataError("Name at least one parameter.")
-    own = [name for name in names if name not in CURRENT]
-    numbers = values_at(model, speed, extrapolate=extrapolate)
-    values = {
-        name: float(numbers[effect][item])
-        for name, (effect, item) in zip(own, places(model, own), strict=True)
-    }
-    mean = np.array([values.get(name, 0.0) for name in names])
-    relative = spread if isinstance(spread, Mapping) else {}
-    default = None if spread is None or isinstance(spread, Mapping) else float(spread)
-    std = np.array(
-        [
-            DRIFTS * speed
-            if name in CURRENT
-            else (relative.get(name, default) or SPREAD)
-            * _size(name, values, {x: numbers.get(x, {}) for x in model.derivative_parts})
-            for name in names
-        ]
-    )
-    covariance = np.diag(std**2)
-    measured = stated_covariance(model, speed, extrapolate=extrapolate) if default is None else {}
-    known = [i for i, name in enumerate(names) if (name, name) in measured and name not in relative]
-    for i in known:
-        for j in known:
-            covariance[i, j] = measured.get((names[i], names[j]), 0.0)
-    told = f"{100 * (default or SPREAD):g} % of each value"
-    origin = (
-        f"the uncertainty that the model states for {len(known)} of {len(names)}, else {told}"
-        if known
-        else told
-    )
-    return Prior(names=tuple(names), mean=mean, covariance=covariance, origin=origin)
 
 
 def _size(

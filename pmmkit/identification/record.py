@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError, Problem, Remedy, Way
+from pmmkit.campaigns import in_ship_axes
+from pmmkit.conventions import Convention
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.signals import white_noise
 from pmmkit.simulation import NO_SEA, Conditions, InputField, OverGround, State
@@ -22,7 +25,6 @@ KINDS: Final[Mapping[str, OverGround]] = {
 }
 """Channels that are no states, by the number the filters know them by."""
 STATES: Final = (*State.__members__,)
-CHANNELS: Final = (*STATES, *KINDS)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,6 +63,8 @@ class FreeRecord:
     campaign : str
         Title of the tests.
     """
+
+    CHANNELS: ClassVar[tuple[str, ...]] = (*STATES, *KINDS)
 
     name: str
     t: Array
@@ -106,11 +110,11 @@ class FreeRecord:
                     f"The {name} of record {self.name!r} are not known at all instants: fill the "
                     f"gaps or cut the record there."
                 )
-        unknown = [name for name in self.measured if name not in CHANNELS]
+        unknown = [name for name in self.measured if name not in self.CHANNELS]
         if unknown:
             raise DataError(
                 f"Record {self.name!r} has channels {', '.join(unknown)}; an estimator takes "
-                f"{', '.join(CHANNELS)}."
+                f"{', '.join(self.CHANNELS)}."
             )
 
     def __len__(self) -> int:
@@ -146,6 +150,14 @@ class FreeRecord:
             if values is not None:
                 found[:, place] = values
         return found
+
+    def force_units(self, model: Model) -> dict[str, float]:
+        """½ρLdU² and ½ρL²dU² by each channel of a model [N, N m], U the speed of the approach."""
+        ship, water, unit = model.ship, model.water, Convention(system="prime-d")
+        return {
+            channel: unit.force_unit(channel, ship=ship, water=water, U=self.speed)
+            for channel in ("XYNK" if model.rolls else "XYN")
+        }
 
     def calm(self) -> FreeRecord:
         """The record as if no wind had been measured."""
@@ -194,17 +206,68 @@ class FreeRecord:
             )
         return self.with_(measured={name: self.measured[name] for name in channels})
 
+    def first_state(
+        self, states: Sequence[str], sensors: Mapping[str, float], L: float
+    ) -> tuple[Array, Array]:
+        """States at the first instant and their variances.
 
-def title_of(records: Sequence[FreeRecord]) -> str:
-    """Title of the tests of records; empty where they are of several.
+        Positions and heading are those measured, velocities too where they are; else the speed is
+        that of the path over the first ship length, with a wide variance.
+        """
+        y, spread = np.zeros(len(states)), np.zeros(len(states))
+        pace = self.speed / L
+        wide = {
+            "x": L,
+            "y": L,
+            "psi": 0.5,
+            "u": 0.3 * self.speed,
+            "v": 0.2 * self.speed,
+            "r": 0.3 * pace,
+            "p": 0.1 * pace,
+            "phi": 0.1,
+        }
+        for i, name in enumerate(states):
+            values = self.measured.get(name)
+            there = np.flatnonzero(np.isfinite(values)) if values is not None else np.array([])
+            if values is not None and len(there) and self.t[there[0]] - self.t[0] < 0.2 / pace:
+                y[i], spread[i] = (
+                    _begun(self.t, values, there, sensors[name]),
+                    9 * sensors[name] ** 2,
+                )
+            else:
+                y[i] = self.speed if name == "u" else 0.0
+                spread[i] = wide.get(name, 1.0) ** 2
+        if "u" not in self.measured and {"x", "y"} <= set(self.measured):
+            path = _pace_over_ground(self, 1.0 / pace)
+            if math.isfinite(path):
+                y[list(states).index("u")] = path
+        return y, spread
 
-    Parameters
-    ----------
-    records : sequence of FreeRecord
-        Each with the title of its tests.
-    """
-    titles = {record.campaign for record in records}
-    return titles.pop() if len(titles) == 1 else ""
+    def first_states(
+        self, begins: NDArray[np.int64], states: Sequence[str], default: Array, length: float
+    ) -> Array:
+        """States (w, s) at the first instants of windows: straight lines through what is measured.
+
+        begins (w + 1,): first instants, and the number of instants; default (s,): for what no
+        measurement tells; length: of the lines [s], three instants at least.
+        """
+        found = np.zeros((len(begins) - 1, len(states)))
+        for w, at in enumerate(begins[:-1].tolist()):
+            stop = int(np.searchsorted(self.t, self.t[at] + length))
+            rows = slice(at, max(stop, min(at + 3, len(self))))
+            lines = {
+                name: line
+                for name, x in self.measured.items()
+                if (line := _line(self.t[rows] - self.t[at], x[rows])) is not None
+            }
+            found[w] = _start(lines, states, default, self.current)
+        return found
+
+    @staticmethod
+    def title_of(records: Sequence[FreeRecord]) -> str:
+        """Title of the tests of records; empty where they are of several."""
+        titles = {record.campaign for record in records}
+        return titles.pop() if len(titles) == 1 else ""
 
 
 def sensors_of(records: Sequence[FreeRecord], given: Mapping[str, float]) -> dict[str, float]:
@@ -258,3 +321,51 @@ def rate_limited(t: Array, order: Array, rate: float) -> Array:
         at += min(max(wanted - at, -most), most)
         made[i] = at
     return made
+
+
+def _begun(t: Array, values: Array, there: NDArray[np.intp], std: float) -> float:
+    """The first measurement; if it is wild, what a line through the next ones says of it."""
+    v, after = values[there[:7]], t[there[:7]] - t[there[0]]
+    if len(v) < 4:
+        return float(v[0])
+    i, j = np.triu_indices(len(v), 1)
+    line = v - after * np.median((v[j] - v[i]) / (after[j] - after[i]))
+    level = float(np.median(line))
+    scatter = float(np.median(np.abs(line - level)))
+    return level if abs(v[0] - level) > 15.0 * std + 10.0 * scatter else float(v[0])
+
+
+def _pace_over_ground(record: FreeRecord, within: float) -> float:
+    """Speed over ground during the first seconds, by a straight line."""
+    at = record.t <= record.t[0] + within
+    x, y, t = record.measured["x"][at], record.measured["y"][at], record.t[at]
+    there = np.isfinite(x) & np.isfinite(y)
+    if there.sum() < 3:
+        return math.nan
+    slopes = np.polyfit(t[there] - t[0], np.stack([x[there], y[there]], axis=1), 1)[0]
+    return float(np.hypot(*slopes))
+
+
+def _line(t: Array, values: Array) -> Array | None:
+    """Slope and start of a straight line; None where nothing is measured."""
+    there = np.isfinite(values)
+    if there.sum() >= 2:
+        return np.polyfit(t[there], values[there], 1)
+    return np.array([0.0, values[there][0]]) if there.any() else None
+
+
+def _start(
+    lines: Mapping[str, Array], states: Sequence[str], default: Array, current: tuple[float, float]
+) -> Array:
+    """States from slopes and starts of the channels; velocities are through the water."""
+    found = default.copy()
+    place = {name: i for i, name in enumerate(states)}
+    for name, i in place.items():
+        if name in lines:
+            found[i] = lines[name][1]
+    if "psi" in lines and "r" not in lines:
+        found[place["r"]] = lines["psi"][0]
+    if {"x", "y", "psi"} <= set(lines) and "u" not in lines:
+        north, east = lines["x"][0] - current[0], lines["y"][0] - current[1]
+        found[place["u"]], found[place["v"]] = in_ship_axes(north, east, lines["psi"][1])
+    return found

@@ -9,8 +9,8 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from pmmkit.base import DataError, Progress, SimulationError
-from pmmkit.identification.binding import bound, driven
-from pmmkit.identification.filters import STEP, Filtered, kalman
+from pmmkit.identification.binding import Binding, driven
+from pmmkit.identification.filters import Filtered, kalman
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.trajectory import fit_trajectories
@@ -90,7 +90,7 @@ def _ways(
         prior=prior,
         changes=rough,
     )
-    own = bound(driven(model), prior.names, records[0].speed, extrapolate=extrapolate).mean
+    own = Binding.of(driven(model), prior.names, records[0].speed, extrapolate=extrapolate).mean
     about = {"the model's own values": own}
     try:
         fit = fit_trajectories(model, records, prior, sensors=sensors, extrapolate=extrapolate)
@@ -101,7 +101,7 @@ def _ways(
         near = replace(
             prior, mean=values, covariance=prior.covariance * (1.0 if method == "ekf" else CLOSE)
         )
-        for step in (STEP, STEP / 4):
+        for step in (Binding.STEP, Binding.STEP / 4):
             yield _Way(
                 words=f"from {words}, steps of {step:g} L/U",
                 records=mild,

@@ -13,9 +13,8 @@ import numpy as np
 from pmmkit.base import DataError, ModelError, Problem, Remedy, Way
 from pmmkit.conventions import Ship, parse_derivative
 from pmmkit.effects import HULL, INERTIA, AddedMass
-from pmmkit.identification.prediction import reference
 from pmmkit.identification.record import FreeRecord
-from pmmkit.identification.smoother import Smoothed, implied_forces
+from pmmkit.identification.smoother import Smoothed
 from pmmkit.models import Model, Part, Step, before_of
 from pmmkit.numerics import Array
 from pmmkit.simulation import packed, rigid_body, values_at, water_forces
@@ -108,7 +107,7 @@ which its heel cannot follow from the forces. State them: GM=… and Ixx=….
         raise DataError(
             "No record has a measured roll (the column phi of a run), which roll is taken from."
         )
-    smoothed = reference(made, seen, sensors=sensors, extrapolate=extrapolate)
+    smoothed = Smoothed.references(made, seen, sensors=sensors, extrapolate=extrapolate)
     histories = [_history(made, item, extrapolate) for item in smoothed]
     levers, rms = _fitted(made, histories)
     found = _rolling(made, levers)
@@ -162,7 +161,7 @@ class _History:
 def _history(model: Model, smoothed: Smoothed, extrapolate: bool) -> _History:
     """Roll moments along the motion of a record, righting, damping and inertia left out."""
     record, still = smoothed.record, np.zeros(len(smoothed.record))
-    motion = {**implied_forces(model, smoothed).motion, "pdot": still}
+    motion = {**smoothed.implied_forces(model).motion, "pdot": still}
     upright = {**motion, "phi": still, "p": still}
 
     def moment(levers: _Levers, along: Mapping[str, Array]) -> Array:

@@ -14,9 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError, Progress, SimulationError
-from pmmkit.campaigns import in_ship_axes
-from pmmkit.identification.binding import Binding, bound, driven
-from pmmkit.identification.filters import STEP, first_state
+from pmmkit.identification.binding import Binding, driven
 from pmmkit.identification.lack import LackOfFit, RecordPiece, lack_of
 from pmmkit.identification.passes import kind_of
 from pmmkit.identification.prior import Prior
@@ -26,66 +24,6 @@ from pmmkit.numerics import Array
 from pmmkit.simulation import ESTIMATING, compiled
 
 # Start values of the states of windows, from what is measured there and no model.
-
-
-def first_states(
-    record: FreeRecord,
-    begins: NDArray[np.int64],
-    states: Sequence[str],
-    default: Array,
-    length: float,
-) -> Array:
-    """States (w, s) at the first instants of windows: straight lines through what is measured.
-
-    Parameters
-    ----------
-    record : FreeRecord
-        Measurements.
-    begins : array (w + 1,) of int
-        First instants of the windows, and the number of instants.
-    states : sequence of str
-        Names of the states.
-    default : array (s,)
-        For what no measurement tells.
-    length : float
-        Of the lines [s]; three instants at least.
-    """
-    found = np.zeros((len(begins) - 1, len(states)))
-    for w, at in enumerate(begins[:-1].tolist()):
-        stop = int(np.searchsorted(record.t, record.t[at] + length))
-        rows = slice(at, max(stop, min(at + 3, len(record))))
-        lines = {
-            name: line
-            for name, x in record.measured.items()
-            if (line := _line(record.t[rows] - record.t[at], x[rows])) is not None
-        }
-        found[w] = _start(lines, states, default, record.current)
-    return found
-
-
-def _line(t: Array, values: Array) -> Array | None:
-    """Slope and start of a straight line; None where nothing is measured."""
-    there = np.isfinite(values)
-    if there.sum() >= 2:
-        return np.polyfit(t[there], values[there], 1)
-    return np.array([0.0, values[there][0]]) if there.any() else None
-
-
-def _start(
-    lines: Mapping[str, Array], states: Sequence[str], default: Array, current: tuple[float, float]
-) -> Array:
-    """States from slopes and starts of the channels; velocities are through the water."""
-    found = default.copy()
-    place = {name: i for i, name in enumerate(states)}
-    for name, i in place.items():
-        if name in lines:
-            found[i] = lines[name][1]
-    if "psi" in lines and "r" not in lines:
-        found[place["r"]] = lines["psi"][0]
-    if {"x", "y", "psi"} <= set(lines) and "u" not in lines:
-        north, east = lines["x"][0] - current[0], lines["y"][0] - current[1]
-        found[place["u"]], found[place["v"]] = in_ship_axes(north, east, lines["psi"][1])
-    return found
 
 
 WINDOW: Final = 8.0
@@ -310,7 +248,7 @@ def _problem(
 ) -> _Problem:
     ready = driven(model)
     speed, L = records[0].speed, ready.ship.L
-    binding = bound(
+    binding = Binding.of(
         ready, prior.names, speed, conditions=records[0].conditions, extrapolate=extrapolate
     )
     length = window or WINDOW * L / speed
@@ -343,7 +281,7 @@ def _problem(
         kinds=np.array([kind_of(name, states) for name in channels], np.int64),
         sensors=np.array([known[name] for name in channels]),
         channels=channels,
-        longest=STEP * L / speed,
+        longest=Binding.STEP * L / speed,
         steps=np.array([SMALL * sizes.get(name, 1.0) for name in states]),
         parameter_steps=1e-4 * prior.std,
         prior=prior,
@@ -356,13 +294,13 @@ def _first_states(
     """Start values of the states of every window: straight lines through what is measured."""
     states = problem.binding.structure.states
     known = sensors_of(records, sensors)
-    default = [first_state(record, states, known, L)[0] for record in records]
+    default = [record.first_state(states, known, L)[0] for record in records]
     found, begun = [], 0
     for number, record in enumerate(records):
         own = problem.begins[:-1][problem.owners == number] - begun
         begins = np.append(own, len(record))
         length = 0.5 * L / record.speed
-        found.append(first_states(record, begins, states, default[number], length))
+        found.append(record.first_states(begins, states, default[number], length))
         begun += len(record)
     return np.concatenate(found)
 

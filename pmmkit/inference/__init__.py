@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from pmmkit.inference.left_out import of_others
     from pmmkit.inference.linear_fit import RANK_TOLERANCE, LeastSquares, dependent
     from pmmkit.inference.normal import Normal, Taken, log_normal
-    from pmmkit.inference.propagation import COVERAGE, Propagated, Stencil, axes, root, std_along
-    from pmmkit.inference.random_effects import RunEffects, per_column
+    from pmmkit.inference.propagation import COVERAGE, Propagated, Stencil, root, std_along
+    from pmmkit.inference.random_effects import RunEffects
     from pmmkit.inference.restricted import Restricted
     from pmmkit.inference.sparse import (
         EffectiveSample,
@@ -45,11 +45,9 @@ __all__ = [
     "Stencil",
     "Taken",
     "ThresholdPath",
-    "axes",
     "dependent",
     "log_normal",
     "of_others",
-    "per_column",
     "root",
     "std_along",
 ]

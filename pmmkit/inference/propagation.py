@@ -133,21 +133,25 @@ class Propagated:
         return np.stack(rows) if rows else np.zeros((0, 0))
 
 
-def root(covariance: Array) -> Array:
+def root(covariance: Array, *, thin: bool = False) -> Array:
     """The root S of a covariance, S Sᵀ = C, by which errors are drawn and carried.
 
     Parameters
     ----------
     covariance : array (m, m)
         Of numbers that may differ by orders of magnitude; singular where errors are tied.
+    thin : bool
+        Whether as few errors are wanted as make the covariance.
 
     Returns
     -------
-    array (m, m)
+    array (m, m), or (m, r) of a thin one
         D √R with the standard deviations D and the principal root √R of the correlation. Unlike
         eigenvectors, which have any sign, and Cholesky factors, which ask for full rank, there is
         one whatever the processor: the same draws are the same everywhere. Of independent numbers
-        it is diagonal. What rounding leaves below no variance counts as none.
+        it is diagonal. What rounding leaves below no variance counts as none. A thin root has the
+        principal axes of the correlation, scaled; their number is the rank: those of which the
+        variance is rounding are left out.
 
     Examples
     --------
@@ -158,43 +162,17 @@ def root(covariance: Array) -> Array:
     array([[2.e+00, 0.e+00, 0.e+00],
            [0.e+00, 0.e+00, 0.e+00],
            [0.e+00, 0.e+00, 1.e-06]])
+    >>> [root(np.array(C), thin=True).shape[1] for C in ([[4.0, 2e-6], [2e-6, 1e-12]], np.eye(2))]
+    [1, 2]
     """
-    scale, sizes, vectors = _scaled(covariance)
-    found: Array = scale[:, None] * ((vectors * np.sqrt(sizes)) @ vectors.T)
-    return found
-
-
-def axes(covariance: Array) -> Array:
-    """As few independent errors as make a covariance: rows (r, m), each a standard deviation long.
-
-    Parameters
-    ----------
-    covariance : array (m, m)
-        As for `root`.
-
-    Returns
-    -------
-    array (r, m)
-        Principal axes of the correlation, scaled: ``axes(C).T @ axes(C)`` is C. Their number is the
-        rank: those of which the variance is rounding are left out.
-
-    Examples
-    --------
-    >>> len(axes(np.array([[4.0, 2e-6], [2e-6, 1e-12]]))), len(axes(np.diag([1e4, 1e-10])))
-    (1, 2)
-    """
-    scale, sizes, vectors = _scaled(covariance)
-    there = sizes > len(sizes) * np.finfo(float).eps * sizes.max(initial=0.0)
-    found: Array = (vectors[:, there] * np.sqrt(sizes[there])).T * scale
-    return found
-
-
-def _scaled(covariance: Array) -> tuple[Array, Array, Array]:
-    """Standard deviations, and eigenvalues and eigenvectors of the correlation."""
     scale = np.sqrt(np.diagonal(covariance))
     unit = np.where(scale > 0.0, scale, 1.0)
     sizes, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
-    return scale, np.maximum(sizes, 0.0), vectors
+    sizes = np.maximum(sizes, 0.0)
+    if thin:
+        there = sizes > len(sizes) * np.finfo(float).eps * sizes.max(initial=0.0)
+        return np.asarray(scale[:, None] * (vectors[:, there] * np.sqrt(sizes[there])))
+    return np.asarray(scale[:, None] * ((vectors * np.sqrt(sizes)) @ vectors.T))
 
 
 def std_along(jacobian: Array, covariance: Array) -> Array:

@@ -190,6 +190,28 @@ class RunEffects:
         found: Array = np.sqrt(self.weights[channel] @ self.nodes[channel] ** 2)
         return found
 
+    @staticmethod
+    def per_column(sizes: Array, rows: int) -> Array:
+        """Sizes of `KINDS` for the columns of what a run draws, which has one for each harmonic.
+
+        Parameters
+        ----------
+        sizes : array (…, 4)
+            Of the kinds.
+        rows : int
+            Columns of the last kind.
+
+        Returns
+        -------
+        array (…, 3 + rows)
+
+        Examples
+        --------
+        >>> RunEffects.per_column(np.array([1.0, 2.0, 3.0, 4.0]), 2)
+        array([1., 2., 3., 4., 4.])
+        """
+        return np.concatenate([sizes[..., :-1], np.repeat(sizes[..., -1:], rows, axis=-1)], axis=-1)
+
     def in_units(self, channel: str) -> dict[str, float]:
         """The sizes of which the runs say anything: offset and harmonics [N, N m], gain, drift
         [deg]."""
@@ -199,28 +221,6 @@ class RunEffects:
             for kind, size in zip(self.KINDS, self.sizes(channel), strict=True)
             if kind in self.informed[channel]
         }
-
-
-def per_column(sizes: Array, rows: int) -> Array:
-    """Sizes of `KINDS` for the columns of what a run draws, which has one for each harmonic.
-
-    Parameters
-    ----------
-    sizes : array (…, 4)
-        Of the kinds.
-    rows : int
-        Columns of the last kind.
-
-    Returns
-    -------
-    array (…, 3 + rows)
-
-    Examples
-    --------
-    >>> per_column(np.array([1.0, 2.0, 3.0, 4.0]), 2)
-    array([1., 2., 3., 4., 4.])
-    """
-    return np.concatenate([sizes[..., :-1], np.repeat(sizes[..., -1:], rows, axis=-1)], axis=-1)
 
 
 def _places(count: int) -> list[list[int]]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmmkit.campaigns import Campaign, TypeB, has_nominal, rig_of
 from pmmkit.conventions import CHANNEL_UNITS, Convention
-from pmmkit.inference import Restricted, RunEffects, per_column
+from pmmkit.inference import Restricted, RunEffects
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.reduction.estimate import BIRGE_P, ChannelFit, RunBlock, Width
 from pmmkit.reduction.observations.equations import Rows, Sensitivity, sensitivity
@@ -115,7 +115,9 @@ class RunDraws:
     def private(self, blocks: Sequence[RunBlock], sizes: Array) -> dict[int, Array]:
         """Columns of each run as `fit_channel` takes them."""
         return {
-            block.run: np.concatenate([stated, own * per_column(sizes, len(own))], axis=1)
+            block.run: np.concatenate(
+                [stated, own * RunEffects.per_column(sizes, len(own))], axis=1
+            )
             for block, stated, own in zip(blocks, self.stated, self.own, strict=True)
         }
 
@@ -237,7 +239,7 @@ def widened(
     chi-square distribution that has the mixture's mean and variance of the variance.
     """
     sizes = scatter.sizes(item.channel)
-    columns = tuple(own * per_column(sizes, len(own)) for own in drawn.own)
+    columns = tuple(own * RunEffects.per_column(sizes, len(own)) for own in drawn.own)
     nodes, weight = scatter.nodes[item.channel], scatter.weights[item.channel]
     change, variance = likelihood.estimates(nodes)
     there = item.fit.determined & np.all(variance > 0, axis=0)

@@ -77,10 +77,16 @@ class Growth:
 class Felt:
     """How much of the effect `shallow_water` the growth between two depths shows.
 
-    `ratio, deepest`: depths of the water over the draught. `share, half`: share of what the
-    formulas add (0 none, 1 as they say), and half of its 95 % interval, wider where the
-    derivatives do not agree on it. `left, without`: root mean square of what the growth departs
-    from the formulas with that share, and from none at all, in standard uncertainties.
+    Parameters
+    ----------
+    ratio, deepest : float
+        Depths of the water over the draught.
+    share, half : float
+        Share of what the formulas add (0 none, 1 as they say), and half of its 95 % interval, wider
+        where the derivatives do not agree on it.
+    left, without : float
+        Root mean square of what the growth departs from the formulas with that share, and from
+        none at all, in standard uncertainties.
     """
 
     ratio: float

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.inference import per_column
+from pmmkit.inference import RunEffects
 from pmmkit.intake import CheckFinding
 from pmmkit.numerics import Array
 from pmmkit.reduction.between_runs import BetweenRuns, RunDraws, drawn, size_of
@@ -202,7 +202,7 @@ def _allowed(
     noise = _as_sisters(item, number) * item.noise.covariances[number]
     known = item.blocks[number].design[:, item.chosen][:, prediction.there]
     base = noise + known @ prediction.covariance @ known.T + draw.stated[0] @ draw.stated[0].T
-    own = draw.own[0] * per_column(nodes, len(known))[:, None, :]
+    own = draw.own[0] * RunEffects.per_column(nodes, len(known))[:, None, :]
     return base + own @ np.swapaxes(own, 1, 2)
 
 

@@ -13,25 +13,16 @@ import numpy as np
 from pmmkit.base import DataError, PmmkitError, Progress
 from pmmkit.campaigns import Campaign, Run
 from pmmkit.identification import (
+    Binding,
     FreeRecord,
+    PredictedWindow,
+    Prediction,
+    RecordOffsets,
     Smoothed,
     Trial,
-    campaign_without,
-    current_of,
-    disagree,
-    driven,
     evaluate_trials,
     free_records,
-    implied_forces,
-    in_words,
-    mean_current,
-    offsets,
-    predict,
-    predicted_window,
-    prediction_std,
-    reference,
     sea_notes,
-    smooth,
 )
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Model
@@ -39,16 +30,7 @@ from pmmkit.numerics import Array, rms
 from pmmkit.presentation import WIDE, counted
 from pmmkit.reduction import idle
 from pmmkit.simulation import Manoeuvre as Orders
-from pmmkit.simulation import (
-    Track,
-    executed_at,
-    feels_depth,
-    packed,
-    simulate,
-    steering,
-    values_at,
-    water_forces,
-)
+from pmmkit.simulation import Track, executed_at, feels_depth, simulate, steering, water_forces
 from pmmkit.validation.manoeuvre import ManoeuvreComparison
 from pmmkit.validation.prediction import at_the_scale_of
 from pmmkit.validation.statistics import ChannelError
@@ -183,8 +165,8 @@ def compare_free(
     """
     made, notes = as_tested(model, campaign)
     notes += idle(campaign.uncertainty, ())
-    known = offsets(made, campaign.title)
-    campaign = campaign_without(campaign, known)
+    known = RecordOffsets.of(made, campaign.title)
+    campaign = known.taken_off(campaign)
     runs: list[FreeRun] = []
     manoeuvres: list[ManoeuvreComparison] = []
     reasons: list[str] = []
@@ -197,15 +179,15 @@ def compare_free(
         held = run.with_(loader=lambda data=data: data)
         try:
             found = [
-                record.with_(current=current_of(known))
+                record.with_(current=known.current)
                 for record in free_records(
                     held, made, depth=campaign.depth_of(run), campaign=campaign.title
                 )
             ]
-            records = reference(made, found, extrapolate=extrapolate)
+            records = Smoothed.references(made, found, extrapolate=extrapolate)
             runs += [_compared(made, held, item, window, extrapolate) for item in records]
             used += found
-            apart += [item.name for item in records if disagree(item)]
+            apart += [item.name for item in records if item.disagrees]
         except PmmkitError as error:
             reasons.append(f"{run.id} is left out: {error}")
             continue
@@ -223,11 +205,11 @@ def compare_free(
             "are not where heading and velocities lead. Each channel is compared with its own "
             "sensor."
         )
-    if known:
-        notes.append(f"The records are taken as the model's steps say: {in_words(known)}.")
+    if known.values:
+        notes.append(f"The records are taken as the model's steps say: {known.words}.")
     if "rate_deg_s" not in campaign.rudder:
         notes += _steering_gear(made, manoeuvres)
-    if not any(current_of(known)):
+    if not any(known.current):
         notes += _drifting(manoeuvres)
     return tuple(runs), tuple(manoeuvres), (*notes, *reasons)
 
@@ -247,12 +229,9 @@ def _steering_gear(model: Model, manoeuvres: Sequence[ManoeuvreComparison]) -> l
 
 def _drifting(manoeuvres: Sequence[ManoeuvreComparison]) -> list[str]:
     """What turning circles tell of a current that the tracks are not sailed in."""
-    own = {
-        item.run.id: item.trial.current
-        for item in manoeuvres
-        if item.trial.current is not None and abs(item.trial.turned_deg) >= 360.0
-    }
-    found = mean_current(own)
+    found = Trial.mean_current(
+        item.trial for item in manoeuvres if abs(item.trial.turned_deg) >= 360.0
+    )
     if found is None or found.speed < DRIFTS * found.speed_std:
         return []
     return [
@@ -298,7 +277,7 @@ def _compared(
 ) -> FreeRun:
     record = smoothed.record
     length = window or WINDOW * model.ship.L / record.speed
-    whole = predicted_window(
+    whole = PredictedWindow.of(
         {"model": model},
         [smoothed],
         window=float(record.t[-1] - record.t[0]),
@@ -306,14 +285,14 @@ def _compared(
     )
     errors: Mapping[str, float] = {}
     if record.t[-1] - record.t[0] >= length:
-        errors = predict(model, [smoothed], window=length, extrapolate=extrapolate).errors[
+        errors = Prediction.of(model, [smoothed], window=length, extrapolate=extrapolate).errors[
             record.name
         ]
-    implied = implied_forces(model, smooth(model, record, extrapolate=extrapolate))
-    ready = driven(model)
-    numbers = values_at(ready, record.speed, extrapolate=extrapolate)
-    structure, k = packed(ready, numbers, record.speed, record.conditions, heeled=True)
-    said = water_forces(structure, k, implied.motion)
+    implied = Smoothed.of(model, record, extrapolate=extrapolate).implied_forces(model)
+    held = Binding.of(
+        model, (), record.speed, conditions=record.conditions, extrapolate=extrapolate
+    )
+    said = water_forces(held.structure, held.base.tolist(), implied.motion)
     names = tuple(whole.measured)
     return FreeRun(
         run=run,
@@ -324,7 +303,7 @@ def _compared(
         measured=whole.measured,
         predicted=whole.predicted["model"],
         predicted_std=MappingProxyType(
-            prediction_std(model, smoothed, np.arange(len(whole.t)), extrapolate=extrapolate)
+            Prediction.std(model, smoothed, np.arange(len(whole.t)), extrapolate=extrapolate)
         ),
         std=MappingProxyType({name: smoothed.motion_std[name] for name in names}),
         force=implied.forces,
@@ -336,11 +315,11 @@ def _compared(
 
 
 def _sailed(
-    model: Model, run: Run, campaign: Campaign, known: Mapping[str, float], extrapolate: bool
+    model: Model, run: Run, campaign: Campaign, known: RecordOffsets, extrapolate: bool
 ) -> ManoeuvreComparison:
     """A manoeuvre measured, and simulated with the ship's own steering and revolutions held."""
     settings = run.settings
-    flow = current_of(known)
+    flow = known.current
     (trial,) = evaluate_trials(campaign, runs=[run.id], current=flow if any(flow) else None)
     asked: dict[str, Any] = {}
     if run.kind_of_test.turns_rudder:

@@ -25,7 +25,7 @@ import numpy as np
 import pmmkit as pk
 from pmmkit.diagnosis import Diagnosis
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.identification import FreeRecord, smooth
+from pmmkit.identification import FreeRecord, Smoothed
 from pmmkit.models import Model
 from pmmkit.plotting import style
 from pmmkit.presentation import WIDE, plus_minus
@@ -90,7 +90,7 @@ def leftovers(model: Model, all_: Sequence[FreeRecord]) -> None:
     record by a straight line through the others, none if below zero."""
     rows = []
     for record in all_:
-        found = smooth(model, thinned(record), sensors=SENSORS)
+        found = Smoothed.of(model, thinned(record), sensors=SENSORS)
         k, r = found.motion, found.record
         assert r.wind_speed is not None
         assert r.wind_direction is not None

@@ -19,7 +19,7 @@ import numpy as np
 
 from pmmkit.diagnosis.free_running.base import movable
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.identification import places, prior_of
+from pmmkit.identification import Prior, places
 from pmmkit.identification.binding import with_parameters
 from pmmkit.models import Model
 from tests.support.zigzags import SENSORS, SHIP, SPEED, sailed
@@ -39,7 +39,7 @@ HIDDEN = {
 
 def known_to(share: float, seed: int) -> Model:
     """The ship as somebody knows it: every value off by a share."""
-    prior = prior_of(SHIP, movable(SHIP), SPEED, spread=share)
+    prior = Prior.of(SHIP, movable(SHIP), SPEED, spread=share)
     drawn = np.random.default_rng(seed + 77).normal(size=len(prior.names))
     return with_parameters(SHIP, places(SHIP, prior.names), prior.mean + prior.std * drawn)
 

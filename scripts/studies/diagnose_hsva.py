@@ -24,7 +24,7 @@ import numpy as np
 import pmmkit as pk
 from pmmkit.campaigns import Run
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.identification import free_records, predict, reference
+from pmmkit.identification import Prediction, Smoothed, free_records
 from pmmkit.models import Model
 from pmmkit.plotting import style
 from pmmkit.simulation import RTOL, manoeuvre_of, prepare
@@ -141,7 +141,7 @@ def main() -> None:
     amidships = with_amidships(captive, options.data)
     own = amidships.parts["hull_polynomial"].values
     prime = captive.ship.d / captive.ship.L
-    row = predict(amidships, reference(captive, test), window=WINDOW).pooled()
+    row = Prediction.of(amidships, Smoothed.references(captive, test), window=WINDOW).pooled()
     print(
         f"\ncaptive tests with their own run at rudder amidships, over ½ρL²U² Y0 "
         f"{prime * own['Y0']:.2g}, N0 {prime * own['N0']:.2g}, nothing fitted to the zigzags:"

@@ -21,15 +21,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 import pmmkit as pk
-from pmmkit.identification import (
-    FreeRecord,
-    Smoothed,
-    free_records,
-    identify,
-    predict,
-    prior_of,
-    reference,
-)
+from pmmkit.identification import FreeRecord, Prediction, Prior, Smoothed, free_records, identify
 from pmmkit.identification.filters import kalman
 from pmmkit.identification.methods import UNSEEN
 from pmmkit.models import Model, Part
@@ -76,7 +68,7 @@ def records(data: Path, model: Model) -> dict[str, tuple[FreeRecord, ...]]:
 
 
 def row(name: str, model: Model, references: list[Smoothed]) -> str:
-    found = predict(model, references, window=WINDOW).pooled()
+    found = Prediction.of(model, references, window=WINDOW).pooled()
     return (
         f"{name:24} {found['position']:9.2f} {found['position_end']:9.2f} {found['heading']:9.1f} "
         f"{found['speed']:9.3f} {found['yaw_rate']:9.2f}"
@@ -98,7 +90,7 @@ def main() -> None:
     test = [
         x for name, all_ in found.items() if name[0] == "t" or name.endswith("_6") for x in all_
     ]
-    still = list(reference(calm, [x.calm() for x in test], sensors=SENSORS))
+    still = list(Smoothed.references(calm, [x.calm() for x in test], sensors=SENSORS))
     blown = [replace(item, record=x) for item, x in zip(still, test, strict=True)]
     print(
         f"Identified from {sum(map(len, train))} instants of {len(train)} segments, judged on "
@@ -135,7 +127,7 @@ def each(model: Model, found: dict[str, tuple[FreeRecord, ...]]) -> None:
     for run, pieces in found.items():
         if not pieces:
             continue
-        prior = prior_of(model, names, pieces[0].speed, spread=SPREAD)
+        prior = Prior.of(model, names, pieces[0].speed, spread=SPREAD)
         result = kalman(model, pieces, prior, sensors=SENSORS)
         shares = result.std / prior.std
         print(

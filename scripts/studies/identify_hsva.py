@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.identification import free_records, identify, predict, reference
+from pmmkit.identification import Prediction, Smoothed, free_records, identify
 from pmmkit.models import Model
 from scripts.studies.kvlcc2_hsva import ROOT, Case, as_at_hsva, captive_model, compare
 
@@ -60,7 +60,7 @@ def main() -> None:
     print("used:   ", ", ".join(run.id for run in used))
     print("judged: ", ", ".join(run.id for run in kept))
     train = [x for run in used for x in free_records(run, captive)]
-    test = reference(captive, [x for run in kept for x in free_records(run, captive)])
+    test = Smoothed.references(captive, [x for run in kept for x in free_records(run, captive)])
     head = f"{'':32} overshoots rms [deg]      windows of {WINDOW:g} s, rms"
     print(
         f"\n{head}\n{'':32} {'1st':>6} {'2nd':>6} {'3rd':>6}   {'heading':>8} {'position':>9} "
@@ -69,7 +69,7 @@ def main() -> None:
 
     def told(name: str, model: Model, after: str = "") -> None:
         errors = overshoot_errors([compare(run, model) for run in kept])
-        found = predict(model, test, window=WINDOW).pooled()
+        found = Prediction.of(model, test, window=WINDOW).pooled()
         print(
             f"{name:32} {errors[0]:6.2f} {errors[1]:6.2f} {errors[2]:6.2f}   "
             f"{found['heading']:7.1f}° {found['position']:8.2f}m {found['yaw_rate']:7.2f}°/s{after}"

@@ -21,7 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.identification import FreeRecord, identify, prior_of
+from pmmkit.identification import FreeRecord, Prior, identify
 from pmmkit.models import Model
 from scripts.studies.bulk_carrier import NAME, TRIAL
 from scripts.studies.workers import add_workers, crew, in_order
@@ -85,7 +85,7 @@ def replicate(asked: tuple[str, str, int]) -> dict[str, object]:
     name, method, seed = asked
     rng = np.random.default_rng([seed, len(name)])
     truth, speed = ship_of(name)
-    prior = prior_of(truth, NAMES[name], speed, spread=SPREAD)
+    prior = Prior.of(truth, NAMES[name], speed, spread=SPREAD)
     true = prior.mean
     prior = replace(prior, mean=true + prior.std * rng.normal(size=len(true)))
     records = [record(truth, speed, number, rng) for number in range(len(MANOEUVRES))]

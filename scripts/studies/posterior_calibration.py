@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from pmmkit.identification import FreeRecord, identify, prior_of
+from pmmkit.identification import FreeRecord, Prior, identify
 from pmmkit.identification.posterior.density import DEGREES, ROUGHNESS
 from pmmkit.models import load_model
 from scripts.studies.workers import add_workers, as_done, crew
@@ -68,7 +68,7 @@ class Varied(Tanker):
 def truth_of(seed: int) -> dict[str, Any]:
     """What is drawn from the priors: values, process noise, factor of the sensors."""
     rng = np.random.default_rng([seed, 101])
-    prior = prior_of(load_model(SHIP), NAMES, SPEED, spread=SPREAD)
+    prior = Prior.of(load_model(SHIP), NAMES, SPEED, spread=SPREAD)
     return {
         "values": prior.mean + prior.std * rng.standard_normal(len(NAMES)),
         "process_noise": float(rng.exponential(ROUGHNESS)),
@@ -79,7 +79,7 @@ def truth_of(seed: int) -> dict[str, Any]:
 def sailed(seed: int, truth: dict[str, Any]) -> list[FreeRecord]:
     """The records of a replicate: steps of Runge and Kutta, a kick of white noise after each."""
     rng = np.random.default_rng([seed, 102])
-    more = truth["values"] - prior_of(load_model(SHIP), NAMES, SPEED).mean
+    more = truth["values"] - Prior.of(load_model(SHIP), NAMES, SPEED).mean
     runs, L = len(RUDDERS), BODY.L
     ship = Varied(NOTHING, more=np.repeat(more[:, None], runs, axis=1))
     n = ship.revolutions(np.full(runs, SPEED))
@@ -141,7 +141,7 @@ def replicate(seed: int) -> dict[str, Any]:
     truth = truth_of(seed)
     records = sailed(seed, truth)
     model = load_model(SHIP)
-    prior = prior_of(model, NAMES, SPEED, spread=SPREAD)
+    prior = Prior.of(model, NAMES, SPEED, spread=SPREAD)
     found: dict[str, Any] = {"seed": seed, "z": {}, "std": {}}
     for method in METHODS:
         settings = {"seed": seed} if method == "posterior" else {}

@@ -24,7 +24,7 @@ import numpy as np
 
 import pmmkit as pk
 from pmmkit.diagnosis import Together, joint_diagnosis
-from pmmkit.identification import free_records, predict, reference
+from pmmkit.identification import Prediction, Smoothed, free_records
 from pmmkit.models import Model
 from pmmkit.reduction import Parts
 from scripts.studies.diagnose_hsva import WINDOW, as_executed, rms
@@ -128,10 +128,10 @@ def main() -> None:
     models |= {"HSVA's zigzags, effects that they name alone": alone} if alone else {}
     models |= {"both": found.model} if found.model else {}
     models |= {"a third laboratory": found.others[0].model}
-    test = reference(captive, [x for run in kept for x in free_records(run, captive)])
+    test = Smoothed.references(captive, [x for run in kept for x in free_records(run, captive)])
     print(f"held out, windows of {WINDOW:g} s; overshoots nominal and as executed, rms [deg]")
     for name, model in models.items():
-        row = predict(model, test, window=WINDOW).pooled()
+        row = Prediction.of(model, test, window=WINDOW).pooled()
         plain = overshoot_errors([compare(run, model) for run in kept])
         exact = rms([as_executed(run, model) for run in kept])
         print(

@@ -26,7 +26,7 @@ from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
 from pmmkit.effects import OUTSIDE
-from pmmkit.identification import FreeRecord, Prior, identify, places, prior_of
+from pmmkit.identification import FreeRecord, Prior, identify, places
 from pmmkit.identification.binding import with_parameters
 from pmmkit.identification.from_run import measured_roll
 from pmmkit.models import Model, Part
@@ -185,7 +185,7 @@ def play(name: str, seed: int) -> tuple[dict[str, float], dict[str, float], list
     """Coverage before and after the loop, and what was named."""
     case = case_of(name)
     records = [record(case, number, seed) for number in range(len(case.runs))]
-    prior = prior_of(case.model, case.names, case.runs[0][1], spread=SPREAD)
+    prior = Prior.of(case.model, case.names, case.runs[0][1], spread=SPREAD)
     true = prior.mean
     off = np.random.default_rng(seed + 100).normal(size=len(true))
     prior = replace(prior, mean=true + prior.std * off)

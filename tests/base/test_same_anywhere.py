@@ -15,7 +15,7 @@ from pmmkit.cli import main
 from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.effects import CATALOGUE
-from pmmkit.identification import prior_of
+from pmmkit.identification import Prior
 from pmmkit.intake import examine
 from pmmkit.reduction import View
 from pmmkit.simulation import sensitivities, sobol
@@ -106,7 +106,7 @@ def test_a_diagnosis_of_records(threads):
         diagnose_free(
             SHIP,
             records,
-            prior=prior_of(SHIP, KNOWN, SPEED, spread=0.02),
+            prior=Prior.of(SHIP, KNOWN, SPEED, spread=0.02),
             candidates=[x for x in candidates_for(SHIP, records) if x.name in few],
             sensors=SENSORS,
             most=1,

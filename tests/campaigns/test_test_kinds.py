@@ -31,7 +31,7 @@ from pmmkit.campaigns.test_kinds.kind import SURGE
 from pmmkit.campaigns.test_kinds.oscillating import SWAY_YAW
 from pmmkit.campaigns.test_kinds.steady import STRAIGHT
 from pmmkit.conventions import Ship, Water
-from pmmkit.diagnosis import limits_of, read_plan_file
+from pmmkit.diagnosis import Limits, read_plan_file
 from pmmkit.diagnosis.planning.options import options_of
 from pmmkit.intake.drafts.names import facts_of
 from pmmkit.intake.drafts.settle import asked_of
@@ -225,7 +225,7 @@ def test_a_kind_of_another_package_is_reduced_compared_and_planned(folder, insta
     errors = [row for row in compared.rows() if row["test"] == "double_sway"]
     assert {row["run"] for row in errors} == {x.id for x in campaign if x.test == "double_sway"}
     assert all(row["relative"] < 0.1 for row in errors if row["channel"] != "X")
-    limits = limits_of(campaign).with_(tests=("double_sway",), speeds=(1.5,), frequencies=(1.5,))
+    limits = Limits.of(campaign).with_(tests=("double_sway",), speeds=(1.5,), frequencies=(1.5,))
     options = options_of(limits, campaign.ship, campaign.water)
     assert len(options) == 4
     assert all(option.id.startswith("DS_1.5_b") for option in options)

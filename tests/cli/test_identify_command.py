@@ -16,8 +16,10 @@ from pmmkit import FreeRecord, compare_methods
 from pmmkit.base import DataError, UnknownNameError
 from pmmkit.cli import main
 from pmmkit.conventions import Convention
-from pmmkit.identification import SECONDS, known_before, parameters_of, predicted_window, reference
+from pmmkit.identification import PredictedWindow, Smoothed, known_before
 from pmmkit.identification.figures import parameters
+from pmmkit.identification.known import parameters_of
+from pmmkit.identification.methods import SECONDS
 from pmmkit.identification.posterior.tree import read_posterior
 from pmmkit.inference import Consistency, Innovations
 from pmmkit.inference.innovations import autocorrelation
@@ -124,7 +126,7 @@ def records():
 @pytest.fixture(scope="module")
 def compared(records):
     model = pk.load_model(SHIP).with_values("hull_polynomial", **START)
-    references = reference(model, records[3:], sensors=NOISE)
+    references = Smoothed.references(model, records[3:], sensors=NOISE)
     names = [*NAMES, "rudder_mmg.aH"]
     return compare_methods(
         model, records[:3], names, references=references, spread=0.2, sensors=NOISE
@@ -505,7 +507,7 @@ def test_figures_show_the_numbers_and_give_no_warning(compared, records, tmp_pat
             "parameters": parameters(items, items[0].model.convention),
             "history": drawings.parameter_histories(filtered, records[:3]),
             "innovations": drawings.innovation_figure(filtered, records[:3], "ZZ20"),
-            "window": drawings.window_figure(predicted_window(models, references, window=50)),
+            "window": drawings.window_figure(PredictedWindow.of(models, references, window=50)),
         }
         for name, figure in figures.items():
             assert save(figure, tmp_path / f"{name}.png").stat().st_size > 10_000
@@ -532,7 +534,7 @@ def test_figures_say_what_is_not_there(compared, records):
     with pytest.raises(UnknownNameError, match="there are ZZ10"):
         drawings.innovation_figure(filtered, records[:3], "spiral")
     with pytest.raises(DataError, match="as long as a window"):
-        predicted_window({"a": compared[0].model}, compared[1], window=1e4)
+        PredictedWindow.of({"a": compared[0].model}, compared[1], window=1e4)
 
 
 def of(residuals, gate=math.inf):

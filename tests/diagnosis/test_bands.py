@@ -7,7 +7,7 @@ import pytest
 
 from pmmkit.diagnosis.free_running.left_out import band, left_out_windows
 from pmmkit.diagnosis.free_running.system import free_system
-from pmmkit.identification import prior_of
+from pmmkit.identification import Prior
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
 
 NAMES = ("asymmetry",)
@@ -16,7 +16,7 @@ NAMES = ("asymmetry",)
 @pytest.fixture(scope="module")
 def fit():
     """The truth fitted to zigzags whose values are known to 5 %."""
-    prior = prior_of(SHIP, KNOWN, SPEED, spread=0.05)
+    prior = Prior.of(SHIP, KNOWN, SPEED, spread=0.05)
     records = sailed(ASYMMETRY, 5)
     return free_system(SHIP, records, prior=prior, candidates=NAMES, sensors=SENSORS).fit(NAMES)
 
@@ -49,7 +49,7 @@ def test_a_band_without_the_effect_is_wider(fit):
     base = free_system(
         SHIP,
         sailed(ASYMMETRY, 5),
-        prior=prior_of(SHIP, KNOWN, SPEED, spread=0.05),
+        prior=Prior.of(SHIP, KNOWN, SPEED, spread=0.05),
         candidates=NAMES,
         sensors=SENSORS,
     ).fit(())

@@ -21,7 +21,7 @@ from pmmkit.diagnosis.free_running.information import Forces, WindowInformation
 from pmmkit.diagnosis.free_running.question import PACE, paced, question_of
 from pmmkit.diagnosis.free_running.slopes import sheets_of
 from pmmkit.effects import OUTSIDE
-from pmmkit.identification import prior_of
+from pmmkit.identification import Prior
 from pmmkit.models import model_text
 from tests.support.zigzags import ASYMMETRY, KNOWN, RUNS, SENSORS, SHIP, SPEED, sailed
 
@@ -39,7 +39,7 @@ def asked(
     **settings,
 ):
     """The diagnosis of a ship whose captive tests are off by 2 % in every value."""
-    prior = prior_of(SHIP, KNOWN, SPEED, spread=0.02)
+    prior = Prior.of(SHIP, KNOWN, SPEED, spread=0.02)
     values = prior.mean + prior.std * np.random.default_rng(1000 + seed).normal(size=len(KNOWN))
     hull = dict(zip(KNOWN[:-1], values[:-1].tolist(), strict=True))
     known = SHIP.with_values("hull_polynomial", **hull)
@@ -48,7 +48,7 @@ def asked(
     return diagnose_free(
         known,
         records,
-        prior=prior_of(known, KNOWN, SPEED, spread=0.02),
+        prior=Prior.of(known, KNOWN, SPEED, spread=0.02),
         candidates=some,
         sensors=SENSORS,
         most=1,
@@ -138,7 +138,7 @@ def test_what_no_candidate_explains_is_not_named():
 
 
 def asked_of(records, names=KNOWN, **settings):
-    base = stated_base(prior_of(SHIP, names, SPEED, spread=0.02))
+    base = stated_base(Prior.of(SHIP, names, SPEED, spread=0.02))
     how = {"floor": 0.001, "window": None, "sensors": SENSORS, "extrapolate": False}
     return question_of(SHIP, records, (), base, tell=lambda _: None, **how | settings)
 
@@ -270,7 +270,7 @@ def test_candidates_have_a_place_in_the_model():
             assert all(size != 0.0 for size in item.typical.values())
             base = [x for x in item.values if x not in OUTSIDE]
             if base:
-                prior_of(item.added_to(model), base, model.ship.speed(0.14, 9.81), spread=0.1)
+                Prior.of(item.added_to(model), base, model.ship.speed(0.14, 9.81), spread=0.1)
 
 
 @pytest.mark.slow
@@ -280,7 +280,7 @@ def test_one_record_is_not_enough():
         diagnose_free(
             SHIP,
             records,
-            prior=prior_of(SHIP, KNOWN, SPEED, spread=0.02),
+            prior=Prior.of(SHIP, KNOWN, SPEED, spread=0.02),
             candidates=[],
             sensors=SENSORS,
         )
@@ -324,7 +324,7 @@ def test_an_independent_ship(shared_data, hidden):
     found = diagnose_free(
         model,
         records,
-        prior=prior_of(model, names, 6.0, spread=0.03),
+        prior=Prior.of(model, names, 6.0, spread=0.03),
         sensors=FAST,
         most=1,
         candidates=[x for x in candidates_for(model, records) if x.name in few],

@@ -9,7 +9,7 @@ from pmmkit import FreeRecord
 from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.free_running.candidates import candidates_for, excited
 from pmmkit.effects import CATALOGUE, HULL, INERTIA
-from pmmkit.identification import bound
+from pmmkit.identification import Binding
 from pmmkit.models import load_model
 
 UPRIGHT = load_model("s175-3dof")
@@ -45,7 +45,7 @@ def test_heel_coupling_has_a_place_in_a_model_that_does_not_roll():
     made = heel.added_to(UPRIGHT)
     values = {**made.values(HULL), **made.values(INERTIA)}
     assert {name: values[name] for name in heel.values} == dict.fromkeys(heel.values, 0.0)
-    binding = bound(made, heel.values, 9.0)
+    binding = Binding.of(made, heel.values, 9.0)
     assert np.all(np.diff(binding.starts) == 1)
     assert not binding.structure.rolls
 

@@ -15,12 +15,12 @@ from pmmkit import FreeRecord, Limits, next_runs
 from pmmkit.base import DataError, UnknownNameError
 from pmmkit.campaigns.file.schema import RunEntry
 from pmmkit.cli import main
-from pmmkit.diagnosis import entries_text, limits_of_records
 from pmmkit.diagnosis.free_running.system import free_system
 from pmmkit.diagnosis.planning.free_offer import free_offer
 from pmmkit.diagnosis.planning.free_options import COURSES, free_options
 from pmmkit.diagnosis.planning.manoeuvres import captive_tests
 from pmmkit.diagnosis.planning.options import options_of
+from pmmkit.diagnosis.planning.plan_file import entries_text
 from pmmkit.diagnosis.planning.planned_records import planned_record, sea_of
 from pmmkit.diagnosis.planning.separation import Likely, expected_odds
 from pmmkit.models import load_model
@@ -217,13 +217,13 @@ def test_options_go_to_both_sides_within_the_rudder_and_are_entries_of_a_campaig
 
 def test_speeds_are_those_of_the_records(records):
     model = load_model("kvlcc2-l7")
-    assert limits_of_records(model, records).speeds == tuple(sorted({x.speed for x in records}))
+    assert Limits.of_records(model, records).speeds == tuple(sorted({x.speed for x in records}))
     one = [x.with_(speed=1.2) for x in records]
-    assert limits_of_records(model, one).speeds == (0.8, 1.2)
+    assert Limits.of_records(model, one).speeds == (0.8, 1.2)
     drifting = [*one, one[0].with_(speed=0.05)]
-    assert limits_of_records(model, drifting).speeds == (0.8, 1.2)
+    assert Limits.of_records(model, drifting).speeds == (0.8, 1.2)
     many = [records[0].with_(speed=x) for x in (0.8, 0.9, 1.0, 1.1, 1.2)]
-    assert limits_of_records(model, many).speeds == (0.8, 1.0, 1.2)
+    assert Limits.of_records(model, many).speeds == (0.8, 1.0, 1.2)
 
 
 # Where the records leave nothing to tell apart, or no manoeuvre does

@@ -19,7 +19,7 @@ from pmmkit.campaigns import Settings
 from pmmkit.campaigns.file.schema import RunEntry
 from pmmkit.cli import main
 from pmmkit.conventions import Convention
-from pmmkit.diagnosis import entries_text, limits_of, read_plan_file
+from pmmkit.diagnosis import read_plan_file
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.conditioning import condition_on
@@ -29,6 +29,7 @@ from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.planning.ground import ground_of
 from pmmkit.diagnosis.planning.information import known, rows_of
 from pmmkit.diagnosis.planning.options import USUAL, options_of, timed
+from pmmkit.diagnosis.planning.plan_file import entries_text
 from pmmkit.diagnosis.planning.planned import (
     PlannedPiece,
     measured_noise,
@@ -346,7 +347,7 @@ def test_a_plan_keeps_to_its_hours_and_begins_with_what_is_made():
 
 
 def test_limits_come_from_what_the_campaign_has_done():
-    limits = limits_of(hidden_campaign("small"))
+    limits = Limits.of(hidden_campaign("small"))
     assert limits.speeds == (1.0, 1.5, 2.0)
     assert math.degrees(limits.rudder) == pytest.approx(20.0)
     assert limits.heel == 0.0
@@ -355,7 +356,7 @@ def test_limits_come_from_what_the_campaign_has_done():
         run.with_(settings=replace(run.settings, speed=1.0 + 0.1 * i))
         for i, run in enumerate(campaign.runs)
     ]
-    many = limits_of(campaign.with_(runs=tuple(runs)))
+    many = Limits.of(campaign.with_(runs=tuple(runs)))
     assert many.speeds == (1.0, 1.3, 1.6, 1.9, 2.2)
     assert limits.yaw == pytest.approx(0.25)
     for option in options_of(limits, SHIP, WATER):

@@ -13,7 +13,7 @@ from pmmkit.diagnosis import undone
 from pmmkit.diagnosis.findings import Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.identification import prior_of
+from pmmkit.identification import Prior
 from pmmkit.models import Model, load_model, model_text, save_model
 from tests.support.zigzags import SENSORS, SHIP, SPEED, sailed
 
@@ -167,7 +167,7 @@ def test_a_stalled_rudder_is_named_and_its_values_found():
         if item.name in ("rudder_stall", "rudder_hull_interaction", "asymmetry")
     ]
     known = ("Yv", "Nv", "Nr", "rudder_mmg.epsilon")
-    prior = prior_of(SHIP, known, SPEED, spread=0.02)
+    prior = Prior.of(SHIP, known, SPEED, spread=0.02)
     found = diagnose_free(SHIP, records, prior=prior, candidates=some, sensors=SENSORS, most=1)
     assert found.group == ((("rudder_stall",), 1.0),)
     (finding,) = found.findings
@@ -188,7 +188,7 @@ def test_an_effect_whose_values_no_model_can_have_is_not_dropped_in_silence():
         begins={**item.begins, "rudder_mmg.stall_deg": 18.0},
     )
     records = sailed(stalling(SHIP, "linear", BEGIN, -0.9), 3, runs=((20.0, 20.0), (-20.0, 10.0)))
-    prior = prior_of(SHIP, ("Yv", "Nv", "Nr"), SPEED, spread=0.02)
+    prior = Prior.of(SHIP, ("Yv", "Nv", "Nr"), SPEED, spread=0.02)
     found = diagnose_free(SHIP, records, prior=prior, candidates=[one], sensors=SENSORS, most=1)
     assert found.group == ()
     (said,) = (note for note in found.notes if note.startswith("rudder_stall"))

@@ -11,16 +11,17 @@ from pages import answers_in, texts_in
 
 import pmmkit as pk
 from pmmkit.base import DataError, ModelError, UnknownNameError
-from pmmkit.diagnosis import before_and_after, undone
+from pmmkit.diagnosis import undone
 from pmmkit.diagnosis.captive.candidate import polynomial
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.fits import at_place, having
-from pmmkit.identification import prior_of
+from pmmkit.diagnosis.record_figures import before_and_after
+from pmmkit.identification import Prior
 from pmmkit.views import fall_page, write_free_diagnosis
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
 
 FEW = ("asymmetry", "fault_rudder_zero", "modulus_yaw_drag")
-HOW = {"prior": prior_of(SHIP, KNOWN, SPEED, spread=0.02), "sensors": SENSORS, "most": 1}
+HOW = {"prior": Prior.of(SHIP, KNOWN, SPEED, spread=0.02), "sensors": SENSORS, "most": 1}
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from pmmkit import FreeRecord
 from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.question import records_of
-from pmmkit.identification import predict, reference
+from pmmkit.identification import Prediction, Smoothed
 from pmmkit.models import Model
 from tests.support.free_tank.campaigns import Setup, write
 from tests.support.recorded import recorded
@@ -61,7 +61,9 @@ def test_it_is_asked_where_a_depth_is_stated_that_matters():
 def test_a_model_that_feels_the_bottom_sails_records_at_their_depth():
     def error(depth: float | None) -> float:
         records = sailed(TANKER, DEPTH, stated=depth)
-        found = predict(TANKER, reference(TANKER, records, sensors=SENSORS), window=150.0)
+        found = Prediction.of(
+            TANKER, Smoothed.references(TANKER, records, sensors=SENSORS), window=150.0
+        )
         return found.pooled()["heading"]
 
     assert error(DEPTH) < 0.25 * error(None)

@@ -18,7 +18,8 @@ from pmmkit.diagnosis.free_running.base import movable
 from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.question import records_of
-from pmmkit.identification import bound, driven
+from pmmkit.identification import Binding
+from pmmkit.identification.binding import driven
 from pmmkit.models import Model, Part
 from pmmkit.seakeeping import frequencies
 from pmmkit.seakeeping.second_order.mean_drift import drift_table
@@ -182,7 +183,7 @@ def test_a_record_sails_in_the_sea_that_it_states(table):
 
 def sailed_along(model: Model, record: FreeRecord) -> tuple[float, ...]:
     """States at the end of a record, from steady running."""
-    binding = bound(driven(model), (), record.speed, conditions=record.conditions)
+    binding = Binding.of(driven(model), (), record.speed, conditions=record.conditions)
     functions = compiled(binding.structure, ESTIMATING)
     k = binding.base.copy()
     functions.complete(k)

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 import pmmkit as pk
 from pmmkit.diagnosis.free_running.question import records_of
-from pmmkit.identification import disagree, reference
-from pmmkit.identification.disagreement import local_lines
+from pmmkit.identification import Smoothed
+from pmmkit.identification.smoother import local_lines
 
 SHIP = pk.load_model("kvlcc2-l7")
 
@@ -28,9 +28,9 @@ def records(case, folder, size=1.0):
 @pytest.mark.parametrize("case", ["current", "log", "heading", "antenna"])
 def test_what_a_record_shows_is_what_its_sensors_show(case, tmp_path):
     """One motion would leave the fixes out: of a current of .04 m/s by 2 m in two minutes."""
-    made = reference(SHIP, records(case, tmp_path)[1])
-    assert any(disagree(item) for item in made)
-    for item in filter(disagree, made):
+    made = Smoothed.references(SHIP, records(case, tmp_path)[1])
+    assert any(item.disagrees for item in made)
+    for item in (item for item in made if item.disagrees):
         for name, noise in {"x": 0.01, "y": 0.01, "psi": 0.0018}.items():
             off = item.record.measured[name] - item.motion[name]
             assert np.sqrt(np.nanmean(off**2)) < 1.3 * noise, (case, name)
@@ -38,16 +38,16 @@ def test_what_a_record_shows_is_what_its_sensors_show(case, tmp_path):
 
 @pytest.mark.parametrize("case", ["none", "wind", "asymmetry", "clock"])
 def test_sensors_that_agree_are_smoothed_together(case, tmp_path):
-    assert not any(disagree(item) for item in reference(SHIP, records(case, tmp_path)[1]))
+    assert not any(item.disagrees for item in Smoothed.references(SHIP, records(case, tmp_path)[1]))
 
 
 def test_a_few_wild_fixes_are_no_disagreement(tmp_path):
     record = records("none", tmp_path)[1][0]
     x = record.measured["x"].copy()
     x[100:1000:100] += 50.0
-    (made,) = reference(SHIP, [record.with_(measured={**record.measured, "x": x})])
-    (clean,) = reference(SHIP, [record])
-    assert not disagree(made)
+    (made,) = Smoothed.references(SHIP, [record.with_(measured={**record.measured, "x": x})])
+    (clean,) = Smoothed.references(SHIP, [record])
+    assert not made.disagrees
     assert np.abs(made.motion["x"] - clean.motion["x"]).max() < 0.02
 
 

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 import pmmkit as pk
 from pmmkit import FreeRecord, identify
 from pmmkit.base import DataError, SimulationError
-from pmmkit.identification import Prior, bound, prior_of
+from pmmkit.identification import Binding, Prior
 from pmmkit.identification.filters import kalman
 from pmmkit.identification.record import sensors_of
 from pmmkit.models import Part, load_model
@@ -97,7 +97,7 @@ def off(truth: Prior, seed: int) -> Prior:
 
 
 def true_prior(names=NAMES, model=TANKER, speed=SPEED, spread=0.2) -> Prior:
-    return prior_of(model, names, speed, spread=spread)
+    return Prior.of(model, names, speed, spread=spread)
 
 
 def away(found, truth) -> np.ndarray:
@@ -302,7 +302,7 @@ PARAMETERS = ("Yv", "Nrrr", "Xvr", "Yvdot", "rudder_mmg.aH")
 def test_slopes_over_states_and_parameters_are_those_of_another_integrator():
     """Central differences of DOP853; the parameters are changed in the model itself."""
     t, inputs, start = steered(TANKER, SPEED, 2)
-    binding = bound(TANKER, PARAMETERS, SPEED)
+    binding = Binding.of(TANKER, PARAMETERS, SPEED)
     m = len(PARAMETERS)
     A, B, y = np.zeros((6, 6)), np.zeros((6, m)), np.zeros(6)
     steps = np.concatenate([np.full(6, 1e-6), 1e-4 * np.abs(binding.mean)])
@@ -333,7 +333,7 @@ def test_slopes_over_states_and_parameters_are_those_of_another_integrator():
 
 @pytest.mark.parametrize("kind", [100, 101, 102])
 def test_slopes_of_the_velocity_over_ground(kind):
-    k = np.zeros(len(bound(TANKER, (), SPEED).base))
+    k = np.zeros(len(Binding.of(TANKER, (), SPEED).base))
     k[Constant.current_x], k[Constant.current_y] = 0.3, -0.2
     z, h = np.array([5.0, 6.0, 2.1, 1.1, -0.3, 0.05, 7.0]), np.zeros(7)
 
@@ -370,7 +370,7 @@ def all_parameters(model):
 )
 def test_constants_are_those_of_a_model_with_other_values(model, speed):
     names = [name for name in all_parameters(model) if not name.startswith("shallow_water.")]
-    binding = bound(model, names, speed)
+    binding = Binding.of(model, names, speed)
     for j, name in enumerate(names):
         other = with_other(model, name, 1.37 * binding.mean[j])
         expected = packed(other, values_at(other, speed), speed, CALM)[1]
@@ -386,11 +386,11 @@ def test_constants_are_those_of_a_model_with_other_values(model, speed):
 @pytest.mark.parametrize("name", POWERS)
 def test_a_parameter_that_bends_the_constants_is_refused(name):
     with pytest.raises(DataError, match=f"{name} enters .* no straight line.* fit_to_forces"):
-        bound(SHALLOW, [name], SPEED)
+        Binding.of(SHALLOW, [name], SPEED)
 
 
 def test_currents_are_parameters_too():
-    binding = bound(TANKER, ["current_y", "Yv", "current_x"], SPEED)
+    binding = Binding.of(TANKER, ["current_y", "Yv", "current_x"], SPEED)
     k = binding.constants(binding.mean + np.array([0.2, 0.0, -0.1]))
     assert (k[Constant.current_x], k[Constant.current_y]) == pytest.approx((-0.1, 0.2))
 
@@ -399,24 +399,24 @@ def test_currents_are_parameters_too():
 
 
 def test_the_prior_is_the_spread_where_nothing_is_known():
-    prior = prior_of(TANKER, ["Yv", "Nr", "current_x"], SPEED, spread={"Nr": 0.1})
+    prior = Prior.of(TANKER, ["Yv", "Nr", "current_x"], SPEED, spread={"Nr": 0.1})
     assert prior.std == pytest.approx([0.3 * 0.315, 0.1 * 0.049, 0.1 * SPEED])
     assert prior.mean == pytest.approx([-0.315, -0.049, 0.0])
-    assert prior_of(TANKER, ["Yv"], SPEED, spread=1).std == pytest.approx([0.315])
+    assert Prior.of(TANKER, ["Yv"], SPEED, spread=1).std == pytest.approx([0.315])
     with pytest.raises(DataError, match="at least one"):
-        prior_of(TANKER, [], SPEED)
+        Prior.of(TANKER, [], SPEED)
 
 
 def test_the_prior_is_the_covariance_of_the_model_where_it_has_one():
     block = np.array([[4e-4, 1e-4], [1e-4, 9e-4]])
     known = replace(TANKER, covariance=block, covariance_names=("Nr", "Yv"))
-    prior = prior_of(known, ["Yv", "Nv", "Nr"], SPEED)
+    prior = Prior.of(known, ["Yv", "Nv", "Nr"], SPEED)
     expected = np.array([[9e-4, 0, 1e-4], [0, (0.3 * 0.137) ** 2, 0], [1e-4, 0, 4e-4]])
     np.testing.assert_allclose(prior.covariance, expected, rtol=1e-12)
     assert "2 of 3" in prior.origin
-    spread = prior_of(known, ["Yv", "Nr"], SPEED, spread=0.1)
+    spread = Prior.of(known, ["Yv", "Nr"], SPEED, spread=0.1)
     np.testing.assert_allclose(spread.std, [0.0315, 0.0049])
-    some = prior_of(known, ["Yv", "Nr"], SPEED, spread={"Yv": 0.5})
+    some = Prior.of(known, ["Yv", "Nr"], SPEED, spread={"Yv": 0.5})
     np.testing.assert_allclose(some.covariance, np.diag([(0.5 * 0.315) ** 2, 4e-4]))
 
 
@@ -424,7 +424,7 @@ def test_a_value_of_zero_has_the_size_of_the_smallest_of_its_channel():
     model = TANKER.with_values("hull_polynomial", Yvvvv=0.0)
     sizes = [abs(x) for name, x in TANKER.values("hull_polynomial").items() if name[0] == "Y"]
     sizes += [abs(x) for name, x in TANKER.values("added_mass").items() if name[0] == "Y" and x]
-    assert prior_of(model, ["Yvvvv"], SPEED).std == pytest.approx([0.3 * min(sizes)])
+    assert Prior.of(model, ["Yvvvv"], SPEED).std == pytest.approx([0.3 * min(sizes)])
 
 
 # Sensors
@@ -645,7 +645,7 @@ def test_a_drifting_ship_feels_the_wind_less_the_current():
     }
     track = pk.simulate(windy, speed=9.0, rudder_deg=10.0, dt=0.5, duration=200.0, **around)
     flow = 3.0 * np.exp(1j * math.radians(200.0))
-    binding = bound(windy, ["current_x", "current_y"], 9.0)
+    binding = Binding.of(windy, ["current_x", "current_y"], 9.0)
     k = binding.constants(np.array([flow.real, flow.imag]))
     functions = compiled(binding.structure, ESTIMATING)
     functions.complete(k)
@@ -692,7 +692,7 @@ def test_records_are_carried_on():
 def test_a_parameter_that_wanders_is_followed():
     """Nr grows by a half over the record; the truth is integrated by scipy."""
     record = sailed(sensors={"psi": 1e-4, "r": 1e-4, "u": 1e-3}, dt=0.2, seed=13)
-    binding = bound(TANKER, ["Nr"], SPEED)
+    binding = Binding.of(TANKER, ["Nr"], SPEED)
     functions = BY_WATER
     end = record.t[-1]
 

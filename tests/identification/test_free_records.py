@@ -13,7 +13,6 @@ import pmmkit as pk
 from pmmkit import FreeRecord, Run, free_records
 from pmmkit.base import DataError
 from pmmkit.campaigns import Settings, over_ground, true_wind
-from pmmkit.identification import first_states
 from pmmkit.identification.record import rate_limited
 from pmmkit.models import load_model
 
@@ -311,6 +310,6 @@ def test_windows_start_with_velocities_through_the_water():
     (record,) = free_records(run_of(without(values, "u", "v")), TANKER)
     begins = np.array([0, 300, len(record)])
     states = ("x", "y", "psi", "u", "v", "r")
-    found = first_states(record.with_(current=current), begins, states, np.zeros(6), 0.5)
+    found = record.with_(current=current).first_states(begins, states, np.zeros(6), 0.5)
     for name, x in zip(states[3:], found.T[3:], strict=True):
         np.testing.assert_allclose(x, values[name][begins[:-1]], atol=0.01)

@@ -15,16 +15,7 @@ from pmmkit.base import DataError, ModelError
 from pmmkit.campaigns import Settings
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects import HULL
-from pmmkit.identification import (
-    FreeRecord,
-    free_records,
-    implied_forces,
-    predict,
-    prior_of,
-    reference,
-    smooth,
-    with_roll,
-)
+from pmmkit.identification import FreeRecord, Prediction, Prior, Smoothed, free_records, with_roll
 from pmmkit.identification.from_run import measured_roll
 from pmmkit.identification.trajectory import fit_trajectories
 from pmmkit.models import load_model
@@ -148,7 +139,7 @@ def test_gaps_of_the_heel_are_bridged():
 
 
 def test_forces_of_a_record_know_the_heel(records):
-    motion = implied_forces(UPRIGHT, smooth(UPRIGHT, records[1], size=0.03)).motion
+    motion = Smoothed.of(UPRIGHT, records[1], size=0.03).implied_forces(UPRIGHT).motion
     np.testing.assert_array_equal(motion["phi"], records[1].roll)
 
 
@@ -173,8 +164,8 @@ def test_the_heel_that_a_ship_lacks_is_told_by_windows(campaign):
 
         assert missed(r * np.cos(record.roll)) < 0.14
     sensors = {name: std for name, std in NOISE.items() if name != "phi"}
-    smoothed = reference(UPRIGHT, found, sensors=sensors)
-    before, after = (predict(model, smoothed).pooled() for model in (UPRIGHT, HEELED))
+    smoothed = Smoothed.references(UPRIGHT, found, sensors=sensors)
+    before, after = (Prediction.of(model, smoothed).pooled() for model in (UPRIGHT, HEELED))
     assert after["heading"] < 0.13 < 1.0 < before["heading"]
     assert after["position"] < 0.6 < 2.0 < before["position"]
 
@@ -241,7 +232,7 @@ def test_a_trajectory_fit_sees_the_velocity_over_ground_of_a_heeled_ship(model, 
     )
     sensors = dict.fromkeys(measured, 0.01) | {"psi": 0.003, "phi": 0.003, "r": 1e-4}
     found = fit_trajectories(
-        model, [record.cut(0.0, 250.0)], prior_of(model, ["Yv"], 10.0, spread=0.1), sensors=sensors
+        model, [record.cut(0.0, 250.0)], Prior.of(model, ["Yv"], 10.0, spread=0.1), sensors=sensors
     )
     assert found.rms["psi"] < largest
     assert not model.rolls or max(found.rms.values()) < largest

@@ -11,9 +11,8 @@ from test_filters import SENSORS, SHALLOW, SPEED, TANKER, off, sailed, true_prio
 import pmmkit as pk
 from pmmkit import identify
 from pmmkit.base import DataError, UnknownNameError
-from pmmkit.identification import Prior, predict, prior_of, reference
+from pmmkit.identification import Prediction, Prior, Smoothed
 from pmmkit.identification.methods import METHODS
-from pmmkit.identification.prediction import Prediction
 from pmmkit.models import load_model, save_model
 
 NAMES = ("Nv", "Nr")
@@ -28,7 +27,7 @@ def one_record(seed=0):
 
 def found_by(method, records=None, **settings):
     if method in ("ekf", "ukf", "trajectory", "regression"):
-        settings.setdefault("prior", prior_of(SKEWED, NAMES, SPEED, spread=0.3))
+        settings.setdefault("prior", Prior.of(SKEWED, NAMES, SPEED, spread=0.3))
     return identify(
         SKEWED, records or [one_record()], NAMES, method=method, sensors=SENSORS, **settings
     )
@@ -84,7 +83,7 @@ def test_what_is_found_is_a_model_with_its_covariance_and_where_it_comes_from(tm
     assert "ekf" in model.history[-1]
     save_model(model, tmp_path / "found.toml")
     again = load_model(tmp_path / "found.toml")
-    prior = prior_of(again, NAMES, SPEED)
+    prior = Prior.of(again, NAMES, SPEED)
     np.testing.assert_allclose(prior.covariance, found.covariance, rtol=1e-6)
     assert prior.mean == pytest.approx(found.values, rel=1e-9)
 
@@ -95,13 +94,13 @@ def test_uncertainties_of_parts_are_the_prior_and_go_with_what_is_found():
     parts = dict(SKEWED.parts)
     parts["rudder_mmg"] = replace(parts["rudder_mmg"], std={"aH": 0.05, "tR": 0.1})
     model = SKEWED.with_(parts=parts)
-    prior = prior_of(model, names, SPEED)
+    prior = Prior.of(model, names, SPEED)
     assert prior.std == pytest.approx([0.3 * 0.058, 0.05])
     found = identify(model, [one_record()], names, method="trajectory", sensors=SENSORS)
     assert found.model.covariance_names == names
     np.testing.assert_allclose(found.model.covariance, found.covariance, rtol=1e-9)
     assert dict(found.model.parts["rudder_mmg"].std) == {"tR": 0.1}
-    again = prior_of(found.model, names, SPEED)
+    again = Prior.of(found.model, names, SPEED)
     np.testing.assert_allclose(again.covariance, found.covariance, rtol=1e-9)
 
 
@@ -132,7 +131,7 @@ def test_what_a_straight_course_says_nothing_of(method):
         },
     )
     names = ("Nvvv", "rudder_mmg.aH", "Yvrr")
-    prior = off(prior_of(TANKER, names, SPEED, spread=0.2), 4)
+    prior = off(Prior.of(TANKER, names, SPEED, spread=0.2), 4)
     found = identify(TANKER, [record], method=method, prior=prior, sensors=SENSORS)
     assert found.unseen == names
     assert found.model.values("rudder_mmg")["aH"] == pytest.approx(prior.mean[1], rel=1e-12)
@@ -145,7 +144,7 @@ def test_intervals_wider_than_before_do_not_make_a_value_unseen():
     ships = [TANKER.with_values("hull_polynomial", Nv=x) for x in (-0.16, -0.11, -0.15)]
     records = [sailed(ship, seed=i).with_(name=str(i)) for i, ship in enumerate(ships)]
     near = TANKER.with_values("hull_polynomial", Nv=-0.12)
-    prior = prior_of(near, ("Nv",), SPEED, spread=0.02)
+    prior = Prior.of(near, ("Nv",), SPEED, spread=0.02)
     found = identify(near, records, ("Nv",), method="ekf", prior=prior, sensors=SENSORS)
     assert found.std[0] > prior.std[0]
     assert found.unseen == ()
@@ -202,25 +201,25 @@ def test_regression_takes_parameters_that_are_no_straight_lines():
 @pytest.fixture(scope="module")
 def references():
     records = [one_record(8), sailed(seed=9, rudder_deg=-10.0, switch_deg=10.0).with_(name="other")]
-    return reference(TANKER, records, sensors=SENSORS)
+    return Smoothed.references(TANKER, records, sensors=SENSORS)
 
 
 def test_the_true_model_predicts_best(references):
-    true, poor = (predict(model, references, window=30.0) for model in (TANKER, SKEWED))
+    true, poor = (Prediction.of(model, references, window=30.0) for model in (TANKER, SKEWED))
     for name, value in true.pooled().items():
         if name == "windows":
             assert value == poor.pooled()[name]
         else:
             assert value < 0.35 * poor.pooled()[name]
     identified = found_by("trajectory").model
-    assert predict(identified, references, window=30.0).pooled()["heading"] < (
+    assert Prediction.of(identified, references, window=30.0).pooled()["heading"] < (
         1.5 * true.pooled()["heading"]
     )
 
 
 def test_windows_are_the_same_for_all_models(references):
     for model in (TANKER, SKEWED):
-        found = predict(model, references, window=20.0)
+        found = Prediction.of(model, references, window=20.0)
         for item in references:
             length = item.t[-1] - item.t[0]
             expected = int((length - 20.0) / 5.0 + 1e-9) + 1
@@ -230,10 +229,14 @@ def test_windows_are_the_same_for_all_models(references):
 def test_the_reference_is_that_of_the_sensors_whatever_the_model():
     record = one_record(10)
     one, other = (
-        predict(TANKER, reference(model, [record], sensors=SENSORS), window=30.0).pooled()
+        Prediction.of(
+            TANKER, Smoothed.references(model, [record], sensors=SENSORS), window=30.0
+        ).pooled()
         for model in (TANKER, SKEWED)
     )
-    poor = predict(SKEWED, reference(SKEWED, [record], sensors=SENSORS), window=30.0).pooled()
+    poor = Prediction.of(
+        SKEWED, Smoothed.references(SKEWED, [record], sensors=SENSORS), window=30.0
+    ).pooled()
     for name in ("position", "heading"):
         assert abs(other[name] - one[name]) < 0.3 * poor[name]
 
@@ -250,8 +253,8 @@ def test_errors_are_those_between_two_simulations():
         measured={name: getattr(true, name) for name in ("x", "y", "psi", "u", "v", "r")},
     )
     fine = {"x": 1e-4, "y": 1e-4, "psi": 1e-5, "u": 1e-5, "v": 1e-5, "r": 1e-6}
-    item = reference(TANKER, [record], sensors=fine)
-    errors = predict(SKEWED, item, window=float(true.t[-1])).errors["zigzag"]
+    item = Smoothed.references(TANKER, [record], sensors=fine)
+    errors = Prediction.of(SKEWED, item, window=float(true.t[-1])).errors["zigzag"]
     away = np.hypot(true.x - other.x, true.y - other.y)
     assert errors["windows"] == 1
     assert errors["position_end"] == pytest.approx(away[-1], rel=1e-2)
@@ -278,10 +281,10 @@ def test_a_record_shorter_than_a_window_is_left_out(references):
     short = replace(references[0], name="short", t=references[0].t[:100])
     cut = short.record.cut(0.0, 9.95)
     short = replace(short, record=cut, motion={name: x[:100] for name, x in short.motion.items()})
-    found = predict(TANKER, [references[0], short], window=30.0)
+    found = Prediction.of(TANKER, [references[0], short], window=30.0)
     assert set(found.errors) == {references[0].name}
     with pytest.raises(DataError, match="as long as a window of 30 s"):
-        predict(TANKER, [short], window=30.0)
+        Prediction.of(TANKER, [short], window=30.0)
 
 
 def test_the_prior_that_is_given_counts():

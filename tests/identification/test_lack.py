@@ -14,7 +14,7 @@ from test_filters import SENSORS, SPEED, TANKER, off, sailed
 
 import pmmkit as pk
 from pmmkit import FreeRecord, identify
-from pmmkit.identification import Prior, prior_of
+from pmmkit.identification import Prior
 from pmmkit.identification.lack import RecordPiece, colour_of, lack_of, lasting, stretches
 from pmmkit.inference import Innovations
 from pmmkit.models import Part, load_model
@@ -54,7 +54,7 @@ def campaign(ship, seed):
 
 
 def found_by(method, ship, seed):
-    truth = prior_of(TANKER, NAMES, SPEED, spread=0.2)
+    truth = Prior.of(TANKER, NAMES, SPEED, spread=0.2)
     return identify(
         TANKER,
         campaign(ship, 10 * seed),

@@ -18,18 +18,18 @@ from test_filters import SENSORS, SPEED, TANKER, off, sailed
 import pmmkit as pk
 from pmmkit import identify
 from pmmkit.base import DataError, ModelError
-from pmmkit.identification import SECONDS, Posterior, prior_of, write_posterior
+from pmmkit.identification import Posterior, Prior
 from pmmkit.identification.filters import kalman
-from pmmkit.identification.methods import METHODS
+from pmmkit.identification.methods import METHODS, SECONDS
 from pmmkit.identification.posterior.density import DEGREES, ROUGHNESS, density_of, likelihood_of
 from pmmkit.identification.posterior.ensembles import drawn_from
 from pmmkit.identification.posterior.posterior import sample_posterior
-from pmmkit.identification.posterior.tree import draws_of, read_posterior
+from pmmkit.identification.posterior.tree import draws_of, read_posterior, write_posterior
 
 pytest.importorskip("emcee", reason="emcee is not installed")
 
 RECORD = sailed(dt=1.0).at(slice(0, 24)).only(("x", "y", "psi", "r"))
-ONE = off(prior_of(TANKER, ("Nr",), SPEED, spread=0.3), 1)
+ONE = off(Prior.of(TANKER, ("Nr",), SPEED, spread=0.3), 1)
 MIDDLE = np.array([1.0, -2.0, 3.0])
 SPREAD = np.array([[2.0, 0.5, 0.2], [0.5, 1.0, -0.3], [0.2, -0.3, 0.5]])
 
@@ -153,7 +153,7 @@ def test_the_likelihood_is_that_of_the_whole_record_at_once(density):
 
 
 def test_numbers_of_which_the_prior_is_a_standard_normal():
-    prior = prior_of(TANKER, ("Yv", "Nr"), SPEED, spread=0.2)
+    prior = Prior.of(TANKER, ("Yv", "Nr"), SPEED, spread=0.2)
     about = kalman(TANKER, [RECORD], prior, sensors=SENSORS, roughness=0.0)
     found = density_of(TANKER, [RECORD], prior, about, sensors=SENSORS)
     assert found.names == ("Yv", "Nr", "process_noise")

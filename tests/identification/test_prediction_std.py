@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.identification import FreeRecord, prediction_std, reference
+from pmmkit.identification import FreeRecord, Prediction, Smoothed
 from pmmkit.identification.prediction import Course
 
 SHIP = pk.load_model("kvlcc2-l7")
@@ -34,7 +34,7 @@ def circle():
             for name, std in SENSORS.items()
         },
     )
-    (found,) = reference(SHIP, [record], sensors=SENSORS)
+    (found,) = Smoothed.references(SHIP, [record], sensors=SENSORS)
     return found
 
 
@@ -58,7 +58,7 @@ def test_the_band_of_a_sailed_record_is_that_of_ships_drawn_from_both_uncertaint
     sailed = np.stack(
         [course.sail(at, a[None], b)[0] for a, b in zip(starts, changes, strict=True)]
     )
-    std = prediction_std(model, circle, at)
+    std = Prediction.std(model, circle, at)
     for i, name in enumerate(course.states):
         drawn = sailed[:, :, i].std(axis=0, ddof=1)
         assert std[name][-1] == pytest.approx(drawn[-1], rel=0.12), name
@@ -70,10 +70,10 @@ def test_the_band_of_a_sailed_record_is_that_of_ships_drawn_from_both_uncertaint
 def test_a_value_in_other_units_hides_no_derivative(circle):
     """Beside a value that is uncertain by a million of its unit the derivatives count as before."""
     at = np.arange(0, len(circle.record.t), 50)
-    alone = prediction_std(uncertain(0.05), circle, at)
+    alone = Prediction.std(uncertain(0.05), circle, at)
     blades = SHIP.parts["propeller"]
     part = replace(blades, values={**blades.values, "xp": 0.0}, std={"xp": 1e6})
-    known = prediction_std(
+    known = Prediction.std(
         uncertain(0.05).with_(parts={**SHIP.parts, "propeller": part}), circle, at
     )
     for name, std in alone.items():

@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from scipy.stats import multivariate_normal
 from test_filters import BY_WATER, SPEED
 
-from pmmkit.identification import bound
+from pmmkit.identification import Binding
 from pmmkit.identification.filters import process
 from pmmkit.identification.passes import Process, RecordView, passed, state_steps
 from pmmkit.models import load_model
@@ -105,7 +105,7 @@ def test_a_record_is_as_probable_as_all_its_measurements_at_once(method):
     """Sway and yaw are linear about straight ahead: the whole record is one normal vector, whose
     covariance is made of exponentials of the slopes of the rates. With the noise of each interval
     at its end that vector is off by 6.5 here."""
-    binding = bound(EVEN, (), SPEED)
+    binding = Binding.of(EVEN, (), SPEED)
     k, turns = binding.base.copy(), prepare(EVEN, SPEED).self_propulsion()
     assert BY_WATER.complete(k) == 0
     F, diffusion = slopes_of_rates(k, turns), process(STATES, 3e-3, SPEED, L)

@@ -10,7 +10,7 @@ from test_filters import LINER, SENSORS, SPEED, TANKER, off, sailed
 
 from pmmkit import identify
 from pmmkit.base import SimulationError
-from pmmkit.identification import prior_of
+from pmmkit.identification import Prior
 
 TWO_HERTZ_THINNED = 2.0
 """Seconds between instants."""
@@ -34,7 +34,7 @@ def turns(ship=LINER, speed=7.0, sensors=NOISE):
 
 def poor(names, seed):
     """Start values as far off as they are large, whose prior believes in a fifth of that."""
-    narrow = prior_of(LINER, names, 7.0, spread=0.2)
+    narrow = Prior.of(LINER, names, 7.0, spread=0.2)
     far = off(replace(narrow, covariance=25.0 * narrow.covariance), seed)
     return replace(far, covariance=narrow.covariance)
 
@@ -47,7 +47,7 @@ MASSES = tuple(name for name in LINER.parts["added_mass"].values if "dot" in nam
 @pytest.mark.parametrize("method", ["ekf", "trajectory", "regression"])
 def test_turns_sampled_at_two_seconds_are_not_lost(method, seed):
     """Start values off by a fifth, of two turns every two seconds."""
-    truth = prior_of(LINER, ("Yv", "Yr", "Nv", "Nr", "Nrrr"), 7.0, spread=0.2)
+    truth = Prior.of(LINER, ("Yv", "Yr", "Nv", "Nr", "Nrrr"), 7.0, spread=0.2)
     found = identify(
         LINER, turns(), truth.names, method=method, prior=off(truth, seed), sensors=NOISE
     )
@@ -62,7 +62,7 @@ def test_a_fit_through_trajectories_shortens_its_windows_and_lengthens_them_agai
         turns(),
         HULL,
         method="trajectory",
-        prior=prior_of(LINER, HULL, 7.0, spread=0.2),
+        prior=Prior.of(LINER, HULL, 7.0, spread=0.2),
         sensors=NOISE,
     )
     assert any("the motion was lost at first" in note for note in found.notes)
@@ -85,7 +85,7 @@ def test_only_what_no_way_saves_asks_for_signs_and_says_what_was_tried(method):
     """A hull whose yaw feeds itself so much that every motion is lost within a second."""
     names = ("Nr", "Nv")
     mad = TANKER.with_values("hull_polynomial", Nr=300.0, Nv=-80.0)
-    prior = prior_of(mad, names, SPEED, spread=1e-6)
+    prior = Prior.of(mad, names, SPEED, spread=1e-6)
     with pytest.raises(SimulationError, match="signs of rudder") as lost:
         identify(mad, [sailed(dt=2.0)], names, method=method, prior=prior, sensors=SENSORS)
     assert "Tried: " in str(lost.value)

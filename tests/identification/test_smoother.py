@@ -11,13 +11,13 @@ from test_filters import FAST, LINER, SENSORS, SPEED, TANKER, sailed
 import pmmkit as pk
 from pmmkit import fit_to_forces
 from pmmkit.base import DataError, SimulationError
-from pmmkit.identification import implied_forces, prior_of, smooth, units
+from pmmkit.identification import Prior, Smoothed
 from pmmkit.identification import smoother as smoother_module
 from pmmkit.simulation import prepare, water_forces
 
 LACKING = TANKER.with_values("hull_polynomial", Yvvv=0.0, Nvvr=0.0, Xuu=-0.012, Xvr=0.0)
 """The tanker with half its resistance and without three terms; the added mass is the same."""
-UNIT = units(TANKER, SPEED)
+UNIT = sailed(seed=0).force_units(TANKER)
 SETTLED = 30
 """Instants at each end in which a smoother leans on its start values."""
 
@@ -58,7 +58,7 @@ def lacked(truth, wrong, motion, speed=SPEED):
 def test_the_forces_that_a_model_lacks_are_found_within_their_intervals(seed):
     _, motion = true_motion()
     expected = lacked(TANKER, LACKING, motion)
-    found = smooth(LACKING, sailed(seed=seed), sensors=SENSORS)
+    found = Smoothed.of(LACKING, sailed(seed=seed), sensors=SENSORS)
     errors = []
     for channel in ("X", "Y", "N"):
         true = expected[channel]
@@ -72,7 +72,7 @@ def test_the_forces_that_a_model_lacks_are_found_within_their_intervals(seed):
 def test_a_constant_force_is_found():
     """A ship that a steady push to port turns off its course, smoothed without knowing of it."""
     pushed = TANKER.with_values("hull_polynomial", Y0=-0.01, N0=0.002)
-    found = smooth(TANKER, sailed(pushed, seed=2), sensors=SENSORS)
+    found = Smoothed.of(TANKER, sailed(pushed, seed=2), sensors=SENSORS)
     middle = slice(200, -200)
     _, motion = true_motion(pushed)
     expected = lacked(pushed, TANKER, motion)
@@ -85,17 +85,17 @@ def test_a_constant_force_is_found():
 
 
 def test_a_true_model_lacks_nothing():
-    found = smooth(TANKER, sailed(seed=3), sensors=SENSORS)
+    found = Smoothed.of(TANKER, sailed(seed=3), sensors=SENSORS)
     assert found.size == min(smoother_module.SIZES)
     for channel, force in found.residual.items():
         assert np.max(np.abs(force)) < 2e-3 * UNIT[channel]
-    assert smooth(LACKING, sailed(seed=3), sensors=SENSORS).size > 10 * found.size
+    assert Smoothed.of(LACKING, sailed(seed=3), sensors=SENSORS).size > 10 * found.size
 
 
 def test_motion_and_accelerations_are_near_the_true_ones():
     track, motion = true_motion()
     record = sailed(seed=4)
-    found = smooth(LACKING, record, sensors=SENSORS)
+    found = Smoothed.of(LACKING, record, sensors=SENSORS)
     inner = slice(SETTLED, -SETTLED)
     for name in ("x", "y", "psi", "u", "r"):
         error = (found.motion[name] - getattr(track, name))[inner]
@@ -108,7 +108,7 @@ def test_motion_and_accelerations_are_near_the_true_ones():
 
 
 def test_accelerations_are_the_slopes_of_the_velocities():
-    found = smooth(TANKER, sailed(seed=4), sensors=SENSORS)
+    found = Smoothed.of(TANKER, sailed(seed=4), sensors=SENSORS)
     for name in ("u", "v", "r"):
         slope = np.gradient(found.motion[name], found.t)
         error = (found.motion[f"{name}dot"] - slope)[SETTLED:-SETTLED]
@@ -118,7 +118,7 @@ def test_accelerations_are_the_slopes_of_the_velocities():
 def test_positions_and_heading_alone_are_enough():
     track, motion = true_motion()
     sensors = {name: SENSORS[name] for name in ("x", "y", "psi")}
-    found = smooth(LACKING, sailed(seed=5, sensors=sensors), sensors=sensors)
+    found = Smoothed.of(LACKING, sailed(seed=5, sensors=sensors), sensors=sensors)
     inner = slice(SETTLED, -SETTLED)
     for name in ("u", "v", "r"):
         error = (found.motion[name] - getattr(track, name))[inner]
@@ -135,7 +135,7 @@ def test_a_gap_widens_the_intervals_and_still_holds_the_truth():
     for values in gaps.values():
         values[500:700] = np.nan
     full, gappy = (
-        smooth(LACKING, item, sensors=SENSORS, size=0.03)
+        Smoothed.of(LACKING, item, sensors=SENSORS, size=0.03)
         for item in (record, record.with_(measured=gaps))
     )
     for name in ("x", "y", "psi"):
@@ -153,7 +153,7 @@ def test_without_news_a_force_is_forgotten():
     gaps = {name: values.copy() for name, values in record.measured.items()}
     for values in gaps.values():
         values[400:] = np.nan
-    found = smooth(LACKING, record.with_(measured=gaps), sensors=SENSORS, size=0.03)
+    found = Smoothed.of(LACKING, record.with_(measured=gaps), sensors=SENSORS, size=0.03)
     assert found.residual_std["N"][-1] == pytest.approx(0.03 * UNIT["N"], rel=1e-3)
     last, memory = found.residual["N"][399], 7.0 / SPEED
     later = found.t - found.t[399]
@@ -168,7 +168,7 @@ def test_wild_values_are_not_taken_in():
         wild[name][300::100] += 50.0 * SENSORS[name]
     count = 2 * len(wild["x"][300::100])
     clean, found = (
-        smooth(LACKING, item, sensors=SENSORS, size=0.03)
+        Smoothed.of(LACKING, item, sensors=SENSORS, size=0.03)
         for item in (record, record.with_(measured=wild))
     )
     assert (clean.gated, found.gated) == (0, count)
@@ -182,7 +182,7 @@ def test_a_rolling_ship_has_a_moment_of_roll_too():
     _, motion = true_motion(LINER, **settings)
     expected = lacked(LINER, wrong, motion, 9.0)["K"]
     record = sailed(LINER, sensors=FAST, seed=8, **settings)
-    found = smooth(wrong, record, sensors=FAST)
+    found = Smoothed.of(wrong, record, sensors=FAST)
     assert set(found.residual) == {"X", "Y", "N", "K"}
     error = (found.residual["K"] - expected)[SETTLED:-SETTLED]
     assert np.std(error) < 0.3 * np.std(expected)
@@ -194,7 +194,7 @@ def test_implied_forces_are_those_of_the_true_model_along_the_true_motion():
     ready = prepare(TANKER, SPEED)
     expected = water_forces(ready.structure, ready.k, motion)
     record = sailed(seed=9)
-    forces = implied_forces(LACKING, smooth(LACKING, record, sensors=SENSORS))
+    forces = Smoothed.of(LACKING, record, sensors=SENSORS).implied_forces(LACKING)
     for channel in ("X", "Y", "N"):
         error = (forces.forces[channel] - expected[channel])[SETTLED:-SETTLED]
         assert np.std(error) < 0.15 * np.std(expected[channel])
@@ -205,11 +205,12 @@ def test_implied_forces_are_those_of_the_true_model_along_the_true_motion():
 def test_what_a_model_lacks_is_fitted_to_implied_forces():
     names = ("Yvvv", "Nvvr", "Nv", "Nr")
     start = TANKER.with_values("hull_polynomial", Yvvv=-0.8, Nvvr=-0.1, Nv=-0.11, Nr=-0.06)
-    truth = prior_of(TANKER, names, SPEED).mean
+    truth = Prior.of(TANKER, names, SPEED).mean
     forces = [
-        implied_forces(start, smooth(start, sailed(seed=seed), sensors=SENSORS)) for seed in (0, 1)
+        Smoothed.of(start, sailed(seed=seed), sensors=SENSORS).implied_forces(start)
+        for seed in (0, 1)
     ]
-    prior = prior_of(start, names, SPEED, spread=0.5)
+    prior = Prior.of(start, names, SPEED, spread=0.5)
     found = fit_to_forces(start, forces, names, prior=prior)
     assert found.values[2:] == pytest.approx(truth[2:], rel=0.05)
     assert np.all(np.abs(found.values - truth) < 4.0 * found.std)
@@ -220,9 +221,9 @@ def test_what_cannot_be_smoothed_is_refused(monkeypatch):
     record = sailed(seed=10)
     monkeypatch.setattr(smoother_module, "ROOM", 1e5)
     with pytest.raises(DataError, match="every second instant"):
-        smooth(TANKER, record, sensors=SENSORS)
+        Smoothed.of(TANKER, record, sensors=SENSORS)
     monkeypatch.undo()
     unstable = TANKER.with_values("hull_polynomial", Xuu=50.0)
     with pytest.raises(SimulationError, match="loses the motion"):
-        smooth(unstable, record.only(["psi"]), sensors=SENSORS, size=1e-4)
-    assert math.isfinite(smooth(TANKER, record, sensors=SENSORS, size=1e-3).log_likelihood)
+        Smoothed.of(unstable, record.only(["psi"]), sensors=SENSORS, size=1e-4)
+    assert math.isfinite(Smoothed.of(TANKER, record, sensors=SENSORS, size=1e-3).log_likelihood)

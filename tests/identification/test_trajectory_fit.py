@@ -24,7 +24,7 @@ from test_filters import (
 )
 
 from pmmkit.base import DataError, SimulationError
-from pmmkit.identification import bound, trajectory
+from pmmkit.identification import Binding, trajectory
 from pmmkit.identification.trajectory import fit_trajectories
 
 PATH = {name: SENSORS[name] for name in ("x", "y", "psi")}
@@ -119,7 +119,7 @@ def test_a_tiny_problem_is_that_of_scipy():
     prior = off(true_prior(("Nv", "Nr")), 5)
     found = fitted([record], prior, window=10.0)
     assert found.windows == 2
-    binding = bound(TANKER, prior.names, SPEED)
+    binding = Binding.of(TANKER, prior.names, SPEED)
     begins = np.array([0, int(np.searchsorted(record.t, record.t[0] + 10.0)), len(record)])
     places = {"x": 0, "y": 1, "psi": 2, "u": 3, "r": 5}
 

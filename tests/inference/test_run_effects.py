@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from scipy.optimize import approx_fprime
 from scipy.stats import multivariate_normal, norm
 
-from pmmkit.inference import RunEffects, per_column
+from pmmkit.inference import RunEffects
 from pmmkit.reduction.between_runs import half_width
 
 
@@ -26,7 +26,7 @@ class Rows:
             mean = X[:, :2] @ [1.0, -2.0]
             first = np.eye(m)[0]
             own = np.column_stack([3 * first, mean, rng.normal(size=m), 3 * np.diag(1 - first)])
-            drawn = own @ (per_column(sizes, m) * rng.normal(size=3 + m))
+            drawn = own @ (RunEffects.per_column(sizes, m) * rng.normal(size=3 + m))
             self.own.append(own)
             self.y.append(mean + F @ weights + noise * rng.normal(size=m) + drawn)
 
@@ -45,7 +45,7 @@ class Rows:
         total, begin = np.zeros((sum(self.runs),) * 2), 0
         for own, m in zip(self.own, self.runs, strict=True):
             part = slice(begin, begin + m)
-            drawn = own * per_column(sizes, m)
+            drawn = own * RunEffects.per_column(sizes, m)
             total[part, part] = self.noise**2 * np.eye(m) + drawn @ drawn.T
             begin += m
         floor = np.concatenate(self.floor)

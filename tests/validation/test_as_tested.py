@@ -20,7 +20,7 @@ from small_campaign import write_campaign
 import pmmkit as pk
 from pmmkit.cli import main
 from pmmkit.diagnosis.free_running.question import records_of
-from pmmkit.identification import predicted_window, reference
+from pmmkit.identification import PredictedWindow, Smoothed
 from pmmkit.models import Step
 
 SHIP = "kvlcc2-l7"
@@ -237,7 +237,7 @@ def test_a_current_that_is_identified_is_in_predictions_and_comparisons(tmp_path
         records[1:],
         ["current_x", "current_y"],
         methods=("trajectory",),
-        references=reference(ship, records[:1]),
+        references=Smoothed.references(ship, records[:1]),
         window=60.0,
     )
     assert found.found["trajectory"].current == pytest.approx(hidden_in(setup).current, abs=3e-3)
@@ -245,7 +245,7 @@ def test_a_current_that_is_identified_is_in_predictions_and_comparisons(tmp_path
     assert after["position"] < 0.3 * before["position"]
     models = {"before": ship, "trajectory": found.found["trajectory"].model}
     still, drawn = (
-        predicted_window(models, reference(ship, records[:1]), currents=currents)
+        PredictedWindow.of(models, Smoothed.references(ship, records[:1]), currents=currents)
         for currents in ({}, found.currents)
     )
 

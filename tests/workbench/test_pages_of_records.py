@@ -11,7 +11,7 @@ import pytest
 import pmmkit as pk
 from pmmkit import Run
 from pmmkit.campaigns import Settings
-from pmmkit.identification import prior_of
+from pmmkit.identification import Prior
 from pmmkit.simulation import bands_of
 from pmmkit.validation import FreeRun
 from pmmkit.views import missing_page
@@ -37,7 +37,7 @@ def session(records):
         records,
         candidates=("asymmetry", "fault_rudder_zero", "even"),
         own=(EVEN, SINKS, QUICK),
-        prior=prior_of(SHIP, KNOWN, SPEED, spread=0.02),
+        prior=Prior.of(SHIP, KNOWN, SPEED, spread=0.02),
         sensors=SENSORS,
         most=1,
     )

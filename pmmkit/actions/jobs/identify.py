@@ -126,14 +126,12 @@ def identify(job: IdentifySettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.base import UnknownNameError, shown
     from pmmkit.identification import (
-        CHANNELS,
-        SECONDS,
+        Chosen,
         Filtered,
-        chosen_records,
+        FreeRecord,
+        Smoothed,
         compare_methods,
         known_before,
-        parameters_of,
-        reference,
     )
     from pmmkit.models import load_model
 
@@ -144,13 +142,14 @@ def identify(job: IdentifySettings) -> Outcome:
         job.out, f"{stem(job.campaign)}-identified", read=[job.model, job.prior], force=job.force
     )
     base = load_model(job.model)
-    if lost := [name for name in stds or {} if name not in CHANNELS]:
+    channels_known = FreeRecord.CHANNELS
+    if lost := [name for name in stds or {} if name not in channels_known]:
         raise UnknownNameError(
-            f"There is no channel {', '.join(lost)}{did_you_mean(lost[0], CHANNELS) or '.'} There "
-            f"are {', '.join(CHANNELS)}."
+            f"There is no channel {', '.join(lost)}{did_you_mean(lost[0], channels_known) or '.'} "
+            f"There are {', '.join(channels_known)}."
         )
     opened, findings = sound_campaign(job.campaign, job.data)
-    used, held_out = chosen_records(
+    used, held_out = Chosen.of(
         opened,
         base,
         runs=patterns(job.runs),
@@ -161,26 +160,28 @@ def identify(job: IdentifySettings) -> Outcome:
         shortest=job.measurements.shortest,
     )
     used, held_out = used.corrected(base), held_out and held_out.corrected(base)
-    names = parameters_of(base, None if job.derivatives is None else words(job.derivatives))
     before = known_before(
         base,
-        names,
+        None if job.derivatives is None else words(job.derivatives),
         used.records[0].speed,
         prior=job.prior,
         spread=job.spread,
         extrapolate=job.extrapolate,
     )
     judged = (held_out or used).long_enough(job.prediction.window)
+    some: dict[str, Any] = {} if job.method == "all" else {"methods": (job.method,)}
     with shown() as progress:
         references: tuple[Smoothed, ...] = ()
         for number, record in enumerate(judged):
             progress(number, len(judged), f"smooth {record.name}")
-            references += reference(base, [record], sensors=stds, extrapolate=job.extrapolate)
+            references += Smoothed.references(
+                base, [record], sensors=stds, extrapolate=job.extrapolate
+            )
         found = compare_methods(
             base,
             used.records,
-            names,
-            methods=SECONDS if job.method == "all" else (job.method,),
+            before.names,
+            **some,
             references=references,
             window=job.prediction.window,
             prior=before,
@@ -228,7 +229,7 @@ class _Work:
 
 
 def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterator[tuple[str, Any]]:
-    from pmmkit.identification import BEFORE, Posterior, predicted_window, write_posterior
+    from pmmkit.identification import Posterior, PredictedWindow
     from pmmkit.models import save_model
     from pmmkit.plotting import save
     from pmmkit.views import innovation_figure, parameter_histories, window_figure
@@ -251,10 +252,10 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
         yield f"innovations_{name}.svg", partial(save, drawn)
     for item in found.found.values():
         if isinstance(item.detail, Posterior):
-            yield "posterior.nc", partial(write_posterior, item.detail.tree)
+            yield "posterior.nc", item.detail.write
             yield "posterior.svg", partial(save, item.detail.plot(item.model.convention))
-    models = {BEFORE: found.model, **{name: x.model for name, x in found.found.items()}}
-    sailed = predicted_window(
+    models = {found.BEFORE: found.model, **{name: x.model for name, x in found.found.items()}}
+    sailed = PredictedWindow.of(
         models,
         work.references,
         window=found.window,
@@ -265,7 +266,7 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
 
 
 def _content(work: _Work) -> dict[str, Any]:
-    from pmmkit.identification import BEFORE, UNITS, Posterior
+    from pmmkit.identification import Posterior
 
     found = work.found
     predictions = {
@@ -278,7 +279,7 @@ def _content(work: _Work) -> dict[str, Any]:
         "held_out": work.held_out.content() if work.held_out else None,
         "prior": found.prior.origin,
         "window": found.window,
-        "units": dict(UNITS),
+        "units": dict(found.UNITS),
         "methods": {
             name: {
                 "parameters": item.to_pandas().reset_index().to_dict("records"),
@@ -297,7 +298,7 @@ def _content(work: _Work) -> dict[str, Any]:
             for name, item in found.found.items()
         },
         "failed": dict(found.failed),
-        "errors_before": predictions.get(BEFORE, {}),
+        "errors_before": predictions.get(found.BEFORE, {}),
         "findings": [item.to_dict() for item in work.findings],
     }
 

@@ -167,11 +167,11 @@ def _refuse_captive(job: PlanSettings) -> None:
 def _next_manoeuvre(
     job: PlanSettings, campaign: Campaign, speeds: Sequence[TypedSpeed] | None
 ) -> Advice:
-    from pmmkit.diagnosis import complete_model, limits_of_records, next_manoeuvres, read_plan_file
+    from pmmkit.diagnosis import Limits, complete_model, next_manoeuvres, read_plan_file
 
     loaded, asked = complete_model(job.model), job.sailed.records_asked
     used, _ = asked.chosen(campaign, loaded)
-    limits, options = limits_of_records(loaded, used.records), None
+    limits, options = Limits.of_records(loaded, used.records), None
     if job.limits is not None:
         limits, options = read_plan_file(job.limits, campaign.ship, limits)
     if speeds is not None:
@@ -204,10 +204,10 @@ def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
 def _limits(
     campaign: Campaign | None, model: str, file: Path | None, speeds: Sequence[TypedSpeed] | None
 ) -> tuple[Limits | None, tuple[Option, ...] | None]:
-    from pmmkit.diagnosis import Limits, limits_of, read_plan_file
+    from pmmkit.diagnosis import Limits, read_plan_file
     from pmmkit.models import load_model
 
-    found = limits_of(campaign) if campaign is not None and campaign.runs else None
+    found = Limits.of(campaign) if campaign is not None and campaign.runs else None
     tested = load_model(model) if campaign is None and (speeds or file) else campaign
     if speeds is not None and tested is not None:
         pace = tuple(speed.of(tested.ship, tested.water) for speed in speeds)
@@ -221,9 +221,7 @@ def _limits(
 
 
 def _written(found: Advice | TestPlan, lines: Sequence[str], folder: Path) -> Outcome:
-    from pmmkit.diagnosis import entries_text
-
-    results = [("plan.csv", found.to_pandas()), ("plan.toml", entries_text(found.options))]
+    results = [("plan.csv", found.to_pandas()), ("plan.toml", found.entries)]
     return written(folder, results, found.to_dict(), lines)
 
 

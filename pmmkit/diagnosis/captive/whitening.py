@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.inference import of_others, per_column
+from pmmkit.inference import RunEffects, of_others
 from pmmkit.numerics import Array
 
 Places = NDArray[np.intp]
@@ -53,7 +53,7 @@ def whitened(channel: Channel, columns: Array, own: Array, scatter: Array) -> Ar
 
 def sized(own: Array, scatter: Array) -> Array:
     """What each run draws (n, 3 + k), per standard deviation."""
-    return own * per_column(scatter, own.shape[1] - len(scatter) + 1)
+    return own * RunEffects.per_column(scatter, own.shape[1] - len(scatter) + 1)
 
 
 def noise_whitened(channel: Channel, columns: Array) -> Array:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from pmmkit.effects import CATALOGUE
-from pmmkit.identification import Prior, prior_of
+from pmmkit.identification import FreeRecord, Prior
 from pmmkit.models import Model, Part, Sailing
 from pmmkit.numerics import Array
 
@@ -97,12 +98,12 @@ def base_of(
     (25, [0.0, 0.0045, 0.015, 0.045, 0.15])
     """
     names = movable(model)
-    own = prior_of(model, names, speed, spread=dict.fromkeys(names, 1.0), extrapolate=extrapolate)
+    own = Prior.of(model, names, speed, spread=dict.fromkeys(names, 1.0), extrapolate=extrapolate)
     usual = usual_sizes(model, speed)
     sizes = np.array(
         [max(size, usual.get(name, 0.0)) for name, size in zip(names, own.std, strict=True)]
     )
-    stated = prior_of(model, names, speed, spread=None, extrapolate=extrapolate)
+    stated = Prior.of(model, names, speed, spread=None, extrapolate=extrapolate)
     there = np.isin(names, model.covariance_names)
     known = np.where(np.outer(there, there), stated.covariance, 0.0) / np.outer(sizes, sizes)
     return FreeBase(
@@ -136,3 +137,9 @@ def usual_sizes(model: Model, speed: float) -> dict[str, float]:
             for name, share in move.values.items():
                 sizes[name] = max(sizes.get(name, 0.0), abs(share * move.typical))
     return sizes
+
+
+def known_faults(model: Model, records: Sequence[FreeRecord]) -> tuple[str, ...]:
+    """Names of the faults that a model's steps tell of records, each once."""
+    titles = dict.fromkeys(record.campaign for record in records)
+    return tuple(dict.fromkeys(name for x in titles for name in model.faults_of(x)))

@@ -147,7 +147,17 @@ def candidates_for(
 def free_candidate_of(
     effect: Effect, vessel: Sailing, given: Mapping[str, float] = MappingProxyType({})
 ) -> FreeCandidate:
-    """An effect as free-running records are asked for it; without moves if it has no place."""
+    """An effect as free-running records are asked for it; without moves if it has no place.
+
+    Parameters
+    ----------
+    effect : Effect
+        Of the catalogue, or one's own.
+    vessel : Sailing
+        The model at its speed.
+    given : mapping of str to float
+        Values of the effect's own that stand in the place of the usual ones.
+    """
     moves, part = vessel.moves(effect), None
     if effect.enters:
         part = _part(effect, vessel, given)

@@ -18,7 +18,7 @@ from pmmkit.diagnosis.free_running.hypotheses import WIDER, Names, Numbers, Scre
 from pmmkit.diagnosis.free_running.left_out import left_out_errors, mean_log
 from pmmkit.diagnosis.refit import Place, put_back
 from pmmkit.effects import OUTSIDE, Parameter
-from pmmkit.identification import FreeRecord, places, predict, reference, smoothed_without, title_of
+from pmmkit.identification import FreeRecord, Prediction, Smoothed, places
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.simulation import values_at
@@ -103,7 +103,7 @@ def model_of(
         )
     title = tests
     if title is None:
-        title = title_of([x.record for x in fit.place.question.stretches]) or "records"
+        title = FreeRecord.title_of([x.record for x in fit.place.question.stretches]) or "records"
     known, covariance = _known(made, fit, values, whole)
     return put_back(
         made,
@@ -164,19 +164,19 @@ def held_out_errors(
     extrapolate: bool,
 ) -> dict[str, dict[str, float]]:
     """Errors of `predict` over held-out records: as given, refitted, with the effects."""
-    courses = reference(given, records, sensors=sensors, extrapolate=extrapolate)
+    courses = Smoothed.references(given, records, sensors=sensors, extrapolate=extrapolate)
     rows = {"model as given": given, "base refitted": refitted}
     errors = {
-        f"held out, {name}": predict(
+        f"held out, {name}": Prediction.of(
             model, courses, window=window, extrapolate=extrapolate
         ).pooled()
         for name, model in rows.items()
     }
     if better is not None:
-        sailed = smoothed_without(
+        sailed = Smoothed.corrected(
             given, courses, corrections, sensors=sensors, extrapolate=extrapolate
         )
-        errors["held out, with the effects"] = predict(
+        errors["held out, with the effects"] = Prediction.of(
             better, sailed, window=window, extrapolate=extrapolate
         ).pooled()
     return errors

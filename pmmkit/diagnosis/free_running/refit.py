@@ -16,7 +16,7 @@ from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
 from pmmkit.diagnosis.free_running.system import FreeSystem
 from pmmkit.diagnosis.refit import stepped
-from pmmkit.identification import title_of
+from pmmkit.identification import FreeRecord
 from pmmkit.models import Model, Step
 
 HEADING: Final = "heading"
@@ -39,7 +39,7 @@ def _refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -
             raise DataError(_not_found(step.effect))
     fit = system.fit(names)
     made = model_of(system.model, system.every, fit, system.speed)
-    title = title_of(system.records)
+    title = FreeRecord.title_of(system.records)
     kept = [
         step if step.campaign not in ("", title) else _as_fitted(step, every, fit, title)
         for step in made.steps

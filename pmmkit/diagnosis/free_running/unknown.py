@@ -10,7 +10,7 @@ import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.diagnosis.free_running.information import Forces, Information, WindowInformation
-from pmmkit.identification import FreeRecord, units
+from pmmkit.identification import FreeRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.simulation import rigid_body
@@ -83,7 +83,7 @@ def usual_forces(model: Model, records: Sequence[FreeRecord]) -> Array:
     words = ("X", "Y", "N", "K") if model.rolls else ("X", "Y", "N")
     squares = []
     for record in records:
-        ship, unit = model.ship, units(model, record.speed)
+        ship, unit = model.ship, record.force_units(model)
         pace = record.speed / ship.L
         rate = record.measured.get("r")
         if rate is None and "psi" in record.measured:

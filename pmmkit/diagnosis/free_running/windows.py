@@ -11,17 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.effects import CURRENT, OUTSIDE
-from pmmkit.identification import (
-    FORCES,
-    STEP,
-    Binding,
-    FreeRecord,
-    bound,
-    driven,
-    first_state,
-    first_states,
-    units,
-)
+from pmmkit.identification import Binding, FreeRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.simulation import ESTIMATING, Constant, InputField, State, compiled
@@ -83,7 +73,7 @@ class RecordWindows:
     @property
     def longest(self) -> float:
         """Longest step of the integration [s]."""
-        return STEP / self.pace
+        return Binding.STEP / self.pace
 
     def along(self, starts: Array, forces: Array) -> RecordWindows:
         """The same from other states and with other forces."""
@@ -109,14 +99,13 @@ def stretches_of(
     extrapolate: bool = False,
 ) -> tuple[RecordWindows, ...]:
     """Records in windows of equal length that do not overlap."""
-    ready = driven(model)
     own = [name for name in names if name in CURRENT or name not in OUTSIDE]
     at = {
-        place: bound(ready, own, place[0], conditions=place[1], extrapolate=extrapolate)
+        place: Binding.of(model, own, place[0], conditions=place[1], extrapolate=extrapolate)
         for place in {(record.speed, record.conditions) for record in records}
     }
     return tuple(
-        _stretch(ready, record, tuple(names), at[record.speed, record.conditions], sensors, window)
+        _stretch(model, record, tuple(names), at[record.speed, record.conditions], sensors, window)
         for record in records
     )
 
@@ -130,20 +119,19 @@ def _stretch(
     window: float,
 ) -> RecordWindows:
     pace = record.speed / model.ship.L
-    default = first_state(record, binding.structure.states, sensors, model.ship.L)[0]
+    default = record.first_state(binding.structure.states, sensors, model.ship.L)[0]
     begins = _begins(record, window / pace)
     pieces, spacing = _pieces(record, begins, pace)
-    by = units(model, record.speed)
-    words = FORCES if model.rolls else FORCES[:3]
+    by = record.force_units(model)
     return RecordWindows(
         record=record,
         names=names,
         binding=binding,
         functions=compiled(binding.structure, ESTIMATING),
         begins=begins,
-        starts=first_states(record, begins, binding.structure.states, default, 0.5 / pace),
-        forces=np.zeros((len(record), len(words))),
-        units=np.array([by[word[-1]] for word in words]),
+        starts=record.first_states(begins, binding.structure.states, default, 0.5 / pace),
+        forces=np.zeros((len(record), len(by))),
+        units=np.array([*by.values()]),
         pieces=pieces,
         blocks=_blocks(record, begins, pace),
         spacing=spacing,

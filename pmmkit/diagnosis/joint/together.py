@@ -29,7 +29,7 @@ from pmmkit.diagnosis.joint.captive_vote import (
 from pmmkit.diagnosis.joint.records_vote import RecordsVote, records_vote
 from pmmkit.diagnosis.joint.result import Another, Belonging, JointEntry, Together
 from pmmkit.diagnosis.joint.weighing import weigh
-from pmmkit.identification import FreeRecord, chosen_records
+from pmmkit.identification import Chosen, FreeRecord
 from pmmkit.models import Model, scaled
 
 # The base of each campaign of one ship: what captive tests know of it, at the length tested.
@@ -87,7 +87,7 @@ def _is_bare(system: System) -> bool:
 
 
 CHOSEN: Final = ("runs", "test_runs", "channels", "shortest")
-"""Settings of `chosen_records`."""
+"""Settings of `Chosen.of`."""
 Tests = Campaign | Sequence[FreeRecord]
 
 
@@ -114,7 +114,7 @@ def joint_diagnosis(
     free : mapping of str to object
         ``candidates`` (effects), ``most``, ``floor``, ``spread``, ``window``, ``sensors``,
         ``windage``, ``extrapolate`` and ``seed`` as for `diagnose_free`; ``runs``, ``channels`` and
-        ``shortest``, which records of campaigns take part, as for `chosen_records`.
+        ``shortest``, which records of campaigns take part, as for `Chosen.of`.
     progress : callable, optional
         Is told what is being done.
 
@@ -195,7 +195,7 @@ def records_among(
     if not isinstance(item, Campaign):
         return item, ()
     wanted = {name: chosen.get(name) for name in CHOSEN}
-    used, kept = chosen_records(item, model, rudder="auto", wind=True, **wanted)
+    used, kept = Chosen.of(item, model, rudder="auto", wind=True, **wanted)
     return used.records, kept.records if kept else ()
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import DataError, ModelError
 from pmmkit.campaigns import Campaign
@@ -17,6 +17,7 @@ from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.evidence import RankedSet, Visible
 from pmmkit.diagnosis.findings import UNITS, Diagnosis
 from pmmkit.diagnosis.free_running.alone import Paths, alone_in_records
+from pmmkit.diagnosis.free_running.base import known_faults
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, why_not_asked
 from pmmkit.diagnosis.free_running.contest import MOST, Contest
 from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer, contest_about
@@ -32,11 +33,14 @@ from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.diagnosis.loop.captive import only_campaign
 from pmmkit.diagnosis.loop.fall import ALL, BASE, ErrorWords, Fall, FallRow
-from pmmkit.diagnosis.record_figures import Sailed
+from pmmkit.diagnosis.record_figures import Sailed, before_and_after
 from pmmkit.effects import OUTSIDE, Effect
-from pmmkit.identification import FreeRecord, known_faults
+from pmmkit.identification import FreeRecord
 from pmmkit.models import Model, Step
 from pmmkit.presentation import counted
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 DRAWN: Final = 3
 """Records of which tracks are drawn."""
@@ -201,6 +205,11 @@ class FreeRecords:
         ]
         worst = sorted(range(len(missed)), key=lambda j: -missed[j])[:most]
         return [_sailed(fits, j) for j in sorted(worst)]
+
+    @staticmethod
+    def plot(records: Sequence[Sailed]) -> Figure:
+        """Records that were sailed: tracks, headings and yaw rates, and how far they are off."""
+        return before_and_after(records)
 
     def model(self, steps: Sequence[Step]) -> Model:
         """The model with base and effects fitted together, and with a step per effect."""

@@ -304,7 +304,7 @@ def begin(
         records.
     **settings
         Of free-running records alone, as for `diagnose_free`; of several campaigns also ``runs``,
-        ``test_runs`` (held out), ``channels`` and ``shortest``, as for `chosen_records`.
+        ``test_runs`` (held out), ``channels`` and ``shortest``, as for `Chosen.of`.
 
     Returns
     -------

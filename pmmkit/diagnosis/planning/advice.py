@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from pmmkit.diagnosis.planning.options import Option
+from pmmkit.diagnosis.planning.plan_file import entries_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -76,6 +77,11 @@ class Advice:
         if self.captive is not None:
             return self.captive.options
         return tuple(item.option for item in self.runs[:1] for _ in range(item.repeats))
+
+    @property
+    def entries(self) -> str:
+        """The runs as ``[[runs]]`` that can be pasted into a campaign file."""
+        return entries_text(self.options)
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data: what ``pmmkit plan --json`` prints of the next run."""

@@ -28,7 +28,7 @@ from pmmkit.diagnosis.planning.information import (
     known,
     rows_of,
 )
-from pmmkit.diagnosis.planning.options import Limits, Option, limits_of, options_of
+from pmmkit.diagnosis.planning.options import Limits, Option, options_of
 from pmmkit.diagnosis.planning.planned import (
     NoiseOf,
     base_of,
@@ -147,7 +147,7 @@ def ground_of(
         return _with_tests(
             structure_of(structure),
             campaign,
-            limits or limits_of(campaign),
+            limits or Limits.of(campaign),
             options,
             floor=floor,
             candidates=candidates,

@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-import numpy as np
-
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.any_campaign import complete_model
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.free_running.base import known_faults
 from pmmkit.diagnosis.free_running.diagnose import answer
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.planning.advice import Advice
@@ -24,19 +23,10 @@ from pmmkit.diagnosis.planning.options import Limits, Option
 from pmmkit.diagnosis.planning.programme import TestPlan, plan, sights
 from pmmkit.diagnosis.planning.ranking import apart, apart_at_usual_size, shown
 from pmmkit.effects import CATALOGUE, CURRENT
-from pmmkit.identification import FreeRecord, known_faults
+from pmmkit.identification import FreeRecord
 from pmmkit.models import Model, scaled
 from pmmkit.presentation import counted
-from pmmkit.simulation import steering
 
-RUDDER: Final = 35.0
-"""Largest rudder angle of a ship that states none [deg]."""
-SPEEDS: Final = 3
-"""Speeds that are offered of records with more."""
-SLOWEST: Final = 0.5
-"""Speeds below this share of the median are not those of an approach."""
-SLOWER: Final = 2.0 / 3.0
-"""What is offered beside the one speed of records, over it."""
 TOWED: Final = 6.0
 """Length of the model that captive tests are planned for, of a ship that is longer [m]."""
 CAPTIVE_RUNS: Final = 8
@@ -116,7 +106,7 @@ def next_manoeuvres(
     for name in effects:
         if name not in known:
             raise no_such_effect(name, known)
-    allowed = limits or limits_of_records(complete, system.records)
+    allowed = limits or Limits.of_records(complete, system.records)
     if not effects and found is None:
         found = answer(system, begun)
     group = () if effects or found is None else found.group
@@ -170,34 +160,6 @@ def _asked(
         return advice
     alone = f"{' and '.join(group[0][0])} stands alone" if group else "nothing is named"
     return replace(advice, words=f"The records leave no rivals: {alone}. {advice.words}")
-
-
-def limits_of_records(model: Model, records: Sequence[FreeRecord]) -> Limits:
-    """Speeds of records, and the rudder that the ship has.
-
-    Parameters
-    ----------
-    model : Model
-        Of the ship.
-    records : sequence of FreeRecord
-        Made.
-
-    Returns
-    -------
-    Limits
-        Three speeds of many; of one, two thirds of it as well, if the model has values there.
-    """
-    usual = float(np.median([item.speed for item in records]))
-    # A record that begins next to rest says nothing of a speed at which to begin.
-    speeds = sorted({round(x.speed, 6) for x in records if x.speed > SLOWEST * usual})
-    if len(speeds) > SPEEDS:
-        speeds = [speeds[0], speeds[len(speeds) // 2], speeds[-1]]
-    slow = round(SLOWER * speeds[0], 3)
-    covered = len(model.Fn) < 2 or model.ship.froude(slow, model.water.g) >= min(model.Fn)
-    if len(speeds) == 1 and covered:
-        speeds = [slow, *speeds]
-    largest = min(steering(model).get("max_deg", RUDDER), RUDDER)
-    return Limits(speeds=tuple(speeds), rudder=math.radians(largest))
 
 
 def _courses(system: FreeSystem, names: Sequence[str]) -> Sequence[float]:

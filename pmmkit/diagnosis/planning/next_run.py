@@ -16,7 +16,7 @@ from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.planning.advice import Advice, NextRun
 from pmmkit.diagnosis.planning.ground import Asked, Ground, ground_of
 from pmmkit.diagnosis.planning.manoeuvres import next_manoeuvres
-from pmmkit.diagnosis.planning.options import Limits, Option, limits_of, timed
+from pmmkit.diagnosis.planning.options import Limits, Option, timed
 from pmmkit.diagnosis.planning.ranking import apart, apart_at_usual_size, checks_of, resolved, shown
 from pmmkit.diagnosis.planning.separation import expected_odds
 from pmmkit.identification import FreeRecord
@@ -124,7 +124,7 @@ def _again(ground: Ground, campaign: Campaign, found: Diagnosis, limits: Limits 
     for item in found.suspected:
         run = campaign[item.run]
         settings = replace(run.settings, repeat_of=item.run)
-        option = timed(run.test, settings, limits or limits_of(campaign), campaign.ship)
+        option = timed(run.test, settings, limits or Limits.of(campaign), campaign.ship)
         if option is None or item.effect not in ground.candidates:
             continue
         sets = [ground.likely(names) for names in ((item.effect,), ())]

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
 
 from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns import (
@@ -19,6 +21,11 @@ from pmmkit.campaigns import (
     captive_kinds,
 )
 from pmmkit.conventions import Ship, Water
+from pmmkit.models import Model
+from pmmkit.simulation import steering
+
+if TYPE_CHECKING:
+    from pmmkit.identification import FreeRecord
 
 BREAKING: Final = 0.25
 """ωU/g above which waves no longer leave the model behind."""
@@ -28,6 +35,14 @@ FEWEST: Final = 3
 """Whole cycles, the first included, without which an oscillating run tells too little."""
 SPEEDS: Final = 5
 """Speeds that are offered of a campaign with more."""
+RUDDER: Final = 35.0
+"""Largest rudder angle of a ship that states none [deg]."""
+FEW_SPEEDS: Final = 3
+"""Speeds that are offered of records with more."""
+SLOWEST: Final = 0.5
+"""Speeds below this share of the median are not those of an approach."""
+SLOWER: Final = 2.0 / 3.0
+"""What is offered beside the one speed of records, over it."""
 _UNWRITTEN: Final = ("speed", "yaw_rate", "radius")
 """Settings that are not among those by which an entry tells a planned run."""
 USUAL: Final = tuple(
@@ -196,6 +211,83 @@ class Limits:
     wait: float = 720.0
     propeller_rps: float | None = None
 
+    @classmethod
+    def of(cls, campaign: Campaign) -> Limits:
+        """What a campaign has shown that its tank and rig can do.
+
+        Parameters
+        ----------
+        campaign : Campaign
+            Captive tests; the settings count, not the data.
+
+        Returns
+        -------
+        Limits
+            Its speeds (two thirds and four thirds of it beside a single one, five of many), largest
+            angles and amplitudes. What it never did, such as rudder angles, is left out; drift,
+            sway and yaw are offered at usual sizes where it has none.
+        """
+        every = [run.settings for run in campaign.runs]
+        speeds = sorted({round(s.speed, 6) for s in every})
+        if len(speeds) > SPEEDS:
+            last = len(speeds) - 1
+            speeds = [speeds[round(i * last / (SPEEDS - 1))] for i in range(SPEEDS)]
+        if len(speeds) == 1:
+            speeds = [round(share * speeds[0], 3) for share in (2 / 3, 1.0, 4 / 3)]
+        found = cls(speeds=tuple(speeds))
+        largest = {
+            "drift": max((abs(s.drift) for s in every), default=0.0),
+            "yaw": max((abs(s.yaw_amplitude or 0.0) for s in every), default=0.0),
+            "sway": max((abs(s.amplitude or 0.0) for s in every), default=0.0),
+            "sway_velocity": max(
+                ((s.amplitude or 0.0) * (s.omega or 0.0) / s.speed for s in every), default=0.0
+            ),
+            "yaw_rate": max(
+                (
+                    abs(s.yaw_amplitude or 0.0) * (s.omega or 0.0) * campaign.ship.L / s.speed
+                    for s in every
+                ),
+                default=0.0,
+            ),
+        }
+        tests = {run.test for run in campaign.runs}
+        revolutions = {s.propeller_rps for s in every}
+        return found.with_(
+            **{name: value for name, value in largest.items() if value > 0},
+            rudder=max((s.largest_rudder for s in every), default=0.0),
+            heel=max((abs(s.heel) for s in every), default=0.0),
+            tests=(*USUAL, *(name for name in offered()[len(USUAL) :] if name in tests)),
+            propeller_rps=revolutions.pop() if len(revolutions) == 1 else None,
+        )
+
+    @classmethod
+    def of_records(cls, model: Model, records: Sequence[FreeRecord]) -> Limits:
+        """Speeds of records, and the rudder that the ship has.
+
+        Parameters
+        ----------
+        model : Model
+            Of the ship.
+        records : sequence of FreeRecord
+            Made.
+
+        Returns
+        -------
+        Limits
+            Three speeds of many; of one, two thirds of it as well, if the model has values there.
+        """
+        usual = float(np.median([item.speed for item in records]))
+        # A record that begins next to rest says nothing of a speed at which to begin.
+        speeds = sorted({round(x.speed, 6) for x in records if x.speed > SLOWEST * usual})
+        if len(speeds) > FEW_SPEEDS:
+            speeds = [speeds[0], speeds[len(speeds) // 2], speeds[-1]]
+        slow = round(SLOWER * speeds[0], 3)
+        covered = len(model.Fn) < 2 or model.ship.froude(slow, model.water.g) >= min(model.Fn)
+        if len(speeds) == 1 and covered:
+            speeds = [slow, *speeds]
+        largest = min(steering(model).get("max_deg", RUDDER), RUDDER)
+        return cls(speeds=tuple(speeds), rudder=math.radians(largest))
+
     def with_(self, **changes: Any) -> Limits:
         """A copy with some entries changed.
 
@@ -231,55 +323,6 @@ class Limits:
         if wrong:
             raise CampaignError(wrong)
         return made
-
-
-def limits_of(campaign: Campaign) -> Limits:
-    """What a campaign has shown that its tank and rig can do.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Captive tests; the settings count, not the data.
-
-    Returns
-    -------
-    Limits
-        Its speeds (two thirds and four thirds of it beside a single one, five of many), largest
-        angles and amplitudes. What it never did, such as rudder angles, is left out; drift, sway
-        and yaw are offered at usual sizes where it has none.
-    """
-    every = [run.settings for run in campaign.runs]
-    speeds = sorted({round(s.speed, 6) for s in every})
-    if len(speeds) > SPEEDS:
-        last = len(speeds) - 1
-        speeds = [speeds[round(i * last / (SPEEDS - 1))] for i in range(SPEEDS)]
-    if len(speeds) == 1:
-        speeds = [round(share * speeds[0], 3) for share in (2 / 3, 1.0, 4 / 3)]
-    found = Limits(speeds=tuple(speeds))
-    largest = {
-        "drift": max((abs(s.drift) for s in every), default=0.0),
-        "yaw": max((abs(s.yaw_amplitude or 0.0) for s in every), default=0.0),
-        "sway": max((abs(s.amplitude or 0.0) for s in every), default=0.0),
-        "sway_velocity": max(
-            ((s.amplitude or 0.0) * (s.omega or 0.0) / s.speed for s in every), default=0.0
-        ),
-        "yaw_rate": max(
-            (
-                abs(s.yaw_amplitude or 0.0) * (s.omega or 0.0) * campaign.ship.L / s.speed
-                for s in every
-            ),
-            default=0.0,
-        ),
-    }
-    tests = {run.test for run in campaign.runs}
-    revolutions = {s.propeller_rps for s in every}
-    return found.with_(
-        **{name: value for name, value in largest.items() if value > 0},
-        rudder=max((s.largest_rudder for s in every), default=0.0),
-        heel=max((abs(s.heel) for s in every), default=0.0),
-        tests=(*USUAL, *(name for name in offered()[len(USUAL) :] if name in tests)),
-        propeller_rps=revolutions.pop() if len(revolutions) == 1 else None,
-    )
 
 
 def options_of(limits: Limits, ship: Ship, water: Water) -> tuple[Option, ...]:

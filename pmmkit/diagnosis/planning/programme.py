@@ -21,6 +21,7 @@ from pmmkit.diagnosis.evidence import SHOWS, could_hide
 from pmmkit.diagnosis.planning.ground import Asked, Ground, ground_of
 from pmmkit.diagnosis.planning.information import Reduced, RunInformation, known
 from pmmkit.diagnosis.planning.options import Limits, Option
+from pmmkit.diagnosis.planning.plan_file import entries_text
 from pmmkit.diagnosis.planning.separation import UsualEffects, usual
 from pmmkit.numerics import Array
 
@@ -106,6 +107,11 @@ class TestPlan:
     def options(self) -> tuple[Option, ...]:
         """The runs."""
         return tuple(step.option for step in self.steps)
+
+    @property
+    def entries(self) -> str:
+        """The runs as ``[[runs]]`` that can be pasted into a campaign file."""
+        return entries_text(self.options)
 
     @property
     def hours(self) -> float:

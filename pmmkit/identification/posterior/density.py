@@ -12,8 +12,8 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import SimulationError
-from pmmkit.identification.binding import Binding, bound, driven
-from pmmkit.identification.filters import Filtered, first_state, process
+from pmmkit.identification.binding import Binding, driven
+from pmmkit.identification.filters import Filtered, process
 from pmmkit.identification.passes import (
     Pass,
     Process,
@@ -191,7 +191,7 @@ def density_of(
     """The posterior density of parameters, made ready."""
     ready = driven(model)
     speed, L = records[0].speed, ready.ship.L
-    binding = bound(
+    binding = Binding.of(
         ready, prior.names, speed, conditions=records[0].conditions, extrapolate=extrapolate
     )
     states = binding.structure.states
@@ -204,8 +204,8 @@ def density_of(
         begun.append(
             Begun(
                 **vars(cleaned),
-                start=first_state(record, states, known, L)[0],
-                spread=first_state(unknown, states, known, L)[1],
+                start=record.first_state(states, known, L)[0],
+                spread=unknown.first_state(states, known, L)[1],
             )
         )
     made = Density(

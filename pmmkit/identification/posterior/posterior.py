@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -26,7 +27,7 @@ from pmmkit.identification.posterior.ensembles import (
     drawn_from,
     walkers_of,
 )
-from pmmkit.identification.posterior.tree import draws_of, tree_of
+from pmmkit.identification.posterior.tree import draws_of, tree_of, write_posterior
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.restarts import filtered
@@ -106,6 +107,10 @@ class Posterior:
     def draws(self) -> Draws:
         """For `monte_carlo` and `bands_of`, in place of a spread."""
         return draws_of(self.tree)
+
+    def write(self, path: str | Path) -> None:
+        """Write the draws as NetCDF4, which ArviZ reads; the same draws give the same bytes."""
+        write_posterior(self.tree, path)
 
     @property
     def unconverged(self) -> tuple[str, ...]:

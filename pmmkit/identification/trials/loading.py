@@ -148,8 +148,7 @@ class LoadingPrediction:
         asked = (("as tried", self, draught), ("of full load", full_load, full_draught))
         loaded = tuple(
             f"The prediction {name} ({item.name}) is for {item.draught * L / item.L:.4g} m of "
-            "draught, "
-            f"the ship draws {own:.4g} m."
+            f"draught, the ship draws {own:.4g} m."
             for name, item, own in asked
             if own is not None and abs(item.draught * L / item.L / own - 1.0) > LOADED
         )

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pmmkit.campaigns import STOPPING, TURNING, ZIGZAG
 from pmmkit.conventions import IN_LENGTHS, in_words, metric_of, told
-from pmmkit.identification.trials.current import Current
+from pmmkit.identification.trials.current import Current, mean_current
 from pmmkit.identification.trials.noise import PositionNoise
 from pmmkit.numerics import Array
 from pmmkit.presentation import ABSENT, WIDE, Grid, Group, Section, number, plus_minus
@@ -116,6 +116,11 @@ class Trial(Track):
     noise: PositionNoise = field(default_factory=lambda: PositionNoise(fast=0.0))
     x_ground: Array
     y_ground: Array
+
+    @staticmethod
+    def mean_current(trials: Iterable[Trial]) -> Current | None:
+        """Weighted mean of the currents of turning circles in the same axes; None of none."""
+        return mean_current({x.run: x.current for x in trials if x.current is not None})
 
     def resized(self, L: float, speed: float) -> Self:
         """As of a track, with the uncertainties and the path as measured."""

@@ -37,7 +37,15 @@ class Expects(Protocol):
 
 @dataclass(frozen=True)
 class RunView:
-    """A view of a run beside a prediction; `effects.seen.Observed` says what each word is."""
+    """A view of a run beside a prediction; `effects.seen.Observed` says what each word is.
+
+    Parameters
+    ----------
+    view : View
+        The run as measured.
+    base : Expects
+        What is expected of it.
+    """
 
     view: View
     base: Expects

@@ -223,7 +223,7 @@ def window_figure(found: PredictedWindow) -> Figure:
     Parameters
     ----------
     found : PredictedWindow
-        From `predicted_window`.
+        From `PredictedWindow.of`.
 
     Returns
     -------

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from pmmkit.base import DataError
-from pmmkit.diagnosis import Diagnosis, Sailed, Session, before_and_after
+from pmmkit.diagnosis import Diagnosis, Session
 from pmmkit.files import write_text
 from pmmkit.intake import CheckFinding
+from pmmkit.models import Step
 from pmmkit.presentation import Section, counted
 from pmmkit.views.pages.page_file import page_file, state_of
 from pmmkit.views.pages.sections import PageSection, told_page
@@ -73,7 +74,7 @@ def write_free_diagnosis(
         ),
         "told data": told_page(PageSection(after=[checked_section(findings)])),
         **loop_answers(
-            loop, facts=facts, sections=[_sailed(evidence.sailed(after.steps)), _errors(found)]
+            loop, facts=facts, sections=[_sailed(evidence, after.steps), _errors(found)]
         ),
     }
     target = Path(path)
@@ -81,8 +82,9 @@ def write_free_diagnosis(
     return target
 
 
-def _sailed(records: Sequence[Sailed]) -> Section:
+def _sailed(evidence: Any, steps: Sequence[Step]) -> Section:
     """Records left out, measured and sailed before and after."""
+    records = evidence.sailed(steps)
     return Section(
         title="Records before and after",
         paragraphs=[
@@ -94,7 +96,7 @@ def _sailed(records: Sequence[Sailed]) -> Section:
         ],
         figures=[
             drawn(
-                before_and_after(records),
+                evidence.plot(records),
                 "Track, heading, how far the heading is off, and yaw rate of records left out.",
             )
         ],
