@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from pmmkit.base import MissingPartError
-from pmmkit.campaigns import open_water
 from pmmkit.conventions import STRUCTURES, Structure, bibtex, parse_derivative
 from pmmkit.effects import CATALOGUE
 from pmmkit.models import (
@@ -128,7 +127,7 @@ def ship_as_tested(campaign: Campaign) -> Model:
     Model
         Without a hull: `to_model` takes it as the parts of a table.
     """
-    curve = open_water(campaign)
+    curve = campaign.open_water
     told = dict(campaign.propeller)
     if curve is not None:
         told |= straight_polynomial(*curve)
@@ -159,7 +158,7 @@ def carried_to(model: Model, campaign: Campaign) -> Model:
     """
     made, notes = as_tested(model, campaign)
     stated = dict(campaign.propeller)
-    curve = open_water(campaign)
+    curve = campaign.open_water
     if curve is not None:
         stated |= straight_polynomial(*curve)
     whose = f"{campaign.title or campaign.ship.name}, by its campaign file"

@@ -37,7 +37,6 @@ def over_depths(
 ) -> Outcome:
     """Reduce runs at each depth of the water into a folder of its own."""
     from pmmkit.base import CampaignError, PmmkitError, Problem
-    from pmmkit.campaigns import depths, in_words
     from pmmkit.files import write_results
     from pmmkit.models import TablesByDepth
     from pmmkit.plotting import save
@@ -59,8 +58,8 @@ def over_depths(
     found: list[Reduction] = []
     status = 0
     for part in campaigns:
-        (depth,) = depths(part)
-        title = f"In water of {in_words((depth,))}, h/T = {_ratio(part):.4g}"
+        depth = part.water.depth
+        title = f"In water of {part.depth_in_words}, h/T = {_ratio(part):.4g}"
         lines += ["", title, "=" * len(title)]
         try:
             outcome, reduction = reduce(part, out / _name(part))

@@ -64,9 +64,9 @@ class DraftProgress:
     @property
     def place(self) -> Path:
         """The campaign as it is typed."""
-        from pmmkit.campaigns import FILE_NAME
+        from pmmkit.files import CAMPAIGN
 
-        return self.file.parent if self.file.name == FILE_NAME else self.file
+        return self.file.parent if self.file.name == CAMPAIGN.file else self.file
 
     @property
     def guesses(self) -> int:
@@ -107,17 +107,16 @@ def _name(way: DraftProgress, campaign: Campaign) -> str:
 def _with_campaign(path: Path, ship: str | None, out: Path | None) -> DraftProgress:
     """The campaign that is there, or a draft in a folder of its own."""
     from pmmkit.base import FileExists
-    from pmmkit.campaigns import FILE_NAME
-    from pmmkit.files import write_text
+    from pmmkit.files import CAMPAIGN, write_text
     from pmmkit.intake import draft_of, look, proposed, questions_of, written
 
-    own = path / FILE_NAME if path.is_dir() else path
+    own = path / CAMPAIGN.file if path.is_dir() else path
     if own.is_file() and (own.suffix == ".toml" or look(own).campaigns):
         text = own.read_text("utf-8", errors="replace") if own.suffix == ".toml" else ""
         found = DraftProgress(file=own, questions=questions_of(text))
         return found.after("read", f"{quoted(own)} is there and is taken as it stands")
     folder = results_folder(out, f"{stem(path)}-first")
-    target = folder / FILE_NAME
+    target = folder / CAMPAIGN.file
     if target.exists():
         raise FileExists(
             f"{target} is there: it was not replaced. To go on with it: "

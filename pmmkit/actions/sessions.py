@@ -27,10 +27,9 @@ def session_about(
 ) -> Session[Any]:
     """A session in which free-running records are asked for nothing but the effects."""
     from pmmkit.base import DataError
-    from pmmkit.campaigns import sailing
     from pmmkit.diagnosis import begin
 
-    one = campaigns[sailing(campaigns)]
+    one = max(campaigns.values(), key=lambda item: item.kind == "free-running")
     names = [name.partition("@")[0] for name in effects]
     if one.kind != "free-running":
         if stated(asked):

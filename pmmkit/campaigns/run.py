@@ -1,65 +1,74 @@
-"""Run and Campaign: one captive or free-running test, and the tests of one ship."""
+"""One captive or free-running test with its data, and the files that these are read from."""
 
 from __future__ import annotations
 
-import fnmatch
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, ClassVar, Final
 
-from pmmkit.base import DataError, UnknownNameError, did_you_mean
-from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.test_kinds.kind import TestKind
-from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
-from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.conventions import CHANNEL_UNITS, Ship, Water
-from pmmkit.presentation import Described, Grid, Group, Section, counted, number
+from numpy.typing import ArrayLike
+
+from pmmkit.base import DataError
+from pmmkit.campaigns.stated_run import StatedRun
+from pmmkit.conventions import CHANNEL_UNITS
+from pmmkit.effects import State
+from pmmkit.files import Origin, local_copy
+from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Section, number
+from pmmkit.readers import Request, reader_for, recognise
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-Kind = Literal["history", "means", "harmonics"]
-FORCES: Final = {
-    "hydrodynamic": "those of the water on the hull",
-    "balance": "readings of the balance, with the inertia of the model",
-}
-MOST: Final = 6
-"""Froude numbers that are listed one by one."""
+    from pmmkit.signals import FourierBasis
 
 
-@dataclass(frozen=True, kw_only=True)
-class Correction:
-    """Something that was done to the data because the campaign file says so, and why.
+AT_ONCE: Final = 8
+"""Files that are fetched side by side, as each waits for its store most of the time."""
+
+
+def at_hand(request: Request, *, proven: bool = True) -> Request:
+    """The request with its file on this machine: as it is, or copied from its URL."""
+    if request.origin is None:
+        return request
+    try:
+        path = local_copy(request.origin, proven=proven)
+    except DataError as error:
+        shown = replace(request, withheld=False)
+        raise request.error(
+            *(shown.problem(item.message, remedy=item.remedy) for item in error.problems)
+        ) from error
+    withheld = request.withheld and recognise(path) is None
+    return replace(request, path=path, origin=None, withheld=withheld)
+
+
+def bring(requests: Sequence[Request]) -> None:
+    """Fetch several files side by side; what cannot be fetched is told when it is read.
 
     Parameters
     ----------
-    runs : tuple of str
-        Ids of runs, ``*`` and ``?`` allowed.
-    action : str
-        ``exclude``, ``scale``, ``shift``, ``flip``, ``trim``, ``window``, ``tare``,
-        ``drop means``, ``drop``, ``inertia still inside``, ``inertia already removed``,
-        ``accept`` (what a check says).
-    reason : str
-        Why, in the user's words.
-    values : mapping
-        What the action needs, e.g. ``{"channels": ["X"], "factor": 2.0}``.
+    requests : sequence of Request
+        The files; those of this machine are left alone.
     """
+    afar = {request.origin for request in requests if request.origin is not None}
+    if not afar:
+        return
 
-    runs: tuple[str, ...]
-    action: str
-    reason: str
-    values: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    def fetch(origin: Origin) -> None:
+        try:
+            local_copy(origin)
+        except DataError:
+            return
 
-    def applies_to(self, run_id: str) -> bool:
-        """Whether a run is meant."""
-        return any(fnmatch.fnmatchcase(run_id, pattern) for pattern in self.runs)
+    with ThreadPoolExecutor(min(AT_ONCE, len(afar))) as pool:
+        list(pool.map(fetch, afar))
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Run(Described):
+class Run(StatedRun, Described):
     """One test.
 
     Parameters
@@ -86,17 +95,9 @@ class Run(Described):
         When it started, ISO 8601; empty where that is not stated.
     """
 
-    id: str
-    test: str
-    kind: Kind
-    settings: Settings
     loader: Callable[[], xr.Dataset] = field(repr=False, compare=False)
-    forces: Literal["hydrodynamic", "balance"] = "hydrodynamic"
-    use_means: bool = True
-    stated: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    corrections: tuple[Correction, ...] = ()
-    source: str = ""
-    started: str = ""
+    DOUBTFUL: ClassVar[str] = "doubtful: "
+    """How a note on its data begins that somebody should look at."""
 
     @property
     def data(self) -> xr.Dataset:
@@ -110,24 +111,132 @@ class Run(Described):
         return self.loader()
 
     @property
-    def kind_of_test(self) -> TestKind:
-        """What there is to know of tests such as this one."""
-        return TEST_KINDS[self.test]
+    def requests(self) -> tuple[Request, ...]:
+        """What is read for it: its file, and that of its motion; none where it has no file."""
+        return tuple(getattr(self.loader, "requests", ()))
 
     @property
-    def dynamic(self) -> bool:
-        """Whether the model oscillates."""
-        return self.kind_of_test.oscillates
+    def own_file(self) -> Path | None:
+        """The file of its history alone; None of a row of a table."""
+        return self.requests[0].path if hasattr(self.loader, "untrimmed") else None
 
     @property
-    def setting(self) -> str:
-        """What it was set to, with the speed, without the kind of test."""
-        surges = self.kind_of_test.surges
-        parts = [
-            f"{'surge' if surges and item.symbol == 'a' else item.word} {item.value:.3g}{item.unit}"
-            for item in self.settings.told
-        ]
-        return ", ".join([f"{self.settings.speed:.3g} m/s", *parts])
+    def untrimmed(self) -> Run:
+        """With all of its record, that too which a correction cuts off."""
+        return self.with_(loader=getattr(self.loader, "untrimmed", self.loader))
+
+    def files(self) -> dict[str, Path]:
+        """The files that its data come from, by the names that messages give them.
+
+        Raises
+        ------
+        CampaignError
+            If a folder holds nothing of its format, or a file behind a URL cannot be fetched.
+        """
+        asked = [at_hand(request, proven=False) for request in self.requests]
+        return {
+            request.inside(path).shown: path
+            for request in asked
+            for path in reader_for(request).files(request)
+        }
+
+    def measured_motion(
+        self,
+        data: xr.Dataset,
+        times: ArrayLike,
+        basis: FourierBasis | None = None,
+        *,
+        within: slice = slice(None),
+    ) -> State:
+        """Motion of the record: what was measured, and the nominal motion for the rest.
+
+        For each of u, v, r the order is: its own channel, what follows from the positions and
+        heading ``x, y, psi``, the nominal value (at the phase of the measured motion). Where the
+        carriage's speed ``U_carriage`` was recorded it stands for the nominal speed: its mean, and
+        in an oscillating test its series where it swings with the motion. Accelerations that were
+        not measured follow from the velocity: in an oscillating test through its least-squares
+        Fourier series (harmonics 0 to 5 at the frequency of the run, on the actual times), in a
+        static test they are zero. In a static test only the mean heading and the mean speeds are
+        taken from positions, of a circle only the yaw rate; where the rudder alone swings the hull
+        counts as in a static test.
+
+        Parameters
+        ----------
+        data : Dataset
+            The run's data, or a part of them. Channels ``u, v, r, p, phi, udot, vdot, rdot, pdot,
+            delta, n, T, x, y, psi, U_carriage`` are used; scalars hold for all times. A channel
+            that is NaN throughout counts as not measured, and so does a single value of what
+            oscillates. ``x`` may count from the tank or from the carriage; its trend tells.
+            Harmonics of a motion (``v_cos``, ``v_sin``) are summed at the nominal phase.
+        times : array (n,)
+            Times of the samples [s], even or not.
+        basis : FourierBasis, optional
+            Of harmonics 0 to 5 or above at these times, where there is one: its phase goes with
+            ωt.
+        within : slice
+            The samples of the data that lie at these times.
+
+        Returns
+        -------
+        State
+            Referred to the point that the measurements refer to, see `State.moved_aft`.
+
+        Raises
+        ------
+        CampaignError
+            If lengths differ, if a setting is needed and missing, or if the record is shorter than
+            a period and has to be differentiated.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import xarray as xr
+        >>> from pmmkit.campaigns.settings import Settings
+        >>> run = Run(id="PS", test="pure_sway", kind="history", loader=None,
+        ...           settings=Settings(speed=1.5, period=8.0, amplitude=0.2))
+        >>> t = np.arange(0.0, 8.0, 0.5)
+        >>> data = xr.Dataset({"v": ("t", 0.3 * np.sin(2 * np.pi * t / 8.0))}, coords={"t": t})
+        >>> run.measured_motion(data, t).vdot[:2].round(4)
+        array([0.2356, 0.2177])
+        """
+        from pmmkit.campaigns.motion.kinematics import measured_motion
+
+        return measured_motion(self, data, times, basis, within=within)
+
+    def displacement_phase(
+        self, data: xr.Dataset, times: ArrayLike, *, within: slice = slice(None)
+    ) -> Array:
+        """Phase θ of the displacement of an oscillating test: the motion is ∝ sin θ.
+
+        The displacement is the heading in yaw tests, the sway displacement in sway tests, the
+        surge displacement in surge tests, the angle of a rudder that swings. The phase is that of
+        the fundamental of the measured displacement (``psi``; ``y``; ``x``; ``delta``), else of
+        the velocity (``r``; ``v``; ``u``, which go with cos θ), else the nominal ωt + phase. It is
+        measured where the fundamental stands five standard errors clear of zero. Tables of
+        harmonics have the nominal phase.
+
+        Parameters
+        ----------
+        data : Dataset
+            The run's data, or a part of them.
+        times : array (n,)
+            Times of the samples [s], even or not.
+        within : slice
+            Samples by which the phase is told; a ramp of the carriage stays out of them.
+
+        Returns
+        -------
+        array (n,)
+            θ [rad], rising with time, the branch nearest to ωt + phase.
+
+        Raises
+        ------
+        CampaignError
+            If the test does not oscillate, has no period, or the record is shorter than one.
+        """
+        from pmmkit.campaigns.motion.kinematics import displacement_phase
+
+        return displacement_phase(self, data, times, within=within)
 
     def plot(self) -> Figure:
         """The channels of its history over time.
@@ -160,7 +269,7 @@ class Run(Described):
 
     def _sections(self) -> Sequence[Section]:
         told = [
-            f"Forces: {FORCES[self.forces]}",
+            f"Forces: {self.forces_in_words}",
             f"From {self.source}" if self.source else "The source is not stated",
             *([] if self.use_means else ["Its mean is known to be wrong and is not used."]),
         ]
@@ -171,196 +280,3 @@ class Run(Described):
             Section(title="Corrections", points=done),
         ]
         return [Section(paragraphs=told), *(section for section in lists if section.points)]
-
-    def with_(self, **changes: Any) -> Run:
-        """A copy with some entries changed."""
-        return replace(self, **changes)
-
-
-@dataclass(frozen=True, kw_only=True, repr=False)
-class Campaign(Described):
-    """Runs of one ship, with what must be known to reduce them.
-
-    Parameters
-    ----------
-    title : str
-        Title for reports.
-    kind : {"captive", "free-running"}
-        Kind of tests.
-    ship, water : Ship, Water
-        The model as tested.
-    runs : tuple of Run
-        The tests that are used.
-    excluded : tuple of (Run, str)
-        Tests left out, with the reason.
-    forces : {"hydrodynamic", "balance"}
-        What the campaign file says of the inertia (each run has its own after corrections).
-    moment_reference_x, moment_reference_z, motion_reference_x : float
-        Points to which moments and motions refer, from midship [m].
-    free : tuple of str
-        Motions that the mount leaves free.
-    uncertainty : tuple of TypeB
-        Stated standard uncertainties.
-    cfd, propeller, rudder : mapping
-        As in the campaign file, SI.
-    trial : mapping
-        Sea trials: ``antenna_x``, ``antenna_y``, ``position_std`` [m], and ``order``, the instant
-        of the order by run [s].
-    imo : mapping
-        What ``[imo]`` says for the form of the IMO's explanatory notes.
-    report : mapping
-        What the test report says and nothing else here holds: customer, tank, gauges …
-    numerical : mapping of str to float
-        Numerical standard uncertainty per channel, ``U_SN`` [N, N m].
-    folder : Path
-        Where the campaign lies.
-    provenance : mapping
-        Files read with their hashes, conversions made, pmmkit's version.
-    """
-
-    title: str
-    ship: Ship
-    water: Water
-    runs: tuple[Run, ...]
-    kind: Literal["captive", "free-running"] = "captive"
-    excluded: tuple[tuple[Run, str], ...] = ()
-    forces: Literal["hydrodynamic", "balance"] = "hydrodynamic"
-    moment_reference_x: float = 0.0
-    moment_reference_z: float = 0.0
-    motion_reference_x: float = 0.0
-    free: tuple[str, ...] = ()
-    uncertainty: tuple[TypeB, ...] = ()
-    cfd: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
-    propeller: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
-    rudder: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
-    numerical: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
-    imo: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
-    report: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
-    folder: Path = Path()
-    provenance: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
-
-    def __len__(self) -> int:
-        return len(self.runs)
-
-    def plot(self) -> Figure:
-        """Which tests were made at which Froude numbers, with how many runs.
-
-        Raises
-        ------
-        DataError
-            If the campaign has no run.
-        """
-        from pmmkit.campaigns.figures import programme
-
-        if not self.runs:
-            raise DataError(f"Campaign {self.title!r} has no run to draw.")
-        return programme(
-            [run.kind_of_test.title for run in self.runs],
-            [self.ship.froude(run.settings.speed, self.water.g) for run in self.runs],
-        )
-
-    def _headline(self) -> str:
-        left = f", {len(self.excluded)} left out" if self.excluded else ""
-        return f"{self.title or self.ship.name}: {self.kind}, {counted(len(self), 'run')}{left}"
-
-    def _sections(self) -> Sequence[Section]:
-        told = [
-            self.ship.words,
-            f"Water: {self.water.rho:.5g} kg/m³"
-            + (f", depth {self.water.depth:g} m" if self.water.depth else ""),
-            f"Forces: {FORCES[self.forces]}",
-            f"Free to move in: {', '.join(self.free)}" if self.free else "",
-        ]
-        left = [f"{run.id}: {reason}" for run, reason in self.excluded]
-        corrections = dict.fromkeys(
-            f"{', '.join(item.runs)}: {item.action} ({item.reason})"
-            for run in self.runs
-            for item in run.corrections
-        )
-        stated = [
-            f"{item.name}: {number(item.std)}{' of the value' if item.relative else ''}, "
-            f"{'the same in all runs' if item.shared else 'anew in each run'}"
-            for item in self.uncertainty
-        ]
-        lists = [
-            Section(title="Left out", points=left),
-            Section(title="Corrections", points=list(corrections)),
-            Section(title="Stated standard uncertainties [SI, radians]", points=stated),
-        ]
-        return [
-            Section(paragraphs=[text for text in told if text]),
-            Section(title="Tests", tables=[self._tests()]),
-            *(section for section in lists if section.points),
-        ]
-
-    def _tests(self) -> Grid:
-        """A row per kind of test: how many runs, at which speeds, as what they are given."""
-        found: dict[str, list[Run]] = {}
-        for run in self.runs:
-            found.setdefault(run.test, []).append(run)
-        rows = []
-        for runs in found.values():
-            speeds = sorted({run.settings.speed for run in runs})
-            ends = [f"{speeds[0]:.4g}", *([f"{speeds[-1]:.4g}"] if len(speeds) > 1 else [])]
-            froude = dict.fromkeys(f"{self.ship.froude(x, self.water.g):.3f}" for x in speeds)
-            numbers = list(froude)
-            rows.append(
-                [
-                    runs[0].kind_of_test.title,
-                    str(len(runs)),
-                    " to ".join(ends),
-                    ", ".join(numbers) if len(numbers) <= MOST else f"{len(numbers)} of them",
-                    ", ".join(dict.fromkeys(run.kind for run in runs)),
-                ]
-            )
-        head = ["test", "runs", "speed [m/s]", "Fn", "as"]
-        return Grid(head=head, groups=[Group(rows=rows)], texts=(3, 4))
-
-    def __iter__(self) -> Iterator[Run]:
-        return iter(self.runs)
-
-    def __getitem__(self, run_id: str) -> Run:
-        for run in self.runs:
-            if run.id == run_id:
-                return run
-        raise UnknownNameError(
-            f"Campaign {self.title!r} has no run {run_id!r}"
-            f"{did_you_mean(run_id, [run.id for run in self.runs]) or '.'} It has "
-            f"{', '.join(run.id for run in self.runs[:12])}{' …' if len(self) > 12 else ''}."
-        )
-
-    def select(self, *tests: str) -> Campaign:
-        """The campaign with only some kinds of tests.
-
-        Parameters
-        ----------
-        *tests : str
-            Names of kinds, such as ``static_drift``.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is no such kind.
-        """
-        for name in {*tests} - {run.test for run in self.runs}:
-            TEST_KINDS[name]
-        return replace(self, runs=tuple(run for run in self.runs if run.test in tests))
-
-    def with_(self, **changes: Any) -> Campaign:
-        """A copy with some entries changed."""
-        return replace(self, **changes)
-
-    def froude(self, run: Run) -> float:
-        """Froude number of a run."""
-        return self.ship.froude(run.settings.speed, self.water.g)
-
-    def depth_of(self, run: Run) -> float | None:
-        """Depth of the water in which a run was made [m]; None where it is not stated."""
-        return self.water.depth if run.settings.depth is None else run.settings.depth
-
-    def to_xarray(self) -> xr.DataTree:
-        """All runs as one DataTree, a node a run (reads everything)."""
-        import xarray as xr
-
-        return xr.DataTree.from_dict({run.id: run.data for run in self.runs}, name=self.title)

@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 Flags = NDArray[np.bool_]
 Places = NDArray[np.intp]
 
-GAP: Final = 1.0
 SLOW: Final = 2.5
 """Usual intervals of a slow record that are a gap in it."""
 SHORTEST: Final = 5.0
@@ -44,6 +43,100 @@ class Jump:
     place: int
     t: float
     size: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fixes:
+    """Places and headings of a free-running record, one after the other.
+
+    Parameters
+    ----------
+    t, x, y : array (n,)
+        Time [s], increasing, and position [m], all finite.
+    psi : array (n,)
+        Heading, unwrapped [rad].
+    speed : float
+        Speed of the run [m/s].
+
+    Examples
+    --------
+    >>> t = np.arange(0, 60, 0.1)
+    >>> psi = 0.05 * t - np.radians(6) * (t > 30)
+    >>> record = Fixes(t=t, x=0.8 * t + (t > 30) * 0.5, y=0 * t, psi=psi, speed=0.2)
+    >>> [round(jump.size, 2) for jump in record.position_jumps()]
+    [0.5]
+    >>> (found,) = record.heading_jumps()
+    >>> round(found.t, 6), round(math.degrees(found.size), 6)
+    (30.1, 6.0)
+    >>> held = np.where((t > 20) & (t < 21), 16.0, 0.8 * t)
+    >>> Fixes(t=t, x=held, y=0 * t, psi=psi, speed=0.2).position_jumps()
+    ()
+    """
+
+    t: Array
+    x: Array
+    y: Array
+    psi: Array
+    speed: float
+    GAP: ClassVar[float] = 1.0
+    """Time without a sample that is a gap of a usual record [s]."""
+
+    @property
+    def fresh(self) -> Flags:
+        """False where a position repeats the sample before, digit for digit.
+
+        A receiver that has nothing new to say repeats its last position; the next new one then
+        seems to jump.
+        """
+        return _changed(self.x, self.y)
+
+    @property
+    def jump_limit(self) -> float:
+        """Smallest step of position that is called a jump: the way of 0.3 s, at least 0.1 m."""
+        return max(JUMP_TIME * self.speed, SMALLEST)
+
+    def position_jumps(self, limit: float | None = None) -> tuple[Jump, ...]:
+        """Jumps of the position, measured against the velocity about them.
+
+        Repeated positions are passed over first, so that catching up after them is no jump.
+
+        Parameters
+        ----------
+        limit : float, optional
+            Smallest jump [m]; never below 12 times the usual scatter of a step.
+        """
+        rows = np.stack([self.x, self.y])
+        return _jumps(self.t, rows, self.fresh, self.jump_limit if limit is None else limit)
+
+    def heading_jumps(self, limit: float = HEADING_JUMP) -> tuple[Jump, ...]:
+        """Jumps of the heading above a limit [rad], measured against the yaw rate about them."""
+        return _jumps(self.t, self.psi[None], _changed(self.psi, 0 * self.psi), limit)
+
+    def smooth_heading(self, jumps: Sequence[Jump]) -> Array:
+        """The heading with its jumps taken out; what went before a jump is left."""
+        psi, t = self.psi, self.t
+        step = np.diff(psi, prepend=psi[0])
+        for jump in jumps:
+            around = slice(max(1, jump.place - 15), jump.place + 16)
+            rates = step[around] / np.diff(t, prepend=t[0] - 1)[around]
+            step[jump.place] = np.median(rates) * (t[jump.place] - t[jump.place - 1])
+        smooth: Array = psi[0] + np.cumsum(step)
+        return smooth
+
+    @staticmethod
+    def stop_at_end(n: Array) -> int:
+        """Index from which the propeller stands until the end; the length where it does not.
+
+        Examples
+        --------
+        >>> Fixes.stop_at_end(np.array([0.0, 10.0, 10.0, 0.0, 0.0]))
+        3
+        >>> Fixes.stop_at_end(np.array([9.0, 10.0]))
+        2
+        """
+        size = np.abs(np.nan_to_num(n))
+        turning = np.flatnonzero(size > STILL * size.max(initial=0.0))
+        return int(turning[-1]) + 1 if len(turning) else len(n)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,8 +198,8 @@ def usable(
         Longest time without a sample, or without a new position [s]; by default 1 s, or 2.5 times
         the usual interval of a slower record.
     jump : float, optional
-        Step of position that the motion does not explain [m]; default `jump_limit` of the run's
-        speed. Never below 12 times the usual scatter of the record.
+        Step of position that the motion does not explain [m]; default `Fixes.jump_limit`. Never
+        below 12 times the usual scatter of the record.
     heading_jump : float
         The same for the heading [rad].
     shortest : float
@@ -155,11 +248,10 @@ def usable(
         return Usable(segments=(), cuts=tuple(cuts))
     time, heading = t[kept], unwrapped(psi[kept])
     if gap is None:
-        gap = max(GAP, SLOW * float(np.median(np.diff(time)))) if len(time) > 1 else GAP
-    fresh = fresh_samples(x[kept], y[kept])
-    parts = _borders(
-        run, time, np.stack([x[kept], y[kept]]), heading, fresh, (gap, jump, heading_jump), cuts
-    )
+        gap = max(Fixes.GAP, SLOW * float(np.median(np.diff(time)))) if len(time) > 1 else Fixes.GAP
+    record = Fixes(t=time, x=x[kept], y=y[kept], psi=heading, speed=run.settings.speed)
+    fresh = record.fresh
+    parts = _borders(record, (gap, jump, heading_jump), cuts)
     long = []
     for part in parts:
         if time[part[-1]] - time[part[0]] >= shortest:
@@ -178,107 +270,6 @@ def usable(
         for number, part in enumerate(long, start=1)
     )
     return Usable(segments=segments, cuts=tuple(sorted(cuts, key=lambda cut: cut.t_start)))
-
-
-def fresh_samples(x: Array, y: Array) -> Flags:
-    """False where a position repeats the sample before, digit for digit.
-
-    A receiver that has nothing new to say repeats its last position; the next new one then seems
-    to jump.
-
-    Examples
-    --------
-    >>> fresh_samples(np.array([0.0, 0.1, 0.1, 0.3]), np.zeros(4)).tolist()
-    [True, True, False, True]
-    """
-    fresh = np.ones(len(x), dtype=bool)
-    fresh[1:] = (np.diff(x) != 0) | (np.diff(y) != 0)
-    return fresh
-
-
-def jump_limit(speed: float) -> float:
-    """Smallest step of position that is called a jump: the way of 0.3 s, at least 0.1 m.
-
-    Parameters
-    ----------
-    speed : float
-        Speed of the run [m/s].
-
-    Examples
-    --------
-    >>> jump_limit(0.2), jump_limit(2.0)
-    (0.1, 0.6)
-    """
-    return max(JUMP_TIME * speed, SMALLEST)
-
-
-def position_jumps(t: Array, x: Array, y: Array, limit: float) -> tuple[Jump, ...]:
-    """Jumps of a position, measured against the velocity about them.
-
-    Repeated positions are passed over first, so that catching up after them is no jump.
-
-    Parameters
-    ----------
-    t, x, y : array (n,)
-        Time [s], increasing, and position [m], all finite.
-    limit : float
-        Smallest jump [m]; never below 12 times the usual scatter of a step.
-
-    Examples
-    --------
-    >>> t = np.arange(0, 60, 0.1)
-    >>> held = np.where((t > 20) & (t < 21), 16.0, 0.8 * t)
-    >>> position_jumps(t, held, 0 * t, 0.1)
-    ()
-    >>> [round(jump.size, 2) for jump in position_jumps(t, 0.8 * t + (t > 30) * 0.5, 0 * t, 0.1)]
-    [0.5]
-    """
-    return _jumps(t, np.stack([x, y]), fresh_samples(x, y), limit)
-
-
-def heading_jumps(t: Array, psi: Array, limit: float) -> tuple[Jump, ...]:
-    """Jumps of a heading [rad], unwrapped, measured against the yaw rate about them.
-
-    Examples
-    --------
-    >>> t = np.arange(0, 60, 0.1)
-    >>> (found,) = heading_jumps(t, 0.05 * t - np.radians(6) * (t > 30), np.radians(2))
-    >>> round(found.t, 6), round(math.degrees(found.size), 6)
-    (30.1, 6.0)
-    """
-    return _jumps(t, psi[None], fresh_samples(psi, 0 * psi), limit)
-
-
-def without_jumps(psi: Array, t: Array, jumps: Sequence[Jump]) -> Array:
-    """An unwrapped heading with its jumps taken out; what went before a jump is left.
-
-    Parameters
-    ----------
-    psi, t : array (n,)
-        Heading [rad] and time [s].
-    jumps : sequence of Jump
-        From `heading_jumps`.
-    """
-    step = np.diff(psi, prepend=psi[0])
-    for jump in jumps:
-        around = slice(max(1, jump.place - 15), jump.place + 16)
-        rates = step[around] / np.diff(t, prepend=t[0] - 1)[around]
-        step[jump.place] = np.median(rates) * (t[jump.place] - t[jump.place - 1])
-    smooth: Array = psi[0] + np.cumsum(step)
-    return smooth
-
-
-def stop_at_end(n: Array) -> int:
-    """Index from which the propeller stands until the end; the length where it does not.
-
-    Examples
-    --------
-    >>> stop_at_end(np.array([0.0, 10.0, 10.0, 0.0, 0.0])), stop_at_end(np.array([9.0, 10.0]))
-    (3, 2)
-    """
-    size = np.abs(np.nan_to_num(n))
-    turning = np.flatnonzero(size > STILL * size.max(initial=0.0))
-    return int(turning[-1]) + 1 if len(turning) else len(n)
 
 
 @dataclass(frozen=True, eq=False)
@@ -344,7 +335,7 @@ def _rows(t: Array, others: Sequence[Array], cuts: list[Cut]) -> Places:
 
 
 def _running(t: Array, n: Array, kept: Places, cuts: list[Cut]) -> Places:
-    stop = stop_at_end(n[kept]) if len(kept) else 0
+    stop = Fixes.stop_at_end(n[kept]) if len(kept) else 0
     if stop < len(kept):
         cuts.append(
             Cut(
@@ -357,15 +348,10 @@ def _running(t: Array, n: Array, kept: Places, cuts: list[Cut]) -> Places:
 
 
 def _borders(
-    run: Run,
-    t: Array,
-    place: Array,
-    psi: Array,
-    fresh: Flags,
-    limits: tuple[float, float | None, float],
-    cuts: list[Cut],
+    record: Fixes, limits: tuple[float, float | None, float], cuts: list[Cut]
 ) -> list[Places]:
     """Indices of the segments between gaps, long stands and jumps."""
+    t, fresh, place = record.t, record.fresh, np.stack([record.x, record.y])
     gap, jump, heading_jump = limits
     borders = {0, len(t)}
     out = np.zeros(len(t), dtype=bool)
@@ -376,7 +362,7 @@ def _borders(
     for after in (np.flatnonzero(np.diff(t) > gap) + 1).tolist():
         borders.add(after)
         cut(after - 1, after, f"no sample for {t[after] - t[after - 1]:.1f} s")
-    far = jump if jump is not None else jump_limit(run.settings.speed)
+    far = record.jump_limit if jump is None else jump
     for first, last in _runs(~fresh):
         ahead = min(last + 1, len(t) - 1)
         moved = float(np.hypot(*(place[:, ahead] - place[:, first - 1])))
@@ -385,15 +371,21 @@ def _borders(
             out[first : last + 1] = True
             borders |= {first, last + 1}
             cut(first, last, f"the position stands still for {t[last] - t[first - 1]:.1f} s")
-    for found in position_jumps(t, place[0], place[1], far):
+    for found in record.position_jumps(far):
         borders.add(found.place)
         cut(found.place - 1, found.place, f"the position jumps by {found.size:.2f} m")
-    for found in heading_jumps(t, psi, heading_jump):
+    for found in record.heading_jumps(heading_jump):
         borders.add(found.place)
         size = math.degrees(found.size)
         cut(found.place - 1, found.place, f"the heading jumps by {size:.1f}°")
     parts = [np.arange(a, b) for a, b in itertools.pairwise(sorted(borders))]
     return [part for part in parts if not out[part].any()]
+
+
+def _changed(x: Array, y: Array) -> Flags:
+    fresh = np.ones(len(x), dtype=bool)
+    fresh[1:] = (np.diff(x) != 0) | (np.diff(y) != 0)
+    return fresh
 
 
 def _jumps(t: Array, rows: Array, fresh: Flags, limit: float) -> tuple[Jump, ...]:

@@ -14,31 +14,18 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, fields, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
+from typing import Any, Final, TypeVar, cast
 
 from pmmkit.base import CampaignError, DataError, Problem, __version__
-from pmmkit.campaigns.open_water_test import with_open_water
-from pmmkit.campaigns.run import Campaign, Correction, Run
+from pmmkit.campaigns.campaign import Campaign
+from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.run_settings import brought
 from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.stated_run import Correction
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Ship, Water
 from pmmkit.files import atomic_path, to_json
-from pmmkit.readers import (
-    FORMAT,
-    SCHEMA,
-    attribute,
-    checksum,
-    loader_of,
-    opened,
-    read_index,
-    safe_names,
-    unfit,
-    write_group,
-)
-
-if TYPE_CHECKING:
-    pass
+from pmmkit.readers import CampaignWriter, safe_names, saved_index
 
 _LIBVER: Final = ("v108", "v108")
 """Readable since HDF5 1.8 (2008): headers have checksums, attributes may exceed 64 kB."""
@@ -85,7 +72,7 @@ def save_campaign(campaign: Campaign, path: str | Path) -> None:
 
     try:
         with atomic_path(path) as part, h5netcdf.File(str(part), "w", libver=_LIBVER) as file:
-            _write(file, with_open_water(campaign))
+            _write(CampaignWriter(file), campaign.with_open_water())
     except OSError as error:
         raise CampaignError(f"cannot be written: {error}.", file=str(path)) from error
 
@@ -110,18 +97,19 @@ def load_campaign(path: str | Path) -> Campaign:
         If the file is missing, damaged, not a campaign or of a newer schema.
     """
     path = Path(path)
-    with opened(path) as file:
-        index = read_index(file, path)
+    with saved_index(path) as index:
         entry = {
             **index["campaign"],
-            "runs": tuple(_run(item, path) for item in index["runs"]),
-            "excluded": tuple((_run(item, path), item["reason"]) for item in index["excluded"]),
+            "runs": tuple(_build(Run, item["run"], _RUN) for item in index["runs"]),
+            "excluded": tuple(
+                (_build(Run, item["run"], _RUN), item["reason"]) for item in index["excluded"]
+            ),
             "folder": path.parent,
         }
         return _build(Campaign, entry, _CAMPAIGN)
 
 
-def _write(file: Any, campaign: Campaign) -> None:
+def _write(file: CampaignWriter, campaign: Campaign) -> None:
     used = [(run, None) for run in campaign.runs]
     groups = safe_names([run.id for run, _ in (*used, *campaign.excluded)], "run")
     entries: list[dict[str, Any]] = []
@@ -130,7 +118,8 @@ def _write(file: Any, campaign: Campaign) -> None:
         entry: dict[str, Any] = {"group": group, "run": _plain(run, skip=("loader",))}
         entries.append(entry if reason is None else {**entry, "reason": reason})
         try:
-            problems += _write_run(file, entry, run, dry=bool(problems))
+            to_json(entry)
+            problems += file.add(entry, run.data, dry=bool(problems))
         except DataError as error:
             if reason is None:
                 problems += _problems_of(error, run)
@@ -138,37 +127,18 @@ def _write(file: Any, campaign: Campaign) -> None:
                 entries[-1]["unreadable"] = str(error)
     if problems:
         raise CampaignError(problems, title=f"{campaign.title!r} is not saved")
-    index = to_json(
+    file.finish(
+        campaign.title,
         {
             "campaign": _plain(campaign, skip=("runs", "excluded", "folder")),
             "runs": [entry for entry in entries if "reason" not in entry],
             "excluded": [entry for entry in entries if "reason" in entry],
-        }
+        },
     )
-    file.attrs["format"] = attribute(FORMAT)
-    file.attrs["schema"] = SCHEMA
-    file.attrs["pmmkit"] = attribute(__version__)
-    file.attrs["title"] = attribute(campaign.title)
-    file.attrs["index"] = attribute(index)
-    file.attrs["index_crc32"] = attribute(checksum(index))
-
-
-def _write_run(file: Any, entry: Mapping[str, Any], run: Run, *, dry: bool) -> list[Problem]:
-    """Write one run, or with `dry` only say what is wrong with it."""
-    to_json(entry)
-    data = run.data
-    problems = unfit(data, run.id)
-    if not (problems or dry):
-        write_group(file.create_group(f"runs/{entry['group']}"), entry["run"], data)
-    return problems
 
 
 def _problems_of(error: DataError, run: Run) -> list[Problem]:
     return [replace(problem, run=problem.run or run.id) for problem in error.problems]
-
-
-def _run(item: Mapping[str, Any], path: Path) -> Run:
-    return _build(Run, {**item["run"], "loader": loader_of(item, path)}, _RUN)
 
 
 def _build(cls: type[T], entry: Mapping[str, Any], convert: Convert | None = None) -> T:

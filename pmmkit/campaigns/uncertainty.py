@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import ClassVar, Final, Literal
 
 from pmmkit.base import DataError, Registry, did_you_mean
 from pmmkit.campaigns.run_settings import RUN_SETTINGS, setting_key
@@ -90,10 +90,6 @@ def _statable() -> Iterator[Statable]:
         yield from (Statable(name, words[0], of, *words[1:]) for name, words in known.items())
 
 
-STATABLE: Final = Registry(Statable, _statable, what="uncertainty")
-"""By name. What each does to a run is said by `pmmkit.reduction.observations.stated`."""
-
-
 CENTRE_STD: Final = 0.02
 """Standard uncertainty of a centre of gravity that nobody states, taken at midship, over L: those
 of the library's ships lie -0.023 to 0.035 L before it."""
@@ -131,12 +127,14 @@ class TypeB:
     shared: bool = False
     common: str = ""
     assumed: bool = False
+    STATABLE: ClassVar[Registry[Statable]] = Registry(Statable, _statable, what="uncertainty")
+    """By name. What each does to a run is said by `pmmkit.reduction.observations.stated`."""
 
     def __post_init__(self) -> None:
-        if self.name not in STATABLE:
+        if self.name not in self.STATABLE:
             raise DataError(
                 f"No uncertainty of {self.name!r} can be stated"
-                f"{did_you_mean(self.name, STATABLE) or '.'}"
+                f"{did_you_mean(self.name, self.STATABLE) or '.'}"
             )
         if self.common and not self.shared:
             raise DataError(
@@ -147,7 +145,7 @@ class TypeB:
     @property
     def kind(self) -> Statable:
         """What it is an uncertainty of."""
-        return STATABLE[self.name]
+        return self.STATABLE[self.name]
 
     @property
     def title(self) -> str:

@@ -92,6 +92,18 @@ class State:
         """A copy with some arrays changed."""
         return replace(self, **changes)
 
+    def moved_aft(self, x: float) -> State:
+        """Motion of the point that lies x [m] aft of this one: v - x r and v̇ - x ṙ, else the same.
+
+        Examples
+        --------
+        >>> State.of(u=1.0, v=0.3, r=0.1).moved_aft(2.0).v
+        array([0.1])
+        """
+        if x == 0.0:
+            return self
+        return self.with_(v=self.v - x * self.r, vdot=self.vdot - x * self.rdot)
+
     def at(self, index: slice | Array | Iterable[int]) -> State:
         """The state at some of the instants."""
         return State(**{field.name: getattr(self, field.name)[index] for field in fields(self)})

@@ -12,18 +12,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.base import CampaignError, DataError, FileExists, Problem
-from pmmkit.campaigns import (
-    FILE_NAME,
-    Campaign,
-    Run,
-    open_campaign,
-    required_channels,
-    with_open_water,
-)
+from pmmkit.campaigns import Campaign, Run, open_campaign
 from pmmkit.conventions import CHANNEL_UNITS, FORCE_CHANNELS
 from pmmkit.exports.campaign_toml import campaign_text
 from pmmkit.exports.comments import plain
-from pmmkit.files import atomic_folder
+from pmmkit.files import CAMPAIGN, atomic_folder
 from pmmkit.numerics import ABSURD
 from pmmkit.presentation import safe_cell
 from pmmkit.readers import safe_names
@@ -40,13 +33,13 @@ _REMEDY: Final = "Export the campaign as netcdf, which keeps everything."
 
 def write_campaign_csv(campaign: Campaign, folder: str | Path) -> list[str]:
     """Write ``campaign.toml`` and CSV files with ``name [unit]`` headers, all or nothing."""
-    if (Path(folder) / FILE_NAME).exists():
-        raise FileExists(f"{folder} holds a {FILE_NAME} already. Choose another folder.")
-    campaign = with_open_water(campaign)
+    if (Path(folder) / CAMPAIGN.file).exists():
+        raise FileExists(f"{folder} holds a {CAMPAIGN.file} already. Choose another folder.")
+    campaign = campaign.with_open_water()
     with atomic_folder(folder) as part:
         entries = _write_runs(campaign, part)
         text = campaign_text(campaign, entries)
-        (part / FILE_NAME).write_text(text, encoding="utf-8", newline="\n")
+        (part / CAMPAIGN.file).write_text(text, encoding="utf-8", newline="\n")
         _compare(campaign, part, set(entries))
         return sorted(file.name for file in part.iterdir())
 
@@ -78,7 +71,7 @@ def _write_runs(campaign: Campaign, part: Path) -> dict[str, dict[str, Any]]:
         file = f"{count:0{digits}}_{name[:LONGEST]}.csv"
         if not problems:
             _history(data, part / file)
-        wanted = required_channels(campaign.kind)
+        wanted = campaign.REQUIRED[campaign.kind]
         absent: dict[str, Any] = {item: False for item in wanted if item not in data}
         entries[run.id] = {"file": file, "rows": data.sizes["t"]}
         entries[run.id] |= {"columns": absent} if absent else {}

@@ -8,7 +8,7 @@ from datetime import datetime
 from typing import Any, Final
 
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import OF_SAMPLES, RUN_SETTINGS, Campaign, Run, Struts, TypeB
+from pmmkit.campaigns import RUN_SETTINGS, Campaign, Run, TypeB
 from pmmkit.exports.comments import comment
 from pmmkit.exports.text import written_by
 from pmmkit.files import toml_text
@@ -121,9 +121,7 @@ def settings_of(run: Run) -> dict[str, Any]:
     if given.strut_spacing is not None:
         for key in ("amplitude_m", "yaw_amplitude_deg"):
             found.pop(key, None)
-        kind = run.kind_of_test
-        mechanism = Struts(spacing=abs(given.strut_spacing))
-        amplitude, lead = mechanism.amplitude_and_phase(given, lags=kind.sways)
+        amplitude, lead = run.strut_swing
         found |= {"strut_amplitude_m": amplitude, "strut_phase_deg": math.degrees(lead)}
     return found
 
@@ -154,7 +152,7 @@ def _before(forward: Callable[[float], float], value: float, guess: float) -> fl
 
 def _applied(runs: list[Run]) -> list[str]:
     """Corrections that changed samples, each once."""
-    every = (item for run in runs for item in run.corrections if item.action in OF_SAMPLES)
+    every = (item for run in runs for item in run.corrections if item.changes_samples)
     return list(
         dict.fromkeys(
             f"Correction applied to {', '.join(item.runs)}: {item.action} ({item.reason})"

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import FILE_NAME, PACKED, Campaign, open_campaign
+from pmmkit.campaigns import Campaign, open_campaign
 from pmmkit.exports.track import read_track
-from pmmkit.files import Url
+from pmmkit.files import CAMPAIGN, Url
 from pmmkit.models import DerivativeTable, Model, load_model, read_table, ships
-from pmmkit.readers import is_saved_campaign
+from pmmkit.readers import recognise
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,11 +68,11 @@ def read_subject(what: str | Path, *, data: str | Path | None = None) -> Subject
         return read_track(path) if _is_track(path) else read_table(path)
     if path.is_file() and suffix == ".xlsx":
         return read_table(path)
-    if path.is_file() and suffix in _HDF5 and not is_saved_campaign(path):
+    if path.is_file() and suffix in _HDF5 and recognise(path) != "pmmkit":
         return read_table(path)
     if path.is_file() and suffix == ".toml" and _is_model(path):
         return load_model(path)
-    if path.is_file() and suffix not in (".toml", PACKED, *_HDF5):
+    if path.is_file() and suffix not in (".toml", ".zip", *_HDF5):
         raise DataError("is nothing that can be exported.", file=str(what), remedy=_REMEDY)
     return open_campaign(path, data=data)
 
@@ -87,7 +87,7 @@ def _is_track(path: Path) -> bool:
 
 def _is_model(path: Path) -> bool:
     """Whether a TOML file has what only model files have; the rest are campaign files."""
-    if path.name == FILE_NAME:
+    if path.name == CAMPAIGN.file:
         return False
     try:
         content = tomllib.loads(path.read_bytes().decode("utf-8-sig"))

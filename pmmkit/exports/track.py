@@ -8,35 +8,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import pick, required_channels
+from pmmkit.campaigns import Campaign, read_columns
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.files import atomic_path
 from pmmkit.presentation import printable
-from pmmkit.readers import Request, columns
+from pmmkit.readers import Options, Request
 from pmmkit.simulation import CHANNELS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import xarray as xr
 
 
 def read_track(path: str | Path) -> xr.Dataset:
     """A ``track.csv`` that a simulation wrote, with the metrics beside it."""
     file = Path(path)
-    request = Request(path=file, shown=file.name)
-    picked: list[Any] = []
-
-    def choose(headers: Sequence[str], width: int) -> list[int]:
-        found, problems = pick(
-            headers, width, {}, request, required=required_channels("free-running")
-        )
-        if problems:
-            raise request.error(*problems)
-        picked.extend(found)
-        return [column.position for column in found]
-
-    read = columns(request, choose)
+    request = Request(path=file, shown=file.name, options=Options(format="csv"))
+    read, picked, _ = read_columns(request, {}, Campaign.REQUIRED["free-running"])
     values = {
         column.name: column.apply(numbers)
         for column, numbers in zip(picked, read.values, strict=True)

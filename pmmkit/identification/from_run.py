@@ -10,7 +10,8 @@ from typing import Final, Literal
 import numpy as np
 
 from pmmkit.base import DataError, did_you_mean
-from pmmkit.campaigns import GAP, Run, half_window, true_wind, usable, velocity
+from pmmkit.campaigns import Fixes, Run, usable
+from pmmkit.identification.local_fits import half_window, true_wind, velocity
 from pmmkit.identification.record import FreeRecord, rate_limited
 from pmmkit.models import Model
 from pmmkit.numerics import Array
@@ -176,7 +177,7 @@ def _record(
         for name in ("x", "y"):
             if name in measured:
                 measured[name][stale] = np.nan
-    delta = _filled(t, columns["delta"], GAP)
+    delta = _filled(t, columns["delta"], Fixes.GAP)
     rate = math.radians(steering(model).get("rate_deg_s", math.inf))
     if rudder == "ordered" or (rudder == "auto" and _steps(t, delta, rate)):
         delta = rate_limited(t, delta, rate)
@@ -187,7 +188,7 @@ def _record(
         name=run.id,
         t=t,
         delta=delta,
-        turns=_filled(t, columns["n"], GAP),
+        turns=_filled(t, columns["n"], Fixes.GAP),
         measured=MappingProxyType(measured),
         speed=run.settings.speed,
         wind_speed=blowing[0] if blowing else None,

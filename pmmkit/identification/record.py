@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError, Problem, Remedy, Way
-from pmmkit.campaigns import in_ship_axes
+from pmmkit.campaigns import Attitude
 from pmmkit.conventions import Convention
 from pmmkit.models import Model
 from pmmkit.numerics import Array
@@ -367,5 +367,7 @@ def _start(
         found[place["r"]] = lines["psi"][0]
     if {"x", "y", "psi"} <= set(lines) and "u" not in lines:
         north, east = lines["x"][0] - current[0], lines["y"][0] - current[1]
-        found[place["u"]], found[place["v"]] = in_ship_axes(north, east, lines["psi"][1])
+        found[place["u"]], found[place["v"]] = Attitude(psi=lines["psi"][1]).in_ship_axes(
+            north, east
+        )
     return found

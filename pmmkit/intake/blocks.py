@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import SWAY, YAW, kind_with, setting_units
+from pmmkit.campaigns import TEST_KINDS, TestKind, setting_units
 from pmmkit.conventions import CHANNEL_UNITS, factor_to
 from pmmkit.intake.seen import Blocks, ColumnLook, SheetBlock, What
 from pmmkit.numerics import Array
@@ -156,9 +156,7 @@ def _kind(
         values = _values(cells, rows, known.get(name))
         return float(np.mean(values)) if len(values) else 0.0
 
-    swings = [
-        swing for swing in (SWAY, YAW) if change(swing.velocity) > 2 * _SWINGS[swing.velocity]
-    ]
+    swings = [name for name in ("v", "r") if change(name) > 2 * _SWINGS[name]]
     rudder = "rudder_deg" if "rudder_deg" in known else "delta"
     if not swings:
         swept = change(rudder) > _SWEPT
@@ -166,15 +164,14 @@ def _kind(
         return ("sweep", each.name) if swept and each is not None else _STEADY
     held = (
         []
-        if SWAY in swings
+        if "v" in swings
         else [
             name
             for name, column in (("drift", "drift_deg"), ("rudder", rudder))
             if abs(mean(column)) > _HELD
         ]
     )
-    moving = [swing.velocity for swing in swings]
-    kind = kind_with(swings=moving, held=held) or kind_with(swings=moving, held=held[:1])
+    kind = kind_with(swings=swings, held=held) or kind_with(swings=swings, held=held[:1])
     return "cycle", None if kind is None else kind.name
 
 
@@ -203,3 +200,46 @@ def _values(cells: Cells, rows: Sequence[int], column: ColumnLook | None) -> Arr
     numbers = [to_number(cells.rows[index][column.position], cells.decimal) for index in rows]
     values: Array = np.array(numbers, dtype=float) * factor * column.suggestion.scale
     return values[np.isfinite(values)]
+
+
+def kind_with(
+    *, swings: Collection[str] = (), held: Collection[str] = (), turning: bool = False
+) -> TestKind | None:
+    """The captive kind that oscillates so and holds these settings; the simplest of several.
+
+    Parameters
+    ----------
+    swings : collection of str
+        Velocities that oscillate: ``u``, ``v``, ``r``.
+    held : collection of str
+        Angles that are held: ``drift``, ``rudder``, ``heel``.
+    turning : bool
+        Whether the model is held in a steady turn.
+
+    Examples
+    --------
+    >>> kind_with(swings={"r"}, held={"drift"}).name, kind_with(held={"drift", "rudder"}).name
+    ('yaw_drift', 'drift_rudder')
+    """
+    wanted = {*held, *(("yaw_rate",) if turning else ())}
+    for kind in TEST_KINDS.values():
+        if (
+            kind.captive
+            and set(kind.held) == wanted
+            and {swing.velocity for swing in kind.swings} == set(swings)
+        ):
+            return kind
+    return None
+
+
+def held_too(kind: TestKind, name: str) -> TestKind:
+    """The kind of test with one more angle held; the same where there is none.
+
+    Examples
+    --------
+    >>> from pmmkit.campaigns import TEST_KINDS
+    >>> [held_too(TEST_KINDS[name], "rudder").name for name in ("pure_yaw", "pure_sway")]
+    ['yaw_rudder', 'pure_sway']
+    """
+    swings = {swing.velocity for swing in kind.swings}
+    return kind_with(swings=swings, held={*kind.held, name}) or kind

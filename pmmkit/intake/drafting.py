@@ -13,8 +13,8 @@ from types import MappingProxyType
 from typing import Any, Final, get_args
 
 from pmmkit.base import CampaignError, DataError, Problem
-from pmmkit.campaigns import FILE_NAME, TABLES, TEST_KINDS, campaign_of, with_columns
-from pmmkit.files import toml_string
+from pmmkit.campaigns import TEST_KINDS, CampaignFile, campaign_of, keys_of
+from pmmkit.files import CAMPAIGN, toml_string
 from pmmkit.intake.drafts.choosing import ColumnChoice, signed, with_choices
 from pmmkit.intake.drafts.columns import their_column
 from pmmkit.intake.drafts.draft import draft_of
@@ -57,7 +57,7 @@ class DraftAnswers:
     @property
     def target(self) -> Path:
         """The campaign file."""
-        return self.folder / FILE_NAME
+        return self.folder / CAMPAIGN.file
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -269,7 +269,9 @@ def _changed(asked: DraftAnswers) -> Basis:
         if column.suggestion is not None:
             theirs = their_column(column, column.suggestion, group.first)
             columns[choice.name] = tomllib.loads(f"x = {theirs}")["x"]
-    return Basis(seen=chosen, text=with_columns(text, columns), before=text, apart=apart)
+    return Basis(
+        seen=chosen, text=CampaignFile(text).with_columns(columns), before=text, apart=apart
+    )
 
 
 def as_stated(seen: Look, raw: Mapping[str, Any]) -> tuple[Look, frozenset[str]]:
@@ -357,8 +359,7 @@ def _options(table: str, key: str, text: str) -> tuple[str, ...]:
     if key == "test" and table in ("runs", "tables"):
         free = 'kind = "free-running"' in text
         return tuple(name for name, kind in TEST_KINDS.items() if kind.free_running == free)
-    model = TABLES.get(table)
-    known = None if model is None else model.model_fields.get(key)
+    known = keys_of(table).get(key)
     options = () if known is None else get_args(known.annotation)
     return tuple(options) if options and all(isinstance(x, str) for x in options) else ()
 

@@ -16,19 +16,7 @@ from pmmkit.intake.columns import judged
 from pmmkit.intake.guessing import bare_header
 from pmmkit.intake.seen import ColumnLook, FileLook
 from pmmkit.intake.values import values_of
-from pmmkit.readers import (
-    HEAD,
-    READERS,
-    DelimitedText,
-    Options,
-    Request,
-    TextLayout,
-    head_of,
-    layout_of,
-    mostly_numbers,
-    recognise,
-    text_of,
-)
+from pmmkit.readers import READERS, Options, Request, TextLayout, head_of, recognise, text_of
 
 # Parts of a text file that is too large to be read whole.
 
@@ -122,8 +110,8 @@ def look_at(path: Path, shown: str, *, numbers: bool = True) -> tuple[FileLook, 
     base = replace(base, format=name, options=Options(format=name))
     if base.is_campaign:
         return (base,)
-    if name == DelimitedText.name:
-        layout = layout_of(head, whole=len(head) < HEAD)
+    if name == "csv":
+        layout = TextLayout.of(head)
         if layout is not None:
             return (_text(base, layout, numbers),)
     try:
@@ -136,7 +124,7 @@ def look_at(path: Path, shown: str, *, numbers: bool = True) -> tuple[FileLook, 
 
 def not_recognised(request: Request, head: bytes) -> Problem:
     """The problem of a file that no reader knows, with its first lines."""
-    decoded = text_of(head, whole=len(head) < HEAD)
+    decoded = text_of(head)
     text = decoded[0] if decoded else head[:300].decode("latin-1")
     lines = [line for line in text.split("\n") if line.strip()][: 5 if decoded else 1]
     begins = "".join(f"\n    {_clipped(line)}" for line in lines)
@@ -224,10 +212,7 @@ def _sheet(look: FileLook, count: int, numbers: bool) -> FileLook:
         cells = READERS[look.format].cells(look.request)
     except CampaignError as error:
         return replace(look, problems=error.problems)
-    numeric = [
-        mostly_numbers([row[place] for row in cells.rows[:_TOP]], cells.decimal)
-        for place in range(len(cells.headers))
-    ]
+    numeric = [cells.mostly_numbers(place, _TOP) for place in range(len(cells.headers))]
     if sum(numeric) < 2:
         return _with_problem(look, "the sheet has no rows of numbers in columns.")
     look = judged(replace(look, columns=_columns(cells.headers, ("",) * len(numeric), numeric)), {})

@@ -11,8 +11,8 @@ from types import MappingProxyType
 from typing import Final
 
 from pmmkit.base import CampaignError, DataError, Problem
-from pmmkit.campaigns import FILE_NAME, PACKED, is_packed_campaign, open_campaign
-from pmmkit.files import Url
+from pmmkit.campaigns import is_packed_campaign, open_campaign
+from pmmkit.files import CAMPAIGN, Url
 from pmmkit.intake.file import look_at, with_numbers
 from pmmkit.intake.seen import FileLook
 from pmmkit.readers import READERS, recognise
@@ -176,7 +176,7 @@ def look(path: str | Path) -> Look:
         return _look_folder(place)
     if not (place.is_file() or place.is_dir()):
         raise CampaignError(Problem(message="this is neither file nor folder.", file=str(place)))
-    if place.suffix == ".toml" or (place.suffix.lower() == PACKED and is_packed_campaign(place)):
+    if place.suffix == ".toml" or is_packed_campaign(place):
         return Look(path=place, campaigns=(_campaign(place, place.name),))
     looks = look_at(place, place.name, numbers=False)
     if looks[0].is_campaign:
@@ -190,7 +190,7 @@ def look(path: str | Path) -> Look:
 
 def _look_folder(folder: Path) -> Look:
     files, passed_over = _files(folder)
-    campaigns = [_campaign(folder, FILE_NAME)] if (folder / FILE_NAME).is_file() else []
+    campaigns = [_campaign(folder, CAMPAIGN.file)] if (folder / CAMPAIGN.file).is_file() else []
     others: Counter[str] = Counter()
     problems: list[Problem] = []
     looks: list[FileLook] = []

@@ -10,7 +10,7 @@ import numpy as np
 from pmmkit.base import CampaignError, Problem
 from pmmkit.intake.seen import FileLook
 from pmmkit.numerics import ABSURD, Array
-from pmmkit.readers import READERS, Request, TextLayout, numbers_of, to_number
+from pmmkit.readers import READERS, Request, TextLayout, to_number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +54,7 @@ def _of_runs(look: FileLook, positions: Sequence[int]) -> Values:
         rows=tuple(cells.rows[place] for place in kept),
         lines=tuple(cells.lines[place] for place in kept),
     )
-    _, _, problems = numbers_of(own, positions, look.request)
+    _, _, problems = own.numbers(positions, look.request)
     numbers = {
         place: np.array([to_number(row[place], cells.decimal) for row in own.rows], dtype=float)
         for place in positions

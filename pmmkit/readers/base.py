@@ -12,13 +12,23 @@ from typing import Final, Literal
 
 import numpy as np
 
-from pmmkit.base import CampaignError, Problem, Remedy, setting
+from pmmkit.base import CampaignError, Problem, Remedy, did_you_mean, setting
+from pmmkit.conventions import split_unit
 from pmmkit.files import Origin
 from pmmkit.numerics import ABSURD, Array
 
 Cell = str | float | None
 Choose = Callable[[tuple[str, ...], int], Sequence[int]]
 """Given the headers (empty where the file has none) and the number of columns: positions wanted."""
+
+Plain = str | float | int | bool
+Wanted = Plain | Sequence[Plain]
+"""The value of a cell, or several of which it may have any."""
+_BRACES: Final = re.compile(r"\{([^{}]*)\}")
+ROW: Final = "row"
+"""In braces: the row of the file."""
+_FILLED: Final = re.compile(r"(.+):0([1-9]\d?)")
+"""A column whose whole numbers stand with at least so many digits: ``Run:04`` is 0101."""
 
 HEAD: Final = 65536
 """Bytes at the beginning of a file by which its format is recognised."""
@@ -248,9 +258,123 @@ class Cells:
     problems: tuple[Problem, ...] = ()
     notes: tuple[str, ...] = ()
 
+    def number_at(self, index: int, place: int) -> tuple[float | None, str | None]:
+        """The number of a cell as `to_number` gives it, and what is wrong with it, or None."""
+        cell = self.rows[index][place]
+        number = to_number(cell, self.decimal)
+        return number, fault(number, cell)
+
+    def mostly_numbers(self, place: int, most: int) -> bool:
+        """Whether most of the first cells of a column are numbers, and not all are empty."""
+        return mostly_numbers([row[place] for row in self.rows[:most]], self.decimal)
+
+    def numbers(
+        self, positions: Sequence[int], request: Request
+    ) -> tuple[Array, int, list[Problem]]:
+        """Rows of finite numbers (n, len(positions)), how many were dropped, and what is wrong."""
+        found = list(self.problems)
+        drop = request.options.missing == "drop"
+        kept: list[list[float]] = []
+        dropped = 0
+        for line, row in zip(self.lines, self.rows, strict=True):
+            numbers = [to_number(row[place], self.decimal) for place in positions]
+            found += [
+                request.problem(why, row=line, column=self.headers[place] or str(place + 1))
+                for place, number in zip(positions, numbers, strict=True)
+                if (why := fault(number, row[place]))
+                and not (drop and number is not None and math.isnan(number))
+            ]
+            if any(number is None or math.isnan(number) for number in numbers):
+                dropped += 1
+            else:
+                kept.append([number for number in numbers if number is not None])
+        return np.array(kept, dtype=float).reshape(len(kept), len(positions)), dropped, found
+
+    def column_named(self, name: str) -> int | None:
+        """Position of a column by its header, with or without its unit; None if not exactly one."""
+        for titles in (self.headers, [split_unit(header)[0] for header in self.headers]):
+            places = [place for place, title in enumerate(titles) if title == name.strip()]
+            if len(places) == 1:
+                return places[0]
+        return None
+
+    def matching_rows(
+        self, where: Mapping[str, Wanted], request: Request
+    ) -> tuple[list[int], list[Problem]]:
+        """Indices of the rows whose cells are as stated, and what is wrong with the statement.
+
+        Cells are compared as numbers where both are numbers, else as text.
+        """
+        problems: list[Problem] = []
+        chosen = list(range(len(self.rows)))
+        for name, wanted in where.items():
+            place = self.column_named(name)
+            if place is None:
+                problems.append(self.no_column(name, request))
+                continue
+            either = [wanted] if isinstance(wanted, (str, float, int)) else list(wanted)
+            chosen = [
+                index
+                for index in chosen
+                if any(_is_cell(self.rows[index][place], value, self.decimal) for value in either)
+            ]
+        return chosen, problems
+
+    def no_column(self, name: str, request: Request) -> Problem:
+        """The problem of a column that is not there, or there twice."""
+        return request.problem(
+            f"there is not exactly one column {name!r}{did_you_mean(name, self.headers) or '.'} "
+            f"The file has {', '.join(repr(header) for header in self.headers)}."
+        )
+
+    def filled_in(self, template: str, index: int) -> tuple[str, list[str]]:
+        """An id with the cells of a row in place of ``{their column}``, and columns not found.
+
+        ``{their column:04}`` writes a whole number with four digits, ``{their column:01}`` without
+        the zeros before it. ``{row}`` is the row of the file where no column is named so.
+
+        Examples
+        --------
+        >>> table = Cells(headers=("Run No.", "beta"), rows=((376.0, "4"),), lines=(2,))
+        >>> table.filled_in("SD_{Run No.}_b{beta}", 0)
+        ('SD_376_b4', [])
+        >>> table.filled_in("Run{Run No.:04}", 0)
+        ('Run0376', [])
+        """
+        missing = [
+            name
+            for name in _BRACES.findall(template)
+            if name != ROW and self._column_of(name) is None
+        ]
+
+        def cell(found: re.Match[str]) -> str:
+            place = self._column_of(found[1])
+            if place is None:
+                return str(self.lines[index]) if found[1] == ROW else found[0]
+            text, digits = as_text(self.rows[index][place[0]]), place[1]
+            return f"{int(text):0{digits}d}" if digits and text.isdecimal() else text
+
+        return _BRACES.sub(cell, template), missing
+
+    def _column_of(self, name: str) -> tuple[int, int] | None:
+        """Position of the column of braces, and to how many digits its whole numbers are filled."""
+        place = self.column_named(name)
+        if place is not None:
+            return place, 0
+        found = _FILLED.fullmatch(name)
+        place = None if found is None else self.column_named(found[1])
+        return None if found is None or place is None else (place, int(found[2]))
+
 
 def to_number(cell: Cell, decimal: str = ".") -> float | None:
     """A cell's number; NaN where it says that there is none, None where it is not a number.
+
+    Parameters
+    ----------
+    cell : str, float or None
+        As it stands in the file.
+    decimal : str
+        Decimal sign of numbers written as text.
 
     Examples
     --------
@@ -304,7 +428,7 @@ _GROUPED: Final = re.compile(
 
 def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Columns:
     """Numbers of some columns of a small file, every cell checked."""
-    table, dropped, found = numbers_of(cells, positions, request)
+    table, dropped, found = cells.numbers(positions, request)
     if found:
         raise request.error(*abridged(found, request))
     if not len(table):
@@ -316,29 +440,6 @@ def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Colu
         dropped=dropped,
         notes=cells.notes,
     )
-
-
-def numbers_of(
-    cells: Cells, positions: Sequence[int], request: Request
-) -> tuple[Array, int, list[Problem]]:
-    """Rows of finite numbers (n, len(positions)), how many were dropped, and what is wrong."""
-    found = list(cells.problems)
-    drop = request.options.missing == "drop"
-    kept: list[list[float]] = []
-    dropped = 0
-    for line, row in zip(cells.lines, cells.rows, strict=True):
-        numbers = [to_number(row[place], cells.decimal) for place in positions]
-        found += [
-            request.problem(why, row=line, column=cells.headers[place] or str(place + 1))
-            for place, number in zip(positions, numbers, strict=True)
-            if (why := fault(number, row[place]))
-            and not (drop and number is not None and math.isnan(number))
-        ]
-        if any(number is None or math.isnan(number) for number in numbers):
-            dropped += 1
-        else:
-            kept.append([number for number in numbers if number is not None])
-    return np.array(kept, dtype=float).reshape(len(kept), len(positions)), dropped, found
 
 
 def fault(number: float | None, cell: Cell) -> str | None:
@@ -367,3 +468,33 @@ def abridged(problems: Sequence[Problem], request: Request) -> list[Problem]:
 def _clip(cell: Cell) -> str:
     text = "" if cell is None else str(cell)
     return repr(text if len(text) <= 40 else text[:37] + "...")
+
+
+def as_text(cell: Cell) -> str:
+    """A cell as text; whole numbers without decimals.
+
+    Parameters
+    ----------
+    cell : str, float or None
+        As it stands in the file.
+    """
+    if isinstance(cell, float):
+        return f"{cell:.15g}"
+    return (cell or "").strip()
+
+
+def mostly_numbers(cells: Sequence[Cell], decimal: str) -> bool:
+    """Whether most cells of a column are numbers, and not all are empty."""
+    found = [to_number(cell, decimal) for cell in cells]
+    numbers = [number for number in found if number is not None]
+    return len(numbers) > len(found) / 2 and any(number == number for number in numbers)
+
+
+def _is_cell(cell: Cell, wanted: Plain, decimal: str) -> bool:
+    number = to_number(cell, decimal)
+    if isinstance(wanted, bool):
+        return as_text(cell).lower() == str(wanted).lower()
+    target = to_number(wanted if isinstance(wanted, str) else float(wanted))
+    if number is not None and target is not None:
+        return number == target
+    return as_text(cell) == str(wanted).strip()

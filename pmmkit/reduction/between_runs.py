@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns import Campaign, TypeB, has_nominal, rig_of
+from pmmkit.campaigns import Campaign, TypeB
 from pmmkit.conventions import CHANNEL_UNITS, Convention
 from pmmkit.inference import Restricted, RunEffects
 from pmmkit.numerics import Array, coverage_factor
@@ -75,11 +75,11 @@ class BetweenRuns:
 
 def between_runs(rows: Sequence[Rows], campaign: Campaign, convention: Convention) -> BetweenRuns:
     """What the runs of a campaign draw for themselves, sizes not known."""
-    rig = rig_of(campaign)
+    rig = campaign.rig
     return BetweenRuns(
         drift=tuple(
             sensitivity(item, ONE_DEGREE, campaign, rig, item.names, convention)
-            if has_nominal(item.result.run)
+            if item.result.run.has_nominal
             else _unmoved(item)
             for item in rows
         ),

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import Campaign, by_depth
+from pmmkit.campaigns import Campaign
 from pmmkit.models import DerivativeTable, TablesByDepth, grown
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import WIDE, plus_minus
@@ -122,7 +122,7 @@ class Felt:
 
 def reduce_depths(campaign: Campaign, **settings: Any) -> tuple[Reduction, ...]:
     """A reduction at each depth of the water, the deepest first."""
-    return tuple(reduce_campaign(part, **settings) for part in by_depth(campaign))
+    return tuple(reduce_campaign(part, **settings) for part in campaign.by_depth())
 
 
 def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:

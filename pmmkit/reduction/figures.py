@@ -1,4 +1,4 @@
-"""Shares of a whole as stacked bars."""
+"""Shares of a whole as stacked bars, and what a fit leaves."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.numerics import Array
-from pmmkit.plotting import ORDERED, REFERENCE, canvas, colour, hatch, legend_below, styled
+from pmmkit.plotting import ORDERED, REFERENCE, canvas, colour, hatch, legend_below, marker, styled
 from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
@@ -66,4 +66,57 @@ def stacked_shares(
                 axis.set_xlabel("share of the variance [%]")
             axis.grid(visible=False, axis="y")
         legend_below(figure, axes[: len(count)], columns=3)
+    return figure
+
+
+def left_by_the_fit(
+    channels: Mapping[str, Mapping[str, tuple[Array, Array]]], units: Mapping[str, str]
+) -> Figure:
+    """What a fit leaves of the measured forces, over what was fitted.
+
+    Parameters
+    ----------
+    channels : mapping of str to mapping of str to (array (n,), array (n,))
+        By channel and title of the kind of test: measured and fitted values.
+    units : mapping of str to str
+        Of the channels.
+
+    Returns
+    -------
+    Figure
+        A column a channel, a row a kind of test, all of a column to one scale; at zero the fit is
+        what was measured. In each panel stands its root mean square.
+    """
+    kinds = list(dict.fromkeys(kind for groups in channels.values() for kind in groups))
+    with styled():
+        figure = canvas(1.15 * len(kinds) + 0.7)
+        axes = figure.subplots(len(kinds), len(channels), squeeze=False, sharex="col", sharey="col")
+        for column, (channel, groups) in zip(axes.T, channels.items(), strict=True):
+            unit = units[channel]
+            for number, (axis, kind) in enumerate(zip(column, kinds, strict=True)):
+                axis.axhline(0.0, color=REFERENCE, lw=0.8)
+                if kind not in groups:
+                    continue
+                measured, fitted = groups[kind]
+                left = measured - fitted
+                axis.plot(
+                    fitted,
+                    left,
+                    ls="",
+                    ms=3.5,
+                    alpha=0.7,
+                    lw=0,
+                    markeredgewidth=0.0,
+                    marker=marker(number),
+                    color=colour(number),
+                    label=kind,
+                )
+                axis.set_title(
+                    f"rms {np.sqrt(np.nanmean(left**2)):.2g} {unit}", loc="right", fontsize=8.5
+                )
+            column[0].set_title(f"{channel} [{unit}]")
+            column[-1].set_xlabel(f"{channel} fitted [{unit}]")
+        for axis, kind in zip(axes[:, 0], kinds, strict=True):
+            axis.set_ylabel(kind.replace(" ", "\n", 1), rotation=0, ha="right", va="center")
+        figure.supylabel("measured less fitted", fontsize=10)
     return figure

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.base import MissingPartError
-from pmmkit.campaigns import open_water
 from pmmkit.effects import Effect, Regressors, State, normal_force, over_arrays, rudder_flow
 from pmmkit.models import Part, straight_polynomial
 from pmmkit.numerics import Array
@@ -103,7 +102,7 @@ class Parts(Described):
             campaign.ship.L,
             campaign.water.rho,
         )
-        curve = open_water(campaign)
+        curve = campaign.open_water
         points = _points(reduction)
         straight = [p for p in points if p.v == 0.0]
         drifting = [p for p in points if p.v != 0.0]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmmkit.campaigns import Campaign, Run, open_water
+from pmmkit.campaigns import Campaign, Run
 from pmmkit.numerics import Array
 from pmmkit.reduction.observations.prepare import RunResult
 
@@ -105,7 +105,7 @@ def straight_ahead(run: Run) -> bool:
 def _wake(straight: Sequence[RunResult], campaign: Campaign) -> dict[float, float]:
     """Effective wake by thrust identity, by speed."""
     diameter = campaign.propeller.get("D")
-    curve = open_water(campaign)
+    curve = campaign.open_water
     if not diameter or curve is None:
         return {}
     advance, coefficient, _ = curve

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from pmmkit.base import CampaignError, ContradictionError, Problem, Workers, __version__
-from pmmkit.campaigns import Campaign, file_hashes, one_depth, rig_of, within_reach
+from pmmkit.campaigns import Campaign
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, Structure, structure_of
 from pmmkit.intake import CheckFinding, examine, loudest_first, refuse, untold
 from pmmkit.models import DerivativeTable, TableVerdict
@@ -165,7 +165,7 @@ class Reduction(Described):
 
     def plot(self) -> Figure:
         """What the fit leaves of the measured means and harmonics, by channel."""
-        from pmmkit.campaigns import left_by_the_fit
+        from pmmkit.reduction.figures import left_by_the_fit
 
         return left_by_the_fit(measured_and_fitted(self.rows, self.solution), CHANNEL_UNITS)
 
@@ -278,7 +278,7 @@ def reduce_campaign(
         If runs cannot be read; all problems of all runs at once. If they were made at several
         depths of the water: `reduce_depths` reduces each.
     """
-    campaign = within_reach(one_depth(campaign))
+    campaign = campaign.at_one_depth().within_reach()
     free = structure == "auto"
     wanted = all_terms() if free else structure_of(structure)
     convention = Convention(
@@ -419,7 +419,7 @@ def _excited(
     convention: Convention,
 ) -> tuple[Rows, ...]:
     """The equations without columns that only noise of the recorded motion makes."""
-    rig = rig_of(campaign)
+    rig = campaign.rig
     found = list(rows)
     for _, members in groups:
         kept = excited_alone([rows[place] for place in members], campaign, rig, convention)
@@ -501,7 +501,7 @@ def _provenance(
                 for correction in run.corrections
             )
         ),
-        "files": file_hashes(campaign),
+        "files": campaign.file_hashes(),
         **dict(campaign.provenance),
     }
 

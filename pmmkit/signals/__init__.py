@@ -10,17 +10,14 @@ if TYPE_CHECKING:
         CycleSums,
         FourierBasis,
         Harmonics,
-        cycle_count,
-        cycle_edges,
         design_matrix,
         harmonics,
         trapezoid_projector,
     )
     from pmmkit.signals.frequency import estimate_frequency
-    from pmmkit.signals.local_fits import crossing, local, way_along
     from pmmkit.signals.noise import autoregressive_noise, steady_mean, white_noise
     from pmmkit.signals.periodic import between_harmonics, fit_noise, phase_cells
-    from pmmkit.signals.record import FEWEST, as_record, time_weights
+    from pmmkit.signals.record import FEWEST, time_weights
     from pmmkit.signals.rest import head_rest
     from pmmkit.signals.smoothing import fitted_order
     from pmmkit.signals.steady import Window, steady_window
@@ -34,13 +31,9 @@ __all__ = [
     "Harmonics",
     "Travel",
     "Window",
-    "as_record",
     "at_speed",
     "autoregressive_noise",
     "between_harmonics",
-    "crossing",
-    "cycle_count",
-    "cycle_edges",
     "design_matrix",
     "estimate_frequency",
     "fit_noise",
@@ -48,13 +41,11 @@ __all__ = [
     "harmonics",
     "head_rest",
     "in_step",
-    "local",
     "phase_cells",
     "steady_mean",
     "steady_window",
     "time_weights",
     "trapezoid_projector",
-    "way_along",
     "white_noise",
     "whole_cycles",
 ]

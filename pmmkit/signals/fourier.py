@@ -96,6 +96,11 @@ class FourierBasis:
         """Highest harmonic."""
         return len(self.rows) // 2
 
+    @property
+    def cycles(self) -> int:
+        """Whole cycles covered."""
+        return cycle_count(self.phase)
+
     def within(self, part: slice | NDArray[np.bool_]) -> FourierBasis:
         """At some of the samples."""
         return FourierBasis(phase=self.phase[part], rows=self.rows[:, part])
@@ -333,6 +338,12 @@ class CycleSums:
     edges: Ints
     gram: Array
     right: Array
+
+    @classmethod
+    def over(cls, times: Array, basis: FourierBasis, record: Array) -> CycleSums:
+        """Over each whole cycle of a record (c, n), counted from its first sample."""
+        _, values = as_record(times, record)
+        return cls.of(values, basis.rows, cycle_edges(basis.phase, basis.cycles))
 
     @classmethod
     def of(cls, values: Array, rows: Array, edges: Ints) -> CycleSums:

@@ -121,6 +121,13 @@ def mean_noise(x: Array) -> tuple[Array, Array]:
 def autoregressive_noise(x: Array, max_order: int) -> tuple[Array, Array, Array, Array]:
     """Autoregressions of records x (c, m) with mean zero; none may be constant.
 
+    Parameters
+    ----------
+    x : (c, m) array
+        The records.
+    max_order : int
+        Highest order that is tried.
+
     Returns
     -------
     filters : (c, order + 1) array

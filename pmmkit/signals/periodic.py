@@ -25,6 +25,13 @@ def phase_cells(phase: Array, count: int) -> tuple[Ints, int]:
 
     No stretch is empty as long as the widest gap between samples is below a twelfth of a cycle;
     a stretch holds as nearly as possible the same number of samples as any other.
+
+    Parameters
+    ----------
+    phase : (n,) array
+        Increasing [rad].
+    count : int
+        Whole cycles.
     """
     step = np.diff(phase)
     mean = (phase[-1] - phase[0]) / step.size
@@ -41,6 +48,15 @@ def between_harmonics(cells: int, count: int, order: int) -> NDArray[np.bool_]:
 
     With two cycles or more those that are not multiples of the cycle's; with one cycle those
     above the highest harmonic.
+
+    Parameters
+    ----------
+    cells : int
+        Stretches of phase in the record.
+    count : int
+        Whole cycles.
+    order : int
+        Highest harmonic.
     """
     bins = np.arange(cells // 2 + 1)
     noise = bins % count != 0 if count > 1 else bins > order

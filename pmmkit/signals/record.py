@@ -89,7 +89,13 @@ def is_uniform(t: Array) -> bool:
 
 
 def time_weights(t: Array) -> Array:
-    """Stretch of time that each sample stands for, (n,); equal for equal steps."""
+    """Stretch of time that each sample stands for, (n,); equal for equal steps.
+
+    Parameters
+    ----------
+    t : (n,) array
+        Increasing times [s].
+    """
     if is_uniform(t):
         return np.full(t.size, (t[-1] - t[0]) / (t.size - 1))
     step = np.diff(t)

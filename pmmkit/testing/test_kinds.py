@@ -9,23 +9,13 @@ from typing import Final, get_args, get_type_hints
 
 import numpy as np
 
-from pmmkit.campaigns import (
-    MAY_BE_ZERO,
-    OURS,
-    RUN_SETTINGS,
-    TEST_KINDS,
-    NominalMotion,
-    RunSetting,
-    Settings,
-    TestKind,
-    ship_axes,
-)
+from pmmkit.campaigns import OURS, RUN_SETTINGS, TEST_KINDS, RunSetting, Settings, TestKind
 from pmmkit.conventions import is_unit
 from pmmkit.numerics import Array
 
 SPEED: Final = 1.5
 _ANGLES: Final = ("drift", "heel", "rudder")
-_VARIABLES: Final = ("u", *MAY_BE_ZERO, "rps")
+_VARIABLES: Final = ("u", *TestKind.MAY_BE_ZERO, "rps")
 _MOTION: Final = ("u", "v", "r", "udot", "vdot", "rdot")
 _DIMENSIONS: Final = {
     "u": (1, -1),
@@ -63,9 +53,9 @@ def check_test_kind(kind: TestKind) -> None:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> from pmmkit.campaigns import PURE_SWAY
-    >>> check_test_kind(PURE_SWAY)
-    >>> check_test_kind(replace(PURE_SWAY, varies=("v", "r"), codes=("sway",)))
+    >>> from pmmkit.campaigns import TEST_KINDS
+    >>> check_test_kind(TEST_KINDS["pure_sway"])
+    >>> check_test_kind(replace(TEST_KINDS["pure_sway"], varies=("v", "r"), codes=("sway",)))
     Traceback (most recent call last):
     AssertionError: Kind of test 'pure_sway':
     - its code 'sway' is not of two or three capital letters
@@ -204,7 +194,7 @@ def _settings(kind: TestKind) -> Iterator[str]:
         yield from (f"its fit takes in {name}, which is no kind of test" for name in unknown)
     if not kind.quasi_steady > 0:
         yield "the frequency up to which it is quasi-steady is not positive"
-    has_motion = kind.motion != NominalMotion()
+    has_motion = kind.motion != TestKind.motion
     if kind.free_running and (has_motion or kind.fit or kind.shares is not None):
         yield "it is free running, and has a motion, a fit or a plan"
     if kind.captive and kind.motion.tank is None and kind.motion.ship is None:
@@ -286,7 +276,7 @@ def _rates(kind: TestKind, settings: Settings, theta: Array) -> Iterator[str]:
         slope = _slope(getattr(back, name), getattr(on, name), settings)
         if _differs(getattr(tank, rate), slope, size):
             yield f"in tank axes {rate} is not the rate of change of {name}"
-    if any(_differs(part, here[name], size) for name, part in ship_axes(tank).items()):
+    if any(_differs(part, here[name], size) for name, part in tank.in_ship_axes.items()):
         yield "its motions in tank axes and in ship axes are not one"
     if kind.motion.place is not None:
         places = [kind.motion.place(settings, theta + x) for x in (-_STEP, _STEP)]

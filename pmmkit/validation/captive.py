@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pmmkit.base import DataError, ExtrapolationError, Progress
-from pmmkit.campaigns import Campaign, Rig, TypeB, force_of_water, rig_of
+from pmmkit.campaigns import Campaign, Rig, TypeB
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import CATALOGUE
 from pmmkit.inference import COVERAGE
@@ -133,11 +133,10 @@ class CaptiveRun:
         data = run.data
         times = np.asarray(data["t"].values, float)
         cut = np.searchsorted(times - times[0], view.t - 1e-9)
-        force = force_of_water(
+        force = rig.force_of_water(
             {name: np.asarray(data[name].values, float)[cut] for name in CHANNELS if name in data},
             run,
             view.motion,
-            rig,
         )
         return {"t": view.t} | {
             key: values
@@ -171,7 +170,7 @@ def compare_captive(
 ) -> tuple[tuple[CaptiveRun, ...], tuple[str, ...]]:
     """Every captive run beside a model."""
     predictor = in_the_tank(model, campaign, extrapolate=extrapolate)
-    rig = rig_of(campaign)
+    rig = campaign.rig
     views = observed(campaign) if views is None else views
     notes = [
         *predictor.notes,

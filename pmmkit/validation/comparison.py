@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from pmmkit.base import DataError, Progress, UnknownNameError
-from pmmkit.campaigns import TEST_KINDS, Campaign, Rig, Run, rig_of
+from pmmkit.campaigns import TEST_KINDS, Campaign, Rig, Run
 from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, in_words, told
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Model, load_model
@@ -469,7 +469,7 @@ def compare(
         captive=captive,
         free=free,
         manoeuvres=manoeuvres,
-        rig=rig_of(campaign),
+        rig=campaign.rig,
         notes=(known.not_usable, *notes) if known.not_usable else notes,
     )
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import Campaign, Run, TypeB, rig_of
+from pmmkit.campaigns import Campaign, Run, TypeB
 from pmmkit.conventions import Convention
 from pmmkit.numerics import Array
 from pmmkit.reduction import FLOOR, View
@@ -105,7 +105,7 @@ def compare_submission(
         captive=runs,
         free=(),
         manoeuvres=manoeuvres,
-        rig=rig_of(campaign),
+        rig=campaign.rig,
         notes=notes,
     )
 
@@ -176,9 +176,7 @@ class _Side:
             for item in sources_of(self.campaign, repeated=bool(view.repeated))
             if _acts_alone(item)
         ]
-        return measured_shares(
-            view, self.campaign, rig_of(self.campaign), sources, _still, view.force
-        )
+        return measured_shares(view, self.campaign, self.campaign.rig, sources, _still, view.force)
 
 
 def _acts_alone(source: TypeB) -> bool:

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns import Campaign, Rig, TypeB, as_read, inertia_inside, move_motion
+from pmmkit.campaigns import Campaign, Rig, TypeB
 from pmmkit.effects import Regressors
 from pmmkit.inference import Propagated, Stencil, std_along
 from pmmkit.numerics import Array
@@ -42,7 +42,7 @@ def stated_share(
 
     water_rho [kg/m³]; predicted (m,).
     """
-    read = as_read(view.force, view.run, view.motion, rig, view.project)
+    read = rig.as_read(view.force, view.run, view.motion, view.project)
     causes, changes = [], []
     for source in sources:
         changes.append(_change(view, rig, forces, source, water_rho, predicted, read))
@@ -71,7 +71,7 @@ def _change(
         # The nominal motion with another setting: prediction, less the inertia on the balance.
         paths = changed.nominal_beside(view.run, view.labels)
         before, after = (
-            _less(forces(motion, t), inertia_inside(changed.run, motion, rig))
+            _less(forces(motion, t), rig.inertia_inside(changed.run, motion))
             for motion, t, _ in paths
         )
         projection = paths[0][-1]
@@ -84,10 +84,8 @@ def _change(
 def _by_rig(view: View, rig: Rig, forces: Forces, other: Rig) -> dict[str, Array]:
     """The motion as measured with another rig: prediction, less the inertia on the balance."""
     shift = other.motion_x - rig.motion_x
-    moved = move_motion(view.motion, shift)
-    change = _less(
-        inertia_inside(view.run, view.motion, rig), inertia_inside(view.run, moved, other)
-    )
+    moved = view.motion.moved_aft(shift)
+    change = _less(rig.inertia_inside(view.run, view.motion), other.inertia_inside(view.run, moved))
     if shift:
         here, there = (forces(motion, view.instants) for motion in (view.motion, moved))
         change = {name: x + (there[name] - here[name]) for name, x in change.items()}

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import Campaign, by_title, open_campaign, sailing
+from pmmkit.campaigns import Campaign, by_title, open_campaign
 from pmmkit.models import load_model
 from pmmkit.validation import Comparison, compare, observed
 from pmmkit.workbench.known import AnswerCache
@@ -55,7 +55,7 @@ class OpenCampaigns:
     def sailing(self, state: WorkbenchState) -> Campaign:
         """The tests of the ship: the first that let it sail by itself, else the first."""
         every = self.every(state)
-        return every[sailing(every)]
+        return max(every.values(), key=lambda item: item.kind == "free-running")
 
     def comparison(
         self, state: WorkbenchState, effects: tuple[str, ...], of: int = 0

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import FILE_NAME
-from pmmkit.files import free_folder
+from pmmkit.files import CAMPAIGN, free_folder
 
 LARGEST: Final = 256_000_000
 """Bytes of a file that is dropped."""
@@ -111,7 +110,7 @@ def sets(folder: Path) -> list[dict[str, Any]]:
             "into": place.name,
             "folder": str(place),
             "files": files_of(place),
-            "campaign": (place / FILE_NAME).is_file(),
+            "campaign": (place / CAMPAIGN.file).is_file(),
         }
         for place in found
     ]
@@ -122,7 +121,7 @@ def files_of(place: Path) -> list[dict[str, Any]]:
     return [
         {"name": file.name, "size": file.stat().st_size}
         for file in sorted(place.iterdir())
-        if file.is_file() and not file.name.startswith(".") and file.name != FILE_NAME
+        if file.is_file() and not file.name.startswith(".") and file.name != CAMPAIGN.file
     ]
 
 

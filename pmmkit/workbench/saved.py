@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.base import DataError, PmmkitError
-from pmmkit.campaigns import FILE_NAME
 from pmmkit.diagnosis import read_session
 from pmmkit.effects import Effect, own_effects
-from pmmkit.files import readable, toml_text, write_text
+from pmmkit.files import CAMPAIGN, readable, toml_text, write_text
 from pmmkit.models import Step
 
 STATE: Final = "workbench.json"
@@ -141,7 +140,7 @@ def save_own(folder: Path, effects: Sequence[Effect]) -> None:
 def stamp_of(campaign: Path) -> tuple[int, int]:
     """When a campaign file was changed, and its size; zeros where there is none."""
     try:
-        found = (campaign / FILE_NAME if campaign.is_dir() else campaign).stat()
+        found = (campaign / CAMPAIGN.file if campaign.is_dir() else campaign).stat()
     except OSError:
         return (0, 0)
     return found.st_mtime_ns, found.st_size

@@ -8,15 +8,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.base import DataError, FileExists
-from pmmkit.campaigns import (
-    FILE_NAME,
-    Campaign,
-    campaign_of,
-    usable,
-    with_correction,
-    without_correction,
-)
-from pmmkit.files import datasets_folder, write_text
+from pmmkit.campaigns import Campaign, CampaignFile, campaign_of, usable
+from pmmkit.files import CAMPAIGN, datasets_folder, write_text
 from pmmkit.reduction import PreparedRun
 from pmmkit.views import CUTS, literal
 
@@ -46,7 +39,7 @@ def drawn(
             "t_end": round(end, 6),
             "reason": said,
         }
-        _write(file, data, run, lambda text: with_correction(text, entry))
+        _write(file, data, run, lambda it: it.with_correction(entry))
 
     return write
 
@@ -57,15 +50,15 @@ def taken_back(place: Path, data: str) -> Callable[[Campaign, str], None]:
 
     def write(campaign: Campaign, run: str) -> None:
         entry = {"runs": [literal(run)], "action": CUTS[campaign.kind]}
-        _write(file, data, run, lambda text: without_correction(text, entry))
+        _write(file, data, run, lambda it: it.without_correction(entry))
 
     return write
 
 
-def _write(file: Path, data: str, run: str, change: Callable[[str], str]) -> None:
+def _write(file: Path, data: str, run: str, change: Callable[[CampaignFile], str]) -> None:
     """The file with the change, where the run can be used with it."""
     try:
-        text = change(file.read_bytes().decode("utf-8"))
+        text = change(CampaignFile(file.read_bytes().decode("utf-8")))
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{file} cannot be read: {error}.") from error
     campaign = campaign_of(tomllib.loads(text), file, data=data or None)
@@ -81,7 +74,7 @@ def _write(file: Path, data: str, run: str, change: Callable[[str], str]) -> Non
 
 
 def _writable(place: Path) -> Path:
-    file = place / FILE_NAME if place.is_dir() else place
+    file = place / CAMPAIGN.file if place.is_dir() else place
     if file.resolve().is_relative_to(datasets_folder().resolve()):
         raise DataError(
             f"{place} belongs to pmmkit and is not changed. Copy the folder, and open the copy."

@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from pmmkit.campaigns import TEST_KINDS, GaugeEntry, ImoEntry, ReportEntry, TestKind, setting_key
+from pmmkit.campaigns import TEST_KINDS, TestKind, setting_key
+from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
 from pmmkit.campaigns.file.schema import (
     CorrectionEntry,
     DefaultsEntry,
@@ -25,6 +26,7 @@ from pmmkit.campaigns.file.single_tables import (
     CampaignEntry,
     CfdEntry,
     ColumnEntry,
+    ImoEntry,
     ShipEntry,
     SourceEntry,
     StrutsEntry,

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns import Run, Settings, nominal_motion
+from pmmkit.campaigns import Run, Settings
 from pmmkit.signals import harmonics
 from scripts.validation.published import Published, Values, table
 
@@ -33,9 +33,9 @@ def cycle(frequency: float) -> np.ndarray:
 @cache
 def simman() -> Values:
     """Largest motions of test cases 1b-3 (pure sway of 0.5 m) and 1b-4 (pure yaw of 1 m)."""
-    sway = nominal_motion(run("pure_sway", SWAY_HZ, amplitude=0.5), cycle(SWAY_HZ))
+    sway = run("pure_sway", SWAY_HZ, amplitude=0.5).nominal_motion(cycle(SWAY_HZ))
     heading = math.atan(1.0 * 2 * math.pi * YAW_HZ / CARRIAGE)
-    yaw = nominal_motion(run("pure_yaw", YAW_HZ, yaw_amplitude=heading), cycle(YAW_HZ))
+    yaw = run("pure_yaw", YAW_HZ, yaw_amplitude=heading).nominal_motion(cycle(YAW_HZ))
     return {
         "sway velocity of 1b-3, v/Uc": float(np.abs(sway.v).max()) / CARRIAGE,
         "heading of 1b-4 [°]": math.degrees(heading),

@@ -14,7 +14,6 @@ from web import served_web
 
 import pmmkit as pk
 from pmmkit.base import CampaignError, DataError
-from pmmkit.campaigns import file_hashes
 from pmmkit.cli import main
 from pmmkit.files import Origin, Url
 from pmmkit.files.remote import copies, objects, urls
@@ -80,7 +79,7 @@ def test_a_campaign_opens_by_url_as_it_does_from_its_folder(named, tmp_path):
         assert there["SD"].settings == here["SD"].settings
         for name in NAMES:
             assert np.array_equal(there["SD"].data[name], here["SD"].data[name])
-        assert file_hashes(there) == file_hashes(here)
+        assert there.file_hashes() == here.file_hashes()
         assert there.provenance["url"] == f"{web.url}/kcs/campaign.toml"
         assert there.provenance["sha256"] == here.provenance["sha256"]
         assert web.asked["GET", "/kcs/runs/SD 1.csv"] == 1
@@ -132,7 +131,7 @@ def test_a_store_of_objects_and_measurements_elsewhere(memory, tmp_path):
     stated = local(tmp_path / "a", {"campaign.toml": naming("memory://data/may/SD.csv")})
     campaign = pk.open_campaign(stated)
     digest = hashlib.sha256(ROWS.encode()).hexdigest()
-    assert file_hashes(campaign) == {"memory://data/may/SD.csv": digest}
+    assert campaign.file_hashes() == {"memory://data/may/SD.csv": digest}
     text = naming("SD.csv", 'data_folder = "memory://data/may"\n')
     assert len(pk.open_campaign(local(tmp_path / "b", {"campaign.toml": text}))) == 1
     near = local(tmp_path / "data", {"may/SD.csv": OTHER})
@@ -247,7 +246,7 @@ def test_a_key_in_a_query_is_used_and_not_named(tmp_path, cache):
     with served_web({"SD.csv": ROWS}) as web:
         text = naming(f"{web.url}/SD.csv?signature=1b2c")
         campaign = pk.open_campaign(local(tmp_path / "kcs", {"campaign.toml": text}))
-        assert "1b2c" not in str(file_hashes(campaign)) + str(campaign["SD"].data.attrs)
+        assert "1b2c" not in str(campaign.file_hashes()) + str(campaign["SD"].data.attrs)
         assert not any("1b2c" in file.read_text() for file in cache.rglob(SHEET))
         web.states["/SD.csv"] = 403
         with pytest.raises(CampaignError, match="no permission") as told:

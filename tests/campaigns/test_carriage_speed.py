@@ -11,7 +11,7 @@ from own_tank import U, drift, sway, write, yaw
 
 import pmmkit as pk
 from pmmkit import Run
-from pmmkit.campaigns import Settings, measured_motion, nominal_motion
+from pmmkit.campaigns import Settings
 from pmmkit.intake import CheckFinding, look
 
 T = np.arange(0.0, 40.0, 0.05)
@@ -27,7 +27,7 @@ def run_of(test: str, **settings: float) -> Run:
 def moved(run: Run, speed, **columns):
     named = {"U_carriage": speed + 0 * T, **columns}
     data = xr.Dataset({name: ("t", x) for name, x in named.items()}, coords={"t": T})
-    return measured_motion(run, data, T)
+    return run.measured_motion(data, T)
 
 
 def test_a_static_drift_is_towed_at_the_recorded_speed():
@@ -63,7 +63,7 @@ def test_an_oscillation_keeps_its_swing_on_a_carriage_that_is_faster(test, setti
     """Along the tank the hull has 0.04 m/s more, across it what the oscillator does."""
     run = run_of(test, period=10.0, **settings)
     noise = 0.01 * np.random.default_rng(1).normal(size=T.size)
-    found, set_to = moved(run, 1.54 + noise), nominal_motion(run, T)
+    found, set_to = moved(run, 1.54 + noise), run.nominal_motion(T)
     psi = run.kind_of_test.in_tank(run.settings, OMEGA * T).psi
     more = float(np.mean(1.54 + noise)) - 1.5
     np.testing.assert_allclose(found.u, set_to.u + more * np.cos(psi), atol=1e-12)
@@ -73,7 +73,7 @@ def test_an_oscillation_keeps_its_swing_on_a_carriage_that_is_faster(test, setti
 
 def test_the_speed_set_gives_the_nominal_motion():
     run = run_of("pure_yaw", period=10.0, yaw_amplitude=0.2)
-    found, set_to = moved(run, 1.5), nominal_motion(run, T)
+    found, set_to = moved(run, 1.5), run.nominal_motion(T)
     for name in ("u", "v", "r", "udot", "vdot", "rdot"):
         np.testing.assert_allclose(getattr(found, name), getattr(set_to, name), atol=1e-12)
 

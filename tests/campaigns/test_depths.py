@@ -7,7 +7,7 @@ from small_campaign import write_campaign, write_depths
 
 import pmmkit as pk
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import by_depth, depths, one_depth, repeats
+from pmmkit.campaigns import repeats
 from pmmkit.intake import examine
 
 
@@ -22,12 +22,12 @@ def campaign(folder):
 
 
 def test_each_depth_has_its_runs_and_its_water(campaign):
-    deep, shallow = by_depth(campaign)
-    assert depths(campaign) == (0.48, 0.36)
+    deep, shallow = campaign.by_depth()
+    assert campaign.depths == (0.48, 0.36)
     assert (deep.water.depth, shallow.water.depth) == (0.48, 0.36)
     assert len(deep) == len(shallow) == len(campaign) / 2
     assert all(run.id.startswith("h0.36_") for run in shallow)
-    assert one_depth(shallow) == shallow
+    assert shallow.at_one_depth() == shallow
 
 
 def test_the_water_of_the_campaign_is_that_of_runs_that_state_none(tmp_path):
@@ -36,7 +36,7 @@ def test_the_water_of_the_campaign_is_that_of_runs_that_state_none(tmp_path):
     text = file.read_text(encoding="utf-8").replace("g = 9.81", "g = 9.81\ndepth = 0.48")
     file.write_text(text.replace("[[runs]]\n", "[[runs]]\ndepth = 0.36\n", 3), encoding="utf-8")
     campaign = pk.open_campaign(folder)
-    assert [len(part) for part in by_depth(campaign)] == [len(campaign) - 3, 3]
+    assert [len(part) for part in campaign.by_depth()] == [len(campaign) - 3, 3]
 
 
 def test_a_test_over_another_bottom_is_no_repeat(campaign):
@@ -45,7 +45,7 @@ def test_a_test_over_another_bottom_is_no_repeat(campaign):
 
 def test_a_saved_campaign_keeps_the_depths(campaign, tmp_path):
     pk.save_campaign(campaign, tmp_path / "saved.h5")
-    assert depths(pk.open_campaign(tmp_path / "saved.h5")) == (0.48, 0.36)
+    assert pk.open_campaign(tmp_path / "saved.h5").depths == (0.48, 0.36)
 
 
 def test_a_depth_is_positive(folder, tmp_path):

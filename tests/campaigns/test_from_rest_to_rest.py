@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.campaigns import by_depth, depths
 from pmmkit.cli import main
 from pmmkit.reduction import PreparedRun
 
@@ -62,5 +61,5 @@ def test_the_steady_part_is_found(campaign):
 
 
 def test_each_bottom_is_a_campaign(campaign):
-    assert depths(campaign) == (0.326, 0.1956)
-    assert [[run.id for run in part] for part in by_depth(campaign)] == [["C1", "C2"], ["C3"]]
+    assert campaign.depths == (0.326, 0.1956)
+    assert [[run.id for run in part] for part in campaign.by_depth()] == [["C1", "C2"], ["C3"]]

@@ -13,21 +13,12 @@ from scipy.integrate import cumulative_simpson
 
 from pmmkit import Run
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import (
-    Settings,
-    brought,
-    captive_kinds,
-    displacement_phase,
-    measured_motion,
-    motion_at_phase,
-    move_motion,
-    nominal_motion,
-)
+from pmmkit.campaigns import TEST_KINDS, Settings, brought
 from pmmkit.effects import State
 
 UC, PERIOD, SWAY, YAW, RUDDER, DRIFT, PHASE = 1.5, 12.0, 0.35, 0.3, 0.5, 0.12, 0.7
 OMEGA = 2 * math.pi / PERIOD
-OSCILLATING = [kind.name for kind in captive_kinds() if kind.oscillates]
+OSCILLATING = [kind.name for kind in TEST_KINDS.values() if kind.oscillates]
 
 
 def run_of(test: str, **changes: object) -> Run:
@@ -77,21 +68,21 @@ def test_velocities_are_the_derivatives_of_the_path(test: str, drift: float) -> 
         "vdot": np.gradient(v, t),
         "rdot": np.gradient(r, t),
     }
-    state = nominal_motion(run_of(test, drift=drift), t)
+    state = run_of(test, drift=drift).nominal_motion(t)
     inner = slice(10, -10)
     for name, value in expected.items():
         np.testing.assert_allclose(getattr(state, name)[inner], value[inner], atol=2e-6)
 
 
 def test_pure_yaw_has_no_sway_at_all() -> None:
-    state = nominal_motion(run_of("pure_yaw"), np.linspace(0, 20, 99))
+    state = run_of("pure_yaw").nominal_motion(np.linspace(0, 20, 99))
     assert not state.v.any()
     assert not state.vdot.any()
     assert np.ptp(state.u) == pytest.approx(UC / math.cos(YAW) - UC, rel=0.01)
 
 
 def test_pure_sway_keeps_the_carriage_speed_ahead_exactly() -> None:
-    state = nominal_motion(run_of("pure_sway"), np.linspace(0, 20, 99))
+    state = run_of("pure_sway").nominal_motion(np.linspace(0, 20, 99))
     assert (state.u == UC).all()
     assert not state.udot.any()
     assert not state.r.any()
@@ -99,19 +90,19 @@ def test_pure_sway_keeps_the_carriage_speed_ahead_exactly() -> None:
 
 def test_surge_acceleration_of_pure_yaw_is_u_r_tan_heading() -> None:
     t = np.linspace(0, PERIOD, 50)
-    state = nominal_motion(run_of("pure_yaw"), t)
+    state = run_of("pure_yaw").nominal_motion(t)
     psi = YAW * np.sin(OMEGA * t + PHASE)
     np.testing.assert_allclose(state.udot, state.u * state.r * np.tan(psi), atol=1e-14)
 
 
 def test_drift_angle_of_yaw_with_drift_is_constant() -> None:
-    state = nominal_motion(run_of("yaw_drift", drift=DRIFT), np.linspace(0, 20, 99))
+    state = run_of("yaw_drift", drift=DRIFT).nominal_motion(np.linspace(0, 20, 99))
     np.testing.assert_allclose(np.arctan2(-state.v, state.u), DRIFT, atol=1e-15)
 
 
 def test_yaw_rate_and_sway_velocity_of_sway_yaw_are_in_quadrature() -> None:
     theta = np.linspace(0, 2 * np.pi, 200, endpoint=False)
-    state = motion_at_phase(run_of("sway_yaw"), theta)
+    state = run_of("sway_yaw").motion_at_phase(theta)
     np.testing.assert_allclose(state.r, YAW * OMEGA * np.sin(theta), atol=1e-15)
     assert abs(np.mean(state.v * np.sin(theta))) < 1e-14
     assert np.mean(state.v * np.cos(theta)) > 0.1
@@ -120,7 +111,7 @@ def test_yaw_rate_and_sway_velocity_of_sway_yaw_are_in_quadrature() -> None:
 @pytest.mark.parametrize("test", ["static_drift", "resistance", "drift_rudder", "propulsion"])
 def test_static_tests_have_velocity_components_of_the_drift_angle(test: str) -> None:
     run = run_of(test, drift=DRIFT, heel=0.1, rudder=-0.2, propeller_rps=9.9)
-    state = nominal_motion(run, np.arange(5.0))
+    state = run.nominal_motion(np.arange(5.0))
     np.testing.assert_allclose(state.u, UC * math.cos(DRIFT))
     np.testing.assert_allclose(state.v, -UC * math.sin(DRIFT))
     assert (state.phi == 0.1).all()
@@ -134,7 +125,7 @@ def test_circular_motion_runs_its_circle_in_one_turn() -> None:
     """Integrated over 2πR/U, the path of midship closes, and its mean radius is R."""
     radius = 8.0
     t = np.linspace(0, 2 * math.pi * radius / UC, 4001)
-    state = nominal_motion(run_of("circular_motion", radius=radius, drift=DRIFT), t)
+    state = run_of("circular_motion", radius=radius, drift=DRIFT).nominal_motion(t)
     psi = cumulative_simpson(state.r, x=t, initial=0.0)
     x = cumulative_simpson(state.u * np.cos(psi) - state.v * np.sin(psi), x=t, initial=0.0)
     y = cumulative_simpson(state.u * np.sin(psi) + state.v * np.cos(psi), x=t, initial=0.0)
@@ -144,7 +135,7 @@ def test_circular_motion_runs_its_circle_in_one_turn() -> None:
 
 
 def test_a_stated_yaw_rate_counts_before_the_radius() -> None:
-    state = nominal_motion(run_of("circular_motion", radius=8.0, yaw_rate=-0.1), [0.0])
+    state = run_of("circular_motion", radius=8.0, yaw_rate=-0.1).nominal_motion([0.0])
     assert state.r == [-0.1]
 
 
@@ -174,7 +165,7 @@ def test_accelerations_belong_to_the_velocities(
     )
     t = start + np.linspace(0, period, 40)
     h = period * 1e-5
-    before, here, after = (nominal_motion(run, t + away) for away in (-h, 0.0, h))
+    before, here, after = (run.nominal_motion(t + away) for away in (-h, 0.0, h))
     scale = speed + 2 * math.pi * (sway + yaw) / period
     for name in ("u", "v", "r"):
         slope = (getattr(after, name) - getattr(before, name)) / (2 * h)
@@ -195,9 +186,9 @@ def uneven(cycles: float = 3.3, n: int = 500, start: float = 2.1) -> np.ndarray:
 def test_measured_velocities_are_differentiated_through_their_series(test, drift) -> None:
     """A yaw motion of small angle is a short series; six harmonics leave next to nothing."""
     run, t = run_of(test, drift=drift, yaw_amplitude=0.1), uneven()
-    truth = nominal_motion(run, t)
+    truth = run.nominal_motion(t)
     data = xr.Dataset({name: ("t", getattr(truth, name)) for name in ("u", "v", "r")}, {"t": t})
-    state = measured_motion(run_of(test, drift=0.0, amplitude=None, yaw_amplitude=None), data, t)
+    state = run_of(test, drift=0.0, amplitude=None, yaw_amplitude=None).measured_motion(data, t)
     for name in ("u", "v", "r", "udot", "vdot", "rdot"):
         np.testing.assert_allclose(getattr(state, name), getattr(truth, name), atol=2e-7)
 
@@ -218,7 +209,7 @@ def test_positions_give_the_velocities(test: str, of_carriage: bool) -> None:
         {"t": t},
     )
     blind = run_of(test, drift=0.0, phase=0.0, amplitude=None, yaw_amplitude=None)
-    state, truth = measured_motion(blind, data, t), nominal_motion(run, t)
+    state, truth = blind.measured_motion(data, t), run.nominal_motion(t)
     for name in ("u", "v", "r", "udot", "vdot", "rdot"):
         np.testing.assert_allclose(getattr(state, name), getattr(truth, name), atol=2e-4)
 
@@ -226,7 +217,7 @@ def test_positions_give_the_velocities(test: str, of_carriage: bool) -> None:
 def test_a_sway_displacement_alone_is_enough() -> None:
     run, t = run_of("pure_sway"), uneven()
     y = 0.36 * np.sin(OMEGA * t + 1.1)
-    state = measured_motion(run, xr.Dataset({"y": ("t", y)}, {"t": t}), t)
+    state = run.measured_motion(xr.Dataset({"y": ("t", y)}, {"t": t}), t)
     np.testing.assert_allclose(state.v, 0.36 * OMEGA * np.cos(OMEGA * t + 1.1), atol=1e-12)
     np.testing.assert_allclose(state.vdot, -(OMEGA**2) * y, atol=1e-12)
     assert np.allclose(state.u, UC)
@@ -240,7 +231,7 @@ def test_measured_channels_count_before_nominal_ones() -> None:
         for name in ("u", "v", "r", "p", "udot", "vdot", "rdot", "pdot", "phi", "delta", "n", "T")
     }
     data = xr.Dataset({name: ("t", value) for name, value in channels.items()}, {"t": t})
-    state = measured_motion(run, data, t)
+    state = run.measured_motion(data, t)
     for name, value in channels.items():
         target = {"n": "rps", "T": "thrust"}.get(name, name)
         np.testing.assert_array_equal(getattr(state, target), value)
@@ -249,7 +240,7 @@ def test_measured_channels_count_before_nominal_ones() -> None:
 def test_nothing_measured_is_the_nominal_motion() -> None:
     run, t = run_of("yaw_drift", drift=DRIFT, rudder=0.1), uneven()
     data = xr.Dataset({"Y": ("t", t), "r": ("t", np.full_like(t, np.nan))}, {"t": t})
-    state, nominal = measured_motion(run, data, t), nominal_motion(run, t)
+    state, nominal = run.measured_motion(data, t), run.nominal_motion(t)
     for name in ("u", "v", "r", "udot", "vdot", "rdot", "delta"):
         np.testing.assert_allclose(getattr(state, name), getattr(nominal, name), atol=1e-14)
 
@@ -257,19 +248,19 @@ def test_nothing_measured_is_the_nominal_motion() -> None:
 def test_what_is_not_measured_follows_at_the_measured_phase() -> None:
     """A yaw rate half a radian ahead of the stated phase takes the surge velocity with it."""
     t = uneven()
-    truth = nominal_motion(run_of("pure_yaw", phase=PHASE + 0.5), t)
+    truth = run_of("pure_yaw", phase=PHASE + 0.5).nominal_motion(t)
     data = xr.Dataset({"r": ("t", truth.r)}, {"t": t})
-    state = measured_motion(run_of("pure_yaw"), data, t)
+    state = run_of("pure_yaw").measured_motion(data, t)
     np.testing.assert_allclose(state.u, truth.u, atol=1e-12)
     np.testing.assert_allclose(state.udot, truth.udot, atol=1e-12)
 
 
 def test_gaps_in_a_channel_stay_gaps_and_do_not_spoil_its_derivative() -> None:
     run, t = run_of("pure_sway"), uneven()
-    truth = nominal_motion(run, t)
+    truth = run.nominal_motion(t)
     v = truth.v.copy()
     v[100:110] = np.nan
-    state = measured_motion(run, xr.Dataset({"v": ("t", v)}, {"t": t}), t)
+    state = run.measured_motion(xr.Dataset({"v": ("t", v)}, {"t": t}), t)
     assert np.isnan(state.v).sum() == 10
     np.testing.assert_allclose(state.vdot, truth.vdot, atol=1e-12)
 
@@ -278,11 +269,11 @@ def test_static_tests_take_measured_means_and_no_acceleration() -> None:
     run, t = run_of("static_drift", drift=DRIFT), np.linspace(0, 30, 301)
     rng = np.random.default_rng(2)
     psi = 0.13 + rng.normal(0, 1e-3, 301)
-    state = measured_motion(run, xr.Dataset({"psi": ("t", psi)}, {"t": t}), t)
+    state = run.measured_motion(xr.Dataset({"psi": ("t", psi)}, {"t": t}), t)
     np.testing.assert_allclose(state.v, -UC * math.sin(psi.mean()))
     assert not state.r.any()
     noisy = xr.Dataset({"u": ("t", UC + rng.normal(size=301))}, {"t": t})
-    state = measured_motion(run, noisy, t)
+    state = run.measured_motion(noisy, t)
     assert not state.udot.any()
     np.testing.assert_array_equal(state.u, noisy["u"])
     np.testing.assert_allclose(state.v, -UC * math.sin(DRIFT))
@@ -290,11 +281,11 @@ def test_static_tests_take_measured_means_and_no_acceleration() -> None:
 
 def test_means_hold_for_all_times_in_a_static_test_only() -> None:
     data = xr.Dataset({"u": 1.4, "v": -0.2, "delta": 0.05})
-    state = measured_motion(run_of("static_drift"), data, np.arange(4.0))
+    state = run_of("static_drift").measured_motion(data, np.arange(4.0))
     assert (state.u == 1.4).all()
     t = uneven()
-    state = measured_motion(run_of("pure_sway"), data, t)
-    np.testing.assert_allclose(state.v, nominal_motion(run_of("pure_sway"), t).v)
+    state = run_of("pure_sway").measured_motion(data, t)
+    np.testing.assert_allclose(state.v, run_of("pure_sway").nominal_motion(t).v)
     assert (state.delta == 0.05).all()
 
 
@@ -307,11 +298,11 @@ def test_harmonics_of_a_motion_are_summed() -> None:
     t = np.linspace(0, PERIOD, 64, endpoint=False)
     theta = OMEGA * t + PHASE
     expected = 0.2 * np.cos(theta) + 0.03 * np.sin(theta) + 0.01 * np.cos(2 * theta)
-    state = measured_motion(run, data, t)
+    state = run.measured_motion(data, t)
     np.testing.assert_allclose(state.v, expected, atol=1e-14)
     slope = OMEGA * (0.03 * np.cos(theta) - 0.2 * np.sin(theta) - 0.02 * np.sin(2 * theta))
     np.testing.assert_allclose(state.vdot, slope, atol=1e-14)
-    np.testing.assert_allclose(displacement_phase(run, data, t), theta)
+    np.testing.assert_allclose(run.displacement_phase(data, t), theta)
 
 
 @pytest.mark.slow
@@ -339,8 +330,8 @@ def test_phase_of_the_measured_motion(test: str, channel: str, ahead: float) -> 
         values = dict(zip("xyp", path(test, fine + ahead / OMEGA, DRIFT), strict=True))[channel[0]]
         values = np.interp(t, fine, values)
     else:
-        values = getattr(nominal_motion(moved, t), channel)
-    theta = displacement_phase(run_of(test), xr.Dataset({channel: ("t", values)}, {"t": t}), t)
+        values = getattr(moved.nominal_motion(t), channel)
+    theta = run_of(test).displacement_phase(xr.Dataset({channel: ("t", values)}, {"t": t}), t)
     np.testing.assert_allclose(theta, OMEGA * t + PHASE + ahead, atol=1e-6)
 
 
@@ -350,7 +341,7 @@ def test_phase_of_a_noisy_record_is_within_its_standard_error() -> None:
     errors = []
     for _ in range(200):
         v = 0.2 * np.cos(OMEGA * t + 0.3) + rng.normal(0, 0.1, len(t))
-        theta = displacement_phase(run_of("pure_sway"), xr.Dataset({"v": ("t", v)}), t)
+        theta = run_of("pure_sway").displacement_phase(xr.Dataset({"v": ("t", v)}), t)
         errors.append(theta[0] - 0.3)
     expected = 0.1 / 0.2 * math.sqrt(2 / len(t))
     assert np.std(errors) == pytest.approx(expected, rel=0.2)
@@ -362,15 +353,15 @@ def test_noise_alone_does_not_move_the_phase() -> None:
     t = np.arange(0, 4 * PERIOD, 0.1)
     data = xr.Dataset({"v": ("t", rng.normal(size=len(t)))}, {"t": t})
     np.testing.assert_array_equal(
-        displacement_phase(run_of("pure_sway"), data, t), OMEGA * t + PHASE
+        run_of("pure_sway").displacement_phase(data, t), OMEGA * t + PHASE
     )
 
 
 def test_few_samples_a_cycle_give_as_many_harmonics_as_they_can() -> None:
     """Eight samples a cycle cannot tell the fifth harmonic from the third."""
     t = np.arange(0, 4 * PERIOD, PERIOD / 8)
-    truth = nominal_motion(run_of("pure_sway"), t)
-    state = measured_motion(run_of("pure_sway"), xr.Dataset({"v": ("t", truth.v)}, {"t": t}), t)
+    truth = run_of("pure_sway").nominal_motion(t)
+    state = run_of("pure_sway").measured_motion(xr.Dataset({"v": ("t", truth.v)}, {"t": t}), t)
     np.testing.assert_allclose(state.vdot, truth.vdot, atol=1e-12)
 
 
@@ -381,11 +372,11 @@ def test_motion_moves_from_a_point_to_midship_with_the_rigid_ship() -> None:
     ahead, aside, psi = path("sway_yaw", t, 0.0)
     xdot = np.gradient(ahead + x * np.cos(psi), t)
     ydot = np.gradient(aside + x * np.sin(psi), t)
-    midship = nominal_motion(run, t)
+    midship = run.nominal_motion(t)
     point = midship.with_(
         u=xdot * np.cos(psi) + ydot * np.sin(psi), v=-xdot * np.sin(psi) + ydot * np.cos(psi)
     )
-    moved = move_motion(point, x)
+    moved = point.moved_aft(x)
     np.testing.assert_allclose(moved.v[2:-2], midship.v[2:-2], atol=1e-7)
     np.testing.assert_allclose(moved.u[2:-2], midship.u[2:-2], atol=1e-7)
 
@@ -394,7 +385,7 @@ def test_motion_moves_from_a_point_to_midship_with_the_rigid_ship() -> None:
 @given(x=st.floats(-5, 5), v=st.floats(-1, 1), r=st.floats(-1, 1), rdot=st.floats(-1, 1))
 def test_moving_there_and_back_changes_nothing(x, v, r, rdot):
     state = State.of(u=1.0, v=v, r=r, vdot=v * r, rdot=rdot)
-    back = move_motion(move_motion(state, x), -x)
+    back = state.moved_aft(x).moved_aft(-x)
     assert back.v == pytest.approx(state.v, abs=1e-14)
     assert back.vdot == pytest.approx(state.vdot, abs=1e-14)
 
@@ -402,7 +393,7 @@ def test_moving_there_and_back_changes_nothing(x, v, r, rdot):
 def test_missing_settings_are_named_all_at_once() -> None:
     run = run_of("sway_yaw", period=None, amplitude=None, yaw_amplitude=None)
     with pytest.raises(CampaignError) as caught:
-        nominal_motion(run, [0.0])
+        run.nominal_motion([0.0])
     assert len(caught.value.problems) == 3
     for word in ("period", "amplitude", "yaw_amplitude", "sway_yaw_1"):
         assert word in str(caught.value)
@@ -421,27 +412,27 @@ def test_missing_settings_are_named_all_at_once() -> None:
 )
 def test_impossible_settings_are_refused(test: str, changes: dict, words: str) -> None:
     with pytest.raises(CampaignError, match=words):
-        nominal_motion(run_of(test, **changes), [0.0, 1.0])
+        run_of(test, **changes).nominal_motion([0.0, 1.0])
     with pytest.raises(CampaignError, match=words):
-        measured_motion(run_of(test, **changes), xr.Dataset(), [0.0, 1.0])
+        run_of(test, **changes).measured_motion(xr.Dataset(), [0.0, 1.0])
 
 
 def test_a_record_shorter_than_a_period_is_not_differentiated() -> None:
     t = np.linspace(0, 0.6 * PERIOD, 200)
     data = xr.Dataset({"v": ("t", np.cos(OMEGA * t))}, {"t": t})
     with pytest.raises(CampaignError, match=r"0\.60 periods"):
-        measured_motion(run_of("pure_sway"), data, t)
+        run_of("pure_sway").measured_motion(data, t)
     complete = data.assign(u=data.v, r=data.v, udot=data.v, vdot=data.v, rdot=data.v)
-    assert measured_motion(run_of("pure_sway"), complete, t).v[0] == 1.0
+    assert run_of("pure_sway").measured_motion(complete, t).v[0] == 1.0
 
 
 def test_lengths_that_differ_are_refused_by_channel() -> None:
     data = xr.Dataset({"v": ("t", np.zeros(5)), "r": ("t", np.zeros(5))})
     with pytest.raises(CampaignError) as caught:
-        measured_motion(run_of("pure_sway"), data, np.arange(6.0))
+        run_of("pure_sway").measured_motion(data, np.arange(6.0))
     assert [problem.column for problem in caught.value.problems] == ["v", "r"]
 
 
 def test_a_static_test_has_no_phase() -> None:
     with pytest.raises(CampaignError, match="does not oscillate"):
-        displacement_phase(run_of("static_drift"), xr.Dataset(), [0.0])
+        run_of("static_drift").displacement_phase(xr.Dataset(), [0.0])

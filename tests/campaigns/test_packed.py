@@ -72,9 +72,8 @@ def test_a_table_and_an_open_water_curve_inside(tmp_path):
     files = {"campaign.toml": text, "means.csv": means, "curve.csv": curve}
     tests = pk.open_campaign(packed(tmp_path / "a.zip", files))
     assert [float(run.data["Y"]) for run in tests] == [35.5, 72.5]
-    from pmmkit.campaigns import open_water
 
-    J, KT, KQ = open_water(tests)
+    J, KT, KQ = tests.open_water
     assert (J[1], KT[1], KQ[1]) == pytest.approx((0.5, 0.15, 0.02))
 
 

@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import with_columns, with_correction, without_correction
+from pmmkit.campaigns import CampaignFile
 
 FILE = """\
 # of May, gauge 7  # "odd" [[runs]]
@@ -44,10 +44,10 @@ WINDOW = {"runs": ["b"], "action": "window", "t_start": 1.0, "t_end": 2.0, "reas
 )
 def test_a_correction_comes_and_goes_without_a_trace(start, reason):
     entry = {**WINDOW, "t_start": start, "reason": reason}
-    once = with_correction(FILE, entry)
+    once = CampaignFile(FILE).with_correction(entry)
     assert tomllib.loads(once)["corrections"][1] == entry
     assert tomllib.loads(once).keys() == tomllib.loads(FILE).keys()
-    assert without_correction(once, WINDOW) == FILE
+    assert CampaignFile(once).without_correction(WINDOW) == FILE
     # All lines in their order, whatever stands between them: an entry may repeat one of them.
     left = iter(once.splitlines())
     assert all(line in left for line in FILE.splitlines() if line)
@@ -63,25 +63,36 @@ def test_a_correction_comes_and_goes_without_a_trace(start, reason):
     ],
 )
 def test_line_ends_stay_and_so_do_breaks_within_a_text(file):
-    changed = with_correction(with_columns(file, {"Y": "Fz # 2"}), WINDOW)
+    changed = CampaignFile(CampaignFile(file).with_columns({"Y": "Fz # 2"})).with_correction(WINDOW)
     assert tomllib.loads(changed)["corrections"][1] == WINDOW
-    assert without_correction(with_columns(changed, {"Y": "Fy # 2 (N)"}), WINDOW) == file.replace(
-        "   # checked", " # checked"
-    )
+    assert CampaignFile(CampaignFile(changed).with_columns({"Y": "Fy # 2 (N)"})).without_correction(
+        WINDOW
+    ) == file.replace("   # checked", " # checked")
 
 
 def test_the_same_runs_and_action_are_stated_once():
-    first = with_correction(FILE, WINDOW).replace("t_end = 2.0", "t_end = 2.0  # by the film")
-    again = with_correction(first, {**WINDOW, "t_end": 3.5})
+    first = (
+        CampaignFile(FILE)
+        .with_correction(WINDOW)
+        .replace("t_end = 2.0", "t_end = 2.0  # by the film")
+    )
+    again = CampaignFile(first).with_correction({**WINDOW, "t_end": 3.5})
     assert again == first.replace("t_end = 2.0  # by the film", "t_end = 3.5 # by the film")
-    assert len(tomllib.loads(with_correction(again, {**WINDOW, "runs": ["c"]}))["corrections"]) == 3
+    assert (
+        len(
+            tomllib.loads(CampaignFile(again).with_correction({**WINDOW, "runs": ["c"]}))[
+                "corrections"
+            ]
+        )
+        == 3
+    )
 
 
 def test_a_column_changes_in_its_line():
-    found = with_columns(FILE, {"Y": {"name": "Fy # 2 (N)", "scale": -1.0}, "N": "Mz"})
+    found = CampaignFile(FILE).with_columns({"Y": {"name": "Fy # 2 (N)", "scale": -1.0}, "N": "Mz"})
     assert 'Y = { name = "Fy # 2 (N)", scale = -1.0 } # checked by hand\n' in found
     assert tomllib.loads(found)["columns"]["N"] == "Mz"
-    gone = with_columns(FILE, {"Y": None})
+    gone = CampaignFile(FILE).with_columns({"Y": None})
     assert "columns" in tomllib.loads(gone)
     assert '# Y = "Fy # 2 (N)"' in gone
 
@@ -97,4 +108,4 @@ def test_a_column_changes_in_its_line():
 )
 def test_a_file_written_otherwise_is_left_to_its_author(text):
     with pytest.raises(DataError, match="by hand"):
-        with_correction(with_columns(text, {"Y": "Fz"}), WINDOW)
+        CampaignFile(CampaignFile(text).with_columns({"Y": "Fz"})).with_correction(WINDOW)

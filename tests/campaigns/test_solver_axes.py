@@ -19,9 +19,9 @@ from scipy.integrate import solve_ivp
 
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import Settings, file_hashes
-from pmmkit.campaigns.motion.hull_path import set_to
+from pmmkit.campaigns import Settings
 from pmmkit.campaigns.motion.solver_axes import Solver, seen_from_hull, without_ramp
+from pmmkit.campaigns.stated_run import StatedRun
 from scripts.datasets.campaign_text import S175
 
 SPEED, PERIOD, YAW, SWAY, CENTRE = 1.5, 8.0, 0.25, 0.4, 0.6
@@ -152,7 +152,7 @@ def test_motion_from_a_file_of_its_own(name, tmp_path):
     forces = in_solver(T, **path)
     data = read(tmp_path, {"run.csv": table({"t": T, **forces}), name: text}, motion=name)
     agrees(data, on_hull(T), rel=1e-6)
-    assert name in file_hashes(open_campaign(tmp_path))
+    assert name in open_campaign(tmp_path).file_hashes()
 
 
 def test_motion_from_velocities(tmp_path):
@@ -253,7 +253,7 @@ def test_any_place_heading_centre_and_point_of_motion(x, y, psi, centre, motion)
     reported = in_solver(t, *midship, psi, centre=(centre, 0.0))
     place = {name: np.array([value]) for name, value in (("x", x), ("y", y), ("psi", psi))}
     solver = Solver(axes="earth", centre_moves=False, centre_x=centre, motion_x=motion)
-    run = set_to("history", "pure_yaw", Settings(speed=SPEED), "R")
+    run = StatedRun(id="R", test="pure_yaw", kind="history", settings=Settings(speed=SPEED))
     turned, _ = seen_from_hull({"t": t, **reported, **place}, solver, run)
     truth = on_hull(t, about=centre)
     for name in truth:
@@ -267,7 +267,9 @@ def test_a_balance_on_the_arm_measures_along_its_tangent(test, beta):
     angle = beta + math.atan2(50.0, 20.0)
     felt = math.hypot(20.0, 50.0)
     along = {"X": np.array([felt * math.cos(angle)]), "Y": np.array([felt * math.sin(angle)])}
-    run = set_to("means", test, Settings(speed=SPEED, drift=beta, radius=12.0), "R")
+    run = StatedRun(
+        id="R", test=test, kind="means", settings=Settings(speed=SPEED, drift=beta, radius=12.0)
+    )
     turned, notes = seen_from_hull({**along, "N": np.array([7.0])}, Solver(axes="carriage"), run)
     assert [float(turned[name][0]) for name in "XYN"] == pytest.approx([20.0, 50.0, 7.0])
     assert "carriage axes" in " ".join(notes)

@@ -13,7 +13,7 @@ from own_tank import HEAD, U, record, sway, write
 
 import pmmkit as pk
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import TEST_KINDS, measured_motion, motion_at_phase, nominal_motion
+from pmmkit.campaigns import TEST_KINDS
 
 B, OMEGA = 1.8, 2 * math.pi / 9.0
 NAMES = ("u", "v", "r", "udot", "vdot", "rdot")
@@ -93,7 +93,7 @@ def test_the_motion_that_struts_are_set_to(test, phase, more, head, tmp_path):
         slides=options.get("slides", '"aft"').strip('"'),
         turned=math.radians(6.0) if more else 0.0,
     )  # fmt: skip
-    close(nominal_motion(campaign.runs[0], T), truth)
+    close(campaign.runs[0].nominal_motion(T), truth)
 
 
 @pytest.mark.parametrize("slides", ["aft", "forward"])
@@ -105,7 +105,7 @@ def test_struts_of_pure_yaw_lead_by_twice_the_angle_of_their_way(slides, tmp_pat
     truth = by_hand(T, 0.3, OWN, slides=slides)
     # The heading is ψ0 sin θ: the point midway, a quarter of a period behind, crosses zero there.
     quarter = 0.25 * 2 * math.pi / OMEGA
-    found = motion_at_phase(run, OMEGA * (T + quarter))
+    found = run.motion_at_phase(OMEGA * (T + quarter))
     close(found, truth)
     assert np.abs(found.v).max() < 0.02 * U
     assert math.tan(run.settings.yaw_amplitude) == pytest.approx(run.settings.amplitude * OMEGA / U)
@@ -117,8 +117,8 @@ def test_struts_of_pure_yaw_lead_by_twice_the_angle_of_their_way(slides, tmp_pat
     aft=st.booleans(), turned=st.floats(-0.3, 0.3),
 )  # fmt: skip
 def test_rates_are_the_derivatives_of_what_they_are_rates_of(amplitude, phase, centre, aft, turned):
-    from pmmkit.campaigns import Settings, Struts
-    from pmmkit.campaigns.test_kinds.struts import swung
+    from pmmkit.campaigns import Settings
+    from pmmkit.campaigns.test_kinds.struts import Struts, swung
 
     struts = Struts(spacing=B, centre_x=centre, slides="aft" if aft else "forward")
     midway, heading = struts.swing(amplitude, phase)
@@ -164,7 +164,7 @@ def test_recorded_struts_tell_the_motion(test, turned, slides, tmp_path):
     fine = np.arange(t[0] - 0.01, t[-1] + 0.01, 0.001)
     truth = by_hand(fine, 0.3, phase, centre=0.2, slides=slides, turned=rest)
     at = {name: np.interp(t, fine, values) for name, values in truth.items()}
-    close(measured_motion(run, data, t), at)
+    close(run.measured_motion(data, t), at)
 
 
 def test_a_drift_that_the_struts_hold_is_not_counted_twice(tmp_path):
@@ -190,7 +190,7 @@ def test_axes_that_point_the_other_way_turn_the_struts(axes, tmp_path):
     head = f"[struts]\nspacing = {B}\n[axes]\n{axes}\n"
     run = opened(tmp_path / "c", stated("sway_yaw", 0.3, 0.9), head).runs[0]
     truth = by_hand(T, -0.3 if 'y = "-y"' in axes else 0.3, 0.9)
-    close(nominal_motion(run, T), truth)
+    close(run.nominal_motion(T), truth)
 
 
 @pytest.mark.parametrize(
@@ -233,7 +233,7 @@ def test_struts_survive_being_saved_and_exported(tmp_path):
     pk.save_campaign(campaign, tmp_path / "all.h5")
     pk.export(campaign, tmp_path / "csv", to="csv")
     for again in (pk.open_campaign(tmp_path / "all.h5"), pk.open_campaign(tmp_path / "csv")):
-        one, other = (nominal_motion(item.runs[0], T) for item in (campaign, again))
+        one, other = (item.runs[0].nominal_motion(T) for item in (campaign, again))
         for name in NAMES:
             np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=1e-12)
 
@@ -275,4 +275,4 @@ def test_the_example_of_the_documentation_is_read_as_it_says(tmp_path):
     late = campaign["PY1"].data.isel(t=slice(200, None))
     heading = np.degrees(np.abs(late["psi"].values).max())
     assert heading == pytest.approx(math.degrees(math.atan(0.6 * math.sin(OWN / 2) / B)), rel=1e-3)
-    assert np.abs(measured_motion(campaign["PY1"], late, late["t"].values).v).max() < 0.05
+    assert np.abs(campaign["PY1"].measured_motion(late, late["t"].values).v).max() < 0.05

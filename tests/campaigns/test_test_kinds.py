@@ -14,25 +14,14 @@ import small_campaign
 import pmmkit as pk
 from pmmkit import Campaign, Run, next_runs, reduce_campaign
 from pmmkit.base import CampaignError, UnknownNameError
-from pmmkit.campaigns import (
-    MAY_BE_ZERO,
-    PURE_SWAY,
-    PURE_YAW,
-    STATIC_DRIFT,
-    TEST_KINDS,
-    NominalMotion,
-    Settings,
-    TestKind,
-    held_too,
-    kind_with,
-    nominal_motion,
-)
-from pmmkit.campaigns.test_kinds.kind import SURGE
-from pmmkit.campaigns.test_kinds.oscillating import SWAY_YAW
-from pmmkit.campaigns.test_kinds.steady import STRAIGHT
+from pmmkit.campaigns import TEST_KINDS, Settings, TestKind
+from pmmkit.campaigns.test_kinds.kind import SURGE, NominalMotion
+from pmmkit.campaigns.test_kinds.oscillating import PURE_SWAY, PURE_YAW, SWAY_YAW
+from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT, STRAIGHT
 from pmmkit.conventions import Ship, Water
 from pmmkit.diagnosis import Limits, read_plan_file
 from pmmkit.diagnosis.planning.options import options_of
+from pmmkit.intake.blocks import held_too, kind_with
 from pmmkit.intake.drafts.names import facts_of
 from pmmkit.intake.drafts.settle import asked_of
 from pmmkit.simulation import MANOEUVRES
@@ -143,7 +132,7 @@ def test_kinds_are_found_by_what_moves_and_what_is_held() -> None:
 
 def test_what_is_zero_is_all_that_does_not_vary() -> None:
     for kind in TEST_KINDS.own.values():
-        wanted = set(MAY_BE_ZERO) - set(kind.varies) if kind.captive else set()
+        wanted = set(TestKind.MAY_BE_ZERO) - set(kind.varies) if kind.captive else set()
         assert set(kind.zero) == wanted
 
 
@@ -185,7 +174,7 @@ def folder(tmp_path, installed):
                 id=name, test=installed.name, kind="history", settings=settings, loader=lambda: None
             )
             t = np.arange(0.0, 4 * period - 1e-9, period / 250)
-            state = nominal_motion(run, t)
+            state = run.nominal_motion(t)
             motion = {key: getattr(state, key) for key in ("u", "v", "r", "udot", "vdot", "rdot")}
             force = small_campaign.forces(**motion)
             columns = [

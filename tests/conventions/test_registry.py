@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from pmmkit.base import ModelError, Registry, UnknownNameError, listed_in
-from pmmkit.campaigns import RUN_SETTINGS, STATABLE, TEST_KINDS
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, TypeB
 from pmmkit.conventions import METRICS, STRUCTURES
 from pmmkit.effects import CATALOGUE
 from pmmkit.identification.methods import METHODS as OF_RECORDS
@@ -20,7 +20,7 @@ from pmmkit.simulation import MANOEUVRES
 
 EVERY = (
     *(CATALOGUE, READERS, MANOEUVRES, TEST_KINDS, STRUCTURES, OF_RECORDS, OF_TABLES, SHIPS),
-    *(CHECKS, METRICS, RUN_SETTINGS, STATABLE),
+    *(CHECKS, METRICS, RUN_SETTINGS, TypeB.STATABLE),
 )
 
 

@@ -18,7 +18,6 @@ from hidden_effects.sources import digital_filter
 from hidden_effects.tank import fine_times, motions
 
 import pmmkit as pk
-from pmmkit.campaigns import nominal_motion
 
 RUDDER = {"static_rudder", "drift_rudder"}
 OSCILLATING = {"pure_sway", "pure_yaw", "yaw_drift", "sway_yaw"}
@@ -147,7 +146,7 @@ def test_the_balance_holds_the_models_inertia():
     water, balance = silent(), silent(balance=True)
     assert balance.forces == "balance"
     for bare, run in zip(water, balance, strict=True):
-        state = nominal_motion(bare, bare.data["t"].values[48:])
+        state = bare.nominal_motion(bare.data["t"].values[48:])
         m = SHIP.mass
         expected = {
             "X": m * (state.udot - state.r * state.v),
@@ -184,7 +183,7 @@ def test_the_startup_is_gone_when_the_first_cycle_is_over():
 def test_the_motion_is_the_one_that_the_package_takes_the_settings_for(programme):
     for plan, run in zip(plans(programme), silent(programme=programme), strict=True):
         t = run.data["t"].values
-        mine, theirs = motion_of(plan, t), nominal_motion(run, t)
+        mine, theirs = motion_of(plan, t), run.nominal_motion(t)
         for name in ("u", "v", "r", "udot", "vdot", "rdot"):
             np.testing.assert_allclose(getattr(mine, name), getattr(theirs, name), atol=1e-12)
 

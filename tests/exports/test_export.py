@@ -18,7 +18,7 @@ from small_campaign import write_campaign
 import pmmkit as pk
 from pmmkit import Campaign, Run
 from pmmkit.base import CampaignError, DataError, FileExists
-from pmmkit.campaigns import Correction, Settings, TypeB, open_water
+from pmmkit.campaigns import Correction, Settings, TypeB
 from pmmkit.cli import main
 from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.write import FORMATS
@@ -215,8 +215,8 @@ def test_the_open_water_curve_goes_along_with_its_factors(name, tmp_path):
     one = mixed().with_(propeller=propeller, folder=tmp_path)
     (tmp_path / "elsewhere").mkdir()
     pk.export(one, tmp_path / "elsewhere" / name)
-    found = open_water(pk.open_campaign(tmp_path / "elsewhere" / name))
-    assert np.array_equal(found, open_water(one))
+    found = pk.open_campaign(tmp_path / "elsewhere" / name).open_water
+    assert np.array_equal(found, one.open_water)
     assert found[1].tolist() == pytest.approx([0.33, 0.165])
 
 

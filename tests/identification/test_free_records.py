@@ -12,7 +12,8 @@ import xarray as xr
 import pmmkit as pk
 from pmmkit import FreeRecord, Run, free_records
 from pmmkit.base import DataError
-from pmmkit.campaigns import Settings, over_ground, true_wind
+from pmmkit.campaigns import Attitude, Settings
+from pmmkit.identification.local_fits import true_wind
 from pmmkit.identification.record import rate_limited
 from pmmkit.models import load_model
 
@@ -147,7 +148,7 @@ def anemometer(values, drift=0.0):
 def test_the_wind_over_ground_comes_from_that_over_the_deck():
     values = columns()
     felt = anemometer(values)
-    own = over_ground(values["u"], values["v"], values["psi"])
+    own = Attitude(psi=values["psi"]).over_ground(values["u"], values["v"])
     speed, direction = true_wind(values["psi"], *felt.values(), *own)
     assert speed == pytest.approx(4.0, rel=1e-9)
     assert np.degrees(direction) == pytest.approx(130.0, rel=1e-9)

@@ -13,7 +13,7 @@ import openpyxl
 import pytest
 
 from pmmkit import open_campaign
-from pmmkit.campaigns import by_depth, depths, repeats
+from pmmkit.campaigns import repeats
 from pmmkit.cli import main
 from pmmkit.intake import look, look_lines
 from pmmkit.intake.blocks import statistic_in
@@ -286,8 +286,8 @@ def test_several_sheets_are_told_apart(folder: Path, capsys) -> None:
     text = target.read_text(encoding="utf-8").replace("# rho = ...", "rho = 1000.0")
     target.write_text(text, encoding="utf-8")
     campaign = open_campaign(target)
-    assert depths(campaign) == (0.41, 0.246)
-    assert {run.id[:3].casefold() for run in by_depth(campaign)[1]} == {"a02"}
+    assert campaign.depths == (0.41, 0.246)
+    assert {run.id[:3].casefold() for run in campaign.by_depth()[1]} == {"a02"}
     assert main(["new-campaign", str(folder), "--out", str(folder / "b.toml"), "--sheet", "A9"])
     assert "There are 'Environment', 'A01', 'A02'" in capsys.readouterr().err
 

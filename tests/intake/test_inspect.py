@@ -21,16 +21,8 @@ from pmmkit.intake import look
 from pmmkit.intake.columns import clock_of
 from pmmkit.intake.file import look_at
 from pmmkit.intake.guessing import bare_header, rates_of, suggest
-from pmmkit.readers import (
-    Columns,
-    Options,
-    Reader,
-    Request,
-    format_of,
-    layout_of,
-    reader_for,
-    recognise,
-)
+from pmmkit.readers import Columns, Options, Reader, Request, TextLayout, reader_for, recognise
+from pmmkit.readers.registry import format_of
 from pmmkit.views.figures.inspecting import envelope
 
 
@@ -105,7 +97,7 @@ def test_lines_above_never_hide_the_numbers(between, above, rows, width, header)
     table = np.arange(rows * width, dtype=float).reshape(rows, width) / 7
     lines = [*above, *([between.join(f"c{n}" for n in range(width))] if header else [])]
     text = text_of(table, between=between, head="".join(f"{line}\n" for line in lines))
-    found = layout_of(text.encode(), whole=True)
+    found = TextLayout.of(text.encode(), whole=True)
     assert found is not None
     assert found.first_row == len(lines) + 1
     assert (found.delimiter, len(found.headers)) == (between, width)

@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import nominal_motion
 from pmmkit.cli import main
 from pmmkit.intake.drafts.motion import motion_facts
 from pmmkit.intake.drafts.names import facts_of
@@ -54,7 +53,7 @@ def exported(campaign, folder: Path, *, motion: bool, name=lambda run: run.id) -
             "Mz [Nm]": data["N"].values,
         }
         if motion:
-            state = nominal_motion(run, t)
+            state = run.nominal_motion(t)
             columns |= {
                 "u [m/s]": state.u,
                 "v [m/s]": state.v,

@@ -11,7 +11,6 @@ from own_tank import drift, sway, write, yaw
 
 import pmmkit as pk
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import places_in_day
 from pmmkit.cli import main
 from pmmkit.intake import CheckFinding
 
@@ -88,7 +87,7 @@ def test_the_order_is_that_of_the_clock_where_runs_state_it(tmp_path):
     ]
     file.write_text("\n[[runs]]\n".join([head, *timed]))
     campaign = pk.open_campaign(folder)
-    assert places_in_day(campaign.runs) == pytest.approx(order / (len(runs) - 1))
+    assert campaign.places_in_day == pytest.approx(order / (len(runs) - 1))
     pk.export(campaign, tmp_path / "csv", to="csv")
     pk.save_campaign(campaign, tmp_path / "all.h5")
     for again in (tmp_path / "csv", tmp_path / "all.h5"):

@@ -9,7 +9,6 @@ import pytest
 
 import pmmkit as pk
 from pmmkit import hull_table
-from pmmkit.campaigns import open_water
 from pmmkit.models import from_values
 from pmmkit.models.build import HULL_TERMS
 from pmmkit.models.estimates import estimated_table
@@ -126,7 +125,7 @@ def test_values_of_other_froude_numbers_stand_where_one_has_none():
 def test_the_b_series_comes_near_a_tested_propeller_of_its_geometry(shared_data, datasets):
     """HP801 of HMRI (P/D 0.721, AE/A0 0.431, 4 blades) is no B propeller: 7 % at low J."""
     campaign = pk.open_campaign(datasets / "kvlcc2_hmri", data=shared_data)
-    J, KT, KQ = open_water(campaign)
+    J, KT, KQ = campaign.open_water
     low = J <= 0.4
     thrust, torque = open_water_curve(J[low], pitch=0.721, area_ratio=0.431, blades=4)
     assert thrust == pytest.approx(KT[low], rel=0.07)

@@ -26,7 +26,6 @@ from hypothesis import strategies as st
 
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import file_hashes
 from pmmkit.intake import examine
 from pmmkit.readers import READERS
 from pmmkit.readers.openfoam.case import density_doubt, entries_of, number_in, parsed
@@ -326,7 +325,7 @@ def test_what_the_campaign_file_says_counts_before_what_is_usual(case):
 
 
 def test_hashes_of_a_folder_are_those_of_the_files_that_were_read(case):
-    hashes = file_hashes(campaign(case.parent, "case"))
+    hashes = campaign(case.parent, "case").file_hashes()
     assert sorted(hashes) == [
         f"case/postProcessing/hull/{start}/{half}.dat"
         for start in ("10", "9")

@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError, DataError
-from pmmkit.campaigns import file_hashes
 from pmmkit.readers import READERS, Options, Request
 from pmmkit.readers.starccm import reader as starccm
 from scripts.datasets.campaign_text import S175
@@ -366,7 +365,7 @@ def test_time_that_goes_back_within_a_file(read):
 
 def test_every_file_of_a_folder_is_hashed(read, tmp_path):
     read(cut_in_time((0, 40), (25, 60)))
-    assert list(file_hashes(open_campaign(tmp_path))) == ["run/a.csv", "run/b.csv"]
+    assert list(open_campaign(tmp_path).file_hashes()) == ["run/a.csv", "run/b.csv"]
 
 
 def test_folders_without_exports(read):

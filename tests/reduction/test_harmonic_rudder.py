@@ -17,7 +17,6 @@ from small_campaign import NOISE, RHO, L
 
 import pmmkit as pk
 from pmmkit.base import CampaignError, DataError
-from pmmkit.campaigns import measured_motion, nominal_motion
 from pmmkit.cli import main
 from pmmkit.intake import examine
 from scripts.studies import kcs_shallow
@@ -137,7 +136,7 @@ def test_the_phase_is_that_of_the_rudder(side: str, degrees: float, tmp_path: Pa
     file = alone(tmp_path, keys, record(measured=False), "harmonic_rudder") / "campaign.toml"
     head = f'kind = "captive"\nrudder_positive = "{side}"'
     file.write_text(file.read_text().replace('kind = "captive"', head), encoding="utf-8")
-    motion = nominal_motion(pk.open_campaign(tmp_path)["one"], [0.0, PERIOD / 2])
+    motion = pk.open_campaign(tmp_path)["one"].nominal_motion([0.0, PERIOD / 2])
     assert math.degrees(motion.delta[0]) == pytest.approx(degrees)
     assert math.degrees(motion.delta[1]) == pytest.approx(-33.0 * math.copysign(1.0, degrees))
 
@@ -288,7 +287,7 @@ def test_a_record_shorter_than_a_period_is_refused(tmp_path: Path) -> None:
 def test_one_value_of_the_rudder_is_not_its_swing(tmp_path: Path) -> None:
     run = pk.open_campaign(alone(tmp_path, SWUNG, record(), "harmonic_rudder"))["one"]
     t = run.data["t"].values
-    motion = measured_motion(run, run.data.drop_vars("delta").assign(delta=0.0), t)
+    motion = run.measured_motion(run.data.drop_vars("delta").assign(delta=0.0), t)
     assert np.degrees(motion.delta.max()) == pytest.approx(35.0, abs=0.01)
     assert not motion.vdot.any()
 

@@ -61,7 +61,8 @@ def test_a_ramp_and_a_stop_leave_the_truth(cycles, columns, lead, tmp_path):
 @pytest.mark.slow
 def test_without_the_cut_the_same_runs_mislead(tmp_path, monkeypatch):
     folder = write(tmp_path / "c", programme(1.6), columns=("U_carriage",), ramp=3.0, stop=6.0)
-    monkeypatch.setattr(counted, "travel_of", lambda run, data, times, *rest: Travel(0, times.size))
+    whole = property(lambda record: Travel(0, record.times.size))
+    monkeypatch.setattr(counted.TankRecord, "travel", whole)
     assert max(map(abs, sigmas(folder).values())) > 6.0
 
 
@@ -91,7 +92,7 @@ def test_the_phase_is_told_by_the_cycles_and_not_by_the_rest(tmp_path):
     data = run.data
     times = data["t"].values
     record = np.stack([data[name].values for name in "XYN"])
-    found = counted.counted_cycles(run, data, times, record, "XYN")
+    found = counted.TankRecord(run=run, data=data, times=times, forces=record, names="XYN").cycles()
     cut = slice(found.cycles.start, found.cycles.stop)
     np.testing.assert_allclose(found.theta[cut], 2 * np.pi / 9.0 * times[cut], atol=2e-3)
 

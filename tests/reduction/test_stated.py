@@ -14,12 +14,12 @@ import small_campaign
 import pmmkit as pk
 from pmmkit import reduce_campaign
 from pmmkit.base import DataError
-from pmmkit.campaigns import STATABLE, Settings, TypeB, rig_of
+from pmmkit.campaigns import Settings, TypeB
 from pmmkit.reduction import altered, idle
 from pmmkit.reduction.observations.stated import INERTIA, RIG
 from pmmkit.validation.captive import compare_captive
 
-WHOLE = {name for name, item in STATABLE.items() if item.of in ("water", "rig")}
+WHOLE = {name for name, item in TypeB.STATABLE.items() if item.of in ("water", "rig")}
 """What there is one of in a campaign: it can be changed there for an independent truth."""
 
 
@@ -68,7 +68,10 @@ def moved(campaign, name, step):
 
 
 def test_all_that_can_be_stated_is_known_to_the_room_that_says_what_it_does():
-    of = {kind: {x.name for x in STATABLE.values() if x.of == kind} for kind in ("rig", "setting")}
+    of = {
+        kind: {x.name for x in TypeB.STATABLE.values() if x.of == kind}
+        for kind in ("rig", "setting")
+    }
     assert of["rig"] == {*RIG, "moment_reference_x"}
     assert of["setting"] <= set(Settings.__dataclass_fields__)
     assert set(RIG) >= INERTIA
@@ -76,7 +79,9 @@ def test_all_that_can_be_stated_is_known_to_the_room_that_says_what_it_does():
 
 @pytest.mark.slow
 def test_every_source_can_be_stated_in_a_campaign_file_and_written_again(folder, tmp_path):
-    lines = [f"{item.key} = {{ std = 0.25, unit = {item.unit!r} }}" for item in STATABLE.values()]
+    lines = [
+        f"{item.key} = {{ std = 0.25, unit = {item.unit!r} }}" for item in TypeB.STATABLE.values()
+    ]
     made = small_campaign.write_campaign(tmp_path / "all")
     toml = made / "campaign.toml"
     toml.write_text(
@@ -86,7 +91,7 @@ def test_every_source_can_be_stated_in_a_campaign_file_and_written_again(folder,
         encoding="utf-8",
     )
     opened = pk.open_campaign(made)
-    assert {item.name for item in opened.uncertainty} == set(STATABLE)
+    assert {item.name for item in opened.uncertainty} == set(TypeB.STATABLE)
     for item in opened.uncertainty:
         expected = math.radians(0.25) if item.kind.unit == "deg" else 0.25
         assert (item.std, item.shared) == (pytest.approx(expected), item.kind.single)
@@ -114,7 +119,7 @@ def test_the_page_on_files_lists_all_that_can_be_stated():
     page = Path(__file__).parents[2] / "docs" / "formats.md"
     section = page.read_text(encoding="utf-8").partition("### `[uncertainty]`")[2].partition("###")
     listed = section[0].partition("What can be stated")[2]
-    assert set(re.findall(r"`(\w+)`", listed)) == {item.key for item in STATABLE.values()}
+    assert set(re.findall(r"`(\w+)`", listed)) == {item.key for item in TypeB.STATABLE.values()}
 
 
 def test_what_cannot_be_stated_is_refused_with_the_nearest_name():
@@ -194,7 +199,7 @@ def test_the_reduction_changes_as_if_the_campaign_said_otherwise(balance, name):
 
 
 def test_a_gain_of_the_sway_force_moves_the_moments_that_refer_elsewhere(balance):
-    run, rig = balance.runs[0], rig_of(balance)
+    run, rig = balance.runs[0], balance.rig
     found = altered(
         TypeB(name="Y_gauge", std=0.01, relative=True),
         run,
@@ -214,7 +219,7 @@ def test_cross_talk_shows_a_share_of_another_channel(balance, name):
     found = altered(
         TypeB(name=name, std=0.01, shared=True),
         balance.runs[0],
-        rig_of(balance),
+        balance.rig,
         labels=("C0",),
         force=force,
         rho=1000.0,

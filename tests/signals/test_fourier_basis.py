@@ -8,15 +8,9 @@ import warnings
 import numpy as np
 import pytest
 
-from pmmkit.signals import (
-    CycleSums,
-    FourierBasis,
-    cycle_edges,
-    design_matrix,
-    harmonics,
-    whole_cycles,
-)
+from pmmkit.signals import CycleSums, FourierBasis, design_matrix, harmonics, whole_cycles
 from pmmkit.signals.autoregression import levinson
+from pmmkit.signals.fourier import cycle_edges
 
 
 @pytest.fixture

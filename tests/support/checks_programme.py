@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from pmmkit import Campaign, Run
-from pmmkit.campaigns import Settings, nominal_motion
+from pmmkit.campaigns import Settings
 from pmmkit.conventions import Ship, Water
 
 SHIP = Ship(
@@ -103,7 +103,7 @@ def run_of(
         run = bare
         span = cycles * run.settings.period if run.settings.period else 60.0
         t = np.arange(0, span, step)
-        state = nominal_motion(run, t)
+        state = run.nominal_motion(t)
         generator = np.random.default_rng(abs(hash_of(name)))
         channels = forces(run, state, inside, hull)
         size = 0.5 * WATER.rho * SHIP.L**2 * run.settings.speed**2 * 0.0023

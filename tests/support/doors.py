@@ -6,16 +6,14 @@ NARROW = 25
 """Names at a door that a person still takes in."""
 WIDE: dict[str, int] = {
     "base": 27,
-    "campaigns": 123,
+    "campaigns": 41,
     "conventions": 35,
     "effects": 29,
     "identification": 28,
     "intake": 41,
     "models": 57,
     "plotting": 33,
-    "readers": 45,
     "seakeeping": 37,
-    "signals": 30,
     "simulation": 99,
     "syntax": 53,
     "views": 51,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pmmkit.campaigns import SWAY, KindFit, NominalMotion, TestKind
-from pmmkit.campaigns.test_kinds.kind import TankMotion
+from pmmkit.campaigns.test_kinds.kind import SWAY, KindFit, NominalMotion, TankMotion, TestKind
 
 THIRD = 0.1
 

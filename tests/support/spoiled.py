@@ -16,7 +16,6 @@ import numpy as np
 import xarray as xr
 
 from pmmkit import Campaign, Run
-from pmmkit.campaigns import nominal_motion
 from tests.support.hidden_effects import hidden_campaign
 from tests.support.hidden_effects.hull import TRUTH, one_pole
 
@@ -47,7 +46,7 @@ def keep_without_roll(run: Run, data: xr.Dataset) -> Mapping[str, np.ndarray]:
 
 def record_motion(run: Run, data: xr.Dataset) -> Mapping[str, np.ndarray]:
     """The forces and the motion as encoders show it, to a thousandth of the speed."""
-    state = nominal_motion(run, data["t"].values)
+    state = run.nominal_motion(data["t"].values)
     rng = np.random.default_rng(sum(map(ord, run.id)))
     speed, L = run.settings.speed, 4.861111
     unit = {"u": speed, "v": speed, "r": speed / L}

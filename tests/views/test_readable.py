@@ -13,7 +13,6 @@ from small_campaign import RHO, TRUTH, L
 import pmmkit as pk
 from pmmkit import converted
 from pmmkit.base import DataError, TableError
-from pmmkit.campaigns import left_by_the_fit
 from pmmkit.campaigns.figures import record
 from pmmkit.conventions import Ship, Water
 from pmmkit.diagnosis.fall_figures import LEVEL, Bars, Panel, fall
@@ -21,6 +20,7 @@ from pmmkit.diagnosis.figures import coverage, evidence
 from pmmkit.plotting import style, trajectory, turn_histories, zigzag
 from pmmkit.plotting.time_series import histories
 from pmmkit.presentation import Section
+from pmmkit.reduction.figures import left_by_the_fit
 from pmmkit.simulation import bands_of
 from pmmkit.simulation.figures import importance
 from pmmkit.views import window_figure

@@ -61,7 +61,6 @@ class AddSettings:
 
 def add(job: AddSettings) -> Outcome:
     """Do what is asked."""
-    from pmmkit.campaigns import sailing
     from pmmkit.diagnosis import read_session, undone
     from pmmkit.effects import own_effects
     from pmmkit.files import write_results
@@ -84,7 +83,7 @@ def add(job: AddSettings) -> Outcome:
     if job.undo:
         before, taken = undone(before, effects_of_user)
     opened = {name: one for name, (one, _) in sound_campaigns(job.fit, job.data).items()}
-    sailed = opened[sailing(opened)]
+    sailed = max(opened.values(), key=lambda item: item.kind == "free-running")
     base = before
     rest = [step.effect for step in kept.steps] if kept else list(job.effects)
     if "roll" in rest:

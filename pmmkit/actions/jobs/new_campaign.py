@@ -32,14 +32,13 @@ class NewCampaignSettings:
 def new_campaign(job: NewCampaignSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.base import FileExists
-    from pmmkit.campaigns import FILE_NAME
-    from pmmkit.files import write_text
+    from pmmkit.files import CAMPAIGN, write_text
     from pmmkit.intake import draft_of, proposed, written
 
     beside = job.folder if job.folder.is_dir() or not job.folder.exists() else job.folder.parent
-    target = beside / FILE_NAME if job.out is None else job.out
+    target = beside / CAMPAIGN.file if job.out is None else job.out
     if target.is_dir():
-        target = target / FILE_NAME
+        target = target / CAMPAIGN.file
     if target.exists() and not job.force:
         raise FileExists(f"{target} is there: it was not replaced. Name another --out, or --force.")
     draft = proposed(draft_of(job.folder, target, ship=job.ship, sheet=job.sheet), target)
@@ -57,7 +56,7 @@ def new_campaign(job: NewCampaignSettings) -> Outcome:
         lines.append(f"{draft.look.passed_over} more files were not looked at.")
     lines += ["", "For you to say or to check (TODO in the file):"]
     lines += [f"  {number}. {item}" for number, item in enumerate(text.todo, start=1)]
-    command = f"pmmkit check {quoted(target.parent if target.name == FILE_NAME else target)}"
+    command = f"pmmkit check {quoted(target.parent if target.name == CAMPAIGN.file else target)}"
     lines += ["", f"Next: {command}"]
     content = {
         "file": str(target),

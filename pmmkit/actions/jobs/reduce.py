@@ -132,7 +132,7 @@ def reduced(
     the same call goes on after an interruption.
     """
     from pmmkit.actions.depths import over_depths
-    from pmmkit.campaigns import by_depth, open_campaign
+    from pmmkit.campaigns import open_campaign
     from pmmkit.models import ReferenceTable, load_model
 
     settings = {
@@ -153,7 +153,7 @@ def reduced(
         beside=ReferenceTable.of(job.reference, reference_name) if job.reference else None,
         lacking=lacking,
     )
-    depths = by_depth(opened)
+    depths = opened.by_depth()
     return one(opened, out)[0] if len(depths) == 1 else over_depths(depths, out, one)
 
 

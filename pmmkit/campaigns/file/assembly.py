@@ -15,12 +15,13 @@ from pmmkit.campaigns.file.search import Search
 from pmmkit.campaigns.file.settings import missing_settings, settings_of
 from pmmkit.campaigns.file.struts import on_struts
 from pmmkit.campaigns.motion.solver_axes import Solver
-from pmmkit.campaigns.run import Correction, Run
+from pmmkit.campaigns.run import Run, at_hand
 from pmmkit.campaigns.run_settings import setting_units
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import Frame
-from pmmkit.campaigns.samples.loading import STRUT_CHANNELS, Context, HistoryLoader, at_hand
+from pmmkit.campaigns.samples.loading import STRUT_CHANNELS, Context, HistoryLoader
 from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.stated_run import Correction
 from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 from pmmkit.campaigns.test_kinds.struts import Struts
 from pmmkit.conventions import Ship, Water

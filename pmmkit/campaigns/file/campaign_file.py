@@ -11,8 +11,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import CampaignError, did_you_mean
+from pmmkit.campaigns.campaign import Campaign
 from pmmkit.campaigns.file.search import InArchive, Search, folder_name, folder_of, origin_of
-from pmmkit.campaigns.run import Campaign
 from pmmkit.files import CAMPAIGN, Origin, check_numbers, datasets_folder, local_copy, refuse_other
 from pmmkit.presentation import quoted
 from pmmkit.readers import SIGNATURE
@@ -20,7 +20,6 @@ from pmmkit.readers import SIGNATURE
 if TYPE_CHECKING:
     from pmmkit.campaigns.file.assembly import Assembled, Setup
 
-FILE_NAME: Final = CAMPAIGN.file
 _TESTS: Final = ("runs", "matrix", "tables", "corrections")
 _SAVED: Final = (".h5", ".hdf5", ".nc")
 PACKED: Final = ".zip"
@@ -157,17 +156,17 @@ def _place(path: Path) -> Path:
         packed = datasets_folder().joinpath(*path.parts[1:])
         path = packed if packed.exists() else path
     if path.is_dir():
-        if (path / FILE_NAME).is_file():
-            return path / FILE_NAME
+        if (path / CAMPAIGN.file).is_file():
+            return path / CAMPAIGN.file
         raise CampaignError(
-            f"there is no {FILE_NAME} in this folder.", file=str(path), remedy=_remedy_in(path)
+            f"there is no {CAMPAIGN.file} in this folder.", file=str(path), remedy=_remedy_in(path)
         )
     if not path.is_file():
         raise CampaignError(
             "there is no such file or folder.",
             file=str(path),
-            remedy=f"Name a folder with {FILE_NAME}, a .toml file, a saved campaign (.h5) or a "
-            f"zip archive with a {FILE_NAME}.",
+            remedy=f"Name a folder with {CAMPAIGN.file}, a .toml file, a saved campaign (.h5) or a "
+            f"zip archive with a {CAMPAIGN.file}.",
         )
     return path
 
@@ -177,7 +176,7 @@ def _remedy_in(folder: Path) -> str:
     others = sorted(file.name for file in folder.glob("*.toml"))
     if others:
         return f"It has {', '.join(others[:5])}: name the file itself."
-    inside = sorted(file.parent.as_posix() for file in folder.glob(f"*/{FILE_NAME}"))
+    inside = sorted(file.parent.as_posix() for file in folder.glob(f"*/{CAMPAIGN.file}"))
     if inside:
         more = f" and {len(inside) - 5} more" if len(inside) > 5 else ""
         return f"There is one in {', '.join(inside[:5])}{more}: name that folder."

@@ -15,7 +15,6 @@ from pmmkit.campaigns.file.assembly import (
     specs_of,
 )
 from pmmkit.campaigns.file.rows import add_row, add_samples, table_of
-from pmmkit.readers import filled_in, matching_rows, no_column
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.file.schema import RunEntry, TableEntry
@@ -35,7 +34,7 @@ def add_run(entry: RunEntry, label: str, setup: Setup, out: Assembled) -> None:
     table = table_of(request, specs, entry.rows, out)
     if table is None:
         return
-    chosen, problems = matching_rows(table[0], entry.row, request)
+    chosen, problems = table[0].matching_rows(entry.row, request)
     if not problems and len(chosen) != 1:
         stated = " and ".join(f"{name} = {value!r}" for name, value in entry.row.items())
         lines = ", ".join(str(table[0].lines[index]) for index in chosen[:10])
@@ -63,7 +62,7 @@ def add_table(entry: TableEntry, label: str, setup: Setup, out: Assembled) -> No
     if table is None:
         return
     cells, _ = table
-    chosen, problems = matching_rows(cells, entry.where, request)
+    chosen, problems = cells.matching_rows(entry.where, request)
     unknown = sorted(set(entry.skip) - set(cells.lines))
     if unknown:
         problems.append(
@@ -72,8 +71,8 @@ def add_table(entry: TableEntry, label: str, setup: Setup, out: Assembled) -> No
                 f"{cells.lines[0]} to {cells.lines[-1]}."
             )
         )
-    names = filled_in(entry.id, cells, 0)[1]
-    problems += [no_column(cells, name, request) for name in names]
+    names = cells.filled_in(entry.id, 0)[1]
+    problems += [cells.no_column(name, request) for name in names]
     if not problems and not chosen:
         problems.append(request.problem("no row is as stated under where."))
     if len(chosen) > 1 and "{" not in entry.id and entry.samples is None:
@@ -91,14 +90,14 @@ def add_table(entry: TableEntry, label: str, setup: Setup, out: Assembled) -> No
     kept = [index for index in chosen if cells.lines[index] not in entry.skip]
     if entry.samples is None:
         for index in kept:
-            run_id = filled_in(entry.id, cells, index)[0]
+            run_id = cells.filled_in(entry.id, index)[0]
             place = f"{label}, row {cells.lines[index]} of {entry.file}"
             out.claim(run_id, place)
             add_row(entry, run_id, place, request, table, index, setup, out)
         return
     samples: dict[str, list[int]] = {}
     for index in kept:
-        samples.setdefault(filled_in(entry.id, cells, index)[0], []).append(index)
+        samples.setdefault(cells.filled_in(entry.id, index)[0], []).append(index)
     for run_id, rows in samples.items():
         place = f"{label}, rows {cells.lines[rows[0]]} to {cells.lines[rows[-1]]} of {entry.file}"
         out.claim(run_id, place)

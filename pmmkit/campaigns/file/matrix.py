@@ -9,22 +9,11 @@ from typing import Any, Final
 from pmmkit.base import DataError, Problem
 from pmmkit.campaigns.file.assembly import Assembled, Setup
 from pmmkit.campaigns.file.schema import MatrixEntry
+from pmmkit.campaigns.run import at_hand
 from pmmkit.campaigns.run_settings import setting_units
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
-from pmmkit.campaigns.samples.loading import at_hand
 from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
-from pmmkit.readers import (
-    Cells,
-    Options,
-    Request,
-    as_text,
-    fault,
-    filled_in,
-    matching_rows,
-    no_column,
-    reader_for,
-    to_number,
-)
+from pmmkit.readers import Cells, Options, Request, as_text, reader_for
 
 _NOTHING: Final = ("", "-", "–", "—", "/")
 """Cells that say that a test has no such setting."""
@@ -50,11 +39,11 @@ def entries_of(
         return
     specs = {name: ColumnSpec(**item.model_dump()) for name, item in matrix.columns.items()}
     picked, problems = pick(cells.headers, len(cells.headers), specs, request, table=True)
-    chosen, unfit = matching_rows(cells, matrix.where, request)
+    chosen, unfit = cells.matching_rows(matrix.where, request)
     templates = " ".join((matrix.id, matrix.test, matrix.run, matrix.run_sheet or ""))
     problems += [
         *unfit,
-        *(no_column(cells, name, request) for name in filled_in(templates, cells, 0)[1]),
+        *(cells.no_column(name, request) for name in cells.filled_in(templates, 0)[1]),
     ]
     out.problems += problems
     if problems:
@@ -79,7 +68,7 @@ def _entry(
     """A row as an entry of ``[[runs]]``."""
 
     def filled(template: str) -> str:
-        return filled_in(template, cells, index)[0].strip()
+        return cells.filled_in(template, index)[0].strip()
 
     line = cells.lines[index]
     entry: dict[str, Any] = {"id": filled(matrix.id), "file": filled(matrix.run)}
@@ -93,11 +82,9 @@ def _entry(
     if matrix.run_sheet is not None:
         entry["source"] = {"sheet": filled(matrix.run_sheet)}
     for column in settings:
-        cell = cells.rows[index][column.position]
-        if as_text(cell) in _NOTHING:
+        if as_text(cells.rows[index][column.position]) in _NOTHING:
             continue
-        number = to_number(cell, cells.decimal)
-        why = fault(number, cell)
+        number, why = cells.number_at(index, column.position)
         if why is not None or number is None:
             problem = request.problem(why or "this is no number.", row=line, column=column.title)
             out.problems.append(problem)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns.file.search import table_of
 from pmmkit.files import CAMPAIGN
-from pmmkit.readers import Contents, Options, Request, contents_of, joined
+from pmmkit.readers import Contents, Options, Request
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -94,7 +94,7 @@ class Packed:
         return {**item, "file": self.archive.name, "source": inside}
 
     def _inside(self, file: str) -> str:
-        return joined(posixpath.dirname(self.name), file)
+        return self.contents.beside(self.name, file)
 
     def _table(self, file: str) -> dict[str, list[float | None]]:
         """The columns of a table of numbers, such as an open-water curve."""
@@ -108,7 +108,7 @@ class Packed:
 
 def packed_campaign(archive: Path) -> Packed:
     """The campaign file inside an archive, wherever it lies in it."""
-    contents = contents_of(Request(path=archive, shown=archive.name))
+    contents = Contents.of(Request(path=archive, shown=archive.name))
     homes = _homes(contents)
     if len(homes) != 1:
         listed = ", ".join(list(contents.files)[:8]) or "nothing"
@@ -126,9 +126,17 @@ def packed_campaign(archive: Path) -> Packed:
 
 
 def is_packed_campaign(path: Path) -> bool:
-    """Whether an archive holds a campaign file; a damaged one does not."""
+    """Whether a file is an archive that holds a campaign file; a damaged one does not.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    """
     try:
-        return bool(_homes(contents_of(Request(path=path, shown=path.name))))
+        return path.suffix.lower() == f".{FORMAT}" and bool(
+            _homes(Contents.of(Request(path=path, shown=path.name)))
+        )
     except CampaignError:
         return False
 

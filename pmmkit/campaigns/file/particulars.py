@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.base import DataError, PmmkitError, did_you_mean
+from pmmkit.campaigns.campaign import Campaign
 from pmmkit.campaigns.file.assembly import Setup
 from pmmkit.campaigns.file.faults import Faults
 from pmmkit.campaigns.file.remote_files import names_in
@@ -30,19 +31,17 @@ from pmmkit.campaigns.file.single_tables import (
     WaterEntry,
 )
 from pmmkit.campaigns.motion.solver_axes import Solver
-from pmmkit.campaigns.run import Campaign, Correction
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec
 from pmmkit.campaigns.samples.conversions import Frame
 from pmmkit.campaigns.samples.corrections import shift_in_si
+from pmmkit.campaigns.stated_run import Correction
 from pmmkit.campaigns.test_kinds.struts import Struts
-from pmmkit.campaigns.uncertainty import CENTRE_STD, STATABLE, Statable, TypeB
+from pmmkit.campaigns.uncertainty import CENTRE_STD, Statable, TypeB
 from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, factor_to
 from pmmkit.readers import Options
 
 _NEUTRAL_SHIP: Final = Ship(name="", L=1.0, B=1.0, d=1.0, volume=1.0, mass=1.0, Izz=1.0)
 """Stands in where the particulars are wrong, so that all other problems are still found."""
-
-"""By key under ``[uncertainty]``."""
 
 
 def read_tables(
@@ -271,7 +270,7 @@ def _uncertainty(raw: Mapping[str, Any], out: Faults) -> tuple[TypeB, ...]:
     if not isinstance(table, Mapping):
         out.report("must be a table.", "[uncertainty]")
         return ()
-    statable = STATABLE.derived(_by_key)
+    statable = TypeB.STATABLE.derived(_by_key)
     found: list[TypeB] = []
     for name, value in table.items():
         entry = f"[uncertainty], key {name!r}"

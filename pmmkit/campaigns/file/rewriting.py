@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 from pmmkit.base import DataError
@@ -14,119 +15,124 @@ _HEAD: Final = re.compile(r"^\s*\[\[?\s*(?P<name>[^\[\]]+?)\s*\]\]?\s*(#.*)?$")
 _KEY: Final = re.compile(r"^(?P<key>[\w-]+|\"[^\"]*\")(?P<equals>\s*=\s*)(?P<rest>.*)$")
 
 
-def with_columns(text: str, columns: Mapping[str, Any]) -> str:
-    """A campaign file with other entries of ``[columns]``.
+@dataclass(frozen=True)
+class CampaignFile:
+    """The text of a campaign file, of which single entries are changed.
 
     Parameters
     ----------
     text : str
         The campaign file.
-    columns : mapping of str to object
-        Our name, and what stands right of it: a text, a table, or None where the entry goes.
-
-    Raises
-    ------
-    DataError
-        If the file is no TOML, or is written so that a line cannot be changed by itself.
-
-    Examples
-    --------
-    >>> file = '[columns]  # of gauge 2\\nX = "Fx"  # checked\\n[end]\\n'
-    >>> print(with_columns(file, {"X": {"name": "Fx", "scale": -1.0}, "Y": "Fy"}), end="")
-    [columns]  # of gauge 2
-    X = { name = "Fx", scale = -1.0 } # checked
-    Y = "Fy"
-    [end]
     """
-    raw = _read(text)
-    held = {**raw.get("columns", {}), **columns}
-    wanted = {**raw, "columns": {name: item for name, item in held.items() if item is not None}}
-    lines = text.split("\n")
-    found = _sections(lines, "columns")
-    if not found:
-        place = min(
-            (i for i, line in enumerate(lines) if _is_list(line) or _named(line) == "end"),
-            default=len(lines),
-        )
-        lines[place:place] = ["[columns]", ""]
-        found = [(place, place + 1)]
-    return _checked(_changed(lines, *found[0], columns), wanted)
 
+    text: str
 
-def with_correction(text: str, entry: Mapping[str, Any]) -> str:
-    """A campaign file with a correction, in the place of one of the same runs and action.
+    def with_columns(self, columns: Mapping[str, Any]) -> str:
+        """The file with other entries of ``[columns]``.
 
-    Parameters
-    ----------
-    text : str
-        The campaign file.
-    entry : mapping
-        Keys of ``[[corrections]]``.
+        Parameters
+        ----------
+        columns : mapping of str to object
+            Our name, and what stands right of it: a text, a table, or None where the entry goes.
 
-    Raises
-    ------
-    DataError
-        As `with_columns`.
+        Raises
+        ------
+        DataError
+            If the file is no TOML, or is written so that a line cannot be changed by itself.
 
-    Examples
-    --------
-    >>> asked = {"runs": ["a"], "action": "window", "t_start": 2.0, "t_end": 9.0, "reason": "calm"}
-    >>> first = with_correction('[campaign]\\ntitle = "x"  # mine\\n', asked)
-    >>> print(with_correction(first, {**asked, "t_start": 3.5}), end="")
-    [campaign]
-    title = "x"  # mine
-    <BLANKLINE>
-    [[corrections]]
-    runs = ["a"]
-    action = "window"
-    t_start = 3.5
-    t_end = 9.0
-    reason = "calm"
-    """
-    raw = _read(text)
-    listed = list(raw.get("corrections", []))
-    lines = text.split("\n")
-    place = _same(listed, entry)
-    if place is None:
-        end = next((i for i, line in enumerate(lines) if _named(line) == "end"), len(lines))
-        before = ["", *toml_text({"corrections": [dict(entry)]}).splitlines()]
-        while end and not lines[end - 1].strip():
-            end -= 1
-        lines[end:end] = before
-        return _checked(lines, {**raw, "corrections": [*listed, dict(entry)]})
-    changed = {key: value for key, value in entry.items() if listed[place].get(key) != value}
-    listed[place] = dict(entry)
-    section = _sections(lines, "corrections")[place]
-    return _checked(_changed(lines, *section, changed), {**raw, "corrections": listed})
+        Examples
+        --------
+        >>> file = '[columns]  # of gauge 2\\nX = "Fx"  # checked\\n[end]\\n'
+        >>> asked = {"X": {"name": "Fx", "scale": -1.0}, "Y": "Fy"}
+        >>> print(CampaignFile(file).with_columns(asked), end="")
+        [columns]  # of gauge 2
+        X = { name = "Fx", scale = -1.0 } # checked
+        Y = "Fy"
+        [end]
+        """
+        raw = _read(self.text)
+        held = {**raw.get("columns", {}), **columns}
+        wanted = {**raw, "columns": {name: item for name, item in held.items() if item is not None}}
+        lines = self.text.split("\n")
+        found = _sections(lines, "columns")
+        if not found:
+            place = min(
+                (i for i, line in enumerate(lines) if _is_list(line) or _named(line) == "end"),
+                default=len(lines),
+            )
+            lines[place:place] = ["[columns]", ""]
+            found = [(place, place + 1)]
+        return _checked(_changed(lines, *found[0], columns), wanted)
 
+    def with_correction(self, entry: Mapping[str, Any]) -> str:
+        """The file with a correction, in the place of one of the same runs and action.
 
-def without_correction(text: str, entry: Mapping[str, Any]) -> str:
-    """A campaign file without the correction of these runs and this action.
+        Parameters
+        ----------
+        entry : mapping
+            Keys of ``[[corrections]]``.
 
-    Parameters
-    ----------
-    text : str
-        The campaign file.
-    entry : mapping
-        With ``runs`` and ``action``.
+        Raises
+        ------
+        DataError
+            As `with_columns`.
 
-    Raises
-    ------
-    DataError
-        If there is none, or as `with_columns`.
-    """
-    raw = _read(text)
-    listed = list(raw.get("corrections", []))
-    place = _same(listed, entry)
-    if place is None:
-        raise DataError("The campaign file has no such correction.")
-    lines = text.split("\n")
-    start, stop = _sections(lines, "corrections")[place]
-    before = start and not lines[start - 1].strip()
-    del lines[start - bool(before) : stop]
-    left = [item for number, item in enumerate(listed) if number != place]
-    rest = {name: item for name, item in raw.items() if name != "corrections"}
-    return _checked(lines, {**rest, "corrections": left} if left else rest)
+        Examples
+        --------
+        >>> asked = {"runs": ["a"], "action": "window", "t_start": 2.0, "reason": "calm"}
+        >>> file = CampaignFile('[campaign]\\ntitle = "x"  # mine\\n')
+        >>> first = CampaignFile(file.with_correction(asked))
+        >>> print(first.with_correction({**asked, "t_start": 3.5}), end="")
+        [campaign]
+        title = "x"  # mine
+        <BLANKLINE>
+        [[corrections]]
+        runs = ["a"]
+        action = "window"
+        t_start = 3.5
+        reason = "calm"
+        """
+        raw = _read(self.text)
+        listed = list(raw.get("corrections", []))
+        lines = self.text.split("\n")
+        place = _same(listed, entry)
+        if place is None:
+            end = next((i for i, line in enumerate(lines) if _named(line) == "end"), len(lines))
+            before = ["", *toml_text({"corrections": [dict(entry)]}).splitlines()]
+            while end and not lines[end - 1].strip():
+                end -= 1
+            lines[end:end] = before
+            return _checked(lines, {**raw, "corrections": [*listed, dict(entry)]})
+        changed = {key: value for key, value in entry.items() if listed[place].get(key) != value}
+        listed[place] = dict(entry)
+        section = _sections(lines, "corrections")[place]
+        return _checked(_changed(lines, *section, changed), {**raw, "corrections": listed})
+
+    def without_correction(self, entry: Mapping[str, Any]) -> str:
+        """The file without the correction of these runs and this action.
+
+        Parameters
+        ----------
+        entry : mapping
+            With ``runs`` and ``action``.
+
+        Raises
+        ------
+        DataError
+            If there is none, or as `with_columns`.
+        """
+        raw = _read(self.text)
+        listed = list(raw.get("corrections", []))
+        place = _same(listed, entry)
+        if place is None:
+            raise DataError("The campaign file has no such correction.")
+        lines = self.text.split("\n")
+        start, stop = _sections(lines, "corrections")[place]
+        before = start and not lines[start - 1].strip()
+        del lines[start - bool(before) : stop]
+        left = [item for number, item in enumerate(listed) if number != place]
+        rest = {name: item for name, item in raw.items() if name != "corrections"}
+        return _checked(lines, {**rest, "corrections": left} if left else rest)
 
 
 def _same(listed: Sequence[Mapping[str, Any]], entry: Mapping[str, Any]) -> int | None:

@@ -26,15 +26,16 @@ from pmmkit.campaigns.file.assembly import (
 )
 from pmmkit.campaigns.file.measured import settings_measured, speed_measured
 from pmmkit.campaigns.file.settings import missing_settings
-from pmmkit.campaigns.run import Kind, Run
+from pmmkit.campaigns.run import Run, at_hand
 from pmmkit.campaigns.run_settings import setting_units
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import in_phase_parts
-from pmmkit.campaigns.samples.loading import RowLoader, at_hand, check_rows
+from pmmkit.campaigns.samples.loading import RowLoader, check_rows
+from pmmkit.campaigns.stated_run import Kind
 from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 from pmmkit.conventions import FORCE_CHANNELS, harmonic_part
 from pmmkit.numerics import Array
-from pmmkit.readers import Cells, Request, fault, reader_for, to_number
+from pmmkit.readers import Cells, Request, reader_for
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.file.schema import FileEntry, TableEntry
@@ -184,9 +185,7 @@ def row_numbers(
     numbers: dict[str, float] = {}
     line = cells.lines[index]
     for column in picked:
-        cell = cells.rows[index][column.position]
-        number = to_number(cell, cells.decimal)
-        why = fault(number, cell)
+        number, why = cells.number_at(index, column.position)
         if why is None and number is not None:
             numbers[column.name] = number * column.scale + column.offset
         elif number is not None and number != number and request.options.missing == "drop":

@@ -18,6 +18,7 @@ from pydantic import (
     field_validator,
     model_validator,
 )
+from pydantic.fields import FieldInfo
 
 from pmmkit.base import DataError, did_you_mean
 from pmmkit.campaigns.file.faults import Faults, fault_words, shown
@@ -347,20 +348,50 @@ TABLES: Final[dict[str, type[StrictTable] | None]] = {
 """Top-level tables of a campaign file; None where the keys are names and not fixed."""
 
 
-def read_entry(model: type[M], raw: Any, entry: str, out: Faults) -> M | None:
-    """A validated table, or None with the reasons added to `out`.
+def keys_of(table: str) -> Mapping[str, FieldInfo]:
+    """Keys that a table of a campaign file may have, with what each means.
 
     Parameters
     ----------
-    model : type
-        The class of the table.
+    table : str
+        Such as ``report``, or ``report.gauges`` of one of the gauges there.
+
+    Returns
+    -------
+    mapping of str to FieldInfo
+        Empty where the keys are names, and where there is no such table.
+    """
+    model = GaugeEntry if table == "report.gauges" else TABLES.get(table)
+    return {} if model is None else model.model_fields
+
+
+def read_table(table: str, raw: Any, file: str) -> dict[str, Any]:
+    """What a table states, checked.
+
+    Parameters
+    ----------
+    table : str
+        One whose keys are fixed, such as ``imo``.
     raw : object
         What the TOML file holds.
-    entry : str
-        Name of the table, for messages.
-    out : Faults
-        Gets a problem for each key that is wrong.
+    file : str
+        Its name, for messages.
+
+    Raises
+    ------
+    DataError
+        With everything that is wrong in it.
     """
+    faults = Faults(file)
+    model = TABLES[table] or StrictTable
+    found = read_entry(model, raw, f"[{table}]", faults)
+    if faults.problems or found is None:
+        raise DataError(faults.problems, title=f"{file} cannot be read")
+    return {name: value for name, value in found if value is not None}
+
+
+def read_entry(model: type[M], raw: Any, entry: str, out: Faults) -> M | None:
+    """A validated table, or None with the reasons added to `out`."""
     if not isinstance(raw, Mapping):
         out.report(f"must be a table, not {shown(raw)}.", entry)
         return None

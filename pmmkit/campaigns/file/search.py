@@ -11,7 +11,7 @@ from typing import Any, Final
 from pmmkit.base import CampaignError, DataError, Problem, Remedy, setting
 from pmmkit.campaigns.file.faults import Faults
 from pmmkit.campaigns.file.remote_files import RemoteFiles
-from pmmkit.campaigns.samples.loading import at_hand
+from pmmkit.campaigns.run import at_hand
 from pmmkit.files import CAMPAIGN, Origin, Url, matching
 from pmmkit.readers import Request, reader_for, to_number
 

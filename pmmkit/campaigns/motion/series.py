@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import CampaignError
-from pmmkit.campaigns.motion.nominal import check_settings
-from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.stated_run import StatedRun
 from pmmkit.numerics import Array, coefficients
 from pmmkit.signals import FourierBasis
 
@@ -56,13 +55,13 @@ class FourierSeries:
 
 
 def fit_series(
-    run: Run, times: Array, values: Array, name: str, basis: FourierBasis | None = None
+    run: StatedRun, times: Array, values: Array, name: str, basis: FourierBasis | None = None
 ) -> FourierSeries:
     """Least-squares series of a measured channel at the run's frequency.
 
     times [s].
     """
-    check_settings(run, ("period",))
+    run.require_settings(("period",))
     omega = run.settings.omega or 0.0
     good = np.isfinite(times) & np.isfinite(values)
     count = int(np.count_nonzero(good))

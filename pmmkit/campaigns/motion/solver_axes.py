@@ -18,7 +18,7 @@ import numpy as np
 
 from pmmkit.base import CampaignError
 from pmmkit.campaigns.motion.hull_path import PLACE, hull_path
-from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.stated_run import StatedRun
 from pmmkit.numerics import Array
 
 _PAIRS: Final = (("X", "Y"), ("FX_rudder", "FY_rudder"))
@@ -75,7 +75,7 @@ def without_ramp(
 
 
 def seen_from_hull(
-    values: Mapping[str, Array], solver: Solver, run: Run
+    values: Mapping[str, Array], solver: Solver, run: StatedRun
 ) -> tuple[dict[str, Array], list[str]]:
     """Forces and moments in ship axes, about the ship's own moment reference.
 
@@ -84,8 +84,8 @@ def seen_from_hull(
     >>> import math
     >>> from pmmkit.campaigns.settings import Settings
     >>> side = {"X": np.array([0.0]), "Y": np.array([10.0]), "N": np.array([0.0])}
-    >>> run = Run(id="SD", test="static_drift", kind="means", loader=None,
-    ...           settings=Settings(speed=1.0, drift=math.pi / 6))
+    >>> run = StatedRun(id="SD", test="static_drift", kind="means",
+    ...                 settings=Settings(speed=1.0, drift=math.pi / 6))
     >>> turned, _ = seen_from_hull(side, Solver(axes="earth"), run)
     >>> turned["X"].round(3), turned["Y"].round(3)
     (array([5.]), array([8.66]))

@@ -68,11 +68,6 @@ class Picked:
         return numbers * self.scale + self.offset
 
 
-def required_channels(kind: str) -> tuple[str, ...]:
-    """Channels that a history must have."""
-    return ("t", "X", "Y", "N") if kind == "captive" else ("t", "x", "y", "psi")
-
-
 def pick(
     headers: Sequence[str],
     width: int,

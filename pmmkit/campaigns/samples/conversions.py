@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import ClassVar, Final, Literal
 
 import numpy as np
 
@@ -12,8 +12,6 @@ from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
 from pmmkit.conventions import CHANNEL_UNITS, FORCE_CHANNELS, Convention, Ship, Water, harmonic_part
 from pmmkit.numerics import Array
 
-TURNED: Final = "sign changed to our axes and rudder"
-"""How the note begins that names the channels whose sign was changed."""
 _AXIS_PARITY: Final[dict[str, str]] = {
     "X": "x",
     "u": "x",
@@ -75,6 +73,8 @@ class Frame:
     nondimensional: str | None = None
     symmetry_factor: float = 1.0
     density_factor: float = 1.0
+    TURNED: ClassVar[str] = "sign changed to our axes and rudder"
+    """How the note begins that names the channels whose sign was changed."""
 
     def sign(self, channel: str) -> int:
         """-1 if a channel changes sign between their axes and ours.
@@ -156,7 +156,7 @@ def to_ours(
     if frame.density_factor != 1.0:
         notes.append(f"forces times rho/rho_inf = {frame.density_factor:.10g}")
     if flipped:
-        notes.append(f"{TURNED}: {', '.join(flipped)}")
+        notes.append(f"{frame.TURNED}: {', '.join(flipped)}")
     if turn_harmonics:
         notes.append("odd harmonics refer to the motion reversed with the axis")
     return out, notes

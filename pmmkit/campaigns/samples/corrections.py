@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import CampaignError, DataError, Problem
-from pmmkit.campaigns.run import Correction
+from pmmkit.campaigns.stated_run import Correction
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, unit_factor
 from pmmkit.numerics import Array
 from pmmkit.presentation import with_uncertainty

@@ -5,33 +5,27 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.base import CampaignError, DataError, Problem
-from pmmkit.campaigns.motion.hull_path import PLACE, recorded_in, set_to
+from pmmkit.base import Problem
+from pmmkit.campaigns.campaign import Campaign
+from pmmkit.campaigns.motion.hull_path import PLACE, recorded_in
 from pmmkit.campaigns.motion.solver_axes import Solver, seen_from_hull, without_ramp
-from pmmkit.campaigns.run import Campaign, Correction, Kind, Run
-from pmmkit.campaigns.samples.column_mapping import (
-    ColumnSpec,
-    Picked,
-    pick,
-    required_channels,
-    unread,
-)
+from pmmkit.campaigns.run import Run, at_hand
+from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick, unread
 from pmmkit.campaigns.samples.conversions import Frame, stacked_harmonics, to_ours
 from pmmkit.campaigns.samples.corrections import correct
 from pmmkit.campaigns.samples.geodesy import out_of_range, placed
 from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.stated_run import Correction, Kind, StatedRun
 from pmmkit.campaigns.test_kinds.struts import Struts, place_on_struts
 from pmmkit.conventions import CHANNEL_UNITS, Ship, Water
-from pmmkit.files import Origin, local_copy, sha256
 from pmmkit.numerics import Array
-from pmmkit.readers import Columns, Request, files_of, reader_for, recognise
+from pmmkit.readers import Columns, Request, reader_for
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,54 +33,6 @@ if TYPE_CHECKING:
 
 STRUT_CHANNELS: Final = frozenset({"y_forward", "y_aft"})
 """Positions of two struts across the tank, which tell place and heading of the hull."""
-
-
-# Files behind URLs, brought to this machine when they are read.
-
-
-AT_ONCE: Final = 8
-"""Files that are fetched side by side, as each waits for its store most of the time."""
-
-
-def at_hand(request: Request, *, proven: bool = True) -> Request:
-    """The request with its file on this machine: as it is, or copied from its URL."""
-    if request.origin is None:
-        return request
-    try:
-        path = local_copy(request.origin, proven=proven)
-    except DataError as error:
-        shown = replace(request, withheld=False)
-        raise request.error(
-            *(shown.problem(item.message, remedy=item.remedy) for item in error.problems)
-        ) from error
-    withheld = request.withheld and recognise(path) is None
-    return replace(request, path=path, origin=None, withheld=withheld)
-
-
-def bring(requests: Sequence[Request]) -> None:
-    """Fetch several files side by side; what cannot be fetched is told when it is read.
-
-    Parameters
-    ----------
-    requests : sequence of Request
-        The files; those of this machine are left alone.
-    """
-    afar = {request.origin for request in requests if request.origin is not None}
-    if not afar:
-        return
-
-    def fetch(origin: Origin) -> None:
-        try:
-            local_copy(origin)
-        except DataError:
-            return
-
-    with ThreadPoolExecutor(min(AT_ONCE, len(afar))) as pool:
-        list(pool.map(fetch, afar))
-
-
-DOUBTFUL: Final = "doubtful: "
-"""How a note begins that somebody should look at."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,11 +91,22 @@ class HistoryLoader:
         """The file; of one behind a URL only its name."""
         return self.request.path
 
+    @property
+    def requests(self) -> tuple[Request, ...]:
+        """The file, and that of the motion where there is one."""
+        return (self.request,) if self.motion is None else (self.request, self.motion)
+
+    @property
+    def untrimmed(self) -> HistoryLoader:
+        """Without the corrections that cut off a part of the record."""
+        left = tuple(item for item in self.context.corrections if item.action != "trim")
+        return replace(self, context=replace(self.context, corrections=left))
+
     def __call__(self) -> xr.Dataset:
         request = at_hand(self.request)
         rate = request.options.sample_rate
-        required = [x for x in required_channels(self.kind) if x != "t" or rate is None]
-        read, picked, usual = _read(request, self.columns, required)
+        required = [x for x in Campaign.REQUIRED[self.kind] if x != "t" or rate is None]
+        read, picked, usual = read_columns(request, self.columns, required)
         count = len(read.values[0])
         check_rows(count + read.dropped, self.rows, request)
         notes = [*read.notes, *(column.note for column in picked if column.note)]
@@ -159,7 +116,7 @@ class HistoryLoader:
             if column.name in usual and column.name not in self.columns
         ]
         notes += [
-            f"{DOUBTFUL}{doubt}; settle it with {key} under [cfd]"
+            f"{Run.DOUBTFUL}{doubt}; settle it with {key} under [cfd]"
             for key, doubt in read.unsettled.items()
             if key not in self.context.solver.stated
         ]
@@ -184,10 +141,25 @@ class HistoryLoader:
         )
 
 
-def _read(
+def read_columns(
     request: Request, specs: Mapping[str, ColumnSpec], required: Sequence[str]
 ) -> tuple[Columns, list[Picked], Mapping[str, str]]:
-    """The columns of a file that are used, what each of them is, and usual names of the format."""
+    """The columns of a file that are used, what each of them is, and usual names of the format.
+
+    Parameters
+    ----------
+    request : Request
+        The file.
+    specs : mapping of str to ColumnSpec
+        Where the campaign file says that channels stand.
+    required : sequence of str
+        Channels that must be there.
+
+    Raises
+    ------
+    CampaignError
+        If one of them is not there, or the file cannot be read.
+    """
     picked: list[Picked] = []
     usual: dict[str, str] = {}
     reader = reader_for(request)
@@ -209,7 +181,7 @@ def _read(
 
 def _motion_of(request: Request, context: Context) -> dict[str, Array]:
     """The path of the hull from a file of its own, SI, our axes and signs."""
-    read, picked, _ = _read(request, {}, ("t",))
+    read, picked, _ = read_columns(request, {}, ("t",))
     values = {
         column.name: column.apply(numbers)
         for column, numbers in zip(picked, read.values, strict=True)
@@ -242,6 +214,11 @@ class RowLoader:
     def path(self) -> Path:
         """The file."""
         return self.request.path
+
+    @property
+    def requests(self) -> tuple[Request, ...]:
+        """The file."""
+        return (self.request,)
 
     def __call__(self) -> xr.Dataset:
         return dataset(
@@ -373,7 +350,7 @@ def _seen(
         values, notes = without_ramp(values, context.solver.ramp, file=request.shown, run=run)
     if context.settings is None:
         return dict(values), notes
-    bare = set_to(kind, context.test, context.settings, run)
+    bare = StatedRun(id=run, test=context.test, kind=kind, settings=context.settings)
     if motion is not None:
         moved = recorded_in(motion, values["t"], bare, context.solver.needed)
         values = {**values, **moved}
@@ -419,68 +396,3 @@ def check_rows(found: int, stated: int | None, request: Request) -> None:
             f"there are {found} rows of numbers; the campaign file says {stated}.",
             remedy="Copy the file again, or correct rows.",
         )
-
-
-def data_files(run: Run) -> dict[str, Path]:
-    """The files that the data of a run come from, by the names that messages give them.
-
-    Parameters
-    ----------
-    run : Run
-        Of a campaign from `open_campaign`; of other runs nothing is known.
-
-    Raises
-    ------
-    CampaignError
-        If a folder holds nothing of its format, or a file behind a URL cannot be fetched.
-    """
-    asked = [at_hand(request, proven=False) for request in requests_of(run)]
-    return {shown: path for request in asked for shown, path in files_of(request).items()}
-
-
-def requests_of(run: Run) -> list[Request]:
-    """What is read for a run: its file, and that of its motion where there is one.
-
-    Parameters
-    ----------
-    run : Run
-        Of a campaign from `open_campaign`; of other runs nothing is known.
-    """
-    loader = run.loader
-    requests = [loader.request] if isinstance(loader, (HistoryLoader, RowLoader)) else []
-    if isinstance(loader, HistoryLoader) and loader.motion is not None:
-        requests.append(loader.motion)
-    return requests
-
-
-def file_hashes(campaign: Campaign) -> dict[str, str]:
-    """SHA-256 of every data file that the runs of a campaign come from, by the file's name.
-
-    Of a folder these are the files in it that are read.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        From `open_campaign`. Runs that do not come from a file of their own are passed over.
-
-    Raises
-    ------
-    CampaignError
-        If a file cannot be read.
-    """
-    hashes: dict[str, str] = {}
-    problems: list[Problem] = []
-    files: dict[str, Path] = {}
-    for run in (*campaign.runs, *(run for run, _ in campaign.excluded)):
-        try:
-            files |= data_files(run)
-        except DataError as error:
-            problems += [problem for problem in error.problems if problem not in problems]
-    for shown, path in files.items():
-        try:
-            hashes[shown] = sha256(path)
-        except OSError as error:
-            problems.append(Problem(message=f"cannot be read: {error.strerror}.", file=shown))
-    if problems:
-        raise CampaignError(problems)
-    return hashes

@@ -18,8 +18,6 @@ from pmmkit.campaigns.test_kinds.struts import swung
 from pmmkit.numerics import Array
 
 Family = Literal["steady", "oscillating", "free-running"]
-MAY_BE_ZERO: Final = ("v", "r", "udot", "vdot", "rdot", "phi", "delta")
-"""Variables of the motion that some kinds of test keep at zero."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +31,21 @@ class TankMotion:
     psi: Array
     r: Array
     rdot: Array
+
+    @property
+    def in_ship_axes(self) -> dict[str, Array]:
+        """Ship-axes components and their own time derivatives."""
+        cosine, sine = np.cos(self.psi), np.sin(self.psi)
+        u = self.xdot * cosine + self.ydot * sine
+        v = -self.xdot * sine + self.ydot * cosine
+        return {
+            "u": u,
+            "v": v,
+            "r": self.r,
+            "udot": self.xddot * cosine + self.yddot * sine + self.r * v,
+            "vdot": -self.xddot * sine + self.yddot * cosine - self.r * u,
+            "rdot": self.rdot,
+        }
 
 
 ShipMotion = Mapping[str, float | Array]
@@ -160,6 +173,8 @@ class TestKind:
     """
 
     __test__: ClassVar[bool] = False  # the name begins with Test, and pytest would collect it
+    MAY_BE_ZERO: ClassVar[tuple[str, ...]] = ("v", "r", "udot", "vdot", "rdot", "phi", "delta")
+    """Variables of the motion that some kinds of test keep at zero."""
 
     name: str
     title: str
@@ -277,7 +292,7 @@ class TestKind:
     @property
     def zero(self) -> tuple[str, ...]:
         """Variables of the motion that are zero in it; of free-running tests none is."""
-        return tuple(x for x in MAY_BE_ZERO if self.captive and x not in self.varies)
+        return tuple(x for x in self.MAY_BE_ZERO if self.captive and x not in self.varies)
 
     @property
     def pure(self) -> str:
@@ -327,7 +342,7 @@ class TestKind:
         """
         if self.motion.ship is not None and not self._on_struts(settings):
             return self.motion.ship(settings, theta)
-        return ship_axes(self.in_tank(settings, theta))
+        return self.in_tank(settings, theta).in_ship_axes
 
     def in_tank(self, settings: Settings, theta: Array) -> TankMotion:
         """Motion in tank axes that a captive test is set to, see `nominal`."""
@@ -357,18 +372,3 @@ class TestKind:
     def _phase_of_struts(self, theta: Array) -> Array:
         """Phase θs of `swung`: with sway θ itself; alone the heading goes with sin θ = cos θs."""
         return theta if self.sways else theta - 0.5 * math.pi
-
-
-def ship_axes(tank: TankMotion) -> dict[str, Array]:
-    """Ship-axes components and their own time derivatives."""
-    cosine, sine = np.cos(tank.psi), np.sin(tank.psi)
-    u = tank.xdot * cosine + tank.ydot * sine
-    v = -tank.xdot * sine + tank.ydot * cosine
-    return {
-        "u": u,
-        "v": v,
-        "r": tank.r,
-        "udot": tank.xddot * cosine + tank.yddot * sine + tank.r * v,
-        "vdot": -tank.xddot * sine + tank.yddot * cosine - tank.r * u,
-        "rdot": tank.rdot,
-    }

@@ -11,7 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pmmkit.base import DataError, Problem, Workers
-from pmmkit.campaigns import Campaign, within_reach
+from pmmkit.campaigns import Campaign
 from pmmkit.conventions import STRUCTURES, Convention, Structure, parse_derivative, structure_of
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.build import build
@@ -91,7 +91,7 @@ def captive_system(
     executor: Workers = None,
 ) -> System:
     """Runs, base and candidates, ready to be asked more than once."""
-    campaign = within_reach(campaign)
+    campaign = campaign.within_reach()
     usable = _usable(View.of(campaign, unknown_noise=True, executor=executor), noise)
     channels = tuple(dict.fromkeys(name for view in usable for name in view.force))
     names = columns_of(structure_of(structure), campaign.runs, channels).required

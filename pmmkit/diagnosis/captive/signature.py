@@ -11,18 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns import (
-    DRIFT_RUDDER,
-    PURE_SWAY,
-    PURE_YAW,
-    STATIC_DRIFT,
-    STATIC_HEEL,
-    STATIC_RUDDER,
-    YAW_DRIFT,
-    Run,
-    Settings,
-    nominal_motion,
-)
+from pmmkit.campaigns import Run, Settings
 from pmmkit.conventions import STRUCTURES, Convention
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate
@@ -228,20 +217,18 @@ def _programme(speed: float) -> list[tuple[str, dict[str, float]]]:
     """Settings of the standard tests at a speed."""
     found: list[tuple[str, dict[str, float]]] = []
     for degrees in (-12, -8, -4, 4, 8, 12):
-        found.append((STATIC_DRIFT.name, {"drift": math.radians(degrees)}))
+        found.append(("static_drift", {"drift": math.radians(degrees)}))
     for degrees in (-30, -15, 15, 30):
-        found.append((STATIC_RUDDER.name, {"rudder": math.radians(degrees)}))
+        found.append(("static_rudder", {"rudder": math.radians(degrees)}))
         found += [
-            (DRIFT_RUDDER.name, {"rudder": math.radians(degrees), "drift": math.radians(beta)})
+            ("drift_rudder", {"rudder": math.radians(degrees), "drift": math.radians(beta)})
             for beta in (-8, 8)
         ]
     for degrees in (-10, -5, 5, 10):
-        found.append((STATIC_HEEL.name, {"heel": math.radians(degrees)}))
+        found.append(("static_heel", {"heel": math.radians(degrees)}))
     for omega_prime, v in ((1.5, 0.1), (1.5, 0.2), (3.0, 0.2)):
         omega = omega_prime * speed / LENGTH
-        found.append(
-            (PURE_SWAY.name, {"period": 2 * math.pi / omega, "amplitude": v * speed / omega})
-        )
+        found.append(("pure_sway", {"period": 2 * math.pi / omega, "amplitude": v * speed / omega}))
     for omega_prime, r, degrees in (
         (1.5, 0.2, 0),
         (1.5, 0.4, 0),
@@ -254,7 +241,7 @@ def _programme(speed: float) -> list[tuple[str, dict[str, float]]]:
             "yaw_amplitude": r / omega_prime,
             "drift": math.radians(degrees),
         }
-        found.append(((YAW_DRIFT if degrees else PURE_YAW).name, yaw))
+        found.append(("yaw_drift" if degrees else "pure_yaw", yaw))
     return found
 
 
@@ -274,7 +261,7 @@ def _view(test: str, speed: float, **settings: float) -> View:
     )
     omega = run.settings.omega
     t = np.arange(SAMPLES) * (2 * math.pi / omega if omega else 30.0) / SAMPLES
-    motion = nominal_motion(run, t)
+    motion = run.nominal_motion(t)
     rows = [np.full(SAMPLES, 1.0 / SAMPLES)]
     turned = np.zeros(SAMPLES)
     if omega:

@@ -10,16 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.base import CampaignError, Problem
-from pmmkit.campaigns import (
-    RUN_SETTINGS,
-    TEST_KINDS,
-    Campaign,
-    Run,
-    Settings,
-    TestKind,
-    brought,
-    captive_kinds,
-)
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, Run, Settings, TestKind, brought
 from pmmkit.conventions import Ship, Water
 from pmmkit.models import Model
 from pmmkit.simulation import steering
@@ -55,7 +46,7 @@ USUAL: Final = tuple(
 
 def offered() -> tuple[str, ...]:
     """Names of the kinds of test that can be planned: the usual ones, then others."""
-    known = [kind.name for kind in captive_kinds() if kind.shares is not None]
+    known = [kind.name for kind in TEST_KINDS.values() if kind.captive and kind.shares is not None]
     return (*USUAL, *(name for name in known if name not in USUAL))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.base import CampaignError, Problem
-from pmmkit.campaigns import RUN_SETTINGS, RunSetting, Settings, captive_kinds, require_settings
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, RunSetting, Settings
 from pmmkit.conventions import Ship
 from pmmkit.diagnosis.planning.options import Limits, Option, timed
 from pmmkit.files import check_numbers, toml_string
@@ -165,7 +165,7 @@ def _listed(entry: Any, limits: Limits, ship: Ship) -> Option:
         for name in entry
         if name not in allowed
     ]
-    if test not in [kind.name for kind in captive_kinds()]:
+    if test not in [kind.name for kind in TEST_KINDS.values() if kind.captive]:
         wrong.append(f"test = {test!r} is no captive test.")
     wrong += [
         f"{name} = {entry[name]!r} is no number."
@@ -179,7 +179,7 @@ def _listed(entry: Any, limits: Limits, ship: Ship) -> Option:
     given = {keys[key].name: keys[key].to_si(float(entry[key])) for key in keys if key in entry}
     settings = Settings.of(given)
     known = Option(test=str(test), settings=settings, cycles=0, record=0.0, hours=0.0)
-    require_settings(known.run())
+    known.run().require_settings()
     option = timed(str(test), settings, limits, ship)
     if option is None:
         raise CampaignError("the tank is too short for three cycles.")

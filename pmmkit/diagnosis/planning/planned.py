@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.base import UnknownNameError
-from pmmkit.campaigns import FITTED, Run, move_motion, nominal_motion
+from pmmkit.campaigns import Counted, Run
 from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.planning.options import Option
@@ -23,7 +23,7 @@ from pmmkit.signals import design_matrix
 
 SAMPLES: Final = 32
 """Samples per cycle of a planned history."""
-ROWS: Final = 2 * FITTED + 1
+ROWS: Final = 2 * Counted.ORDER + 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +50,7 @@ def stated_noise(
     """
 
     def noise(piece: PlannedPiece) -> Mapping[str, Array]:
-        order = FITTED if piece.dynamic else 0
+        order = Counted.ORDER if piece.dynamic else 0
         n = np.concatenate([[0], np.repeat(np.arange(1, order + 1), 2)]).astype(float)
         spectrum = 2 * correlation / (1 + (n * piece.omega * correlation) ** 2)
         shape = np.where(n > 0, 2.0, 1.0) * spectrum / piece.duration
@@ -125,7 +125,7 @@ def planned_views(
     found = []
     for first, last, early in pieces:
         t = np.arange(SAMPLES * first, SAMPLES * last, dtype=np.float64) * (period / SAMPLES)
-        projection = projector(design_matrix(2 * math.pi * t / period, FITTED))
+        projection = projector(design_matrix(2 * math.pi * t / period, Counted.ORDER))
         duration = (last - first) * period
         view = _view(run, base, noise, t, projection, duration, motion_x, early=early)
         found.append(view)
@@ -143,7 +143,7 @@ def _view(
     *,
     early: bool = False,
 ) -> View:
-    motion = move_motion(nominal_motion(run, t), motion_x)
+    motion = run.nominal_motion(t).moved_aft(motion_x)
     omega = (run.settings.omega or 0.0) if run.dynamic else 0.0
     covariance = noise(
         PlannedPiece(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns import FORCES, Campaign
+from pmmkit.campaigns import Campaign
 from pmmkit.exports.comments import plain
 from pmmkit.exports.simman.results import SimmanResult
 from pmmkit.exports.text import written_by
@@ -160,7 +160,7 @@ def _conventions(campaign: Campaign) -> list[str]:
         "gives v = -U sin(psi).",
         "Forces in static_means.csv, fourier_*.csv and cycles/ are those of the water on the hull "
         "and all that is fitted to it, about midship; the inertia of the model is not in them.",
-        f"Forces in records/ are {FORCES[campaign.forces]}, about the point that "
+        f"Forces in records/ are {campaign.forces_in_words}, about the point that "
         "records/campaign.toml states.",
         "Phase: theta = omega t with the displacement (heading of yaw tests, sway of sway tests) "
         "going as sin(theta). f = mean + sum over k of cosk cos(k theta) + sink sin(k theta): "

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.base import CampaignError, DataError, Problem
-from pmmkit.campaigns import Campaign, Rig, Run, over_ground, rig_of
+from pmmkit.campaigns import Attitude, Campaign, Rig, Run
 from pmmkit.numerics import Array
 from pmmkit.reduction import PreparedRun, one_cycle
 from pmmkit.signals import design_matrix
@@ -52,7 +52,7 @@ class SimmanResult:
 
 def results_of(campaign: Campaign) -> list[SimmanResult]:
     """The results of all captive runs, as `reduce` takes them."""
-    rig = rig_of(campaign)
+    rig = campaign.rig
     found: list[SimmanResult] = []
     problems: list[Problem] = []
     for run in campaign.runs:
@@ -111,7 +111,7 @@ def cycle_of(result: SimmanResult) -> dict[str, Array]:
     moved = {name: basis @ x for name, x in result.motion.items()}
     psi = result.run.settings.drift + _integral(moved["r"], omega)
     u, v = moved["u"], moved["v"]
-    ahead, aside = over_ground(u, v, psi)
+    ahead, aside = Attitude(psi=psi).over_ground(u, v)
     x = ahead.mean() * t + _integral(ahead, omega)
     y = aside.mean() * t + _integral(aside, omega)
     forces = {name: basis @ x for name, x in known.items()}

@@ -10,13 +10,13 @@ from typing import Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import FILE_NAME, PACKED, Campaign
+from pmmkit.campaigns import Campaign
 from pmmkit.exports.archive import write_archive
 from pmmkit.exports.campaign_csv import LONGEST, write_campaign_csv
 from pmmkit.exports.simman import tables
 from pmmkit.exports.simman.metadata import metadata
 from pmmkit.exports.simman.results import SimmanResult, results_of
-from pmmkit.files import atomic_path
+from pmmkit.files import CAMPAIGN, atomic_path
 from pmmkit.readers import safe_names
 
 METADATA: Final = "metadata.txt"
@@ -41,8 +41,8 @@ def write_simman(campaign: Campaign, path: str | Path) -> None:
     .. [1] SIMMAN 2014, Instructions, Model tests, Format of model test results.
     """
     target = Path(path)
-    if target.suffix.lower() != PACKED:
-        raise DataError(f"{path}: an archive for SIMMAN needs the ending {PACKED}.")
+    if target.suffix.lower() != ".zip":
+        raise DataError(f"{path}: an archive for SIMMAN needs the ending .zip.")
     results = results_of(campaign) if campaign.kind == "captive" else []
     with tempfile.TemporaryDirectory() as room:
         folder = Path(room) / RECORDS
@@ -101,8 +101,8 @@ def _records(names: Sequence[str]) -> dict[str, str]:
     return {
         f"{RECORDS}/": f"{len(names) - 1} files, the full time series of every run that has one "
         "and the tables of those that have none, as they were measured",
-        f"{RECORDS}/{FILE_NAME}": "what each run was set to, ship, rig and stated uncertainties; "
-        "pmmkit opens the archive by it",
+        f"{RECORDS}/{CAMPAIGN.file}": "what each run was set to, ship, rig and stated "
+        "uncertainties; pmmkit opens the archive by it",
     }
 
 

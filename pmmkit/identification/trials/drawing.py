@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import STOPPING, TEST_KINDS, TURNING
+from pmmkit.campaigns import TEST_KINDS
 from pmmkit.plotting import (
     REFERENCE,
     TrackLike,
@@ -96,9 +96,9 @@ def trial_path(trial: _Trial) -> Figure:
         If the record holds nothing after the order.
     """
     shown = (trial.t > 0) | (trial.x > -_FORE * trial.L)
-    if trial.manoeuvre != TURNING.name:
+    if trial.manoeuvre != "turning":
         shown &= trial.t > -60.0
-    if trial.manoeuvre == STOPPING.name and math.isfinite(trial.metrics["time_to_stop"]):
+    if trial.manoeuvre == "stopping" and math.isfinite(trial.metrics["time_to_stop"]):
         shown &= trial.t <= trial.metrics["time_to_stop"]
     if np.count_nonzero(shown) < 2:
         raise DataError("The record holds nothing to draw after the order.")
@@ -120,7 +120,7 @@ def trial_path(trial: _Trial) -> Figure:
             label="current removed" if removed else "as measured, over ground",
         )
         axis.plot(0.0, 0.0, ls="", marker="o", ms=5, color=colour(0), label="order", zorder=4)
-        if trial.manoeuvre == TURNING.name:
+        if trial.manoeuvre == "turning":
             _turn_lines(axis, trial)
         else:
             _stop_lines(axis, trial)
@@ -196,8 +196,8 @@ def _in_lengths(
 
 def _title(trial: _Trial) -> str:
     """What the run is, and each limit beside its value."""
-    rudder = "" if trial.manoeuvre == STOPPING.name else f" {abs(trial.rudder_deg):.0f}°"
-    if trial.manoeuvre == TURNING.name:
+    rudder = "" if trial.manoeuvre == "stopping" else f" {abs(trial.rudder_deg):.0f}°"
+    if trial.manoeuvre == "turning":
         rudder += " to starboard" if trial.rudder_deg > 0 else " to port"
     who = figure_text(f"{trial.name}, {trial.run}")
     lines = [f"{who}: {trial.manoeuvre}{rudder}, {trial.speed:.2f} m/s"]

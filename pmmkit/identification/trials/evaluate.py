@@ -10,7 +10,8 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import DataError, Problem
-from pmmkit.campaigns import STOPPING, TURNING, ZIGZAG, Campaign, Run, true_wind, velocity
+from pmmkit.campaigns import Campaign, Run
+from pmmkit.identification.local_fits import true_wind, velocity
 from pmmkit.identification.trials.circle import Circle, fit_circle
 from pmmkit.identification.trials.current import Current, mean_current
 from pmmkit.identification.trials.heel import Heel, heel_of_turn
@@ -255,7 +256,7 @@ def evaluate_trials(
     problems: list[Problem] = []
     for run in wanted:
         asked = not runs or run.id in runs
-        if not asked and run.kind_of_test is not TURNING:
+        if not asked and run.test != "turning":
             continue
         try:
             parts.append(_part(run, campaign, given.get(run.id)))
@@ -281,7 +282,7 @@ def _part(run: Run, campaign: Campaign, given: float | None) -> _Part:
     notes = list(record.notes)
     orders = _orders(run, record, given, notes)
     circle, drift, turned, heel = None, None, math.nan, None
-    if run.kind_of_test is TURNING:
+    if run.test == "turning":
         delta, pace = record.others.get("delta"), campaign.ship.L / run.settings.speed
         end = float(record.t[-1]) if delta is None else held_until(record.t, delta, orders[0])
         inside = (record.t >= orders[0].t) & (record.t <= end)
@@ -332,16 +333,16 @@ def _engine(part: _Part, stopped: float) -> tuple[float, FullAstern | None]:
         return math.nan, None
     before = part.record.t <= order
     ahead = float(np.median(n[before])) if before.any() else math.nan
-    if part.run.kind_of_test is not STOPPING or not ahead > 0.0 or math.isnan(stopped):
+    if part.run.test != "stopping" or not ahead > 0.0 or math.isnan(stopped):
         return ahead, None
     until = (part.record.t >= order) & (part.record.t <= order + stopped)
     return ahead, measured_astern(part.record.t[until] - order, n[until], ahead)
 
 
 def _orders(run: Run, record: Record, given: float | None, notes: list[str]) -> list[Order]:
-    channel = record.others.get("n" if run.kind_of_test is STOPPING else "delta")
+    channel = record.others.get("n" if run.test == "stopping" else "delta")
     rounding = record.step / math.sqrt(12.0)
-    if run.kind_of_test is STOPPING:
+    if run.test == "stopping":
         if given is not None:
             return [Order(given, rounding, 0.0)]
         if channel is None:
@@ -352,20 +353,20 @@ def _orders(run: Run, record: Record, given: float | None, notes: list[str]) -> 
         return [astern_order(record.t, channel)]
     nominal = run.settings.rudder
     if channel is None:
-        if given is None or run.kind_of_test is ZIGZAG:
+        if given is None or run.test == "zigzag":
             raise DataError(
                 "The record has no rudder angle (column delta), so the orders do not show. "
-                + ("Add the column." if run.kind_of_test is ZIGZAG else "Give order under [trial].")
+                + ("Add the column." if run.test == "zigzag" else "Give order under [trial].")
             )
         return [Order(given, rounding, nominal)]
     if given is None:
-        orders = rudder_orders(record.t, channel, nominal, single=run.kind_of_test is TURNING)
+        orders = rudder_orders(record.t, channel, nominal, single=run.test == "turning")
     else:
         late = record.t >= given - 1e-9
         held = channel[late][np.abs(channel[late]) > 0.6 * abs(nominal)]
         level = float(np.median(held)) if len(held) else nominal
         orders = [Order(given, rounding, level)]
-        if run.kind_of_test is ZIGZAG:
+        if run.test == "zigzag":
             orders = rudder_orders(record.t, channel, nominal)
             orders[0] = replace(orders[0], t=given, std=rounding)
     if nominal and orders[0].level * nominal < 0:
@@ -373,7 +374,7 @@ def _orders(run: Run, record: Record, given: float | None, notes: list[str]) -> 
     turned = np.interp(orders[0].t + np.array([0.0, 60.0]), record.t, record.psi)
     later = record.psi[record.t > orders[0].t]
     swing = later[np.argmax(np.abs(later - turned[0]))] - turned[0] if len(later) else 0.0
-    if run.kind_of_test is TURNING and swing * orders[0].level < 0:
+    if run.test == "turning" and swing * orders[0].level < 0:
         raise DataError(
             "The ship turns against the rudder: a positive rudder must turn her to starboard. "
             'Say rudder_positive = "port" under [campaign], or turn psi.'
@@ -421,9 +422,9 @@ def _trial(
     level = math.degrees(part.orders[0].level)
     switch = run.settings.switch if run.settings.switch is not None else run.settings.rudder
     reversals: list[float] = []
-    if run.kind_of_test is TURNING:
+    if run.test == "turning":
         found = of_turning(path, part.orders[0], part.circle, notes)
-    elif run.kind_of_test is ZIGZAG:
+    elif run.test == "zigzag":
         found, reversals = of_zigzag(path, part.orders, abs(switch), notes)
     else:
         found = of_stopping(path, part.orders[0], notes)
@@ -470,7 +471,7 @@ def _trial(
             conditions=said(around),
             full_astern=engine,
         ),
-        conditions=((*around, rudder_condition(level)) if run.kind_of_test is TURNING else around),
+        conditions=((*around, rudder_condition(level)) if run.test == "turning" else around),
         revolutions=ahead,
         current=current,
         equal_headings=part.drift,

@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.identification.local_fits import local
 from pmmkit.numerics import Array
-from pmmkit.signals import local
 
 SMOOTH: Final = 0.05
 """Half of the window in which heel is smoothed, in ship lengths over the speed."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import STOPPING, Campaign
+from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Criterion, criteria
 from pmmkit.identification.trials.evaluate import evaluate_trials
 from pmmkit.identification.trials.table import Trial
@@ -237,7 +237,7 @@ def _simulated(model: Model, trial: Trial, verdict: Verdict, settings: dict[str,
     """The measure of a verdict by a model that sails as the trial did; NaN where it cannot."""
     criterion = next(item for _, item in criteria() if item.name == verdict.criterion)
     given = _sailed(model, trial, criterion)
-    if criterion.manoeuvre == STOPPING.name:
+    if criterion.manoeuvre == "stopping":
         stops = as_it_stops(model)
         if stops is None:
             return math.nan

@@ -9,7 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns import in_ship_axes
+from pmmkit.campaigns import Attitude
+from pmmkit.identification.local_fits import crossing, local, way_along
 from pmmkit.identification.trials.circle import Circle
 from pmmkit.identification.trials.noise import straight_line
 from pmmkit.identification.trials.orders import Order
@@ -17,7 +18,6 @@ from pmmkit.identification.trials.path import TrialPath
 from pmmkit.identification.trials.record import GAP
 from pmmkit.identification.trials.table import Measures
 from pmmkit.presentation import number
-from pmmkit.signals import crossing, local, way_along
 
 SHORTEST: Final = 0.15
 """Least way between two places of a path whose length is taken, in ship lengths."""
@@ -146,7 +146,7 @@ def of_stopping(path: TrialPath, order: Order, notes: list[str]) -> Measures:
     half = max(3.0 * path.half, 10.0 * path.step)
     at = np.arange(half, float(path.t[-1]), path.step)
     heading = np.interp(at, path.t, path.psi)
-    surge, _ = in_ship_axes(*path.velocity(at, half), heading)
+    surge, _ = Attitude(psi=heading).in_ship_axes(*path.velocity(at, half))
     still = np.flatnonzero(surge <= 0.0)
     if not len(still):
         left = f"{number(surge[-1], 2)} m/s" if len(surge) else "way on"

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import half_window, in_ship_axes, velocity
+from pmmkit.campaigns import Attitude
+from pmmkit.identification.local_fits import half_window, local, velocity
 from pmmkit.identification.trials.current import Current
 from pmmkit.identification.trials.noise import PositionNoise, straight_line
 from pmmkit.identification.trials.orders import Order
 from pmmkit.identification.trials.record import GAP, Record
 from pmmkit.numerics import Array
-from pmmkit.signals import local, white_noise
+from pmmkit.signals import white_noise
 
 APPROACH: Final = 2.0
 """Ship lengths of the approach that its heading and speed are taken from."""
@@ -93,7 +94,9 @@ class TrialPath:
         """Surge, sway [m/s] and yaw rate [rad/s] through the water at all instants; heel that is
         not known counts as none."""
         heading = local(self.t, self.psi, self.t, self.half)
-        u, v = in_ship_axes(*self.velocity(self.t), heading.value, np.nan_to_num(phi))
+        u, v = Attitude(psi=heading.value, phi=np.nan_to_num(phi)).in_ship_axes(
+            *self.velocity(self.t)
+        )
         return u, v, heading.slope
 
     def variance(self, at: float, across: bool) -> float:

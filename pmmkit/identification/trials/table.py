@@ -170,7 +170,7 @@ class Trial(Track):
         return found
 
     def _headline(self) -> str:
-        rudder = "" if self.manoeuvre == STOPPING.name else f", rudder {self.rudder_deg:+.1f}°"
+        rudder = "" if self.manoeuvre == "stopping" else f", rudder {self.rudder_deg:+.1f}°"
         approach = f"{self.speed:.2f}"
         if math.isfinite(self.speed_std) and self.speed_std > 0.0:
             approach = plus_minus(self.speed, WIDE * self.speed_std)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
-from pmmkit.campaigns import STOPPING, TEST_KINDS, TURNING
+from pmmkit.campaigns import TEST_KINDS
 from pmmkit.conventions import Criterion, criteria
 from pmmkit.simulation import (
     LARGE,
@@ -46,9 +46,9 @@ def verdicts_of(
     asked = [pair for pair in criteria() if _applies(pair[1], test, size, switch_deg)]
     own_first = sorted(asked, key=lambda pair: pair[1].manoeuvre != test)
     kind = TEST_KINDS[test]
-    if kind is TURNING:
+    if kind is TEST_KINDS["turning"]:
         conditions = turning_conditions(rudder_deg, conditions, ".1f")
-    elif kind is STOPPING:
+    elif kind is TEST_KINDS["stopping"]:
         conditions += (LARGE,)
     laid = rudder_deg if kind.turns_rudder else 0.0
     switch = float(round(switch_deg)) if kind.switches else None

@@ -20,7 +20,7 @@ from pmmkit.base import (
     listed_in,
     opened,
 )
-from pmmkit.campaigns import Campaign, Run, bring, by_depth, in_words, requests_of
+from pmmkit.campaigns import Campaign, Run, bring
 from pmmkit.effects import CATALOGUE
 from pmmkit.intake.checks import gauges, particulars, record
 from pmmkit.intake.checks.finding import Check, CheckFinding, accepted, loudest_first, refuse
@@ -103,7 +103,7 @@ def examine(
 
 def _by_depth(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     """What the checks find at each depth; what all depths say alike is said once."""
-    parts = by_depth(campaign)
+    parts = campaign.by_depth()
     said: set[str] = set()
     for part in parts:
         ids = {run.id for run in part.runs}
@@ -112,7 +112,7 @@ def _by_depth(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[Chec
             if len(parts) == 1:
                 yield found
             elif found.runs:
-                depth = in_words((part.water.depth,))
+                depth = part.depth_in_words
                 yield replace(found, message=f"In water of {depth}: {found.message}")
             elif found.message not in said:
                 said.add(found.message)
@@ -208,7 +208,7 @@ def _read_all(campaign: Campaign, executor: Workers) -> list[Summary]:
 
     names = [f"run {run.id}" for run in campaign.runs]
     if not isinstance(executor, (str, Executor)):
-        bring([request for run in campaign.runs for request in requests_of(run)])
+        bring([request for run in campaign.runs for request in run.requests])
     with opened(executor) as ready, threadpool_limits(1):
         found = dict(each(work, campaign.runs, ready, names=names, here=here))
     summaries: list[Summary] = []

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import displacement_phase, over_ground, whole_series
+from pmmkit.campaigns import Attitude
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure
 from pmmkit.numerics import Array
 from pmmkit.signals import at_speed
@@ -30,7 +30,14 @@ def carriage_facts(run: Run, data: xr.Dataset, t: Array) -> dict[str, float]:
 
     t [s].
     """
-    column = whole_series(data, "U_carriage", "u", "v", "psi")
+    wanted = {
+        name: data.variables[name] for name in ("U_carriage", "u", "v", "psi") if name in data
+    }
+    column = {
+        name: np.asarray(series.values, float)
+        for name, series in wanted.items()
+        if series.dims == ("t",) and np.isfinite(series.values).all()
+    }
     if "U_carriage" not in column:
         return {}
     try:
@@ -39,7 +46,7 @@ def carriage_facts(run: Run, data: xr.Dataset, t: Array) -> dict[str, float]:
         facts = {"carriage": float(np.mean(column["U_carriage"][kept]))}
         if {"u", "v"} <= set(column) and not run.kind_of_test.surges:
             psi = column["psi"] if "psi" in column else _heading(run, data, t, kept)
-            ahead, _ = over_ground(column["u"], column["v"], psi)
+            ahead, _ = Attitude(psi=psi).over_ground(column["u"], column["v"])
             facts["hull_ahead"] = float(np.mean(ahead[kept]))
     except DataError:
         return {}
@@ -51,7 +58,7 @@ def _heading(run: Run, data: xr.Dataset, t: Array, kept: slice) -> Array:
     kind = run.kind_of_test
     if not kind.oscillates:
         return np.full_like(t, run.settings.drift)
-    return kind.in_tank(run.settings, displacement_phase(run, data, t, within=kept)).psi
+    return kind.in_tank(run.settings, run.displacement_phase(data, t, within=kept)).psi
 
 
 def examine_carriage(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from pmmkit.campaigns import DOUBTFUL
+from pmmkit.campaigns import Run
 from pmmkit.intake.checks.finding import Check, CheckFinding
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def density_facts(data: xr.Dataset) -> Mapping[str, float]:
     """Whether the notes of the conversions doubt the density of a run's forces."""
     said = json.loads(data.attrs.get("conversions", "[]"))
-    doubted = any(note.startswith(DOUBTFUL) and "rho_inf" in note for note in said)
+    doubted = any(note.startswith(Run.DOUBTFUL) and "rho_inf" in note for note in said)
     return {"density_doubted": 1.0} if doubted else {}
 
 

@@ -11,16 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns import (
-    HEADING_JUMP,
-    fresh_samples,
-    heading_jumps,
-    in_ship_axes,
-    jump_limit,
-    position_jumps,
-    stop_at_end,
-    without_jumps,
-)
+from pmmkit.campaigns import Attitude, Fixes
 from pmmkit.intake.checks.finding import Check, CheckFinding, Severity, figure
 from pmmkit.intake.checks.track import rate_facts
 from pmmkit.numerics import Array, unwrapped
@@ -68,13 +59,14 @@ def record_facts(run: Run, campaign: Campaign, data: xr.Dataset, t: Array) -> Ma
     t = t[good]
     column = {name: part[good] for name, part in column.items()}
     column["psi"] = unwrapped(column["psi"])
-    facts |= _held(t, column["x"], column["y"])
-    jumps = position_jumps(t, column["x"], column["y"], jump_limit(run.settings.speed))
+    fixes = Fixes(t=t, x=column["x"], y=column["y"], psi=column["psi"], speed=run.settings.speed)
+    facts |= _held(fixes)
+    jumps = fixes.position_jumps()
     facts |= {"jumps": float(len(jumps)), "jump": max((jump.size for jump in jumps), default=0.0)}
-    facts |= _yaw(t, column)
+    facts |= _yaw(fixes, column)
     facts |= _sway(t, column)
     if "n" in column:
-        stop = stop_at_end(column["n"])
+        stop = fixes.stop_at_end(column["n"])
         facts["stopped"] = float(t[-1] - t[stop]) if stop < len(t) else 0.0
     if "delta" in column:
         facts |= _order(t, column["delta"])
@@ -90,9 +82,10 @@ def _dropped(data: xr.Dataset) -> Mapping[str, float]:
     return {}
 
 
-def _held(t: Array, x: Array, y: Array) -> Mapping[str, float]:
+def _held(fixes: Fixes) -> Mapping[str, float]:
     """Repeated positions after which the ship catches up with what it sailed meanwhile."""
-    places = np.flatnonzero(fresh_samples(x, y))
+    t, x, y = fixes.t, fixes.x, fixes.y
+    places = np.flatnonzero(fixes.fresh)
     if len(places) < ENOUGH or len(places) == len(t):
         return {"held": 0.0, "held_time": 0.0}
     way = np.hypot(np.diff(x[places]), np.diff(y[places]))
@@ -104,14 +97,13 @@ def _held(t: Array, x: Array, y: Array) -> Mapping[str, float]:
     return {"held": share, "held_time": longest}
 
 
-def _yaw(t: Array, column: Mapping[str, Array]) -> Mapping[str, float]:
-    psi = column["psi"]
-    jumps = heading_jumps(t, psi, HEADING_JUMP)
+def _yaw(fixes: Fixes, column: Mapping[str, Array]) -> Mapping[str, float]:
+    t, jumps = fixes.t, fixes.heading_jumps()
     sizes = [jump.size for jump in jumps]
     facts = {"turn_jumps": float(len(jumps)), "turn_jump": max(sizes, default=0.0)}
     if "r" not in column:
         return facts
-    smooth = without_jumps(psi, t, jumps)
+    smooth = fixes.smooth_heading(jumps)
     if jumps:
         facts |= {f"r_{name}": value for name, value in rate_facts(t, smooth, column["r"]).items()}
     turned = float(smooth[-1] - smooth[0])
@@ -150,7 +142,7 @@ def _sway(t: Array, column: Mapping[str, Array]) -> Mapping[str, float]:
     span = t[2 * half :] - t[: -2 * half]
     north, east = ((part[2 * half :] - part[: -2 * half]) / span for part in (x, y))
     phi = column["phi"][middle] if "phi" in column else 0.0
-    _, across = in_ship_axes(north, east, psi[middle], phi)
+    _, across = Attitude(psi=psi[middle], phi=phi).in_ship_axes(north, east)
     miss, rate = v[middle] - across, r[middle]
     if float(np.ptp(rate)) == 0:
         return {}

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns import STATIC_DRIFT, SWAY, YAW
 from pmmkit.intake.checks.expected import round_factor
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure, name_runs
 from pmmkit.numerics import Array
@@ -204,12 +203,13 @@ def _rates(summaries: Sequence[Summary], name: str, of: str) -> Iterator[CheckFi
 
 def examine_settings(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     """Recorded motions against what the campaign file says the test was set to."""
-    for swing in (SWAY, YAW):
-        motion = swing.velocity
+    for motion in ("v", "r"):
         pairs = [
             (item, item.c(motion, 1) / item.c(f"nominal_{motion}", 1))
             for item in summaries
-            if item.run.kind_of_test.leading == swing and item.c(f"nominal_{motion}", 1)
+            if (leading := item.run.kind_of_test.leading) is not None
+            and leading.velocity == motion
+            and item.c(f"nominal_{motion}", 1)
         ]
         off = [(item, ratio) for item, ratio in pairs if abs(ratio - 1) > AGREES]
         if off:
@@ -235,7 +235,7 @@ def _headings(summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     off = []
     for item in summaries:
         facts, settings = item.facts, item.run.settings
-        if item.run.kind_of_test is not STATIC_DRIFT or not {"u_mean", "v_mean"} <= set(facts):
+        if item.run.test != "static_drift" or not {"u_mean", "v_mean"} <= set(facts):
             continue
         found = math.atan2(-facts["v_mean"], facts["u_mean"])
         speed = math.hypot(facts["u_mean"], facts["v_mean"])

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns import open_water
 from pmmkit.intake.checks.expected import round_factor
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure
 from pmmkit.presentation import WIDE
@@ -145,7 +144,7 @@ def _rudder_areas(rudder: Mapping[str, Any]) -> Iterator[CheckFinding]:
 
 def examine_open_water(campaign: Campaign, _summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     """The best efficiency J KT/(2π KQ) of the open-water table, which lies at 0.3 to 0.85."""
-    table = open_water(campaign)
+    table = campaign.open_water
     if table is None:
         if "open_water" in campaign.propeller:
             yield CheckFinding(

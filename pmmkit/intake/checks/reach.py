@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from pmmkit.campaigns import FARTHEST, out_of_reach
+from pmmkit.campaigns import Run
 from pmmkit.intake.checks.finding import Check, CheckFinding
 from pmmkit.presentation import counted
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 def examine_reach(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     """Steady runs across the flow, and rows that are no runs."""
-    far = tuple(item.run.id for item in summaries if out_of_reach(item.run))
+    far = tuple(item.run.id for item in summaries if item.run.across_the_flow)
     if far:
         yield CheckFinding(
             check="reach",
             severity="info",
-            message=f"The drift is above {math.degrees(FARTHEST):.0f}°, where the flow goes across "
-            f"the hull: derivatives and diagnosis leave these runs out.",
+            message=f"The drift is above {math.degrees(Run.FARTHEST):.0f}°, where the flow goes "
+            f"across the hull: derivatives and diagnosis leave these runs out.",
             runs=far,
             remedy="A model with cross-flow drag is compared with them.",
             numbers={"runs": float(len(far))},

@@ -14,15 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import (
-    Campaign,
-    Counted,
-    Run,
-    counted_cycles,
-    counted_window,
-    measured_motion,
-    motion_at_phase,
-)
+from pmmkit.campaigns import Campaign, Counted, Run, TankRecord
 from pmmkit.intake.checks.carriage import carriage_facts
 from pmmkit.intake.checks.clock import clock_facts
 from pmmkit.intake.checks.density import density_facts
@@ -179,7 +171,9 @@ def _of_history(
     same = known if clean is data and known and known.channels == (*present,) else None
     if run.dynamic:
         return _oscillating(run, clean, t, present, forces, shared, same)
-    window = (same and same.window) or counted_window(run, clean, t, forces, present)
+    window = (same and same.window) or TankRecord(
+        run=run, data=clean, times=t, forces=forces, names=present
+    ).window()
     part = forces[:, window.start : window.stop]
     shared["facts"] = facts | _gauge_facts(t[window.start : window.stop], part, None, present)
     return Summary(
@@ -223,9 +217,9 @@ def _oscillating(
         if known is not None and known.counted is not None and known.counted.channels:
             counted, state = known.counted, known.motion
         else:
-            counted = counted_cycles(run, data, t, forces, names)
+            counted = TankRecord(run=run, data=data, times=t, forces=forces, names=names).cycles()
             part = counted.cut
-            state = measured_motion(run, data, t[part], counted.kept, within=part)
+            state = run.measured_motion(data, t[part], counted.kept, within=part)
     except DataError:
         means = dict(zip(names, forces.mean(axis=1).tolist(), strict=True))
         return Summary(means=means, **shared)
@@ -279,7 +273,7 @@ def _nominal(run: Run) -> dict[str, tuple[Array, Array]]:
     """Harmonics of the motion that the test was set to; nothing where its settings do not say."""
     basis = FourierBasis.at(np.linspace(0, 2 * np.pi, _GRID, endpoint=False), ORDER)
     try:
-        return _split_motion(motion_at_phase(run, basis.phase), basis.projector)
+        return _split_motion(run.motion_at_phase(basis.phase), basis.projector)
     except DataError:
         return {}
 

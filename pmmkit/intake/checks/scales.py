@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns import STATIC_DRIFT
 from pmmkit.intake.checks.expected import expected, resistance_estimate, round_factor
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure
 from pmmkit.intake.checks.signs import Slope, drift_slope
@@ -247,7 +246,7 @@ def _speeds(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckF
     drifts = [
         abs(item.run.settings.drift)
         for item in summaries
-        if item.run.kind_of_test is STATIC_DRIFT and item.run.settings.drift
+        if item.run.test == "static_drift" and item.run.settings.drift
     ]
     if len(drifts) >= 3 and max(drifts) < math.radians(1.0):
         yield CheckFinding(

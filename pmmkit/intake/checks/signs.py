@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns import HARMONIC_RUDDER, TURNED
+from pmmkit.campaigns import Frame
 from pmmkit.intake.checks.expected import expected, prime_unit
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure, straight_line
 from pmmkit.numerics import Array
@@ -48,7 +48,7 @@ class Slope:
 def axis_facts(data: xr.Dataset) -> Mapping[str, float]:
     """Whether the side force changed its sign when it was brought to our axes."""
     notes = json.loads(data.attrs.get("conversions", "[]"))
-    told = [note.split(":")[1] for note in notes if note.startswith(TURNED)]
+    told = [note.split(":")[1] for note in notes if note.startswith(Frame.TURNED)]
     turned = any("Y" in names.replace(",", " ").split() for names in told)
     return {"sway_axis_turned": 1.0} if turned else {}
 
@@ -74,7 +74,7 @@ def _swung_slope(campaign: Campaign, summaries: Sequence[Summary], channel: str)
         / prime_unit(campaign, channel, item.run.settings.speed)
         / item.run.settings.rudder_amplitude
         for item in summaries
-        if item.run.kind_of_test is HARMONIC_RUDDER
+        if item.run.test == "harmonic_rudder"
         and item.run.settings.rudder_amplitude
         and math.isfinite(item.s(channel, 1))
     }

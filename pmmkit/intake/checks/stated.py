@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns import HARMONIC_RUDDER, RUN_SETTINGS, RunSetting, Sensor, TestKind, brought
+from pmmkit.campaigns import RUN_SETTINGS, RunSetting, Sensor, TestKind, brought
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure, share_of
 from pmmkit.numerics import Array
 
@@ -156,7 +156,7 @@ def _swung(summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
             message=f"The rudder swings in {len(off)} steady runs: in {worst} by "
             f"{figure(math.degrees(off[worst]))}° to either side.",
             runs=tuple(off),
-            remedy=f'State test = "{HARMONIC_RUDDER.name}" with period and rudder_amplitude_deg.',
+            remedy=f'State test = "{"harmonic_rudder"}" with period and rudder_amplitude_deg.',
             numbers={"swing": off[worst]},
         )
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns import over_ground
+from pmmkit.campaigns import Attitude
 from pmmkit.intake.checks.positions import position_facts
 from pmmkit.numerics import Array, unwrapped
 from pmmkit.signals import white_noise
@@ -62,7 +62,7 @@ def velocity_facts(
     >>> facts["earth"] < 1e-4, facts["body"] > 0.5
     (True, True)
     """
-    ahead, across = over_ground(u, v, psi, 0.0 if phi is None else phi)
+    ahead, across = Attitude(psi=psi, phi=0.0 if phi is None else phi).over_ground(u, v)
     start, stop = _stretches(t)
     span = t[stop] - t[start]
     noise = _noise_of_rates((x, y), (u, v), span, int(stop[0] - start[0])) if white else 0.0

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from pmmkit.campaigns import STATIC_DRIFT
 from pmmkit.intake.checks.inertia import unasked_inertia
 from pmmkit.presentation import listed
 
@@ -60,7 +59,7 @@ def _sentences(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[str
         )
     swung = [item for item in summaries if item.run.dynamic]
     recorded = any("v_mean" in item.facts or "r_mean" in item.facts for item in swung)
-    statics = any(item.run.kind_of_test is STATIC_DRIFT for item in summaries)
+    statics = any(item.run.test == "static_drift" for item in summaries)
     if swung and not recorded and not statics:
         yield (
             "Not checked by these runs: the amplitude of the oscillations, as nothing but the "

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import data_files
 from pmmkit.intake.checks.finding import Check, CheckFinding
-from pmmkit.readers import Options, format_of
+from pmmkit.readers import Request, reader_for
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign, Run
@@ -120,11 +119,13 @@ def _lengths(summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
 def _text_files(run: Run) -> tuple[Path, ...]:
     """Files of text columns that a run is read from."""
     try:
-        found = data_files(run)
+        found = run.files()
     except DataError:
         return ()
     return tuple(
-        path for shown, path in found.items() if format_of(shown, Options(), path) == "csv"
+        path
+        for shown, path in found.items()
+        if reader_for(Request(path=path, shown=shown)).name == "csv"
     )
 
 

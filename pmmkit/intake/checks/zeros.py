@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns import places_in_day, timed
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure, straight_line
 from pmmkit.numerics import Array
@@ -62,14 +61,15 @@ class _Zeros:
         return told
 
 
-def examine_zeros(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+def examine_zeros(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     """Zeros that change over the day; where they are taken off, what was taken.
 
     They change if they scatter by three times the uncertainty of each, and by more than 0.2 % of
     the usual force.
     """
     runs = [item.run for item in summaries]
-    places = dict(zip((run.id for run in runs), places_in_day(runs), strict=True))
+    day = campaign.with_(runs=tuple(runs)).places_in_day
+    places = dict(zip((run.id for run in runs), day, strict=True))
     seen = [item for item in summaries if any(f"{name}_zero" in item.facts for name in CHANNELS)]
     seen.sort(key=lambda item: places[item.run.id])
     if len(seen) < FEWEST:
@@ -79,7 +79,11 @@ def examine_zeros(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
     changing = [zeros for zeros in found if zeros.drifts]
     if not changing and not tared:
         return
-    order = "by the times at which they started" if timed(runs) else "as the campaign file has them"
+    order = (
+        "by the times at which they started"
+        if all(run.started for run in runs)
+        else "as the campaign file has them"
+    )
     head = f"The zeros of the gauges at rest in {len(seen)} of {len(summaries)} records"
     told = "; ".join(zeros.words() for zeros in (changing or found))
     if tared:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
-from pmmkit.campaigns import required_channels
+from pmmkit.campaigns import Campaign
 from pmmkit.conventions import split_unit
 from pmmkit.files import toml_string
 from pmmkit.intake.guessing import Suggestion
@@ -140,7 +140,7 @@ def column_lines(
         for name, column in look.known.items()
         if column.suggestion and column.suggestion.certainty != "perhaps"
     }
-    for name in () if table else required_channels(kind):
+    for name in () if table else Campaign.REQUIRED[kind]:
         if name not in known and not any(other.startswith(f"{name}_") for other in known):
             lines.append(f"# {name} = ...   # TODO which column is {_MEANS[name]}? (false if none)")
             todo.add(f"[columns] {name}: which column of {look.shown} is {_MEANS[name]}?")

@@ -14,18 +14,9 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import CampaignError, DataError, Problem
-from pmmkit.campaigns import (
-    HARMONIC_RUDDER,
-    RESISTANCE,
-    RUDDER,
-    STATIC_DRIFT,
-    TEST_KINDS,
-    Campaign,
-    kind_with,
-    open_campaign,
-    setting_key,
-)
+from pmmkit.campaigns import TEST_KINDS, Campaign, open_campaign, setting_key
 from pmmkit.conventions import CHANNEL_UNITS, Ship, channel_of, factor_to, unit_factor, unit_in_name
+from pmmkit.intake.blocks import kind_with
 from pmmkit.intake.drafts.choosing import ColumnChoice, with_choices
 from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.drift import drift_column, with_drift
@@ -490,8 +481,8 @@ _IN_A_CYCLE: Final = ("speed", "period", "amplitude_m", "yaw_amplitude_deg")
 
 
 def _test_of_table(known: set[str]) -> str | None:
-    if setting_key(RUDDER.amplitude) in known:
-        return HARMONIC_RUDDER.name
+    if "rudder_amplitude_deg" in known:
+        return "harmonic_rudder"
     held = [name for name in ("drift", "rudder") if setting_key(name) in known]
     kind = kind_with(held=held) if len(held) == 2 or (held and "period" not in known) else None
     return kind.name if kind else None
@@ -531,11 +522,11 @@ def _is_track(run: RunDraft) -> bool:
 
 def _steady_runs(runs: Sequence[RunDraft]) -> list[RunDraft]:
     """A straight run without drift among runs of static drift is the one at zero."""
-    if not any(run.test == STATIC_DRIFT.name for run in runs):
+    if not any(run.test == "static_drift" for run in runs):
         return list(runs)
     return [
-        replace(run, test=STATIC_DRIFT.name, settings=(*run.settings, _NO_DRIFT))
-        if run.test == RESISTANCE.name and not run.listed and facts_of(_stem(run.file)).test is None
+        replace(run, test="static_drift", settings=(*run.settings, _NO_DRIFT))
+        if run.test == "resistance" and not run.listed and facts_of(_stem(run.file)).test is None
         else run
         for run in runs
     ]

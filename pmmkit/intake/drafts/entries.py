@@ -24,7 +24,7 @@ from pmmkit.intake.drafts.settle import RunKey, asked_of
 from pmmkit.intake.drafts.sheets import where_line
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import printable
-from pmmkit.readers import READERS, filled_in
+from pmmkit.readers import READERS
 
 # What the runs of a draft have in common, to be stated once.
 
@@ -274,7 +274,7 @@ def _told_apart(template: str, look: FileLook) -> str:
     named = [title for title in told if cells.headers.count(title) == 1 and "{" not in title]
     for title in ("", *named):
         longer = f"{template}_{{{title}}}" if title else template
-        ids = [filled_in(longer, cells, index)[0] for index in range(len(cells.rows))]
+        ids = [cells.filled_in(longer, index)[0] for index in range(len(cells.rows))]
         if len(set(ids)) == len(ids):
             return longer
     return template

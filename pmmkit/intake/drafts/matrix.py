@@ -13,7 +13,7 @@ from pmmkit.campaigns import TEST_KINDS, setting_units
 from pmmkit.intake.drafts.names import test_named
 from pmmkit.intake.guessing import suggest
 from pmmkit.intake.seen import FileLook
-from pmmkit.readers import READERS, Cells, as_text, filled_in, to_number
+from pmmkit.readers import READERS, Cells, as_text, to_number
 
 _MOST_ROWS: Final = 5000
 _TRIED: Final = 5
@@ -168,7 +168,7 @@ def _listed(cells: Cells, template: str, places: Sequence[str]) -> dict[int, str
     there = set(places)
     found: dict[int, str] = {}
     for index in range(len(cells.rows)):
-        name = filled_in(template, cells, index)[0].strip()
+        name = cells.filled_in(template, index)[0].strip()
         if name in there:
             there.remove(name)
             found[index] = name

@@ -11,19 +11,8 @@ from typing import Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import (
-    HARMONIC_RUDDER,
-    PULL_OUT,
-    RUN_SETTINGS,
-    TEST_KINDS,
-    TURNING,
-    YAW,
-    ZIGZAG,
-    TestKind,
-    held_too,
-    kind_with,
-    setting_key,
-)
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, TestKind, setting_key
+from pmmkit.intake.blocks import held_too, kind_with
 from pmmkit.numerics import Array, unwrapped
 from pmmkit.presentation import WIDE
 from pmmkit.signals import FEWEST, at_speed, design_matrix, estimate_frequency
@@ -73,7 +62,7 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> M
     kept, why = _at_speed(t, channels)
     time, seen = t[kept], {name: numbers[kept] for name, numbers in channels.items()}
     swings = _oscillations(time, seen, ("v", "r", "psi", "y", "u"))
-    if not swings and (kind is None or kind.steady or kind is HARMONIC_RUDDER):
+    if not swings and (kind is None or kind.steady or kind is TEST_KINDS["harmonic_rudder"]):
         swings = _oscillations(time, seen, ("delta",))
     found = _frequency(time, seen, swings, kind)
     if found is None:
@@ -91,7 +80,7 @@ def sharper(test: str | None, moved: Moved) -> str | None:
     named, seen = TEST_KINDS[test], TEST_KINDS[moved.test]
     more = (
         named.steady
-        if seen is HARMONIC_RUDDER
+        if seen is TEST_KINDS["harmonic_rudder"]
         else named.pure and seen.swings == named.swings and seen.held
     )
     return moved.test if more else test
@@ -187,9 +176,10 @@ def _oscillating(
     if kind is None or not kind.oscillates:
         moved = {name for name, seen in (("v", swaying), ("r", turning)) if seen} or {"v"}
         kind = kind_with(swings={"u"} if set(swings) == {"u"} else moved)
-        kind = HARMONIC_RUDDER if "delta" in swings else kind
+        kind = TEST_KINDS["harmonic_rudder"] if "delta" in swings else kind
     swung = kind.swings if kind else ()
-    for swing in swung if YAW in swung or not turning else (*swung, YAW):
+    yaw = TEST_KINDS["pure_yaw"].swings
+    for swing in swung if yaw[0] in swung or not turning else (*swung, *yaw):
         for name in (swing.velocity, swing.displacement):
             if name in first:
                 size = abs(first[name]) / (omega if name == swing.velocity else 1.0)
@@ -199,7 +189,7 @@ def _oscillating(
                 )
                 if swung == (swing,):
                     _add_phase(settings, first[name], name)
-    if kind is HARMONIC_RUDDER:
+    if kind is TEST_KINDS["harmonic_rudder"]:
         settings |= _steady(seen, kind, "").settings
         settings |= _middle_of_rudder(time, seen, period)
     else:
@@ -333,11 +323,17 @@ def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Mov
         long = _stretches(on, t, least=0.01 * float(t[-1] - t[0]))
         swaps = sum(one[0] != two[0] for one, two in itertools.pairwise(long))
         if held > math.radians(0.7) and long:
-            kind = kind or (ZIGZAG if swaps >= 2 else TURNING if swaps == 0 else None)
-            side, begun, _ = max(long, key=_length) if kind is TURNING else long[0]
-            if kind in (ZIGZAG, TURNING, PULL_OUT):
+            kind = kind or (
+                TEST_KINDS["zigzag"]
+                if swaps >= 2
+                else TEST_KINDS["turning"]
+                if swaps == 0
+                else None
+            )
+            side, begun, _ = max(long, key=_length) if kind is TEST_KINDS["turning"] else long[0]
+            if kind in (TEST_KINDS["zigzag"], TEST_KINDS["turning"], TEST_KINDS["pull_out"]):
                 settings["rudder_deg"] = (_tidy(side * math.degrees(held), 0), "recorded delta")
-            if kind is ZIGZAG and "psi" in channels:
+            if kind is TEST_KINDS["zigzag"] and "psi" in channels:
                 settings |= _switch(unwrapped(channels["psi"]), long)
     if "n" in channels:
         settings |= _held({"n": channels["n"]})

@@ -12,17 +12,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.campaigns import (
-    RUN_SETTINGS,
-    SWAY,
-    TEST_KINDS,
-    YAW,
-    ZIGZAG,
-    RunSetting,
-    TestKind,
-    brought,
-    held_too,
-)
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, RunSetting, TestKind, brought
+from pmmkit.intake.blocks import held_too
 from pmmkit.presentation import meanings
 
 
@@ -113,7 +104,7 @@ def facts_of(name: str) -> NameMeaning:
     settings: dict[str, tuple[float, str]] = {}
     marks: dict[str, tuple[float, str]] = {}
     for part in parts:
-        for key, item in _zigzag(part) if test == ZIGZAG.name else ():
+        for key, item in _zigzag(part) if test == "zigzag" else ():
             settings.setdefault(key, item)
         for token in _tokens(part):
             for key, value in _values(token):
@@ -170,7 +161,7 @@ def test_named(part: str) -> str | None:
         found = re.fullmatch(r"([A-Z]{2,3})\d*", token)
         if found and found[1] in codes:
             return codes[found[1]]
-    return ZIGZAG.name if _ORDERS.search(part) else None
+    return "zigzag" if _ORDERS.search(part) else None
 
 
 _ORDERS: Final = re.compile(
@@ -205,11 +196,15 @@ def _along_the_path(
 ) -> dict[str, tuple[float, str]]:
     """An amplitude in metres of a test that only yaws is that of its path."""
     kind = None if test is None else TEST_KINDS[test]
-    if kind is None or kind.swings != (YAW,):
+    if kind is None or _swinging(kind) != ["r"]:
         return dict(settings)
     value, token = settings.get("amplitude_m", (0.0, ""))
     left = {key: item for key, item in settings.items() if key != "amplitude_m"}
     return {**left, "path_amplitude_m": (value, token)} if token.endswith("m") else left
+
+
+def _swinging(kind: TestKind) -> list[str]:
+    return [swing.velocity for swing in kind.swings]
 
 
 def _kept(
@@ -238,10 +233,10 @@ def _hints(
     test: str | None, marks: Mapping[str, tuple[float, str]]
 ) -> dict[str, tuple[float, str]]:
     """Letters that may mean several things, as the likeliest of them."""
-    swings = () if test is None else TEST_KINDS[test].swings
-    yaw = swings == (YAW,)
+    swinging = [] if test is None else _swinging(TEST_KINDS[test])
+    yaw = swinging == ["r"]
     likely = {
-        "hint v": ("v_amplitude", "the sway velocity over U", swings == (SWAY,)),
+        "hint v": ("v_amplitude", "the sway velocity over U", swinging == ["v"]),
         "hint r": ("r_amplitude", "the yaw rate times L/U", yaw),
         "hint p": ("yaw_amplitude_deg", "the amplitude of the heading", yaw),
     }

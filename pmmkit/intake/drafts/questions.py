@@ -207,12 +207,11 @@ _WITHOUT_AXES: Final = {("campaign", "drift_positive"): "starboard-bow"}
 
 def _default(table: str, key: str) -> str:
     """What holds where a key is not stated; empty where nothing does."""
-    from pmmkit.campaigns import TABLES
+    from pmmkit.campaigns import keys_of
 
     if (table, key) in _WITHOUT_AXES:
         return toml_string(_WITHOUT_AXES[table, key])
-    model = TABLES.get(table)
-    field = None if model is None else model.model_fields.get(key)
+    field = keys_of(table).get(key)
     value = None if field is None else field.default
     if value in (None, "", []):
         return ""

@@ -20,7 +20,7 @@ from pmmkit.intake.drafts.entries import (
 from pmmkit.intake.drafts.sheets import scatter_lines
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import printable
-from pmmkit.readers import READERS, SavedCampaign
+from pmmkit.readers import READERS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +69,7 @@ def written(draft: Draft) -> CampaignText:
         lines += ["", "[columns]                        # our name = theirs"]
         lines += column_lines(base, draft.kind, todo, table=not draft.runs)
     elif draft.saved:
-        lines += ["", "[source]", f"format = {toml(SavedCampaign.name)}"]
+        lines += ["", "[source]", f"format = {toml('pmmkit')}"]
     for file, campaign in draft.saved:
         for run in campaign:
             lines += ["", *saved_run_lines(file, run)]

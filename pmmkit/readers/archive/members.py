@@ -40,6 +40,46 @@ class Contents:
     files: Mapping[str, zipfile.ZipInfo]
     request: Request
 
+    @classmethod
+    def of(cls, request: Request) -> Contents:
+        """The files of an archive.
+
+        Parameters
+        ----------
+        request : Request
+            The archive.
+
+        Raises
+        ------
+        CampaignError
+            If it cannot be read, is damaged, or would expand to far more than its size.
+        """
+        with damage_told(lambda what: _damaged(request, what)):
+            try:
+                with request.path.open("rb") as file:
+                    data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+            except OSError as error:
+                raise request.unreadable(error) from error
+            members = members_of(data)
+        declared = sum(item.file_size for item in members)
+        if declared > limit_of(len(data)):
+            raise too_large(request, declared, len(data), "the archive unpacked")
+        files = {_tidy(item.filename): item for item in members if not item.is_dir()}
+        return cls(data=data, files=files, request=request)
+
+    @staticmethod
+    def beside(name: str, other: str) -> str:
+        """Name of a file that another one of the archive names, seen from the folder of that.
+
+        Examples
+        --------
+        >>> Contents.beside("tests/campaign.toml", "records/01.csv")
+        'tests/records/01.csv'
+        >>> Contents.beside("tests/campaign.toml", "../static_means.csv")
+        'static_means.csv'
+        """
+        return posixpath.normpath(posixpath.join(posixpath.dirname(name), _tidy(other)))
+
     def read(self, name: str) -> bytes:
         """The bytes of a file, which is as long as it says.
 
@@ -57,52 +97,14 @@ class Contents:
         return content
 
 
-def contents_of(request: Request) -> Contents:
-    """The files of an archive.
-
-    Parameters
-    ----------
-    request : Request
-        The archive.
-
-    Raises
-    ------
-    CampaignError
-        If it cannot be read, is damaged, or would expand to far more than its size.
-    """
-    with damage_told(lambda what: _damaged(request, what)):
-        try:
-            with request.path.open("rb") as file:
-                data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-        except OSError as error:
-            raise request.unreadable(error) from error
-        members = members_of(data)
-    declared = sum(item.file_size for item in members)
-    if declared > limit_of(len(data)):
-        raise too_large(request, declared, len(data), "the archive unpacked")
-    files = {_tidy(item.filename): item for item in members if not item.is_dir()}
-    return Contents(data=data, files=files, request=request)
-
-
 def _tidy(name: str) -> str:
     return name.replace("\\", "/")
-
-
-def joined(folder: str, name: str) -> str:
-    """Name of a file of an archive, seen from one of its folders.
-
-    Examples
-    --------
-    >>> joined("records", "01.csv"), joined("records", "../static_means.csv")
-    ('records/01.csv', 'static_means.csv')
-    """
-    return posixpath.normpath(posixpath.join(folder, _tidy(name)))
 
 
 @contextmanager
 def taken_out(request: Request) -> Iterator[Request]:
     """The file of an archive that is meant, alone in a folder that goes when it was read."""
-    contents = contents_of(request)
+    contents = Contents.of(request)
     name = _meant(contents, request)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "inside.csv"

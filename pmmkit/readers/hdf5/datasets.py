@@ -60,6 +60,11 @@ def open_hdf5(path: Path) -> Iterator[Any]:
     libhdf5 (seen in 2.0.0) runs for ever on a global heap, where texts of variable length lie, of
     which an object has neither an index nor a size.
 
+    Parameters
+    ----------
+    path : Path
+        The file.
+
     Raises
     ------
     OSError
@@ -153,6 +158,11 @@ def lies_elsewhere(item: Any) -> bool:
 
 def declared_bytes(file: Any) -> int:
     """Bytes of all that a file declares.
+
+    Parameters
+    ----------
+    file : h5py.File
+        Opened.
 
     Raises
     ------

@@ -11,11 +11,18 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
-from pmmkit.base import CampaignError, ModelError, PmmkitError, __version__
-from pmmkit.files import from_json, read_toml, refuse_other
+from pmmkit.base import CampaignError, ModelError, PmmkitError, Problem, __version__
+from pmmkit.files import from_json, read_toml, refuse_other, to_json
 from pmmkit.readers.base import first_line
 from pmmkit.readers.hdf5.datasets import LIBRARY_FAULTS
-from pmmkit.readers.saved.group import read_group, safe_names, text_of
+from pmmkit.readers.saved.group import (
+    attribute,
+    read_group,
+    safe_names,
+    text_of,
+    unfit,
+    write_group,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,6 +30,28 @@ if TYPE_CHECKING:
 SCHEMA: Final = 1
 """Version of the layout; a file with a higher one is refused."""
 FORMAT: Final = "pmmkit campaign"
+
+
+@contextmanager
+def saved_index(path: Path) -> Iterator[dict[str, Any]]:
+    """Campaign and runs of a saved file; each run with the `loader` of its data.
+
+    Parameters
+    ----------
+    path : Path
+        The HDF5 file.
+
+    Raises
+    ------
+    CampaignError
+        If the file is missing, damaged, not a campaign or of a newer schema; of what is read
+        inside the context too.
+    """
+    with opened(path) as file:
+        index = read_index(file, path)
+        for item in (*index["runs"], *index["excluded"]):
+            item["run"]["loader"] = loader_of(item, path)
+        yield index
 
 
 def read_run(path: str | Path, run_id: str) -> xr.Dataset:
@@ -151,3 +180,43 @@ def loader_of(item: Mapping[str, Any], path: Path) -> Callable[[], xr.Dataset]:
     if "unreadable" in item:
         return _NotKept(path.name, item["run"]["id"], item["unreadable"])
     return _Loader(path.absolute(), item["group"])
+
+
+@dataclass(frozen=True)
+class CampaignWriter:
+    """Writes runs into an open HDF5 file, then what is known of the campaign.
+
+    Parameters
+    ----------
+    file : h5netcdf.File
+        New and empty.
+    """
+
+    file: Any
+
+    def add(self, entry: Mapping[str, Any], data: xr.Dataset, *, dry: bool) -> list[Problem]:
+        """Write a run, or with `dry` only say what is wrong with it.
+
+        Parameters
+        ----------
+        entry : mapping
+            The `group` it is written to, and the `run` itself as JSON.
+        data : Dataset
+            Its data.
+        dry : bool
+            Whether nothing is written.
+        """
+        problems = unfit(data, entry["run"]["id"])
+        if not (problems or dry):
+            write_group(self.file.create_group(f"runs/{entry['group']}"), entry["run"], data)
+        return problems
+
+    def finish(self, title: str, content: Mapping[str, Any]) -> None:
+        """Write the index: campaign, runs and excluded ones."""
+        index = to_json(content)
+        self.file.attrs["format"] = attribute(FORMAT)
+        self.file.attrs["schema"] = SCHEMA
+        self.file.attrs["pmmkit"] = attribute(__version__)
+        self.file.attrs["title"] = attribute(title)
+        self.file.attrs["index"] = attribute(index)
+        self.file.attrs["index_crc32"] = attribute(checksum(index))

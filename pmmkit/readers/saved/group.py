@@ -88,6 +88,13 @@ def described(name: str) -> tuple[str, str]:
 def safe_names(names: Iterable[str], stem: str) -> list[str]:
     """Names that HDF5, NetCDF and MATLAB accept, each once, in the order given.
 
+    Parameters
+    ----------
+    names : iterable of str
+        Any names.
+    stem : str
+        What a name begins with that has no letter or digit to begin with.
+
     Examples
     --------
     >>> safe_names(["SD_b+08", "PS 1/2", "PS_1:2", "."], "run")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pmmkit.readers.base import HEAD, Cells, Choose, Columns, Request
+from pmmkit.readers.base import Cells, Choose, Columns, Request
 from pmmkit.readers.reader import Reader
 
 
@@ -31,9 +31,9 @@ class DelimitedText(Reader):
 
     def recognises(self, path: Path, head: bytes) -> bool:  # noqa: ARG002
         """Whether the text holds rows of numbers in columns."""
-        from pmmkit.readers.text.layout import layout_of
+        from pmmkit.readers.text.layout import TextLayout
 
-        return layout_of(head, whole=len(head) < HEAD) is not None
+        return TextLayout.of(head) is not None
 
     def names(self, request: Request) -> tuple[str, ...]:
         """Headers of the file, empty strings where it has none."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from pmmkit.base import Problem
 from pmmkit.numerics import ABSURD, Array
-from pmmkit.readers.base import LISTED, Cells, Choose, Columns, Request, abridged, numbers_of
+from pmmkit.readers.base import LISTED, Cells, Choose, Columns, Request, abridged
 from pmmkit.readers.text.heading import BLANKS, line_end
 from pmmkit.readers.text.splitting import Text, blocks, comments_left_out, cut_off, take_apart
 
@@ -95,7 +95,7 @@ def _numbers(
     values = None if cut_off(text) else _fast(text, positions)
     if values is not None:
         return values, 0, []
-    table, dropped, problems = numbers_of(_careful(text, request), positions, request)
+    table, dropped, problems = _careful(text, request).numbers(positions, request)
     return tuple(table.T), dropped, problems
 
 

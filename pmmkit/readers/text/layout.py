@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from pmmkit.conventions import is_unit
-from pmmkit.readers.base import Cell, Options, to_number
+from pmmkit.readers.base import HEAD, Options, mostly_numbers, to_number
 from pmmkit.readers.text.decoding import likely_encoding
 from pmmkit.readers.text.heading import (
     BLANKS,
@@ -59,6 +59,66 @@ class TextLayout:
     units: tuple[str, ...]
     numeric: tuple[bool, ...]
 
+    @classmethod
+    def of(cls, head: bytes, *, whole: bool | None = None) -> TextLayout | None:
+        r"""The layout of a text file, or None if no rows of numbers are found.
+
+        Parameters
+        ----------
+        head : bytes
+            The first bytes of the file.
+        whole : bool, optional
+            Whether that is all of it; else its last line, which may be cut, is left out. By default
+            told by their number.
+
+        Examples
+        --------
+        >>> text = "Test 7, 2024\n\nTime;Fx\ns;kN\n0,0;1,5\n0,1;1,6\n0,2;1,4\n"
+        >>> found = TextLayout.of(text.encode())
+        >>> found.delimiter, found.decimal, found.header_line, found.headers, found.units
+        (';', ',', 3, ('Time', 'Fx'), ('s', 'kN'))
+        """
+        decoded = text_of(head, whole=whole)
+        if decoded is None:
+            return None
+        text, encoding = decoded
+        lines = text.split("\n")
+        filled = [line.encode() for line in lines if line.strip()]
+        late = filled[len(filled) // 2 :] if len(filled) > 3 else filled[-2:]
+        sample = late[:: max(1, len(late) // _SAMPLE)]
+        found = _dialect(sample) or _dialect(filled[-4:])
+        if found is None:
+            return None
+        delimiter, decimal, width = found
+        rows = [fields_of(line.encode(), delimiter) for line in lines]
+        first = next(
+            (
+                number
+                for number, fields in enumerate(rows)
+                if _is_row(fields, width, decimal) and _goes_on(rows[number + 1 :], width, decimal)
+            ),
+            None,
+        )
+        if first is None:
+            return None
+        body = [fields for fields in rows[first : first + 200] if _is_row(fields, width, decimal)]
+        header_line, headers, units = _names(lines[:first], width, delimiter)
+        if len(body) < 2 and (header_line is None or width < 3):
+            return None
+        return cls(
+            encoding=encoding,
+            delimiter=delimiter,
+            decimal=decimal,
+            header_line=header_line,
+            first_row=first + 1,
+            headers=headers or ("",) * width,
+            units=units,
+            numeric=tuple(
+                mostly_numbers([fields[place] for fields in body], decimal)
+                for place in range(width)
+            ),
+        )
+
     @property
     def options(self) -> Options:
         """How the reader of text files is told to read it."""
@@ -73,66 +133,18 @@ class TextLayout:
         )
 
 
-def layout_of(head: bytes, *, whole: bool) -> TextLayout | None:
-    r"""The layout of a text file, or None if no rows of numbers are found.
+def text_of(head: bytes, *, whole: bool | None = None) -> tuple[str, str] | None:
+    """The text of a beginning of a file with unix line ends, and its encoding; None if binary.
 
     Parameters
     ----------
     head : bytes
         The first bytes of the file.
-    whole : bool
-        Whether that is all of it; else its last line, which may be cut, is left out.
-
-    Examples
-    --------
-    >>> text = "Test 7, 2024\n\nTime;Fx\ns;kN\n0,0;1,5\n0,1;1,6\n0,2;1,4\n"
-    >>> found = layout_of(text.encode(), whole=True)
-    >>> found.delimiter, found.decimal, found.header_line, found.headers, found.units
-    (';', ',', 3, ('Time', 'Fx'), ('s', 'kN'))
+    whole : bool, optional
+        Whether that is all of it; by default told by their number.
     """
-    decoded = text_of(head, whole=whole)
-    if decoded is None:
-        return None
-    text, encoding = decoded
-    lines = text.split("\n")
-    filled = [line.encode() for line in lines if line.strip()]
-    late = filled[len(filled) // 2 :] if len(filled) > 3 else filled[-2:]
-    sample = late[:: max(1, len(late) // _SAMPLE)]
-    found = _dialect(sample) or _dialect(filled[-4:])
-    if found is None:
-        return None
-    delimiter, decimal, width = found
-    rows = [fields_of(line.encode(), delimiter) for line in lines]
-    first = next(
-        (
-            number
-            for number, fields in enumerate(rows)
-            if _is_row(fields, width, decimal) and _goes_on(rows[number + 1 :], width, decimal)
-        ),
-        None,
-    )
-    if first is None:
-        return None
-    body = [fields for fields in rows[first : first + 200] if _is_row(fields, width, decimal)]
-    header_line, headers, units = _names(lines[:first], width, delimiter)
-    if len(body) < 2 and (header_line is None or width < 3):
-        return None
-    return TextLayout(
-        encoding=encoding,
-        delimiter=delimiter,
-        decimal=decimal,
-        header_line=header_line,
-        first_row=first + 1,
-        headers=headers or ("",) * width,
-        units=units,
-        numeric=tuple(
-            mostly_numbers([fields[place] for fields in body], decimal) for place in range(width)
-        ),
-    )
-
-
-def text_of(head: bytes, *, whole: bool) -> tuple[str, str] | None:
-    """The text of a beginning of a file with unix line ends, and its encoding; None if binary."""
+    if whole is None:
+        whole = len(head) < HEAD
     if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         encoding = "utf-16"
         text = head[: len(head) // 2 * 2].decode(encoding, "replace")
@@ -150,13 +162,6 @@ def text_of(head: bytes, *, whole: bool) -> tuple[str, str] | None:
     if not whole and "\n" in text:
         text = text[: text.rindex("\n")]
     return text, encoding
-
-
-def mostly_numbers(cells: Sequence[Cell], decimal: str) -> bool:
-    """Whether most cells of a column are numbers, and not all are empty."""
-    found = [to_number(cell, decimal) for cell in cells]
-    numbers = [number for number in found if number is not None]
-    return len(numbers) > len(found) / 2 and any(number == number for number in numbers)
 
 
 def _dialect(sample: Sequence[bytes]) -> tuple[str, str, int] | None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import STATABLE, TypeB, has_nominal, rig_of
+from pmmkit.campaigns import TypeB
 from pmmkit.inference import root
 from pmmkit.numerics import Array
 from pmmkit.reduction.budgets.budget import Budget, BudgetResult, Source
@@ -167,7 +167,7 @@ def not_stated(reduction: Reduction) -> tuple[str, ...]:
     """What acts on the runs of a reduction and nobody stated, in words."""
     stated = [change.source for change in reduction.sensitivities[0]]
     found = []
-    for known in STATABLE.values():
+    for known in TypeB.STATABLE.values():
         for relative in (False, True) if known.of == "gauge" else (False,):
             source = TypeB(name=known.name, std=STEP, relative=relative, shared=True)
             alike = [
@@ -185,10 +185,10 @@ def not_stated(reduction: Reduction) -> tuple[str, ...]:
 
 def _felt(source: TypeB, reduction: Reduction) -> bool:
     """Whether an error of a source changes the equations of any run."""
-    rig = rig_of(reduction.campaign)
+    rig = reduction.campaign.rig
     for rows in reduction.rows:
         run = rows.result.run
-        if not acts(source, run, tuple(rows.force)) or not has_nominal(run):
+        if not acts(source, run, tuple(rows.force)) or not run.has_nominal:
             continue
         change = sensitivity(
             rows, source, reduction.campaign, rig, rows.names, reduction.convention

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pmmkit.campaigns import Campaign, captive_kinds
+from pmmkit.campaigns import TEST_KINDS, Campaign
 from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.models import DerivativeTable
 from pmmkit.reduction.derivatives import DerivativeNames
@@ -28,7 +28,7 @@ def by_family(
     """
     tables = {}
     between = replace(solution.between, scatter=solution.repeatability)
-    for kind in captive_kinds():
+    for kind in (x for x in TEST_KINDS.values() if x.captive):
         if kind.fit is None:
             continue
         tests = (kind.name, *kind.fit.beside)

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns import KindFit, TestKind, captive_kinds
+from pmmkit.campaigns import TEST_KINDS, TestKind
 from pmmkit.conventions import parse_derivative
 from pmmkit.inference import LeastSquares
 from pmmkit.numerics import Array
@@ -69,16 +69,18 @@ def by_harmonics(evidence: MethodInputs) -> Estimate:
     return Estimate(method=TITLE, table=table, notes=tuple(steps))
 
 
-def steps() -> list[tuple[TestKind, KindFit]]:
+def steps() -> list[TestKind]:
     """Kinds of test that tell derivatives by themselves, static and simple ones first.
 
     Examples
     --------
-    >>> [kind.name for kind, _ in steps() if kind.oscillates][-1]
+    >>> [kind.name for kind in steps() if kind.oscillates][-1]
     'yaw_drift'
     """
-    kinds = [(kind, kind.fit) for kind in captive_kinds() if kind.fit is not None]
-    return sorted(kinds, key=lambda step: (step[0].oscillates, len(step[1].factors)))
+    found = [kind for kind in TEST_KINDS.values() if kind.captive and kind.fit is not None]
+    return sorted(
+        found, key=lambda kind: (kind.oscillates, len(kind.fit.factors if kind.fit else ()))
+    )
 
 
 def _channel(item: ChannelFit, rows: Sequence[Rows]) -> tuple[_Stacked, Array, list[str]]:
@@ -88,7 +90,9 @@ def _channel(item: ChannelFit, rows: Sequence[Rows]) -> tuple[_Stacked, Array, l
     gain = np.zeros((len(names), len(stacked.scale)))
     done = np.zeros(len(names), dtype=bool)
     told = []
-    for kind, way in steps():
+    for kind in steps():
+        way = kind.fit
+        assert way is not None
         at = np.flatnonzero(np.isin(stacked.tests, (kind.name, *way.beside)))
         new = [i for i in np.flatnonzero(~done).tolist() if _factors(names[i]) <= set(way.factors)]
         if not new or kind.name not in stacked.tests:

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns import Campaign, Rig, Run, TypeB, has_nominal, inertia_inside
+from pmmkit.campaigns import Campaign, Rig, Run, TypeB
 from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.effects import Regressors, State
 from pmmkit.numerics import Array
@@ -215,7 +215,7 @@ def excited_alone(
     """The equations of runs without columns that only the noise of the recorded motion makes."""
     told = [
         _nominal(item.result.run, rig, item.result.labels, campaign, item.names, convention)[1]
-        if has_nominal(item.result.run)
+        if item.result.run.has_nominal
         else item.design
         for item in rows
     ]
@@ -278,7 +278,7 @@ def _nominal(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Inertia inside the forces, and regressors, on the nominal motion."""
     motion, _, projection = nominal_path(run, rig, labels, phase)
-    inside = inertia_inside(run, motion, rig)
+    inside = rig.inertia_inside(run, motion)
     return (
         {channel: projection @ x for channel, x in inside.items()},
         _design(projection, names, motion, run.settings.speed, campaign, convention),

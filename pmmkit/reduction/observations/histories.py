@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns import FITTED, Campaign, Rig, Run, force_of_water
+from pmmkit.campaigns import Campaign, Counted, Rig, Run
 from pmmkit.conventions import Convention
 from pmmkit.numerics import Array, projector
 from pmmkit.reduction.observations.equations import motion_of_water, regressors_of
@@ -85,7 +85,7 @@ def history_of(
         channel: np.asarray(data[channel].values, float)[cut]
         for channel in prepared.result.measured
     }
-    force = force_of_water(read, prepared.result.run, prepared.motion_at_midship(rig), rig)
+    force = rig.force_of_water(read, prepared.result.run, prepared.motion_at_midship(rig))
     order = list(names)
     count = prepared.result.cycles
     if count is None or prepared.phase is None:
@@ -129,7 +129,7 @@ def _noise(forces: Array, basis: Array, count: int | None, whole: int) -> Array:
     if count is None:
         if k > MEMORY * 5:
             gamma[noisy] = autoregressive_noise(rest[noisy] / unit, MEMORY)[2] * unit**2
-    elif between_harmonics(whole, count, FITTED).sum() > 3:
+    elif between_harmonics(whole, count, Counted.ORDER).sum() > 3:
         padded = np.pad(rest[noisy] / unit, ((0, 0), (0, max(whole - k, 0))))[:, :whole]
-        gamma[noisy] = fit_noise(padded, count, FITTED, k)[0] * unit**2
+        gamma[noisy] = fit_noise(padded, count, Counted.ORDER, k)[0] * unit**2
     return gamma

@@ -11,19 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pmmkit.base import DataError, Problem
-from pmmkit.campaigns import (
-    FITTED,
-    Campaign,
-    Counted,
-    Rig,
-    Run,
-    counted_cycles,
-    counted_window,
-    force_of_water,
-    measured_motion,
-    move_motion,
-    nominal_motion,
-)
+from pmmkit.campaigns import Campaign, Counted, Rig, Run, TankRecord
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import State
 from pmmkit.numerics import Array, projector
@@ -203,15 +191,14 @@ class PreparedRun:
 
     def motion_at_midship(self, rig: Rig) -> State:
         """Motion of midship at the samples."""
-        return move_motion(self.motion, rig.motion_x)
+        return self.motion.moved_aft(rig.motion_x)
 
     def water_force(self, rig: Rig) -> dict[str, Array]:
         """Harmonics of the force of the water on the hull at midship [N, N m]."""
-        return force_of_water(
+        return rig.force_of_water(
             self.result.measured,
             self.result.run,
             self.motion_at_midship(rig),
-            rig,
             self.projection.__matmul__,
         )
 
@@ -253,7 +240,7 @@ def _from_history(
 ) -> PreparedRun:
     times = np.asarray(data["t"].values, float)
     record = np.stack([np.asarray(data.variables[name].values, float) for name in channels])
-    window = counted_window(run, data, times, record, channels)
+    window = TankRecord(run=run, data=data, times=times, forces=record, names=channels).window()
     cut = slice(window.start, window.stop)
     mean = steady_mean(times[cut], record[:, cut])
     weights = time_weights(times[cut])
@@ -278,7 +265,7 @@ def _from_history(
             notes=() if window.steady else (f"{run.id}: {window.reason}",),
         ),
         projection=weights[None, :],
-        motion=measured_motion(run, data, times[cut], within=cut),
+        motion=run.measured_motion(data, times[cut], within=cut),
         t=times[cut],
         begin=float(times[0]),
         window=window,
@@ -301,7 +288,8 @@ def _from_cycles(
 ) -> PreparedRun:
     times = np.asarray(data["t"].values, float)
     record = np.stack([np.asarray(data.variables[name].values, float) for name in channels])
-    counted = counted_cycles(run, data, times, record, channels, cycles=cycles)
+    every = TankRecord(run=run, data=data, times=times, forces=record, names=channels)
+    counted = every.cycles(cycles)
     cut = counted.cut
     notes: tuple[str, ...] = ()
     nominal = run.settings.omega
@@ -314,12 +302,14 @@ def _from_cycles(
                 f"the campaign says {nominal:.5g}; the record counts.",
             )
             run = run.with_(settings=replace(run.settings, period=2 * math.pi / own))
-            counted = counted_cycles(run, data, times, record, channels, cycles=cycles)
+            counted = replace(every, run=run).cycles(cycles)
             cut = counted.cut
     kept, basis = counted.cycles, counted.kept
-    projection = trapezoid_projector(basis.phase, FITTED) if integrated else basis.projector
+    projection = trapezoid_projector(basis.phase, basis.order) if integrated else basis.projector
     found: Harmonics | None = (
-        harmonics(basis, record[:, cut], order=FITTED, sums=counted.kept_sums) if noise else None
+        harmonics(basis, record[:, cut], order=basis.order, sums=counted.kept_sums)
+        if noise
+        else None
     )
     fitted = None if integrated or found is None else found.coefficients
     values = record[:, cut] @ projection.T if fitted is None else fitted
@@ -331,7 +321,7 @@ def _from_cycles(
         result=RunResult(
             run=run,
             froude=_froude(run, campaign),
-            labels=label_harmonics(FITTED),
+            labels=label_harmonics(basis.order),
             measured=_without_mean(dict(zip(channels, values, strict=True)), run),
             covariance={}
             if found is None
@@ -351,7 +341,7 @@ def _from_cycles(
             ramp=counted.travel.reason,
         ),
         projection=projection,
-        motion=measured_motion(run, data, times[cut], basis, within=cut),
+        motion=run.measured_motion(data, times[cut], basis, within=cut),
         t=times[cut],
         begin=float(times[0]),
         phase=basis.phase,
@@ -389,7 +379,7 @@ def _from_means(
             extras={name: float(data[name]) for name in EXTRAS if name in data},
         ),
         projection=np.ones((1, 1)),
-        motion=measured_motion(run, data, np.zeros(1)),
+        motion=run.measured_motion(data, np.zeros(1)),
         t=np.zeros(1),
     )
 
@@ -405,7 +395,7 @@ def _from_harmonics(
     if omega is None:
         raise DataError(Problem(message="has no period.", file=run.source or None, run=run.id))
     settings = run.settings
-    motion = nominal_motion(run, (theta - settings.phase) / omega)
+    motion = run.nominal_motion((theta - settings.phase) / omega)
     if "T_cos" in data or "T_sin" in data:
         motion = motion.with_(thrust=basis @ np.nan_to_num(_interleaved(data, "T", order)))
     measured = {name: _interleaved(data, name, order) for name in channels}

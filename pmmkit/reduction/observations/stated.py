@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns import Rig, Run, TypeB, moments_of_sway, move_motion, nominal_motion
+from pmmkit.campaigns import Rig, Run, TypeB
 from pmmkit.effects import State
 from pmmkit.numerics import Array, projector
 from pmmkit.reduction.observations.prepare import one_cycle, places_of
@@ -129,7 +129,7 @@ def altered(
             if others
             else _gauge_step(source, labels, force[channel])
         )
-        more = moments_of_sway(step, rig) if channel == "Y" else {}
+        more = rig.moments_of_sway(step) if channel == "Y" else {}
         return Altered(run=run, rig=rig, force={channel: step, **more})
     if source.kind.of == "water":
         share = source.std if source.relative else source.std / rho
@@ -164,5 +164,5 @@ def nominal_path(
         theta, order = one_cycle(), max(int(label[1:]) for label in labels)
         projection = projector(design_matrix(theta, order))[places_of(labels)]
     t = (theta - (run.settings.phase if phase is None else phase)) / (omega or 1.0)
-    motion = move_motion(nominal_motion(run, t), rig.motion_x)
+    motion = run.nominal_motion(t).moved_aft(rig.motion_x)
     return motion, theta / (omega or 1.0), projection

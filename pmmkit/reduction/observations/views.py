@@ -14,16 +14,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pmmkit.base import DataError, Workers, each, opened
-from pmmkit.campaigns import (
-    Campaign,
-    Rig,
-    Run,
-    one_depth,
-    places_in_day,
-    repeats,
-    rig_of,
-    travel_of,
-)
+from pmmkit.campaigns import Campaign, Rig, Run, TankRecord, repeats
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import State
 from pmmkit.numerics import Array
@@ -200,15 +191,15 @@ class View:
         """
         if campaign.kind != "captive":
             raise DataError("Forces are diagnosed in captive tests; this campaign is free-running.")
-        campaign = one_depth(campaign)
+        campaign = campaign.at_one_depth()
         lean = campaign.with_(runs=(), excluded=())
-        work = partial(_views, campaign=lean, rig=rig_of(lean), keep=unknown_noise, pieces=pieces)
+        work = partial(_views, campaign=lean, rig=lean.rig, keep=unknown_noise, pieces=pieces)
         names = [f"run {run.id}" for run in campaign.runs]
         with opened(executor) as ready, threadpool_limits(1):
             own = dict(each(work, campaign.runs, ready, names=names))
         found = [
             replace(view, day=day)
-            for place, day in enumerate(places_in_day(campaign.runs))
+            for place, day in enumerate(campaign.places_in_day)
             for view in own[place]
         ]
         pooled = _pooled(found)
@@ -259,7 +250,8 @@ def _at_speed(run: Run) -> xr.Dataset:
     if not names:
         return data
     record = np.stack([np.asarray(data[name].values, float) for name in names])
-    travel = travel_of(run, data, np.asarray(data["t"].values, float), record, names)
+    times = np.asarray(data["t"].values, float)
+    travel = TankRecord(run=run, data=data, times=times, forces=record, names=names).travel
     return data.isel(t=slice(travel.start, travel.stop)) if travel.reason else data
 
 

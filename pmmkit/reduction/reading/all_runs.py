@@ -17,7 +17,7 @@ from typing import Final
 from threadpoolctl import threadpool_limits
 
 from pmmkit.base import CampaignError, DataError, Workers, each, opened
-from pmmkit.campaigns import Run, bring, data_files, requests_of
+from pmmkit.campaigns import Run, bring
 from pmmkit.presentation import counted
 from pmmkit.reduction.reading.resume import StoredResults
 from pmmkit.reduction.reading.run import Reading, ReductionSettings, read_run
@@ -65,7 +65,7 @@ def memory_of(run: Run) -> float:
 
 def size_of(run: Run) -> int:
     """Bytes of the files of a run; of those behind a URL what their store says."""
-    requests = requests_of(run)
+    requests = run.requests
     if any(request.origin is not None for request in requests):
         return sum(item.origin.size or 0 for item in requests if item.origin is not None)
     total = 0
@@ -79,7 +79,7 @@ def size_of(run: Run) -> int:
 
 def _files(run: Run) -> list[Path]:
     try:
-        return list(data_files(run).values())
+        return list(run.files().values())
     except DataError:
         return []
 
@@ -165,7 +165,7 @@ def read_all(settings: ReductionSettings, tell: Progress, means: Means) -> list[
 
 def _fetch(runs: Sequence[Run], tell: Progress) -> None:
     """Bring files behind URLs to this machine, side by side; other machines fetch their own."""
-    afar = [item for run in runs for item in requests_of(run) if item.origin is not None]
+    afar = [item for run in runs for item in run.requests if item.origin is not None]
     if afar:
         tell(0, len(runs), f"fetching {counted(len(afar), 'file')}")
         bring(afar)

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.base import PmmkitError, __version__
-from pmmkit.campaigns import Run, Settings, data_files
+from pmmkit.campaigns import Run, Settings
 from pmmkit.files import from_json, sha256, to_json
 from pmmkit.intake import Summary
 from pmmkit.reduction.observations.equations import Rows, Sensitivity
@@ -105,7 +105,7 @@ class StoredResults:
         if run.kind != "history":
             return None
         try:
-            content = [self._digest(path) for path in data_files(run).values()]
+            content = [self._digest(path) for path in run.files().values()]
         except (OSError, PmmkitError):
             return None
         if not content:

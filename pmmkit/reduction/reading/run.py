@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from pmmkit.campaigns import Campaign, Run, TypeB, rig_of
+from pmmkit.campaigns import Campaign, Run, TypeB
 from pmmkit.conventions import Convention
 from pmmkit.intake import KnownHistory, Summary, summarise
 from pmmkit.reduction.derivatives import DerivativeNames
@@ -121,7 +121,7 @@ def _equations(
 ) -> tuple[Rows, Iterator[Sensitivity], RunHistory | None]:
     """What a run says about the derivatives, how that changes with the uncertainties, over time."""
     campaign = settings.campaign
-    rig = rig_of(campaign)
+    rig = campaign.rig
     share = speed_increase(campaign, run.settings.speed) if settings.blockage == "correct" else None
     names = {
         channel: listed

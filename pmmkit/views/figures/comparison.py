@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns import TEST_KINDS, TURNING
+from pmmkit.campaigns import TEST_KINDS
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.identification import Trial
 from pmmkit.numerics import Array
@@ -48,7 +48,7 @@ Sailed = tuple[Trial, Track]
 def overlays(sailed: Sequence[Sailed], *, other: str) -> dict[str, Figure]:
     """Turning circles to both sides, and the zigzag whose first overshoot is off most."""
     found: dict[str, Figure] = {}
-    turns = _each_side([item for item in sailed if TEST_KINDS[item[0].manoeuvre] is TURNING])
+    turns = _each_side([item for item in sailed if item[0].manoeuvre == "turning"])
     if turns:
         found["turning_circles"] = trajectory(*_tracks(turns, other))
     weaves = [item for item in sailed if TEST_KINDS[item[0].manoeuvre].switches]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from pmmkit.base import DataError, PmmkitError
-from pmmkit.campaigns import TEST_KINDS, Campaign, Correction, HistoryLoader, Run, usable
+from pmmkit.campaigns import TEST_KINDS, Campaign, Correction, Run, usable
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.intake import LARGE
 from pmmkit.numerics import Array
@@ -131,7 +130,7 @@ def _shown(
     if large and (short_of := _lacking(size)):
         return page | {"error": short_of}
     try:
-        data = whole(run, campaign.kind).data
+        data = (run if campaign.kind == "captive" else run.untrimmed).data
     except PmmkitError as error:
         return page | {"error": str(error)}
     except MemoryError:
@@ -166,20 +165,10 @@ def literal(run_id: str) -> str:
     return "".join(f"[{char}]" if char in "*?[" else char for char in run_id)
 
 
-def whole(run: Run, kind: str) -> Run:
-    """A run with all of its record, that too which a correction cuts off."""
-    loader = run.loader
-    if kind == "captive" or not isinstance(loader, HistoryLoader):
-        return run
-    left = tuple(item for item in loader.context.corrections if item.action != "trim")
-    return run.with_(loader=replace(loader, context=replace(loader.context, corrections=left)))
-
-
 def _size(run: Run) -> int:
     """Of the file that is read for this run alone [bytes]."""
-    if not isinstance(run.loader, HistoryLoader) or not run.loader.path.is_file():
-        return 0
-    return run.loader.path.stat().st_size
+    file = run.own_file
+    return 0 if file is None or not file.is_file() else file.stat().st_size
 
 
 def _lacking(size: int) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.base import TableError
-from pmmkit.campaigns import STATIC_DRIFT, captive_kinds, counted_cycles
+from pmmkit.campaigns import TEST_KINDS, TankRecord
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.intake import CheckFinding, zero_channels
 from pmmkit.models import ReferenceTable
@@ -187,7 +187,7 @@ def of_findings(reduction: Reduction) -> Iterator[Picture]:
 
 def drift_points(reduction: Reduction) -> list[DriftPoints]:
     """Means of the static drift runs, a set per Froude number of the runs."""
-    found = [item for item in reduction.rows if item.result.run.kind_of_test is STATIC_DRIFT]
+    found = [item for item in reduction.rows if item.result.run.test == "static_drift"]
     sets = []
     for froude in sorted({round(item.result.froude, 3) for item in found}):
         rows = [item for item in found if round(item.result.froude, 3) == froude]
@@ -213,7 +213,7 @@ def _std(result: RunResult, channel: str) -> float:
 def typical_cycles(reduction: Reduction) -> list[Cycle]:
     """One run of each oscillating test, over the phase of its motion."""
     cycles = []
-    for kind in captive_kinds():
+    for kind in (x for x in TEST_KINDS.values() if x.captive):
         results = [
             item
             for item in reduction.runs
@@ -231,7 +231,7 @@ def cycles_at_speeds(reduction: Reduction) -> dict[str, list[CycleForces]]:
     is taken; tests for which there are none are left out.
     """
     found = {}
-    for kind in captive_kinds():
+    for kind in (x for x in TEST_KINDS.values() if x.captive):
         rows = [x for x in reduction.rows if kind.oscillates and x.result.run.test == kind.name]
         alike: dict[tuple[float, ...], dict[float, Rows]] = {}
         for item in rows:
@@ -297,7 +297,9 @@ def _cycle(result: RunResult, reduction: Reduction) -> Cycle:
     channels = [name for name in _SHOWN if name in result.measured]
     record = np.stack([np.asarray(data[name].values, float) for name in channels])
     asked = reduction.table.provenance.get("cycles")
-    counted = counted_cycles(result.run, data, times, record, channels, cycles=asked)
+    counted = TankRecord(
+        run=result.run, data=data, times=times, forces=record, names=channels
+    ).cycles(asked)
     theta, cut = counted.theta, slice(counted.cycles.start, counted.cycles.stop)
     kind = result.run.kind_of_test
     return Cycle(

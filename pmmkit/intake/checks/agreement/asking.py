@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns import Run, has_nominal, motion_at_phase, move_motion
+from pmmkit.campaigns import Run
 from pmmkit.effects import CATALOGUE, Effect, Suspect
 from pmmkit.inference import log_normal
 from pmmkit.intake.checks.agreement.posterior import Agreement, evidence
@@ -100,9 +100,7 @@ def record_of(run: Run, reference_x: float) -> Suspected:
         family="slips",
         kind="fault",
         summary="The record of another run.",
-        acts=lambda records, _: records.along(
-            move_motion(motion_at_phase(run, phases()), reference_x)
-        ),
+        acts=lambda records, _: records.along(run.motion_at_phase(phases()).moved_aft(reference_x)),
         suspects=(form,),
         remark="a slip that files hold, no formula of a source",
     )
@@ -260,7 +258,7 @@ def _records_of_others(found: Agreement, place: int) -> list[Suspected]:
     return [
         record_of(other.run, found.group.campaign.motion_reference_x)
         for other in found.group.summaries
-        if other is not own and has_nominal(other.run) and _may_be(own, other)
+        if other is not own and other.run.has_nominal and _may_be(own, other)
     ]
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import beside_motion, inertia_force, motion_at_phase, move_motion, rig_of
 from pmmkit.conventions import Convention
 from pmmkit.effects import Regressors, State
 from pmmkit.intake.checks.agreement.usual import SPREAD, UsualDerivatives, usual_derivatives
@@ -125,9 +124,9 @@ class RunGroup:
                 approach_speed=self.speed if speed is None else speed,
             ).columns
             out[:, row, at] = columns
-        rig = rig_of(self.campaign)
+        rig = self.campaign.rig
         for k, part in ((-2, replace(rig, Izz=0.0)), (-1, replace(rig, mass=0.0))):
-            inertia = inertia_force(moved, part)
+            inertia = part.inertia_force(moved)
             for row, channel in enumerate(CHANNELS):
                 out[:, row, k] = -inertia[channel]
         shaped = out.reshape(count, PHASES, 3, len(names))
@@ -273,11 +272,11 @@ def _motion(campaign: Campaign, item: Summary) -> State | None:
         if run.dynamic and name in item.cos and np.all(np.isfinite(item.cos[name]))
     }
     try:
-        state = motion_at_phase(run, theta)
+        state = run.motion_at_phase(theta)
     except (DataError, NotImplementedError):
         if not found:
             return None
-        state = State.of(PHASES, **beside_motion(run, theta), **found)
+        state = State.of(PHASES, **run.beside_motion(theta), **found)
     if found and f"nominal_{next(iter(found))}" in item.cos:
         nominal = {name: basis @ _interleaved(item, f"nominal_{name}") for name in found}
         state = state.with_(
@@ -290,7 +289,7 @@ def _motion(campaign: Campaign, item: Summary) -> State | None:
             if f"{name}_mean" in item.facts
         }
         state = state.with_(**mean)
-    return move_motion(state, campaign.motion_reference_x)
+    return state.moved_aft(campaign.motion_reference_x)
 
 
 def _interleaved(item: Summary, name: str) -> Array:

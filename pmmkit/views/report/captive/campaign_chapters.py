@@ -7,16 +7,7 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from statistics import median
 
-from pmmkit.campaigns import (
-    FORCES,
-    RUN_SETTINGS,
-    TEST_KINDS,
-    Campaign,
-    Run,
-    RunSetting,
-    Settings,
-    seconds_of,
-)
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, Run, RunSetting, Settings
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.models import SECTIONS
 from pmmkit.presentation import Cell, Grid, Group, Section, counted, number
@@ -35,7 +26,7 @@ def technique(reduction: Reduction) -> Chapter:
         items=[
             *of_report(campaign, "purpose"),
             Item(what="Kinds of test", value=_kinds(campaign)),
-            Item(what="Forces as recorded", value=FORCES[campaign.forces]),
+            Item(what="Forces as recorded", value=campaign.forces_in_words),
         ],
         sections=[
             Section(
@@ -243,7 +234,7 @@ def procedure(reduction: Reduction) -> Chapter:
 
 def _starts(runs: Sequence[Run]) -> Item:
     """From the start of a run to that of the next, where their starts are known."""
-    starts = sorted(seconds_of(run.started) for run in runs if run.started)
+    starts = sorted(run.start for run in runs if run.start is not None)
     gaps = [later - earlier for earlier, later in pairwise(starts)]
     return Item(
         what="Time from start to start [s]",

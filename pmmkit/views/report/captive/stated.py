@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pmmkit.campaigns import STATABLE, Campaign
+from pmmkit.campaigns import Campaign, TypeB
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.effects import Parameter
 from pmmkit.models import SECTIONS
@@ -30,9 +30,9 @@ def of_report(campaign: Campaign, *keys: str) -> list[Item]:
     Customer: Yard
     Tank or basin: not supplied
     """
-    from pmmkit.campaigns import ReportEntry
+    from pmmkit.campaigns import keys_of
 
-    fields = ReportEntry.model_fields
+    fields = keys_of("report")
     return [
         Item(
             what=_label(fields[key].description or key),
@@ -90,10 +90,10 @@ def _particular(key: str, known: Mapping[str, Parameter]) -> str:
 
 def of_gauges(campaign: Campaign) -> list[Item]:
     """Each gauge with its make, capacity and calibration."""
-    from pmmkit.campaigns import GaugeEntry
+    from pmmkit.campaigns import keys_of
 
     gauges: Mapping[str, Mapping[str, Any]] = campaign.report.get("gauges", {})
-    fields = {key: item.description or key for key, item in GaugeEntry.model_fields.items()}
+    fields = {key: item.description or key for key, item in keys_of("report.gauges").items()}
     if not gauges:
         what, keys = ", ".join(fields.values()), ", ".join(fields)
         return [Item(what=f"Gauges: {what}", value=None, table="report.gauges.NAME", key=keys)]
@@ -113,7 +113,7 @@ def of_uncertainties(campaign: Campaign, channels: Sequence[str]) -> list[Item]:
     """Stated standard uncertainties, and those of gauges, water, rig and settings not stated."""
     settings = [run.settings for run in campaign.runs]
     items = []
-    for kind in STATABLE.values():
+    for kind in TypeB.STATABLE.values():
         if kind.of == "gauge" and kind.channel not in channels:
             continue
         if kind.of == "setting" and not any(getattr(each, kind.name, None) for each in settings):

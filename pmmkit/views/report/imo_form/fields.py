@@ -31,17 +31,13 @@ def read_stated(file: Path) -> dict[str, Any]:
     DataError
         If the file has no such table, or with everything that is wrong in it.
     """
-    from pmmkit.campaigns import Faults, ImoEntry, read_entry
+    from pmmkit.campaigns import read_table
     from pmmkit.files import read_toml
 
     content = read_toml(file)
     if not isinstance(content.get(TABLE), Mapping):
         raise DataError(f"{file} has no table [{TABLE}]; docs/imo.md lists its keys.")
-    faults = Faults(str(file))
-    found = read_entry(ImoEntry, content[TABLE], f"[{TABLE}]", faults)
-    if faults.problems or found is None:
-        raise DataError(faults.problems, title=f"{file} cannot be read")
-    return {name: value for name, value in found if value is not None}
+    return read_table(TABLE, content[TABLE], str(file))
 
 
 def ship_entries(stated: Mapping[str, Any], ship: Ship, speed: float) -> tuple[FormField, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from pmmkit.campaigns import TURNING, Campaign
+from pmmkit.campaigns import Campaign
 from pmmkit.conventions import HARD_OVER
 from pmmkit.identification import Corrected, Trial, mean_draught
 from pmmkit.models import Model
@@ -128,7 +128,7 @@ def form_of_trials(
     speeds = [item.speed for item in trials]
     speed = sum(speeds) / len(speeds)
     turns = [item.revolutions for item in trials if math.isfinite(item.revolutions)]
-    circles = [item for item in trials if item.manoeuvre == TURNING.name]
+    circles = [item for item in trials if item.manoeuvre == "turning"]
     rudders = [f"{item.rudder_deg:+.1f}° ({item.run})" for item in circles]
     groups: Groups = (
         ("", head_entries(said)),
@@ -180,13 +180,13 @@ def _with_most_rudder(trials: Sequence[Trial]) -> list[Trial]:
     """All runs but turning circles with less rudder than others to the same side."""
     most: dict[bool, float] = {}
     for item in trials:
-        if item.manoeuvre == TURNING.name:
+        if item.manoeuvre == "turning":
             side = item.rudder_deg < 0.0
             most[side] = max(most.get(side, 0.0), abs(item.rudder_deg))
     return [
         item
         for item in trials
-        if item.manoeuvre != TURNING.name
+        if item.manoeuvre != "turning"
         or abs(item.rudder_deg) > most[item.rudder_deg < 0.0] - SAME_RUDDER
     ]
 
