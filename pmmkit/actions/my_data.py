@@ -108,7 +108,7 @@ def _with_campaign(path: Path, ship: str | None, out: Path | None) -> DraftProgr
     """The campaign that is there, or a draft in a folder of its own."""
     from pmmkit.base import FileExists
     from pmmkit.files import CAMPAIGN, write_text
-    from pmmkit.intake import draft_of, look, proposed, questions_of, written
+    from pmmkit.intake import campaign_draft, look, questions_of, written
 
     own = path / CAMPAIGN.file if path.is_dir() else path
     if own.is_file() and (own.suffix == ".toml" or look(own).campaigns):
@@ -122,7 +122,7 @@ def _with_campaign(path: Path, ship: str | None, out: Path | None) -> DraftProgr
             f"{target} is there: it was not replaced. To go on with it: "
             f"pmmkit demo --my-data {quoted(folder)}. Else name another --out."
         )
-    draft = proposed(draft_of(path, target, ship=ship), target)
+    draft = campaign_draft(path, target, ship=ship)
     text = written(draft).text
     write_text(target, text)
     entries = [*draft.runs, *draft.tables]

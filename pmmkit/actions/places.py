@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from itertools import chain, count
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pmmkit.actions.outcome import say
 from pmmkit.presentation import quoted
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def results_folder(
@@ -97,3 +102,12 @@ def keep_what_was_read(
         raise FileExists(
             f"{target} is what is read: it was not replaced. Name another {option}, or --force."
         )
+
+
+def figure_files(
+    figures: Mapping[str, Figure], ending: str = "svg"
+) -> list[tuple[str, Callable[[Path], Path]]]:
+    """Figures by name as results to be written (see `files.write_results`)."""
+    from pmmkit.plotting import save
+
+    return [(f"{name}.{ending}", partial(save, figure)) for name, figure in figures.items()]

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pmmkit.actions.outcome import Outcome, written
+from pmmkit.actions.places import figure_files
 from pmmkit.actions.setting import SettingError
 from pmmkit.base import TableError
 
@@ -65,7 +66,6 @@ def _files(
     names: tuple[str, str],
     drawn: bool,
 ) -> Iterator[tuple[str, Any]]:
-    from pmmkit.plotting import figure_files
     from pmmkit.views import beside_reference, derivative_bars
 
     yield "derivatives_beside.csv", beside

@@ -259,6 +259,16 @@ class Convention:
         )
         return f"{unit}, {speed}, {coriolis}, referred to {point}"
 
+    def latex(self, name: str) -> str:
+        r"""A derivative as LaTeX mathematics; two primes in the bis system.
+
+        Examples
+        --------
+        >>> print(Convention().latex("Nv|v|"), Convention(system="bis").latex("Yrdot"))
+        N'_{v|v|} Y''_{\dot{r}}
+        """
+        return parse_derivative(name).latex(beta=self.sway == "beta", double=self.system == "bis")
+
     def force_unit(self, channel: str, *, ship: Ship, water: Water, U: float) -> float:
         """Unit [N or N m] by which a channel is divided.
 

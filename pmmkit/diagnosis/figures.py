@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.plotting import INK, LIMIT, ORDERED, REFERENCE, canvas, legend_below, styled
+from pmmkit.plotting import INK, LIMIT, REFERENCE, canvas, legend_below, styled
+from pmmkit.plotting import colour as colour_style
 from pmmkit.plotting import hatch as hatch_style
 from pmmkit.presentation import figure_text
 
@@ -19,8 +20,8 @@ _MOST: Final = 14
 """Effects in the figure of evidence."""
 _CERTAIN: Final = math.log(1000.0)
 _KINDS: Final = {
-    False: ("ship and water", ORDERED[0], hatch_style(0)),
-    True: ("measurement", ORDERED[2], hatch_style(1)),
+    False: ("ship and water", colour_style(0), hatch_style(0)),
+    True: ("measurement", colour_style(2), hatch_style(1)),
 }
 
 
@@ -67,7 +68,7 @@ def coverage(names: Sequence[str], hides: Sequence[float], shown: Sequence[bool]
         figure = canvas(1.0 + 0.22 * len(order))
         axis = figure.subplots()
         for place, i in enumerate(order):
-            colour = ORDERED[1] if shown[i] else REFERENCE
+            colour = colour_style(1) if shown[i] else REFERENCE
             axis.barh(
                 place,
                 min(hides[i], _LARGEST),

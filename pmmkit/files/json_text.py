@@ -60,7 +60,7 @@ def plain(value: Any) -> Any:
 
 
 def readable(content: Any) -> str:
-    """`content` as JSON text for others to read, the same on every machine; NaN becomes null."""
+    """The `content` as JSON text for others, the same on every machine; NaN becomes null."""
     return json.dumps(plain(content), indent=2, allow_nan=False)
 
 

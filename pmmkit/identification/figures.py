@@ -10,7 +10,7 @@ import numpy as np
 from pmmkit.base import DataError, UnknownNameError
 from pmmkit.conventions import Convention
 from pmmkit.numerics import Array
-from pmmkit.plotting import REFERENCE, beyond, canvas, legend_below, marker, styled, symbol
+from pmmkit.plotting import REFERENCE, beyond, canvas, legend_below, marker, styled
 from pmmkit.plotting import colour as colour_style
 from pmmkit.presentation import WIDE, figure_text
 
@@ -145,6 +145,6 @@ def parameter_symbol(name: str, convention: Convention) -> str:
         Of the derivatives.
     """
     try:
-        return symbol(name, convention)
+        return f"${convention.latex(name)}$"
     except UnknownNameError:
         return name

@@ -17,8 +17,7 @@ from pmmkit.campaigns import TEST_KINDS, CampaignFile, campaign_of, keys_of
 from pmmkit.files import CAMPAIGN, toml_string
 from pmmkit.intake.drafts.choosing import ColumnChoice, signed, with_choices
 from pmmkit.intake.drafts.columns import their_column
-from pmmkit.intake.drafts.draft import draft_of
-from pmmkit.intake.drafts.propose import proposed
+from pmmkit.intake.drafts.propose import campaign_draft
 from pmmkit.intake.drafts.questions import questions_of, with_answer
 from pmmkit.intake.drafts.write import written
 from pmmkit.intake.folder import MOST_COUNTED, Look, look
@@ -59,6 +58,69 @@ class DraftAnswers:
         """The campaign file."""
         return self.folder / CAMPAIGN.file
 
+    @property
+    def stamp(self) -> tuple[Any, ...]:
+        """What a `Basis` depends on: the choices, the folder with sizes and times of its files."""
+        files = []
+        for place, _, names in os.walk(self.folder):
+            for name in names:
+                with suppress(OSError):
+                    found = os.stat(os.path.join(place, name))
+                    files.append((place, name, found.st_size, found.st_mtime_ns))
+            if len(files) > MOST_COUNTED:
+                break
+        return str(self.folder), self.choices, self.ship, hash(tuple(sorted(files)))
+
+    def basis(self) -> Basis:
+        """Look at the files of the folder; of thousands this takes a minute. Answers do not count.
+
+        Raises
+        ------
+        DataError
+            As `drafted`.
+        """
+        return _changed(self) if self.target.is_file() else _drafted(self)
+
+    def drafted(self, basis: Basis | None = None) -> Drafted:
+        """The campaign file of the folder with what a person said; the basis may be known.
+
+        Raises
+        ------
+        DataError
+            If there are no measurements, the file that is there is damaged, or a choice is of
+            nothing.
+        """
+        new = not self.target.is_file()
+        basis = basis or self.basis()
+        asks = tuple(_fields(basis.text))
+        said = dict(self.answers)
+        text = _titled(basis.text, said.get(TITLE, "")) if new else basis.text
+        for item in asks:
+            if said.get(item.name, "").strip():
+                text = with_answer(text, [item.line], said[item.name])
+        left = {item.name: item.state for item in _fields(text)}
+        asks = tuple(
+            replace(
+                item,
+                answer=said.get(item.name, ""),
+                state="answered"
+                if said.get(item.name, "").strip()
+                else left.get(item.name, item.state),
+            )
+            for item in asks
+        )
+        asks, rest = _judged(text, self.target, asks)
+        waiting = any(item.state == "needed" for item in asks)
+        return Drafted(
+            seen=basis.seen,
+            text=text,
+            fields=asks,
+            problems=() if waiting else rest,
+            new=new,
+            changed=text != basis.before,
+            apart=basis.apart,
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class Field:
@@ -93,6 +155,21 @@ class Field:
     line: int
     answer: str = ""
     error: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "name": self.name,
+            "key": self.key,
+            "run": self.run,
+            "text": self.text,
+            "state": self.state,
+            "guess": self.guess.strip('"') if self.options else self.guess,
+            "why": self.why,
+            "options": list(self.options),
+            "answer": self.answer,
+            "error": self.error,
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,86 +221,11 @@ class Basis:
     apart: frozenset[str] = frozenset()
 
 
-def stamp_of(asked: DraftAnswers) -> tuple[Any, ...]:
-    """What a `Basis` depends on: the folder with sizes and times of its files, and the choices."""
-    files = []
-    for place, _, names in os.walk(asked.folder):
-        for name in names:
-            with suppress(OSError):
-                found = os.stat(os.path.join(place, name))
-                files.append((place, name, found.st_size, found.st_mtime_ns))
-        if len(files) > MOST_COUNTED:
-            break
-    return str(asked.folder), asked.choices, asked.ship, hash(tuple(sorted(files)))
-
-
-def basis_of(asked: DraftAnswers) -> Basis:
-    """Look at the files of a folder; of thousands this takes a minute.
-
-    Parameters
-    ----------
-    asked : DraftAnswers
-        Its answers do not count.
-
-    Raises
-    ------
-    DataError
-        As `drafted`.
-    """
-    return _changed(asked) if asked.target.is_file() else _drafted(asked)
-
-
-def drafted(asked: DraftAnswers, basis: Basis | None = None) -> Drafted:
-    """The campaign file of a folder with what a person said.
-
-    Parameters
-    ----------
-    asked : DraftAnswers
-        The folder and what was said.
-    basis : Basis, optional
-        From `basis_of`, where it is known.
-
-    Raises
-    ------
-    DataError
-        If there are no measurements, the file that is there is damaged, or a choice is of nothing.
-    """
-    new = not asked.target.is_file()
-    basis = basis or basis_of(asked)
-    asks = tuple(_fields(basis.text))
-    said = dict(asked.answers)
-    text = _titled(basis.text, said.get(TITLE, "")) if new else basis.text
-    for item in asks:
-        if said.get(item.name, "").strip():
-            text = with_answer(text, [item.line], said[item.name])
-    left = {item.name: item.state for item in _fields(text)}
-    asks = tuple(
-        replace(
-            item,
-            answer=said.get(item.name, ""),
-            state="answered"
-            if said.get(item.name, "").strip()
-            else left.get(item.name, item.state),
-        )
-        for item in asks
-    )
-    asks, rest = _judged(text, asked.target, asks)
-    waiting = any(item.state == "needed" for item in asks)
-    return Drafted(
-        seen=basis.seen,
-        text=text,
-        fields=asks,
-        problems=() if waiting else rest,
-        new=new,
-        changed=text != basis.before,
-        apart=basis.apart,
-    )
-
-
 def _drafted(asked: DraftAnswers) -> Basis:
     """What `pmmkit new-campaign` writes, with the choices."""
-    draft = draft_of(asked.folder, asked.target, ship=asked.ship or None, choices=asked.choices)
-    draft = proposed(draft, asked.target)
+    draft = campaign_draft(
+        asked.folder, asked.target, ship=asked.ship or None, choices=asked.choices
+    )
     looks = {id(x.look): signed(x.look, asked.choices) for x in (*draft.runs, *draft.tables)}
     draft = replace(
         draft,

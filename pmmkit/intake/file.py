@@ -15,7 +15,7 @@ from pmmkit.intake.blocks import blocks_of
 from pmmkit.intake.columns import judged
 from pmmkit.intake.guessing import bare_header
 from pmmkit.intake.seen import ColumnLook, FileLook
-from pmmkit.intake.values import values_of
+from pmmkit.intake.values import Values, values_of
 from pmmkit.readers import READERS, Options, Request, TextLayout, head_of, recognise, text_of
 
 # Parts of a text file that is too large to be read whole.
@@ -44,6 +44,25 @@ class Sample:
     def partial(self) -> bool:
         """Whether lines were left out."""
         return bool(self.seams)
+
+
+def seen_values(look: FileLook) -> Values:
+    """The numbers of a file; of a large text those of its beginning, middle and end.
+
+    Parameters
+    ----------
+    look : FileLook
+        The file.
+
+    Raises
+    ------
+    OSError
+        If a large text cannot be read, or a temporary file cannot be written.
+    """
+    if look.layout is None or look.size < LARGE:
+        return values_of(look)
+    with sample_of(look.path) as sample:
+        return values_of(replace(look, path=sample.path))
 
 
 @contextmanager

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
+
+import numpy as np
 
 from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns import is_packed_campaign, open_campaign
 from pmmkit.files import CAMPAIGN, Url
 from pmmkit.intake.file import look_at, with_numbers
-from pmmkit.intake.seen import FileLook
+from pmmkit.intake.seen import ColumnLook, FileLook, SheetBlock
+from pmmkit.presentation import counted, safe_cell
 from pmmkit.readers import READERS, recognise
 
 MOST_FILES: Final = 2000
@@ -128,6 +133,119 @@ class Look:
     others: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
     problems: tuple[Problem, ...] = ()
     passed_over: int = 0
+
+    def lines(self) -> list[str]:
+        """All that was seen, in lines for people."""
+        told = [*_campaign_lines(self), *_others_lines(self)]
+        for group in self.groups:
+            told += ["", *group_lines(group)]
+        told += problem_lines(self.problems)
+        return told[1:] if told and not told[0] else told
+
+    def to_dict(self) -> dict[str, Any]:
+        """All that was seen, for JSON."""
+        return {
+            "groups": [_group_content(group) for group in self.groups],
+            "campaigns": [_campaign_content(item) for item in self.campaigns],
+            "other_files": self.others,
+            "passed_over": self.passed_over,
+            "problems": [str(problem) for problem in self.problems],
+        }
+
+    def columns_csv(self) -> str:
+        """Every column of the first file of each group, a row each, as text of a CSV file."""
+        table = io.StringIO()
+        writer = csv.writer(table, lineterminator="\n")
+        writer.writerow(
+            [
+                "file",
+                "column",
+                "header",
+                "unit",
+                "min",
+                "max",
+                "mean",
+                "first",
+                "constant",
+                "suggestion",
+                "certainty",
+                "reason",
+                "remark",
+            ]
+        )
+        for group in self.groups:
+            for column in group.first.columns:
+                item = column.suggestion
+                guess = ("", "", "") if item is None else (item.name, item.certainty, item.reason)
+                numbers = [
+                    f"{value:.9g}" if np.isfinite(value) else ""
+                    for value in (column.low, column.high, column.mean, column.first)
+                ]
+                row = [
+                    group.first.shown,
+                    str(column.position + 1),
+                    column.title,
+                    column.unit or "",
+                    *numbers,
+                    "yes" if column.constant else "no",
+                    *guess,
+                    column.remark,
+                ]
+                writer.writerow(map(safe_cell, row))
+        return table.getvalue()
+
+
+def _campaign_content(item: CampaignLook) -> dict[str, Any]:
+    return {
+        "file": item.file,
+        "title": item.title,
+        "kind": item.kind,
+        "ship": item.ship,
+        "runs": item.runs,
+        "excluded": item.excluded,
+        "tests": item.tests,
+        "speeds": list(item.speeds),
+        "problem": item.problem,
+    }
+
+
+def _group_content(group: FileGroup) -> dict[str, Any]:
+    first = group.first
+    clock = first.clock
+    return {
+        "files": [item.shown for item in group.files],
+        "format": first.format,
+        "kind": first.kind,
+        "source": _source(first),
+        "rows": first.rows,
+        "sampled": first.sampled,
+        "clock": None if clock is None else {**vars(clock)},
+        "columns": [_column_content(column) for column in first.columns],
+    }
+
+
+def _source(look: FileLook) -> dict[str, Any]:
+    """What ``[source]`` must state."""
+    options = look.options
+    keys = ("format", "skip_rows", "encoding", "delimiter", "decimal", "header", "sheet")
+    return {key: getattr(options, key) for key in keys if getattr(options, key) is not None}
+
+
+def _column_content(column: ColumnLook) -> dict[str, Any]:
+    item = column.suggestion
+    return {
+        "header": column.title,
+        "column": column.position + 1,
+        "unit": column.unit,
+        "numbers": column.numbers,
+        "min": column.low,
+        "max": column.high,
+        "mean": column.mean,
+        "first": column.first,
+        "constant": column.constant,
+        "suggestion": None if item is None else vars(item),
+        "remark": column.remark,
+    }
 
 
 def look(path: str | Path) -> Look:
@@ -328,3 +446,133 @@ def _nothing(folder: Path, others: Mapping[str, int], problems: list[Problem]) -
         remedy=f"Expected: files of the formats {', '.join(READERS)}.",
     )
     return CampaignError([main, *problems])
+
+
+# What was seen, in lines for people.
+
+
+_HEAD: Final = ("column", "unit", "min", "max", "mean", "first", "is")
+_SHOWN: Final = 12
+"""Names and problems that are listed before the rest is only counted."""
+
+
+def group_lines(group: FileGroup) -> list[str]:
+    """A group of files in words: its first file with a table of the columns."""
+    first = group.first
+    lines = [f"{first.shown}: {first.words}."]
+    if len(group.files) > 1:
+        names = [item.shown for item in group.files[1:]]
+        more = "" if len(names) <= _SHOWN else f" and {len(names) - _SHOWN} more"
+        lines.append(
+            f"  {len(names)} more with the same columns: {', '.join(names[:_SHOWN])}{more}."
+        )
+    if first.clock is not None:
+        lines.append(f"  {first.clock_words}")
+    lines += [f"  {line}" for item in group.files for line in block_lines(item, len(group.files))]
+    lines += [f"  {line}" for line in column_table(first.columns)]
+    lines += [f"  Note: {note}." for note in first.notes]
+    return lines
+
+
+def block_lines(look: FileLook, files: int = 1) -> list[str]:
+    """What the rows of a sheet are, a line a block; nothing where all of them are runs."""
+    if not look.blocks.mixed:
+        return []
+    where = f"{look.options.sheet}: " if files > 1 else ""
+    return [f"{where}{block.places}: {block_words(block)}." for block in look.blocks.blocks]
+
+
+def block_words(block: SheetBlock) -> str:
+    """What rows are, in words."""
+    said = f" ({', '.join(block.words)})" if block.words else ""
+    count = len(block.names)
+    if block.what == "steady":
+        return f"{len(block.lines)} steady tests{said}"
+    if block.what == "cycle":
+        test = block.test or "dynamic"
+        each = f"{len(block.lines) / count:.3g} rows each"
+        return f"{counted(count, 'test')} of one cycle, {each}: {test}{said}"
+    if block.what == "sweep":
+        each = f"{len(block.lines) / count:.3g} rows each"
+        swept = f"{counted(count, 'sweep')} of the rudder, {each}"
+        return f"{swept}: every row as a steady test{said}"
+    if block.what == "statistics":
+        return f"statistics of repeats, no runs: {', '.join(block.names)}{said}"
+    if block.what == "other names":
+        return f"another table, with names of its own: {', '.join(block.names[:_SHOWN])}; not read"
+    return "less than half of the numbers are there; not read"
+
+
+def column_table(columns: Sequence[ColumnLook]) -> list[str]:
+    """The columns as an aligned table, the longest headers cut."""
+    rows = [list(_HEAD)]
+    for column in columns:
+        numbers = [column.low, column.high, column.mean, column.first]
+        shown = [f"{value:.5g}" if np.isfinite(value) else "" for value in numbers]
+        if column.constant:
+            shown[1:3] = ["constant", ""]
+        if not column.numbers and not column.remark:
+            shown[0] = "no numbers"
+        rows.append([column.clipped, column.unit or "", *shown, _is(column)])
+    widths = [max(len(row[place]) for row in rows) for place in range(len(_HEAD))]
+    return [
+        "  ".join(
+            cell.ljust(width) if place in (0, 1, 6) else cell.rjust(width)
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def problem_lines(problems: Sequence[Problem]) -> list[str]:
+    """Problems in words, numbered; the first dozen in full."""
+    if not problems:
+        return []
+    lines = ["", f"Not read as it is ({len(problems)}):"]
+    lines += [f"  {number}. {item}" for number, item in enumerate(problems[:_SHOWN], start=1)]
+    if len(problems) > _SHOWN:
+        lines.append(f"  and {len(problems) - _SHOWN} more.")
+    return lines
+
+
+def _is(column: ColumnLook) -> str:
+    item = column.suggestion
+    said = ""
+    if item is not None:
+        unit = f" in {item.unit}" if item.unit and item.unit not in item.reason else ""
+        said = f"{item.certainty} {item.name}{unit} ({item.reason})"
+    return "; ".join(part for part in (said, column.remark) if part)
+
+
+def _campaign_lines(found: Look) -> list[str]:
+    lines = []
+    for item in found.campaigns:
+        if item.problem:
+            lines.append(f"{item.file}: a campaign that cannot be opened. {item.problem}")
+            continue
+        tests = ", ".join(f"{count} {test}" for test, count in item.tests.items())
+        speeds = ", ".join(f"{speed:g}" for speed in item.speeds)
+        left = f", {item.excluded} left out" if item.excluded else ""
+        lines.append(
+            f"{item.file}: {item.kind} campaign {item.title!r}, ship {item.ship}, "
+            f"{item.runs} runs ({tests}){left}, at {speeds} m/s."
+        )
+    return lines
+
+
+def _others_lines(found: Look) -> list[str]:
+    lines = []
+    if found.others:
+        counted = ", ".join(
+            f"{count} {suffix or 'without suffix'}" for suffix, count in found.others.items()
+        )
+        lines.append(f"Other files, without measurements that are recognised: {counted}.")
+    if found.passed_over:
+        lines.append(
+            f"{_many(found.passed_over)} more files were not looked at: name a folder with fewer."
+        )
+    return lines
+
+
+def _many(count: int) -> str:
+    return str(count) if count < MOST_COUNTED else f"more than {count}"

@@ -73,6 +73,15 @@ def without_doubt(header: str) -> str:
 What = Literal["steady", "cycle", "sweep", "statistics", "other names", "incomplete"]
 
 
+_DELIMITERS: Final = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks", "|": "bars"}
+_KINDS: Final = {
+    "history": "samples in time",
+    "table": "a table whose rows are runs",
+    "open water": "propeller coefficients",
+    "unknown": "numbers",
+}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Clock:
     """The time of a history.
@@ -288,3 +297,46 @@ class FileLook:
     def request(self) -> Request:
         """How it is read."""
         return Request(path=self.path, shown=self.shown, options=self.options)
+
+    @property
+    def words(self) -> str:
+        """Format, layout and size of a file in words."""
+        words = [READERS[self.format].words, _KINDS[self.kind]]
+        layout = self.layout
+        if layout is not None:
+            sign = "comma" if layout.decimal == "," else "point"
+            words.append(
+                f"{_DELIMITERS[layout.delimiter]} between, decimal {sign}, {layout.encoding}"
+            )
+            header = layout.header_line
+            words.append("no header" if header is None else f"names in line {header}")
+            if layout.units:
+                words.append("units below them")
+            words.append(f"numbers from line {layout.first_row}")
+        elif self.options.skip_rows:
+            words.append(f"{self.options.skip_rows} rows above the table")
+        if self.rows:
+            about = "about " if self.sampled else ""
+            words.append(f"{about}{self.rows} rows")
+        if self.sampled:
+            words.append("only beginning, middle and end were read")
+        return ", ".join(words)
+
+    @property
+    def clock_words(self) -> str:
+        """The clock of a history in words; empty where there is none."""
+        if self.clock is None:
+            return ""
+        clock, column = self.clock, self.known["t"]
+        unit = (column.suggestion.unit if column.suggestion else None) or column.unit or "s"
+        even = "even" if clock.even else "uneven"
+        words = [
+            f"Sampled every {clock.interval:.6g} {unit} ({even}), {clock.duration:.6g} {unit} long"
+        ]
+        if clock.gaps:
+            words.append(f"{clock.gaps} gaps, the longest {clock.longest:.6g} {unit}")
+        if clock.repeated:
+            words.append(f"{clock.repeated} times stand twice")
+        if clock.backward:
+            words.append(f"time runs backward at {clock.backward} places")
+        return ", ".join(words) + "."

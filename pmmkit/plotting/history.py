@@ -11,7 +11,8 @@ from pmmkit.numerics import Array
 class TrackLike(Protocol):
     """A free-running history: arrays over the time, SI and radians, and what they are of.
 
-    A `Track` has this shape, and so has anything else with these attributes.
+    A `Track` has this shape, and so has anything else with these attributes, whatever `args` and
+    `kwargs` it was made of.
     """
 
     def __len__(self) -> int: ...

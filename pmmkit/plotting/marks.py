@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.numerics import Array
@@ -32,7 +33,15 @@ def open_mark(axis: Axes, x: float | Array, y: float | Array, label: str, **more
     axis.plot(x, y, ls="", ms=5, markerfacecolor="white", label=label, **(usual | more))
 
 
-def dimension(axis: Axes, start: Place, end: Place, text: str, *, upright: bool) -> None:
+def dimension(
+    axis: Axes,
+    start: Place,
+    end: Place,
+    text: str,
+    *,
+    upright: bool,
+    guides: Sequence[tuple[Place, Place]] = (),
+) -> None:
     """A dimension line with its text beside it.
 
     Parameters
@@ -45,7 +54,11 @@ def dimension(axis: Axes, start: Place, end: Place, text: str, *, upright: bool)
         What it measures.
     upright : bool
         Whether it goes up, and the text with it.
+    guides : sequence of (place, place)
+        Thin dotted lines from what is measured to the dimension line.
     """
+    for there, here in guides:
+        axis.plot([there[0], here[0]], [there[1], here[1]], color="#bbbbbb", lw=0.8, ls=":")
     axis.annotate("", end, start, arrowprops=_LINE)
     axis.annotate(
         text,
@@ -60,11 +73,6 @@ def dimension(axis: Axes, start: Place, end: Place, text: str, *, upright: bool)
         bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.8},
         zorder=6,
     )
-
-
-def guide(axis: Axes, start: Place, end: Place) -> None:
-    """A thin dotted line from what is measured to its dimension line."""
-    axis.plot([start[0], end[0]], [start[1], end[1]], color="#bbbbbb", lw=0.8, ls=":")
 
 
 def path_axes(axis: Axes) -> None:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import io
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.files import atomic_path
 
 if TYPE_CHECKING:
@@ -133,35 +132,35 @@ def _families() -> list[str]:
 
 
 def canvas(height: float, width: float = WIDTH) -> Figure:
-    """An empty figure that lays itself out, without pyplot and its global state."""
+    """An empty figure of a `height` and `width` [inch] that lays itself out, without pyplot."""
 
     return Shown(figsize=(width, height), layout="constrained")
 
 
 def in_powers(axes: Iterable[Axes]) -> None:
-    """Write the common power of ten of the ordinates as a power (takes time to draw)."""
+    """Write the common power of ten of the ordinates of `axes` as a power (takes time to draw)."""
     for axis in axes:
         axis.ticklabel_format(axis="y", useMathText=True)
 
 
 def colour(number: int) -> str:
-    """Colour of the n-th set."""
+    """Colour of a set by its `number`."""
     return ORDERED[number % len(ORDERED)]
 
 
 def marker(number: int) -> str:
-    """Marker of the n-th set, so that colour is never the only difference."""
+    """Marker of a set by its `number`, so that colour is never the only difference."""
     return MARKERS[number % len(MARKERS)]
 
 
-def dash(number: int) -> str:
-    """Dash of the n-th line, for the same reason."""
-    return DASHES[number % len(DASHES)]
+def dash(number: int, *, rounds: bool = False) -> str:
+    """Dash of a line by its `number`; with `rounds` another one for each round of the colours."""
+    return DASHES[(number // len(ORDERED) if rounds else number) % len(DASHES)]
 
 
-def hatch(number: int) -> str:
-    """Hatch of the n-th set of bars, for the same reason."""
-    return HATCHES[number % len(HATCHES)]
+def hatch(number: int, *, rounds: bool = False) -> str:
+    """Hatch of bars by their `number`; with `rounds` another one for each round of the colours."""
+    return HATCHES[(number // len(ORDERED) if rounds else number) % len(HATCHES)]
 
 
 ROUNDING: Final = 1e-12
@@ -188,25 +187,6 @@ def widened(axis: Axes, share: float = 1e-4) -> None:
         axis.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
     elif abs(high - low) < ROUNDING:
         axis.set_ylim(-FLAT, FLAT)
-
-
-def symbol(name: str, convention: Convention) -> str:
-    """A derivative as mathematical text for an axis.
-
-    Parameters
-    ----------
-    name : str
-        Name of a derivative.
-    convention : Convention
-        Decides on one or two strokes, and on v or β.
-
-    Examples
-    --------
-    >>> print(symbol("Yvdot", Convention()))
-    $Y'_{\\dot{v}}$
-    """
-    beta, double = convention.sway == "beta", convention.system == "bis"
-    return f"${parse_derivative(name).latex(beta=beta, double=double)}$"
 
 
 def legend_below(figure: Figure, axes: Sequence[Axes], columns: int = 4) -> None:
@@ -267,19 +247,14 @@ def save(figure: Figure, path: str | Path) -> Path:
     target = Path(path)
     with atomic_path(target) as part:
         if target.suffix == ".svg":
-            part.write_text(document(svg(figure)), encoding="utf-8", newline="\n")
+            from matplotlib.backends.backend_svg import svgProlog
+
+            part.write_text(svgProlog + svg(figure), encoding="utf-8", newline="\n")
         else:
             with styled():
                 undated = {"CreationDate": None} if target.suffix == ".pdf" else {}
                 figure.savefig(part, metadata=undated)
     return target
-
-
-def figure_files(
-    figures: Mapping[str, Figure], ending: str = "svg"
-) -> list[tuple[str, Callable[[Path], Path]]]:
-    """Figures by name as results to be written (see `files.write_results`)."""
-    return [(f"{name}.{ending}", partial(save, figure)) for name, figure in figures.items()]
 
 
 def svg(figure: Figure) -> str:
@@ -316,10 +291,3 @@ def _laid_out(figure: Figure) -> Iterator[Any]:
         figure.dpi = dots
         figure.set_canvas(shown_on)
         figure.set_layout_engine(engine)
-
-
-def document(element: str) -> str:
-    """A file of its own from an ``<svg>`` element, as `save` writes it."""
-    from matplotlib.backends.backend_svg import svgProlog
-
-    return f"{svgProlog}{element}"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Final, Literal
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -276,25 +276,24 @@ def histories(track: TrackLike) -> Figure:
 Drawn = Literal["turning circle", "zigzag", "spiral", "path"]
 
 
-def manoeuvre(history: TrackLike, drawn: Drawn) -> dict[str, Figure]:
+def manoeuvre(
+    tracks: Sequence[TrackLike], drawn: Drawn, names: Sequence[str] | None = None
+) -> dict[str, Figure]:
     """The figures that show a manoeuvre, by the name of their file.
 
     Parameters
     ----------
-    history : TrackLike
-        Of the manoeuvre.
+    tracks : sequence of TrackLike
+        Of the manoeuvre; turning circles and zigzags are drawn together, else there is one.
     drawn : {"turning circle", "zigzag", "spiral", "path"}
         How it is drawn.
+    names : sequence of str, optional
+        Of several tracks in the legend.
     """
-    return {name: figure(history) for name, figure in _FIGURES[drawn].items()}
-
-
-_FIGURES: Final[Mapping[Drawn, Mapping[str, Callable[[TrackLike], Figure]]]] = {
-    "turning circle": {
-        "trajectory": lambda history: trajectory([history]),
-        "histories": lambda history: turn_histories([history]),
-    },
-    "zigzag": {"zigzag": lambda history: zigzag([history])},
-    "spiral": {"spiral": spiral, "histories": histories},
-    "path": {"path": path, "histories": histories},
-}
+    if drawn == "turning circle":
+        return {"trajectory": trajectory(tracks, names), "histories": turn_histories(tracks, names)}
+    if drawn == "zigzag":
+        return {"zigzag": zigzag(tracks, names)}
+    (track,) = tracks
+    shown = {"spiral": spiral(track)} if drawn == "spiral" else {"path": path(track)}
+    return shown | {"histories": histories(track)}

@@ -12,7 +12,7 @@ from pmmkit.conventions import IN_LENGTHS, in_words
 from pmmkit.numerics import Array, turned
 from pmmkit.plotting import style
 from pmmkit.plotting.bands import PALE, Band
-from pmmkit.plotting.marks import dimension, guide, path_axes
+from pmmkit.plotting.marks import Place, dimension, path_axes
 from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
@@ -209,19 +209,17 @@ def _measures(axis: Axes, track: TrackLike, intervals: Mapping[str, tuple[float,
     beyond = -_CLEAR * side
     above = float(ahead.max()) + _CLEAR
     below = min(float(ahead.min()), 0.0) - _CLEAR
-    lines = (
-        ("advance", (beyond, 0.0), (beyond, quarter[1])),
-        ("transfer", (0.0, above), (quarter[0], above)),
-        ("tactical_diameter", (0.0, below), (half[0], below)),
+    lines: tuple[tuple[str, Place, Place, tuple[Place, Place]], ...] = (
+        ("advance", (beyond, 0.0), (beyond, quarter[1]), ((0.0, 0.0), quarter)),
+        ("transfer", (0.0, above), (quarter[0], above), ((0.0, ahead[0]), quarter)),
+        ("tactical_diameter", (0.0, below), (half[0], below), ((0.0, 0.0), half)),
     )
-    guide(axis, quarter, (beyond, quarter[1]))
-    guide(axis, (0.0, 0.0), (beyond, 0.0))
-    guide(axis, (0.0, ahead[0]), (0.0, above))
-    guide(axis, quarter, (quarter[0], above))
-    guide(axis, (0.0, 0.0), (0.0, below))
-    guide(axis, half, (half[0], below))
-    for name, start, end in lines:
+    for name, start, end, (from_start, from_end) in lines:
         low, high = intervals.get(name + IN_LENGTHS, (np.nan, np.nan))
         around = f" ({low:.2f} to {high:.2f})" if np.isfinite(low) else ""
         text = f"{in_words(name)} {found[name]:.2f} L{around}"
-        dimension(axis, start, end, text, upright=name == "advance")
+        upright = name == "advance"
+        guides = [(from_start, start), (from_end, end)]
+        dimension(
+            axis, start, end, text, upright=upright, guides=guides[::-1] if upright else guides
+        )

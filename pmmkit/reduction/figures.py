@@ -1,14 +1,14 @@
-"""Shares of a whole as stacked bars, and what a fit leaves."""
+"""Shares of a whole as stacked bars, what a fit leaves, and what each run does."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.numerics import Array
-from pmmkit.plotting import ORDERED, REFERENCE, canvas, colour, hatch, legend_below, marker, styled
+from pmmkit.plotting import REFERENCE, canvas, colour, hatch, legend_below, marker, styled
 from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def stacked_shares(
                     left=100 * start,
                     height=0.72,
                     color=colour(number) if number < TOLD_APART else REFERENCE,
-                    hatch=hatch(number // len(ORDERED)),
+                    hatch=hatch(number, rounds=True),
                     edgecolor="white",
                     lw=0.0,
                     label=figure_text(label),
@@ -119,4 +119,36 @@ def left_by_the_fit(
         for axis, kind in zip(axes[:, 0], kinds, strict=True):
             axis.set_ylabel(kind.replace(" ", "\n", 1), rotation=0, ha="right", va="center")
         figure.supylabel("measured less fitted", fontsize=10)
+    return figure
+
+
+def influence_map(
+    share: Array, runs: Sequence[str], names: Sequence[str], odd: Collection[str]
+) -> Figure:
+    """Runs against derivatives, coloured by how far each run moves each of them.
+
+    share (runs, derivatives): change over half of the 95 % interval, NaN where there is none.
+    odd: runs at odds with the others, which are marked.
+    """
+    with styled():
+        figure = canvas(0.16 * len(runs) + 1.6)
+        axis = figure.subplots()
+        picture = axis.imshow(share, cmap="RdBu_r", vmin=-2.0, vmax=2.0, aspect="auto")
+        axis.grid(visible=False)
+        axis.set_xticks(range(len(names)), names, rotation=90, fontsize="x-small")
+        told = [f"{run}  at odds" if run in odd else run for run in runs]
+        axis.set_yticks(range(len(runs)), told, fontsize="x-small")
+        for row, column in np.argwhere(np.abs(np.nan_to_num(share)) > 1.0).tolist():
+            value = share[row, column]
+            axis.annotate(
+                f"{value:+.1f}",
+                (column, row),
+                ha="center",
+                va="center",
+                fontsize="xx-small",
+                color="white",
+            )
+        bar = figure.colorbar(picture, ax=axis, extend="both", shrink=0.5, aspect=30)
+        bar.set_label("Change by the run / half of the 95 % interval [-]")
+        axis.set_title("What each run does to each derivative")
     return figure

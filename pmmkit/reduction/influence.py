@@ -97,7 +97,7 @@ class Influences:
 
     def plot(self) -> Figure:
         """Runs against derivatives, coloured by how far each run moves each."""
-        from pmmkit.plotting import influence_map
+        from pmmkit.reduction.figures import influence_map
 
         runs = list(dict.fromkeys(item.run for item in self.items))
         names = list(dict.fromkeys(name for item in self.items for name in item.names))
@@ -109,8 +109,7 @@ class Influences:
                 item.share,
                 grid[at],
             )
-        figure: Figure = influence_map(grid, runs, names, {item.run for item in self.odd})
-        return figure
+        return influence_map(grid, runs, names, {item.run for item in self.odd})
 
 
 def influences(solution: Solution, rows: Sequence[Rows]) -> tuple[Influence, ...]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pmmkit.base import CampaignError, ContradictionError, Problem, Workers, __version__
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, Structure, structure_of
-from pmmkit.intake import CheckFinding, examine, loudest_first, refuse, untold
+from pmmkit.intake import CheckFinding, examine, refuse, untold
 from pmmkit.models import DerivativeTable, TableVerdict
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.agreement import Difference, differences, worst
@@ -383,7 +383,8 @@ def reduce_campaign(
         origin = {**table.provenance, "method": main}
         table = found[main].table.with_(notes=remarks, provenance=origin)
     weighed = odd_runs == "weigh"
-    told = loudest_first((*surge_zero(solution), *findings, *at_odds(odd, weighed=weighed)))
+    told = (*surge_zero(solution), *findings, *at_odds(odd, weighed=weighed))
+    told = tuple(sorted(told, key=lambda item: item.rank))
     families = by_family(rows, sensitivities, columns, solution, campaign, convention)
     moved = Influences(items=each, odd=odd)
     judged = verdict(table, families, solution, moved, told, rows, weighed=weighed)

@@ -9,17 +9,7 @@ import numpy as np
 
 from pmmkit.conventions import IN_LENGTHS, criteria, metric_of
 from pmmkit.numerics import Array
-from pmmkit.plotting import (
-    LIMIT,
-    ORDERED,
-    REFERENCE,
-    canvas,
-    colour,
-    legend_below,
-    marker,
-    styled,
-    widened,
-)
+from pmmkit.plotting import LIMIT, REFERENCE, canvas, colour, legend_below, marker, styled, widened
 from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
@@ -107,7 +97,7 @@ def measures_over_froude(sweeps: Mapping[str, xr.Dataset]) -> Figure:
                     sweep[measure].values,
                     ms=4,
                     label=figure_text(name),
-                    color=ORDERED[0] if number == 0 else REFERENCE,
+                    color=colour(0) if number == 0 else REFERENCE,
                     marker=marker(number),
                     ls="-" if number == 0 else "--",
                 )

@@ -193,7 +193,7 @@ class Track(Described):
         from pmmkit.plotting import manoeuvre
 
         known = self._known()
-        return manoeuvre(self, known.drawn if known else "path")
+        return manoeuvre([self], known.drawn if known else "path")
 
     def plot(self) -> Figure:
         """The first of the figures that show the manoeuvre."""

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from pmmkit.numerics import Array
-from pmmkit.plotting import INK, ORDERED, canvas, styled
+from pmmkit.plotting import INK, canvas, colour, styled
 from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MEASURED, SIMULATED = ORDERED[0], ORDERED[2]
+MEASURED, SIMULATED = colour(0), colour(2)
 LEVELS: Final = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 1e9)
 """Steps of the colours, in units of the expanded uncertainty."""
 SHADES: Final = ("#f4f4f4", "#e2e6ea", "#fbe3bd", "#f5b971", "#e3871c", "#c0501f", "#8f1f1f")

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import DataError, PmmkitError
 from pmmkit.files import plain
-from pmmkit.views import Answers, asked_of, fitted, page_file, with_runs, worst_first
+from pmmkit.views import asked_of, page_file, with_histories
 from pmmkit.workbench.data_routes import (
     count_of,
     data_routes,
@@ -49,11 +49,11 @@ def frozen_page(desk: Desk) -> str:
     return page_file(answers(desk))
 
 
-def answers(desk: Desk) -> Answers:
+def answers(desk: Desk) -> dict[str, Any]:
     """What the page asks, by the words it asks with."""
     state = desk.page()
     count = len(state.get("steps", ()))
-    found: Answers = {"state": {**state, "job": {**state["job"], "stand": "idle"}}}
+    found: dict[str, Any] = {"state": {**state, "job": {**state["job"], "stand": "idle"}}}
     campaigns = range(len(state.get("campaigns", ())) or 1)
     for number in range(count + 1):
         for of in campaigns:
@@ -71,24 +71,7 @@ def answers(desk: Desk) -> Answers:
             found[name] = give()
         except PmmkitError:
             found[name] = None
-    found = fitted(found)
-    for of in campaigns:
-        found = with_runs(
-            found,
-            worst_first(found[asked_of(f"misfit {count}", of)]),
-            partial(_history, desk, of),
-            partial(_asks_run, count, of),
-            share=1.0 / (len(campaigns) - of),
-        )
-    return found
-
-
-def _history(desk: Desk, of: int, run: str, buckets: int) -> Any:
-    return desk.history(run, buckets=buckets, of=of)
-
-
-def _asks_run(count: int, of: int, run: str) -> str:
-    return asked_of(f"run {run} {count}", of)
+    return with_histories(found, count, len(campaigns), desk.history)
 
 
 STATIC: Final = Path(str(files("pmmkit.views"))) / "static"

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import DataError, PmmkitError
 from pmmkit.files import plain, write_text
-from pmmkit.intake import ColumnChoice, DraftAnswers, Drafted, basis_of, drafted, stamp_of
-from pmmkit.views import files_page
+from pmmkit.intake import ColumnChoice, DraftAnswers, Drafted
+from pmmkit.views import page_of
 from pmmkit.workbench import incoming
 from pmmkit.workbench.desk import Desk
 from pmmkit.workbench.windows import drawn, taken_back
@@ -106,7 +106,7 @@ def data_routes(
     return [
         read("record", lambda request: desk.record(text_of(request, "run"), place_of(request))),
         read("incoming", lambda _: incoming.sets(desk.folder)),
-        write("look", lambda asked: files_page(_drafted(desk, _asked(desk, asked)))),
+        write("look", lambda asked: page_of(_drafted(desk, _asked(desk, asked)))),
         write("campaign", partial(_campaign, desk)),
         write("window", partial(_window, desk)),
         write("unwindow", partial(_unwindow, desk)),
@@ -139,19 +139,19 @@ def _campaign(desk: Desk, asked: Mapping[str, Any]) -> dict[str, Any]:
     found = _drafted(desk, said)
     wrong = [item for item in found.fields if item.error]
     if wrong:
-        return {**files_page(found), "written": ""}
+        return {**page_of(found), "written": ""}
     with desk.writing():
         if found.new and said.target.exists():
             raise DataError(f"{said.target} is there meanwhile: it was not replaced. Look again.")
         write_text(said.target, found.text)
     after = _drafted(desk, DraftAnswers(folder=said.folder))
-    return {**files_page(after), "written": str(said.target)}
+    return {**page_of(after), "written": str(said.target)}
 
 
 def _drafted(desk: Desk, said: DraftAnswers) -> Drafted:
     """What is proposed; the files are looked at once for all answers."""
-    basis = desk.known.aside(("basis", stamp_of(said)), lambda: basis_of(said))
-    return drafted(said, basis)
+    basis = desk.known.aside(("basis", said.stamp), said.basis)
+    return said.drafted(basis)
 
 
 def _window(desk: Desk, asked: Mapping[str, Any]) -> None:

@@ -19,16 +19,7 @@ from pmmkit.effects import own_effect
 from pmmkit.files import datasets_folder
 from pmmkit.models import Model, load_model, ships
 from pmmkit.simulation import feels_depth
-from pmmkit.views import (
-    BUCKETS,
-    misfit_page,
-    record_page_of,
-    run_page,
-    runs_page,
-    sailed_page,
-    spiral_page,
-    trials_page,
-)
+from pmmkit.views import page_of, trials_page
 from pmmkit.workbench.campaigns import OpenCampaigns
 from pmmkit.workbench.commands import command_lines
 from pmmkit.workbench.known import AnswerCache
@@ -195,17 +186,18 @@ class Desk:
         """The map of runs of a campaign, with the model after so many steps."""
         state, effects = self._opened(), self._effects(count)
         found: dict[str, Any] = self.known.once(
-            ("misfit", effects, of), lambda: misfit_page(self._open.comparison(state, effects, of))
+            ("misfit", effects, of), lambda: page_of(self._open.comparison(state, effects, of))
         )
         return found
 
     def history(
-        self, run: str, count: int | None = None, buckets: int = BUCKETS, of: int = 0
+        self, run: str, count: int | None = None, buckets: int | None = None, of: int = 0
     ) -> dict[str, Any]:
         """One run of a campaign, measured and modelled."""
         state, effects = self._opened(), self._effects(count)
         try:
-            return run_page(self._open.comparison(state, effects, of), run, buckets)
+            comparison = self._open.comparison(state, effects, of)
+            return page_of(comparison, run=run, buckets=buckets)
         except KeyError:
             raise DataError(f"No run {run!r} was compared.") from None
 
@@ -218,7 +210,7 @@ class Desk:
         """Some of the runs as they were read."""
         tests = self._open.campaign(self._opened(), of)
         page: dict[str, Any] = self.known.once(
-            ("runs", first, of), lambda: runs_page(tests, first, self.checks(of))
+            ("runs", first, of), lambda: page_of(tests, self.checks(of), first=first)
         )
         return page
 
@@ -228,7 +220,7 @@ class Desk:
         tests = self._open.campaign(state, of)
         page: dict[str, Any] = self.known.aside(
             ("record", run, of, self._open.stamp(state, of)),
-            lambda: record_page_of(tests, run, self.checks(of)),
+            lambda: page_of(tests, self.checks(of), run=run),
         )
         return page
 
@@ -269,11 +261,10 @@ class Desk:
         model = self._model(self._opened().effects)
         settings = {name: value for name, value in asked.items() if value is not None}
         manoeuvre, speed = str(settings.pop("manoeuvre")), float(settings.pop("speed"))
-        if manoeuvre == "spiral":
-            return spiral_page(model, speed=speed)
         own = self._opened().effects
-        rivals = find_rivals(self.folder, own) if settings.get("band") else ()
-        return sailed_page(model, manoeuvre, speed=speed, rivals=rivals, **settings)
+        drawn = manoeuvre != "spiral" and settings.get("band")
+        rivals = find_rivals(self.folder, own) if drawn else ()
+        return page_of(model, manoeuvre, speed=speed, rivals=rivals, **settings)
 
     def trials(self) -> dict[str, list[dict[str, Any]]]:
         """Measured turns and zigzags of the tests, by manoeuvre; none of captive tests."""
@@ -570,7 +561,7 @@ class Desk:
         model, reach = self._model(effects), self.range()["speeds"]
         speed = reach[len(reach) // 2]
         settings: dict[str, Any] = {"rudder_deg": HARD_OVER, "extrapolate": True}
-        return sailed_page(model, "turning", speed=speed, band=True, **settings)
+        return page_of(model, "turning", speed=speed, band=True, **settings)
 
 
 def _lent(place: Path) -> str:

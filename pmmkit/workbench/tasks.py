@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, Final
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign, by_title, open_campaign
 from pmmkit.conventions import STRUCTURES
-from pmmkit.diagnosis import Session, SeveralCampaigns, Together, begin, carried
+from pmmkit.diagnosis import Session, SeveralCampaigns, begin, carried
 from pmmkit.intake import CheckFinding, examine, refuse
 from pmmkit.models import Model, load_model, save_model
-from pmmkit.views import fall_page, joint_page, missing_page
+from pmmkit.views import page_of
 from pmmkit.workbench.rivals import save_rivals
 from pmmkit.workbench.saved import (
     OPENED,
@@ -111,7 +111,7 @@ class Tasks:
             session = session.add(step, step.note)
             now = tuple(item.effect for item in session.steps)
             _save_models(place, now, session)
-            save_result(place, "fall", now, fall_page(session.fall()))
+            save_result(place, "fall", now, page_of(session.fall()))
         if session is not None:
             session.save(place / STEPS)
         _save_checks(place, checked)
@@ -129,8 +129,7 @@ class Tasks:
             done = PARTS[1] + round((WHOLE - PARTS[1]) * share)
             tell(done, WHOLE, f"what {effect} alone would do")
 
-        page_of = joint_page if isinstance(found, Together) else missing_page
-        page = page_of(session, found, heard)
+        page = page_of(found, session, heard)
         save_rivals(work.folder, session, found)
         save_result(work.folder, "missing", work.effects, page)
 
@@ -148,18 +147,17 @@ class Tasks:
                 old.unlink(missing_ok=True)
         _save_models(place, now, session)
         tell(PARTS[1], WHOLE, "errors of what is left out")
-        save_result(place, "fall", now, fall_page(session.fall()))
+        save_result(place, "fall", now, page_of(session.fall()))
         session.save(place / STEPS)
 
     def reduce(self, work: Work, structure: str, of: int, *, tell: Tell) -> None:
         """Derivatives of a campaign, a set per Froude number, and what determines them."""
         from pmmkit.reduction import reduce_campaign
-        from pmmkit.views import derivatives_page
 
         tests = self._campaign(work.campaigns[of], work.data)
         reduction = reduce_campaign(tests, structure=structure, progress=tell, executor=1)
         name = of_campaign("derivatives", of)
-        save_result(work.folder, name, (), derivatives_page(reduction))
+        save_result(work.folder, name, (), page_of(reduction))
 
     def _campaign(self, path: str, data: str) -> Campaign:
         if (path, data) not in self._campaigns:

@@ -11,7 +11,7 @@ from pmmkit.base import DataError, FileExists
 from pmmkit.campaigns import Campaign, CampaignFile, campaign_of, usable
 from pmmkit.files import CAMPAIGN, datasets_folder, write_text
 from pmmkit.reduction import PreparedRun
-from pmmkit.views import CUTS, literal
+from pmmkit.views import window_entry
 
 LONGEST: Final = 400
 """Characters of a reason."""
@@ -33,8 +33,7 @@ def drawn(
 
     def write(campaign: Campaign, run: str) -> None:
         entry: dict[str, Any] = {
-            "runs": [literal(run)],
-            "action": CUTS[campaign.kind],
+            **window_entry(campaign, run),
             "t_start": round(start, 6),
             "t_end": round(end, 6),
             "reason": said,
@@ -49,7 +48,7 @@ def taken_back(place: Path, data: str) -> Callable[[Campaign, str], None]:
     file = _writable(place)
 
     def write(campaign: Campaign, run: str) -> None:
-        entry = {"runs": [literal(run)], "action": CUTS[campaign.kind]}
+        entry = window_entry(campaign, run)
         _write(file, data, run, lambda it: it.without_correction(entry))
 
     return write

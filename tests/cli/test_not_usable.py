@@ -13,7 +13,7 @@ from small_campaign import TRUTH, write_campaign
 
 import pmmkit as pk
 from pmmkit.cli import main
-from pmmkit.views import turns_of
+from pmmkit.views import Turns
 
 ODD = "PS_U1_a0.3"
 FILES = {"derivatives.csv", "derivatives.nc", "report.html", "findings.json", "runs.csv"}
@@ -191,7 +191,7 @@ def test_a_speed_that_no_propeller_holds_costs_the_turn_at_that_speed():
         values={**ship.parts["hull_polynomial"].values, "Xuu": (-drag, drag)},
     )
     model = ship.with_(Fn=(0.145, 0.29), parts={**ship.parts, "hull_polynomial": hull})
-    turns = turns_of(model, ())
+    turns = Turns.of(model, ())
     assert [round(track.Fn, 3) for track in turns.tracks] == [0.29]
     assert list(turns.sweeps) == ["these derivatives"]
     (why,) = turns.failed

@@ -19,7 +19,7 @@ from pmmkit.diagnosis.loop.captive import TOLD as CAPTIVE
 from pmmkit.diagnosis.loop.fall import FallRow
 from pmmkit.diagnosis.loop.records import TOLD as RECORDS
 from pmmkit.models import Step
-from pmmkit.views import fall_page
+from pmmkit.views import page_of
 from tests.support.uncoupled import uncoupled
 
 UNITS = {"position": "m", "heading": "deg", "speed": "m/s", "yaw_rate": "deg/s"}
@@ -74,7 +74,7 @@ def test_what_was_not_measured_is_not_told():
     fall = of_records({"base": {"heading": 1.0}})
     assert fall.quantities() == ("heading",)
     assert len(fall.plot().axes) == 1
-    assert list(fall_page(fall)["steps"][0]["channels"]) == ["heading"]
+    assert list(page_of(fall)["steps"][0]["channels"]) == ["heading"]
     told = fall.to_pandas()
     assert told["heading"][0] == 1.0
     assert math.isnan(told["yaw_rate"][0]), "a column of the file, whatever was measured"
@@ -115,7 +115,7 @@ def test_a_step_that_a_campaign_is_not_asked_for_leaves_its_errors():
         "one: heading",
         "two: heading",
     ]
-    page = fall_page(fall)["campaigns"]
+    page = page_of(fall)["campaigns"]
     assert [item["title"] for item in page] == ["one", "two"]
     assert [step["step"] for step in page[1]["steps"]] == list(fall.steps)
     assert [step["error"] for step in page[1]["steps"]] == [5.0, 5.0, 5.0, 6.0]

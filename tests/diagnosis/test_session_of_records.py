@@ -17,7 +17,7 @@ from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.fits import at_place, having
 from pmmkit.diagnosis.record_figures import before_and_after
 from pmmkit.identification import Prior
-from pmmkit.views import fall_page, write_free_diagnosis
+from pmmkit.views import page_of, write_report
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
 
 FEW = ("asymmetry", "fault_rudder_zero", "modulus_yaw_drag")
@@ -190,7 +190,7 @@ def test_a_candidate_of_the_base_is_weighed_as_one_that_is_added(session):
 
 @pytest.mark.slow
 def test_the_page_tells_the_errors_before_and_after(session, added, found, tmp_path):
-    path = write_free_diagnosis(found, session, tmp_path / "report.html", title="Zigzags, 7 m")
+    path = write_report(found, tmp_path / "report.html", session=session, title="Zigzags, 7 m")
     page = answers_in(path)
     told = page["told missing"]
     titles = [section["title"] for section in told["after"]]
@@ -238,7 +238,7 @@ def test_what_noise_alone_gives_stands_beside_the_error(added, found):
     assert "noise alone" in str(fall)
     drawn = fall.plot().axes[fall.quantities().index("heading")]
     assert drawn.lines[0].get_ydata()[0] == level
-    shown = [step["level"] for step in fall_page(fall)["steps"]]
+    shown = [step["level"] for step in page_of(fall)["steps"]]
     assert shown == pytest.approx([level] * 2, rel=1e-4)
 
 

@@ -15,7 +15,7 @@ import pytest
 from pmmkit import open_campaign
 from pmmkit.campaigns import repeats
 from pmmkit.cli import main
-from pmmkit.intake import look, look_lines
+from pmmkit.intake import look
 from pmmkit.intake.blocks import statistic_in
 
 DEG = math.pi / 180
@@ -163,7 +163,7 @@ def test_words_of_statistics(cell: str | float, kind: str) -> None:
 
 
 def test_inspect_tells_what_the_rows_are(folder: Path) -> None:
-    lines = [line.strip() for line in look_lines(look(folder))]
+    lines = [line.strip() for line in look(folder).lines()]
     own = [line for line in lines if line.startswith("A01: ")]
     words = [line.partition(": ")[2].partition(": ")[2] for line in own]
     assert words == [

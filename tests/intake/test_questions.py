@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 from small_campaign import write_campaign
 
-from pmmkit.intake import draft_of, questions_of, written
+from pmmkit.intake import questions_of, written
+from pmmkit.intake.drafts.draft import draft_of
 
 SHIP = """[ship]
 L = 4.0

@@ -172,11 +172,11 @@ def test_the_console_and_its_folder_show_the_zeros(tmp_path, capsys):
 
 @pytest.mark.slow
 def test_the_report_shows_them(tmp_path):
-    from pmmkit.views.report.build import report_html
+    from pmmkit.views.report.build import page_file, reduction_answers
 
     reduction = pk.reduction.reduce_campaign(
         pk.open_campaign(drifting(tmp_path / "c", TARE)), structure="abkowitz3", fn="pooled"
     )
-    page = report_html(reduction)
+    page = page_file(reduction_answers(reduction))
     assert "Zeros of the gauges at rest, run by run" in page
     assert "Y at rest" in page

@@ -24,7 +24,7 @@ from pmmkit.campaigns import campaign_of, keys_of
 from pmmkit.cli import main
 from pmmkit.exports.campaign_toml import campaign_text
 from pmmkit.presentation import Grid, Group, Section
-from pmmkit.views import captive_document, write_document
+from pmmkit.views import captive_document, write_report
 from pmmkit.views.pages.sections import Symbol
 from pmmkit.views.report.captive.build import STANDARDS
 from pmmkit.views.report.captive.columns import columns_of
@@ -316,8 +316,8 @@ def words_of(path):
 def test_word_holds_the_same_and_the_same_bytes_twice(small, tmp_path):
     pytest.importorskip("docxtpl", reason="docxtpl is not installed")
     first, second = tmp_path / "a.docx", tmp_path / "b.docx"
-    write_document(small, first)
-    write_document(small, second)
+    write_report(small, first)
+    write_report(small, second)
     assert first.read_bytes() == second.read_bytes()
     told, file = words_of(first)
     for text in (HOSTILE, "1 Derivatives", "A Runs", "N′vvr", NOT_SUPPLIED, "Figure 1. A line"):
@@ -335,7 +335,7 @@ def test_tables_that_are_too_wide_lie_across_and_the_next_page_is_upright(small,
     tables = [wide, replace(wide, caption="Another"), first.sections[0].tables[0]]
     section = replace(first.sections[0], tables=tables)
     document = replace(small, chapters=[replace(first, sections=[section]), *others])
-    write_document(document, tmp_path / "out.docx")
+    write_report(document, tmp_path / "out.docx")
     assert html_of(document).count('class="wide across"') == 2
     _, file = words_of(tmp_path / "out.docx")
     across = [page.page_width > page.page_height for page in file.sections]
@@ -364,7 +364,7 @@ def test_a_laboratory_s_template_is_filled_and_nothing_of_the_campaign_is_a_fiel
     template.add_paragraph("{{ body }}")
     template.add_paragraph("Signed")
     template.save(tmp_path / "lab.docx")
-    write_document(small, tmp_path / "out.docx", template=tmp_path / "lab.docx")
+    write_report(small, tmp_path / "out.docx", template=tmp_path / "lab.docx")
     told, _ = words_of(tmp_path / "out.docx")
     assert told[0] == f"For {HOSTILE}, number {NOT_SUPPLIED}"
     assert told.index("1 Derivatives") < told.index("Signed")
@@ -382,5 +382,5 @@ def test_a_template_that_is_damaged_or_asks_for_more_is_refused(small, tmp_path)
     asking.save(curious)
     for template in (damaged, curious):
         with pytest.raises(DataError, match="cannot be filled"):
-            write_document(small, tmp_path / "out.docx", template=template)
+            write_report(small, tmp_path / "out.docx", template=template)
     assert not (tmp_path / "out.docx").exists()

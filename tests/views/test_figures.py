@@ -15,7 +15,8 @@ from small_campaign import RHO, TRUTH, L, forces, write_campaign
 import pmmkit
 from pmmkit.base import DataError, TableError
 from pmmkit.conventions import Ship, Water
-from pmmkit.plotting import save, style, svg, trajectory, turn_histories
+from pmmkit.plotting import save, style, svg, trajectory
+from pmmkit.plotting.turns import turn_histories
 from pmmkit.simulation import measures_over_froude
 from pmmkit.views import beside_reference
 from pmmkit.views.figures.cycles_by_froude import cycles_by_froude

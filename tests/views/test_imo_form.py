@@ -13,7 +13,6 @@ from pmmkit.base import DataError
 from pmmkit.campaigns import keys_of
 from pmmkit.cli import main
 from pmmkit.views import form_of_model, read_stated
-from pmmkit.views.report.imo_form.page import form_html
 
 SPEED = 8.0
 STATED = {
@@ -153,7 +152,7 @@ def test_a_ship_sailed_to_one_side_is_not_judged_to_both(verdicts):
 
 
 def test_the_page_has_no_script_and_a_style_for_print(filled):
-    page = form_html(filled)
+    page = filled.html()
     assert "<script" not in page
     assert "default-src 'none'" in page
     assert re.search(r"@page \{[^}]*A4", page)
@@ -168,7 +167,7 @@ def test_texts_of_the_user_cannot_leave_their_place(verdicts):
     form = form_of_model(
         pk.load_model("esso190k"), verdicts, speed=SPEED, stated={"ship_type": evil}
     )
-    assert "<script" not in form_html(form)
+    assert "<script" not in form.html()
 
 
 # Files and commands

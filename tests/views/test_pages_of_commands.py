@@ -13,9 +13,9 @@ from pmmkit import save_campaign
 from pmmkit.cli import main
 from pmmkit.models import save_model
 from pmmkit.presentation import Grid, Group, Picture, Section
-from pmmkit.views import fitted, page_file, with_runs
+from pmmkit.views import page_file
 from pmmkit.views.pages.page_file import state_of
-from pmmkit.views.pages.page_room import MOST, size_of
+from pmmkit.views.pages.page_room import MOST, fitted, size_of, with_runs
 from pmmkit.views.pages.sections import PageSection, Symbol, told_page
 
 

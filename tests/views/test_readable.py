@@ -17,8 +17,9 @@ from pmmkit.campaigns.figures import record
 from pmmkit.conventions import Ship, Water
 from pmmkit.diagnosis.fall_figures import LEVEL, Bars, Panel, fall
 from pmmkit.diagnosis.figures import coverage, evidence
-from pmmkit.plotting import style, trajectory, turn_histories, zigzag
-from pmmkit.plotting.time_series import histories
+from pmmkit.plotting import style, trajectory
+from pmmkit.plotting.time_series import histories, zigzag
+from pmmkit.plotting.turns import turn_histories
 from pmmkit.presentation import Section
 from pmmkit.reduction.figures import left_by_the_fit
 from pmmkit.simulation import bands_of

@@ -7,7 +7,7 @@ import pytest
 import pmmkit as pk
 from pmmkit.actions import action
 from pmmkit.reduction import reduce_campaign
-from pmmkit.views import derivatives_page, sailed_page
+from pmmkit.views import page_of
 from pmmkit.workbench import WorkbenchState
 from pmmkit.workbench.commands import command_lines
 from pmmkit.workbench.saved import model_file
@@ -28,9 +28,9 @@ def test_a_base_by_force_is_marked_wherever_the_page_sails_it(tmp_path):
     assert ODD in base.not_usable
     (made, *_) = command_lines(WorkbenchState(campaign=str(folder), model=""), place, action)
     assert "--force" in made["line"]
-    page = sailed_page(base, "turning", speed=1.5, rudder_deg=35.0)
+    page = page_of(base, "turning", speed=1.5, rudder_deg=35.0)
     assert base.not_usable in page["unsettled"]
     assert {item["passed"] for item in page["verdicts"]} == {None}
-    told = derivatives_page(reduce_campaign(pk.open_campaign(folder), executor=1))
+    told = page_of(reduce_campaign(pk.open_campaign(folder), executor=1))
     assert told["use"] == "not usable"
     assert any(ODD in text for text in told["reasons"])

@@ -15,9 +15,9 @@ from pmmkit import begin, compare, open_campaign
 from pmmkit.models import load_model
 from pmmkit.simulation import simulate
 from pmmkit.validation.statistics import STATISTICS
-from pmmkit.views import BUCKETS, fall_page, misfit_page, missing_page, sailed_page, trials_page
+from pmmkit.views import page_of, trials_page
 from pmmkit.views.pages.history import history_page
-from pmmkit.views.pages.numbers import short, thinned
+from pmmkit.views.pages.numbers import BUCKETS, short, thinned
 from tests.support.uncoupled import uncoupled
 
 
@@ -53,7 +53,7 @@ def session(bare, campaign):
 
 @pytest.fixture(scope="module")
 def missing(session):
-    return missing_page(session, session.diagnose())
+    return page_of(session.diagnose(), session)
 
 
 def summed(labels, values, theta):
@@ -69,7 +69,7 @@ def summed(labels, values, theta):
 @pytest.mark.parametrize("kind", ["comparison", "sailed"])
 def test_the_map_holds_every_row_of_the_comparison(kind, request):
     comparison = request.getfixturevalue(kind)
-    page = misfit_page(comparison)
+    page = page_of(comparison)
     shown = {
         (row["run"], channel): cell
         for group in page["groups"]
@@ -93,7 +93,7 @@ def test_the_map_holds_every_row_of_the_comparison(kind, request):
 @pytest.mark.parametrize("kind", ["comparison", "sailed"])
 def test_console_file_and_page_tell_the_same_statistics(kind, request):
     comparison = request.getfixturevalue(kind)
-    page = misfit_page(comparison)
+    page = page_of(comparison)
     head = next(line for line in str(comparison).splitlines() if "channel, test" in line)
     for item in STATISTICS:
         assert item.title in head
@@ -104,7 +104,7 @@ def test_console_file_and_page_tell_the_same_statistics(kind, request):
 @pytest.mark.slow
 def test_a_sentence_leads_to_the_runs_that_stand_out(comparison):
     """Of each sentence a run and channel of the map that errs by more than it may."""
-    page = misfit_page(comparison)
+    page = page_of(comparison)
     shown = {row["run"]: row["cells"] for group in page["groups"] for row in group["rows"]}
     tests = {item.view.run.id: item.view.run.test for item in comparison.captive}
     assert page["sentences"]
@@ -117,7 +117,7 @@ def test_a_sentence_leads_to_the_runs_that_stand_out(comparison):
 
 @pytest.mark.slow
 def test_a_sentence_on_a_measure_leads_to_the_records_that_it_joins(sailed):
-    page = misfit_page(sailed)
+    page = page_of(sailed)
     shown = {row["run"] for group in page["groups"] for row in group["rows"]}
     assert page["sentences"]
     for sentence in page["sentences"]:
@@ -188,7 +188,7 @@ def test_an_overlay_is_what_adding_the_effect_does(missing, session, bare, campa
 
 @pytest.mark.slow
 def test_the_waterfall_tells_the_errors_of_the_session(session):
-    page = fall_page(session.add("yaw_sway_coupling").fall())
+    page = page_of(session.add("yaw_sway_coupling").fall())
     assert [step["step"] for step in page["steps"]] == ["base", "yaw_sway_coupling"]
     assert page["steps"][1]["error"] < page["steps"][0]["error"]
     assert page["steps"][1]["level"] > 0.0
@@ -197,7 +197,7 @@ def test_the_waterfall_tells_the_errors_of_the_session(session):
 @pytest.mark.slow
 def test_a_turn_is_that_of_the_simulator_in_ship_lengths():
     model = load_model("kvlcc2")
-    page = sailed_page(model, "turning", speed=7.97, rudder_deg=35.0)
+    page = page_of(model, "turning", speed=7.97, rudder_deg=35.0)
     track = simulate(model, "turning", speed=7.97, rudder_deg=35.0, compiled=False)
     found = {item["name"]: item["value"] for item in page["metrics"]}
     assert found["advance_L"] == pytest.approx(track.metrics["advance_L"], rel=1e-4)

@@ -9,7 +9,7 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.presentation import WIDE, plus_minus
-from pmmkit.views import derivatives_page
+from pmmkit.views import page_of
 from pmmkit.views.pages.missing import coefficients_page
 
 
@@ -23,7 +23,7 @@ def test_a_derivative_is_told_as_in_the_table(reduction, share):
     """With a hundred-thousandth of its uncertainty both ends of an interval have five digits
     alike."""
     table = reduction.table.with_(covariance=share**2 * reduction.table.covariance)
-    page = derivatives_page(replace(reduction, table=table))
+    page = page_of(replace(reduction, table=table))
     told = {row["name"]: [item["told"] for item in row["values"]] for row in page["rows"]}
     grid = {row[0]: row[1:] for group in table.grid().groups for row in group.rows}
     assert told == grid

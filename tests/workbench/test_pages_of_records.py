@@ -14,7 +14,7 @@ from pmmkit.campaigns import Settings
 from pmmkit.identification import Prior
 from pmmkit.simulation import bands_of
 from pmmkit.validation import FreeRun
-from pmmkit.views import missing_page
+from pmmkit.views import page_of
 from pmmkit.views.pages.records import record_page
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
 
@@ -50,7 +50,7 @@ def found(session):
 
 @pytest.fixture(scope="module")
 def page(session, found):
-    return missing_page(session, found)
+    return page_of(found, session)
 
 
 def shares(page):

@@ -8,8 +8,8 @@ from strange_tank import ANSWERS, write_files
 
 from pmmkit import open_campaign
 from pmmkit.base import DataError
-from pmmkit.intake import DraftAnswers, drafted, examine
-from pmmkit.views import record_page_of, runs_page
+from pmmkit.intake import DraftAnswers, examine
+from pmmkit.views import page_of
 from pmmkit.views.pages import runs
 from pmmkit.workbench.windows import drawn, taken_back
 
@@ -46,7 +46,7 @@ def turn(tmp_path):
 @pytest.fixture
 def strange(tmp_path):
     write_files(tmp_path)
-    found = drafted(DraftAnswers(folder=tmp_path, answers=ANSWERS))
+    found = DraftAnswers(folder=tmp_path, answers=ANSWERS).drafted()
     (tmp_path / "campaign.toml").write_text(found.text, encoding="utf-8")
     return tmp_path
 
@@ -57,7 +57,7 @@ def test_a_free_record_is_trimmed_and_still_seen_whole(turn):
     campaign = open_campaign(turn)
     assert "rudder_deg = 20.0   # ordered" in text
     assert float(campaign["T[1]"].data["t"].max()) == pytest.approx(125.0)
-    page = record_page_of(campaign, "T[1]", [])
+    page = page_of(campaign, [], run="T[1]")
     assert (page["begin"], page["seconds"]) == (100.0, 59.9)
     assert page["window"] == pytest.approx([5.0, 25.05])
     assert page["stated"]["reason"] == "the rest was lost"
@@ -76,10 +76,10 @@ def test_a_gauge_at_its_end_is_marked_where_it_stood(strange):
     np.savetxt(file, rows, delimiter=",", header=head, comments="", fmt="%.6g")
     campaign = open_campaign(strange)
     findings = [item.to_dict() for item in examine(campaign)]
-    page = record_page_of(campaign, "run003", findings)
+    page = page_of(campaign, findings, run="run003")
     marks = [mark for mark in page["marks"] if mark["channel"] == "Y"]
     assert (15.0, 18.9) in [(mark["from"], mark["to"]) for mark in marks]
-    other = record_page_of(campaign, "run001", findings)
+    other = page_of(campaign, findings, run="run001")
     assert [mark for mark in other["marks"] if mark["channel"] == "Y"] == []
 
 
@@ -87,7 +87,7 @@ def test_a_run_that_cannot_be_read_leaves_the_others(strange):
     campaign = open_campaign(strange)
     file = strange / "run002.csv"
     file.write_text(file.read_text("utf-8").replace("Fy (N)", "Fq (N)"), encoding="utf-8")
-    first, second, third = runs_page(campaign, 0, [])["runs"]
+    first, second, third = page_of(campaign, [])["runs"]
     assert "Fy (N)" in second["error"]
     assert first["channels"]
     assert third["window"]
@@ -96,10 +96,10 @@ def test_a_run_that_cannot_be_read_leaves_the_others(strange):
 def test_a_large_file_is_read_on_asking_and_where_there_is_room(strange, monkeypatch):
     campaign = open_campaign(strange)
     monkeypatch.setattr(runs, "LARGE", 1000)
-    card = runs_page(campaign, 0, [])["runs"][0]
+    card = page_of(campaign, [])["runs"][0]
     assert (card["channels"], card["large"] > 1000) == ([], True)
-    assert record_page_of(campaign, "run001", [])["channels"]
+    assert page_of(campaign, [], run="run001")["channels"]
     monkeypatch.setattr(runs, "MEMORY", 1e12)
-    assert "memory" in record_page_of(campaign, "run001", [])["error"]
+    assert "memory" in page_of(campaign, [], run="run001")["error"]
     with pytest.raises(DataError, match="no run"):
-        record_page_of(campaign, "other", [])
+        page_of(campaign, [], run="other")

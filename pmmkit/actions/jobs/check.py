@@ -61,7 +61,7 @@ def _files(findings: Sequence[CheckFinding]) -> Iterator[tuple[str, str]]:
 
 def _text(findings: Sequence[CheckFinding]) -> str:
     """Findings of the checks for people."""
-    from pmmkit.intake import name_runs, zeros_grid
+    from pmmkit.intake import name_runs
 
     if not findings:
         return "The checks found nothing to say."
@@ -71,6 +71,6 @@ def _text(findings: Sequence[CheckFinding]) -> str:
         lines = [f"{item.severity.upper()} {item.check}{where}", f"  {item.message}"]
         if item.remedy:
             lines.append(f"  {item.remedy}")
-        lines += [f"  {line}" for line in zeros_grid(item).lines()] if item.by_run else []
+        lines += [f"  {line}" for line in item.grid().lines()] if item.by_run else []
         blocks.append("\n".join(lines))
     return "\n".join(blocks)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.actions.outcome import Outcome, marked, warned, written
-from pmmkit.actions.places import results_folder
+from pmmkit.actions.places import figure_files, results_folder
 from pmmkit.actions.sea import Carried, WaveSettings, carried, new_notes
 from pmmkit.actions.setting import SettingError, setting, settings
 from pmmkit.actions.shared import Data, Figures, Out
@@ -124,11 +124,11 @@ def _written(
     notes: Sequence[str] = (),
 ) -> Outcome:
     """The results of a comparison in their folder."""
-    from pmmkit.views import write_comparison
+    from pmmkit.views import write_report
 
     content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
     # A page is a map of runs: manoeuvres of a submission are told by their measures alone.
-    page = [("report.html", partial(write_comparison, found, findings=findings))]
+    page = [("report.html", partial(write_report, found, findings=findings))]
     if not (found.captive or found.free):
         page = []
     results = (*_files(found, content, drawn), *page)
@@ -138,7 +138,6 @@ def _written(
 
 
 def _files(found: Comparison, content: Mapping[str, Any], drawn: bool) -> Iterator[tuple[str, Any]]:
-    from pmmkit.plotting import figure_files
     from pmmkit.validation import errors_in_percent, measures_in_percent
     from pmmkit.views import comparison_figures
 

@@ -132,7 +132,7 @@ def _of_captive_tests(
 ) -> _Answer:
     from pmmkit.diagnosis import begin
     from pmmkit.effects import own_effects
-    from pmmkit.views import loop_of, write_diagnosis
+    from pmmkit.views import Loop, write_report
 
     session = begin(
         job.model,
@@ -143,9 +143,9 @@ def _of_captive_tests(
     )
     for effect in given:
         session = session.add(effect, "known to be there")
-    loop = loop_of(session, job.model)
+    loop = Loop.of(session, job.model)
     count = len(campaign.runs)
-    page = partial(write_diagnosis, loop, title=campaign.title, runs=count, findings=checked)
+    page = partial(write_report, loop, title=campaign.title, runs=count, findings=checked)
     return _Answer(
         found=loop.diagnosis,
         content={"model": job.model},
@@ -165,7 +165,7 @@ def _of_records(
 ) -> _Answer:
     from pmmkit.diagnosis import begin
     from pmmkit.models import load_model
-    from pmmkit.views import write_free_diagnosis
+    from pmmkit.views import write_report
 
     model = load_model(job.model)
     used, kept = job.records.chosen(campaign, model)
@@ -179,7 +179,7 @@ def _of_records(
         **job.records.settings(kept),
     )
     found = session.diagnose()
-    page = partial(write_free_diagnosis, found, session, title=campaign.title, findings=checked)
+    page = partial(write_report, found, session=session, title=campaign.title, findings=checked)
     errors = {name: dict(row) for name, row in found.errors.items()}
     return _Answer(
         found=found,

@@ -232,7 +232,7 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
     from pmmkit.identification import Posterior, PredictedWindow
     from pmmkit.models import save_model
     from pmmkit.plotting import save
-    from pmmkit.views import innovation_figure, parameter_histories, window_figure
+    from pmmkit.views import filter_figures, window_figure
 
     found, records = work.found, work.used.records
     yield "identified.csv", found.parameters()
@@ -246,10 +246,8 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
     yield "parameters.svg", partial(save, found.plot())
     for name in work.tests:
         detail = found.found[name].detail
-        drawn = parameter_histories(detail, records, found.model.convention)
-        yield f"history_{name}.svg", partial(save, drawn)
-        drawn = innovation_figure(detail, records)
-        yield f"innovations_{name}.svg", partial(save, drawn)
+        for kind, drawn in filter_figures(detail, records, found.model.convention).items():
+            yield f"{kind}_{name}.svg", partial(save, drawn)
     for item in found.found.values():
         if isinstance(item.detail, Posterior):
             yield "posterior.nc", item.detail.write

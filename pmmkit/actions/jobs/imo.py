@@ -59,7 +59,7 @@ def imo(job: ImoSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.models import load_model
     from pmmkit.simulation import imo_verdicts, verdict_sections
-    from pmmkit.views import PAGE, form_files, form_of_model, read_stated
+    from pmmkit.views import form_of_model, read_stated
 
     folder = results_folder(job.out, f"{stem(job.model)}-imo")
     loaded = load_model(job.model)
@@ -81,12 +81,13 @@ def imo(job: ImoSettings) -> Outcome:
     )
     rows = [item.to_dict() for item in found]
     filled = form_of_model(loaded, found, speed=pace, stated=stated, depth=job.depth)
-    results = [("imo.json", rows), ("imo.csv", _table(found)), *form_files(filled)]
+    results = [("imo.json", rows), ("imo.csv", _table(found)), *filled.files()]
     lines = [
         f"{loaded.name}, {pace:g} m/s (Fn {loaded.ship.froude(pace, loaded.water.g):.3f})",
         text_of(verdict_sections(found)),
         "",
-        f"Form: {folder / PAGE}, with {counted(len(filled.not_supplied), 'field')} not supplied",
+        f"Form: {folder / filled.PAGE}, with "
+        f"{counted(len(filled.not_supplied), 'field')} not supplied",
     ]
     return marked(written(folder, results, {"verdicts": rows}, lines), loaded)
 

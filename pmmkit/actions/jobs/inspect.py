@@ -29,31 +29,28 @@ class InspectSettings:
 
 def inspect(job: InspectSettings) -> Outcome:
     """Do what is asked."""
-    from pmmkit.intake import look, look_content, look_lines
+    from pmmkit.intake import look
 
     if job.out:
         check_folder(job.out)
     found = look(job.path)
-    lines = look_lines(found)
+    lines = found.lines()
     files = [str(job.out / name) for name in _write(found, job.out)] if job.out else []
     lines += [f"Written: {file}" for file in files]
     if found.groups and not any(item.file == "campaign.toml" for item in found.campaigns):
         folder = job.path if job.path.is_dir() else job.path.parent
         lines += ["", f"Next: pmmkit new-campaign {quoted(folder)}"]
-    return Outcome(
-        content={"path": str(job.path), **look_content(found), "files": files}, lines=lines
-    )
+    return Outcome(content={"path": str(job.path), **found.to_dict(), "files": files}, lines=lines)
 
 
 def _write(found: Look, out: Path) -> list[str]:
     from pmmkit.files import write_results
-    from pmmkit.intake import columns_csv
     from pmmkit.plotting import save
     from pmmkit.views import first_look
 
     results: list[tuple[str, Any]] = []
     if found.groups:
-        results.append(("inspect.csv", columns_csv(found)))
+        results.append(("inspect.csv", found.columns_csv()))
     if figure := first_look(found):
         results.append(("inspect.png", partial(save, figure)))
     return write_results(out, results)

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from pmmkit.actions.outcome import Outcome
 from pmmkit.actions.setting import setting, settings
 from pmmkit.presentation import quoted
-
-if TYPE_CHECKING:
-    from pmmkit.intake import Draft
-
 
 EXAMPLE: Final = "pmmkit new-campaign my-files --ship s175"
 
@@ -33,7 +29,7 @@ def new_campaign(job: NewCampaignSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.base import FileExists
     from pmmkit.files import CAMPAIGN, write_text
-    from pmmkit.intake import draft_of, proposed, written
+    from pmmkit.intake import campaign_draft, written
 
     beside = job.folder if job.folder.is_dir() or not job.folder.exists() else job.folder.parent
     target = beside / CAMPAIGN.file if job.out is None else job.out
@@ -41,7 +37,7 @@ def new_campaign(job: NewCampaignSettings) -> Outcome:
         target = target / CAMPAIGN.file
     if target.exists() and not job.force:
         raise FileExists(f"{target} is there: it was not replaced. Name another --out, or --force.")
-    draft = proposed(draft_of(job.folder, target, ship=job.ship, sheet=job.sheet), target)
+    draft = campaign_draft(job.folder, target, ship=job.ship, sheet=job.sheet)
     text = written(draft)
     try:
         write_text(target, text.text)
@@ -51,7 +47,7 @@ def new_campaign(job: NewCampaignSettings) -> Outcome:
         ) from error
     saved = sum(len(campaign) for _, campaign in draft.saved)
     count = saved + len(draft.runs) + len(draft.tables)
-    lines = [f"{target}: {_counted(draft)}; {text.complete} of {count} entries need nothing more."]
+    lines = [f"{target}: {draft.words}; {text.complete} of {count} entries need nothing more."]
     if draft.look.passed_over:
         lines.append(f"{draft.look.passed_over} more files were not looked at.")
     lines += ["", "For you to say or to check (TODO in the file):"]
@@ -79,10 +75,3 @@ def new_campaign(job: NewCampaignSettings) -> Outcome:
         "next": command,
     }
     return Outcome(content=content, lines=lines)
-
-
-def _counted(draft: Draft) -> str:
-    parts = [f"{len(draft.runs)} histories"] if draft.runs else []
-    parts += [f"{len(draft.tables)} tables"] if draft.tables else []
-    parts += [f"{len(campaign)} runs of {file}" for file, campaign in draft.saved]
-    return f"a {draft.kind} campaign of {', '.join(parts)}"

@@ -171,7 +171,7 @@ def _at_one_depth(
     from pmmkit.base import shown
     from pmmkit.files import MODEL
     from pmmkit.reduction import reduce_campaign, resumable
-    from pmmkit.views import changes, loop_of, write_reduction
+    from pmmkit.views import Loop, write_reduction
 
     with resumable(out) as kept:
         with shown() as progress:
@@ -187,7 +187,7 @@ def _at_one_depth(
 
             say(f"Diagnosing what the structure {lacking} lacks ...")
             base = f"one set of derivatives ({lacking}) over all speeds"
-            loop = loop_of(begin(lacking, opened), base, rounds=ROUNDS)
+            loop = Loop.of(begin(lacking, opened), base, rounds=ROUNDS)
         say("Writing tables, figures and the report ...")
         files = write_reduction(found, out, model=model, reference=beside, turns=turns, loop=loop)
     judged = found.verdict
@@ -209,7 +209,7 @@ def _at_one_depth(
         "model": MODEL.file if model else None,
         "model_lacks": why,
         "turns": [dict(track.metrics, Fn=track.Fn) for track in turns.tracks] if turns else [],
-        "changes": changes(turns.tracks) if turns else {},
+        "changes": turns.changes if turns else {},
         "diagnosis": loop.diagnosis.to_dict() if loop else None,
     }
     lines = [*_words(found, beside, turns, why), *_missing(loop), "", f"Results: {out.resolve()}"]
@@ -258,13 +258,13 @@ def _turns(
 ) -> tuple[Turns | None, list[str]]:
     """Turning circles, or why there are none."""
     from pmmkit.base import PmmkitError
-    from pmmkit.views import turns_of
+    from pmmkit.views import Turns
 
     if model is None or model.lacking:
         return None, []
     tested = sorted({round(item.froude, 4) for item in found.runs})
     try:
-        turns = turns_of(model, tested, beside)
+        turns = Turns.of(model, tested, beside)
     except PmmkitError as error:
         return None, [f"No turning circle: {words_of(error)}"]
     return turns, [f"No turning circle: {text}" for text in turns.failed]
@@ -344,9 +344,8 @@ def turn_table(turns: Turns) -> str:
     """The measures of the turning circle in plain text."""
     from pmmkit.presentation import fixed, percent
     from pmmkit.simulation import LENGTHS
-    from pmmkit.views import changes
 
-    moved = changes(turns.tracks)
+    moved = turns.changes
     rows = [
         [
             name.replace("_L", " / L").replace("_", " "),

@@ -60,7 +60,7 @@ def report(job: ReportSettings) -> Outcome:
     from pmmkit.base import DataError, shown
     from pmmkit.campaigns import open_campaign
     from pmmkit.reduction import reduce_campaign
-    from pmmkit.views import captive_document, check_target, write_document
+    from pmmkit.views import captive_document, check_target, write_report
 
     ending = job.to if job.to else "docx" if job.template and job.output is None else "html"
     target = results_file(job.output, f"{stem(job.campaign)}-report.{ending}", read=[job.template])
@@ -84,7 +84,7 @@ def report(job: ReportSettings) -> Outcome:
         )
     say("Writing the report ...")
     made = captive_document(found, standard=job.standard)
-    file = write_document(made, target, template=job.template)
+    file = write_report(made, target, template=job.template)
     judged = found.verdict
     missing = [
         {"chapter": place, "item": item.what, "key": item.supply} for place, item in made.missing

@@ -180,10 +180,10 @@ def seakeeping(job: SeakeepingSettings) -> Outcome:
         *(measured.files(figures=job.figures) if measured else ()),
     )
     if job.figures:
-        from pmmkit.views import write_seakeeping
+        from pmmkit.views import write_report
 
         page = partial(
-            write_seakeeping,
+            write_report,
             found,
             added=added,
             responses=answers,

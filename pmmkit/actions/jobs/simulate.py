@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from pmmkit.actions.outcome import Outcome, marked, written
-from pmmkit.actions.places import results_folder
+from pmmkit.actions.places import figure_files, results_folder
 from pmmkit.actions.sea import WAVES, WaveSettings, carried, first_order, new_notes
 from pmmkit.actions.setting import SettingError, setting, settings
 from pmmkit.actions.shared import (
@@ -119,8 +119,6 @@ def simulate(job: SimulateSettings) -> Outcome:
         results.append(("wave_motion.csv", moved.to_pandas()))
         drawn |= {"wave_motion": moved.plot()} if job.figures else {}
     if drawn:
-        from pmmkit.plotting import figure_files
-
         results += figure_files(drawn, "svg")
     verdicts = imo_turning(track) if track.manoeuvre == "turning" else []
     judged = [text_of(verdict_sections(verdicts)), ""] if verdicts else []

@@ -52,7 +52,7 @@ def trial(job: TrialSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.identification import evaluate_trials
     from pmmkit.simulation import SOURCE
-    from pmmkit.views import PAGE, form_files, form_of_trials, read_stated
+    from pmmkit.views import form_of_trials, read_stated
 
     velocity = numbers(job.current)
     if velocity is not None and len(velocity) != 2:
@@ -88,8 +88,8 @@ def trial(job: TrialSettings) -> Outcome:
         lines += ["", text_of([table])]
     lines += warned(findings)
     missing = counted(len(filled.not_supplied), "field")
-    lines += ["", f"Form: {folder / PAGE}, with {missing} not supplied"]
-    return written(folder, chain(_files(found, content), form_files(filled)), content, lines)
+    lines += ["", f"Form: {folder / filled.PAGE}, with {missing} not supplied"]
+    return written(folder, chain(_files(found, content), filled.files()), content, lines)
 
 
 def _loaded(

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from pmmkit.actions.outcome import Outcome, marked, written
-from pmmkit.actions.places import results_folder
+from pmmkit.actions.places import figure_files, results_folder
 from pmmkit.actions.setting import setting, settings
 from pmmkit.actions.shared import (
     Depth,
@@ -53,7 +53,7 @@ def uncertainty(job: UncertaintySettings) -> Outcome:
     from pmmkit.base import UnknownNameError, shown
     from pmmkit.conventions import main_of
     from pmmkit.models import load_model
-    from pmmkit.plotting import figure_files, save
+    from pmmkit.plotting import save
     from pmmkit.simulation import SHIPS, SHOWN, bands_of, monte_carlo, sensitivities
 
     folder = results_folder(job.out, f"{stem(job.model)}-uncertainty")

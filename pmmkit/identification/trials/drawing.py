@@ -15,7 +15,6 @@ from pmmkit.plotting import (
     canvas,
     colour,
     dimension,
-    guide,
     legend_below,
     open_mark,
     styled,
@@ -220,9 +219,13 @@ def _turn_lines(axis: Axes, trial: _Trial) -> None:
     quarter = (side * found["transfer"], found["advance"])
     axis.plot(*quarter, ls="", marker="D", ms=5, color=colour(0), label="90°", zorder=4)
     beyond = -0.35 * side
-    guide(axis, quarter, (beyond, quarter[1]))
     dimension(
-        axis, (beyond, 0.0), (beyond, quarter[1]), f"advance {found['advance']:.2f} L", upright=True
+        axis,
+        (beyond, 0.0),
+        (beyond, quarter[1]),
+        f"advance {found['advance']:.2f} L",
+        upright=True,
+        guides=[(quarter, (beyond, quarter[1]))],
     )
     dimension(
         axis,
@@ -230,9 +233,8 @@ def _turn_lines(axis: Axes, trial: _Trial) -> None:
         (quarter[0], quarter[1] + 0.3),
         f"transfer {found['transfer']:.2f} L",
         upright=False,
+        guides=[((at, quarter[1]), (at, quarter[1] + 0.35)) for at in (0.0, quarter[0])],
     )
-    for at in (0.0, quarter[0]):
-        guide(axis, (at, quarter[1]), (at, quarter[1] + 0.35))
     if math.isnan(found["tactical_diameter"]):
         return
     level = float(np.interp(trial.metrics["time_180"], trial.t, trial.x)) / trial.L
@@ -253,8 +255,14 @@ def _stop_lines(axis: Axes, trial: _Trial) -> None:
         return
     open_mark(axis, aside, head, "stopped", marker="D")
     beyond = -0.5 if aside >= 0 else 0.5
-    guide(axis, (aside, head), (beyond, head))
-    dimension(axis, (beyond, 0.0), (beyond, head), f"head reach {head:.2f} L", upright=True)
+    dimension(
+        axis,
+        (beyond, 0.0),
+        (beyond, head),
+        f"head reach {head:.2f} L",
+        upright=True,
+        guides=[((aside, head), (beyond, head))],
+    )
     axis.annotate(
         f"lateral deviation {aside:+.2f} L\ntrack reach {trial.metrics['track_reach_L']:.2f} L",
         (aside, head),

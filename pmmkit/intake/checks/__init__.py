@@ -23,7 +23,7 @@ from pmmkit.base import (
 from pmmkit.campaigns import Campaign, Run, bring
 from pmmkit.effects import CATALOGUE
 from pmmkit.intake.checks import gauges, particulars, record
-from pmmkit.intake.checks.finding import Check, CheckFinding, accepted, loudest_first, refuse
+from pmmkit.intake.checks.finding import Check, CheckFinding, accepted, refuse
 from pmmkit.intake.checks.reading import KnownHistory, summarise
 from pmmkit.intake.checks.summary import Summary
 
@@ -34,7 +34,6 @@ __all__ = [
     "KnownHistory",
     "Summary",
     "examine",
-    "loudest_first",
     "refuse",
     "summarise",
 ]
@@ -98,7 +97,7 @@ def examine(
     _known_checks(campaign)
     if summaries is None:
         summaries = _read_all(campaign, executor)
-    return loudest_first(list(_by_depth(campaign, summaries)))
+    return tuple(sorted(_by_depth(campaign, summaries), key=lambda item: item.rank))
 
 
 def _by_depth(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:

@@ -9,7 +9,9 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.base import ContradictionError, Problem
+from pmmkit.conventions import CHANNEL_UNITS, CHANNELS
 from pmmkit.numerics import Array
+from pmmkit.presentation import Grid, Group, with_uncertainty
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign, Correction
@@ -60,6 +62,39 @@ class CheckFinding:
     def __str__(self) -> str:
         where = f" ({name_runs(self.runs)})" if self.runs else ""
         return f"{self.severity}: {self.check}{where}: {self.message}".rstrip()
+
+    @property
+    def rank(self) -> int:
+        """How loud it is: errors first, then warnings, then what is worth knowing."""
+        return SEVERITIES.index(self.severity)
+
+    @property
+    def gauges(self) -> tuple[str, ...]:
+        """The gauges of which it has a number of each run, such as their zeros at rest."""
+        return tuple(x for x in CHANNELS if any(x in own for own in self.by_run.values()))
+
+    def grid(self) -> Grid:
+        """The zeros of each run as a table, in the order of the day."""
+        channels = self.gauges
+        return Grid(
+            head=["run", *(f"{name} at rest [{CHANNEL_UNITS[name]}]" for name in channels)],
+            groups=[
+                Group(
+                    rows=[
+                        [
+                            run,
+                            *(
+                                with_uncertainty(own[name], own[f"{name}_std"])
+                                if name in own
+                                else None
+                                for name in channels
+                            ),
+                        ]
+                        for run, own in self.by_run.items()
+                    ]
+                )
+            ],
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -134,24 +169,6 @@ def refuse(findings: Iterable[CheckFinding]) -> None:
         )
 
 
-def loudest_first(findings: Iterable[CheckFinding]) -> tuple[CheckFinding, ...]:
-    """Errors first, then warnings, then what is worth knowing.
-
-    Parameters
-    ----------
-    findings : iterable of CheckFinding
-        In any order; those of one severity keep it.
-
-    Examples
-    --------
-    >>> quiet = CheckFinding(check="sides", severity="info", message="a little")
-    >>> loud = CheckFinding(check="units", severity="error", message="wrong")
-    >>> [item.severity for item in loudest_first([quiet, loud])]
-    ['error', 'info']
-    """
-    return tuple(sorted(findings, key=lambda item: SEVERITIES.index(item.severity)))
-
-
 def accepted(campaign: Campaign, finding: CheckFinding) -> CheckFinding:
     """The finding, or a remark with the reason where the campaign file accepts it.
 
@@ -184,7 +201,7 @@ def _accepts(item: Correction, finding: CheckFinding) -> bool:
 
 
 def name_runs(ids: Sequence[str], most: int = 4) -> str:
-    """Ids in a short list.
+    """Some `ids` in a short list, at most `most` of them.
 
     Examples
     --------

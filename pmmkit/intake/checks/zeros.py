@@ -12,7 +12,7 @@ import numpy as np
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure, straight_line
 from pmmkit.numerics import Array
-from pmmkit.presentation import WIDE, Grid, Group, with_uncertainty
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
@@ -114,39 +114,6 @@ def examine_zeros(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[
             for item in seen
         },
     )
-
-
-def zeros_grid(finding: CheckFinding) -> Grid:
-    """The zeros of each run as a table, in the order of the day.
-
-    Parameters
-    ----------
-    finding : CheckFinding
-        Of `examine_zeros`.
-    """
-    channels = zero_channels(finding)
-    return Grid(
-        head=["run", *(f"{name} at rest [{CHANNEL_UNITS[name]}]" for name in channels)],
-        groups=[
-            Group(
-                rows=[
-                    [
-                        run,
-                        *(
-                            with_uncertainty(own[name], own[f"{name}_std"]) if name in own else None
-                            for name in channels
-                        ),
-                    ]
-                    for run, own in finding.by_run.items()
-                ]
-            )
-        ],
-    )
-
-
-def zero_channels(finding: CheckFinding) -> tuple[str, ...]:
-    """The gauges whose zeros a finding has."""
-    return tuple(x for x in CHANNELS if any(x in own for own in finding.by_run.values()))
 
 
 def _of(name: str, seen: Sequence[Summary], places: dict[str, float]) -> _Zeros | None:

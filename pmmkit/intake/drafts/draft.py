@@ -118,6 +118,14 @@ class Draft:
     particulars: Found = field(default_factory=lambda: MappingProxyType({}))
     proposal: Proposal | None = None
 
+    @property
+    def words(self) -> str:
+        """What it is of, in words."""
+        parts = [f"{len(self.runs)} histories"] if self.runs else []
+        parts += [f"{len(self.tables)} tables"] if self.tables else []
+        parts += [f"{len(campaign)} runs of {file}" for file, campaign in self.saved]
+        return f"a {self.kind} campaign of {', '.join(parts)}"
+
 
 _BODY_MOTION: Final = "postProcessing/sixDoFRigidBodyState"
 _NOT_RUNS: Final = {
@@ -134,28 +142,7 @@ def draft_of(
     choices: Sequence[ColumnChoice] = (),
     sheet: str | None = None,
 ) -> Draft:
-    """What a campaign file for the files of a folder can say.
-
-    Parameters
-    ----------
-    folder : Path
-        Where the files lie, or a single file.
-    target : Path
-        The campaign file that is to be written.
-    ship : str, optional
-        A ship of the library.
-    choices : sequence of ColumnChoice
-        What a person chose of the columns.
-    sheet : str, optional
-        The only sheet of workbooks that is meant.
-
-    Raises
-    ------
-    CampaignError
-        If there are no measurements.
-    UnknownNameError
-        If the library has no such ship.
-    """
+    """What a campaign file for the files of a folder can say."""
     known = _library_ship(ship)
     if not folder.exists():
         raise CampaignError(

@@ -11,8 +11,9 @@ from typing import Final
 from pmmkit.campaigns import TEST_KINDS, Campaign
 from pmmkit.intake.checks.physics import AskedSign, along_tank, asked_signs, inertia_inside
 from pmmkit.intake.checks.summary import Summary
+from pmmkit.intake.drafts.choosing import ColumnChoice
 from pmmkit.intake.drafts.conventions import Proposal, SourceConvention, ranked
-from pmmkit.intake.drafts.draft import Draft, RunDraft
+from pmmkit.intake.drafts.draft import Draft, RunDraft, draft_of
 from pmmkit.intake.drafts.entries import guessed_source
 from pmmkit.intake.drafts.settle import RunKey
 from pmmkit.intake.drafts.trial import knows_speed, summaries_of, trial_campaign
@@ -26,15 +27,41 @@ _RECORDED: Final = {"drift": {"v", "psi"}, "sway": {"v", "y"}, "yaw": {"r", "psi
 _AXES_OF_FORCES: Final = ("forces_in", "moment_centre_moves")
 
 
-def proposed(draft: Draft, target: Path) -> Draft:
-    """The draft with axes and signs that agree with the physics of all of its runs.
+def campaign_draft(
+    folder: Path,
+    target: Path,
+    *,
+    ship: str | None = None,
+    choices: Sequence[ColumnChoice] = (),
+    sheet: str | None = None,
+) -> Draft:
+    """What a campaign file for the files of a folder can say, with axes and signs by the physics.
 
     Parameters
     ----------
-    draft : Draft
-        From `draft_of`.
+    folder : Path
+        Where the files lie, or a single file.
     target : Path
-        Where its campaign file will lie.
+        The campaign file that is to be written.
+    ship : str, optional
+        A ship of the library.
+    choices : sequence of ColumnChoice
+        What a person chose of the columns.
+    sheet : str, optional
+        The only sheet of workbooks that is meant.
+
+    Raises
+    ------
+    CampaignError
+        If there are no measurements.
+    UnknownNameError
+        If the library has no such ship.
+    """
+    return proposed(draft_of(folder, target, ship=ship, choices=choices, sheet=sheet), target)
+
+
+def proposed(draft: Draft, target: Path) -> Draft:
+    """The draft with axes and signs that agree with the physics of all of its runs.
 
     Returns
     -------

@@ -13,9 +13,8 @@ import numpy as np
 from pmmkit.base import CampaignError, Problem
 from pmmkit.intake.blocks import statistic_in
 from pmmkit.intake.file import with_numbers
-from pmmkit.intake.folder import FileGroup, Look
+from pmmkit.intake.folder import FileGroup, Look, block_words
 from pmmkit.intake.seen import Blocks, FileLook, SheetBlock
-from pmmkit.intake.words import block_words
 from pmmkit.numerics import Array
 from pmmkit.readers import READERS, to_number
 

@@ -369,7 +369,7 @@ class DerivativeTable(Described):
         TableError
             If there is nothing to draw over the Froude number.
         """
-        from pmmkit.plotting import over_froude
+        from pmmkit.models.tables.figures import over_froude
 
         if self.pooled:
             raise TableError("A table pooled over all speeds has nothing to draw over Fn.")

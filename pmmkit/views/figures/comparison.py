@@ -14,13 +14,13 @@ from pmmkit.identification import Trial
 from pmmkit.numerics import Array
 from pmmkit.plotting import (
     LIMIT,
-    ORDERED,
     canvas,
+    colour,
     in_powers,
     legend_below,
+    manoeuvre,
     styled,
     trajectory,
-    zigzag,
 )
 from pmmkit.presentation import figure_text
 from pmmkit.signals import design_matrix
@@ -54,7 +54,8 @@ def overlays(sailed: Sequence[Sailed], *, other: str) -> dict[str, Figure]:
     weaves = [item for item in sailed if TEST_KINDS[item[0].manoeuvre].switches]
     if weaves:
         worst = max(weaves, key=_off)
-        found[worst[0].manoeuvre] = zigzag(*_tracks([worst], other))
+        tracks, names = _tracks([worst], other)
+        found[worst[0].manoeuvre] = manoeuvre(tracks, "zigzag", names)["zigzag"]
     return found
 
 
@@ -116,7 +117,7 @@ def _rms(values: Sequence[float]) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-MEASURED, PREDICTED = ORDERED[0], ORDERED[2]
+MEASURED, PREDICTED = colour(0), colour(2)
 FINE: Final = 241
 """Points of a loop."""
 THIN: Final = 400

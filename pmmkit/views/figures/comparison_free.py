@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.inference import COVERAGE
-from pmmkit.plotting import LIMIT, ORDERED, canvas, in_powers, legend_below, styled
+from pmmkit.plotting import LIMIT, canvas, colour, in_powers, legend_below, styled
 from pmmkit.presentation import figure_text
 from pmmkit.validation import FreeRun
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MEASURED, SIMULATED = ORDERED[0], ORDERED[2]
+MEASURED, SIMULATED = colour(0), colour(2)
 
 
 def force_residuals(run: FreeRun) -> Figure:

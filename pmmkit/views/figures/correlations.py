@@ -12,7 +12,7 @@ from pmmkit.base import TableError
 from pmmkit.conventions import CHANNELS
 from pmmkit.models import DerivativeTable
 from pmmkit.numerics import Array
-from pmmkit.plotting import INK, canvas, styled, symbol
+from pmmkit.plotting import INK, canvas, styled
 from pmmkit.presentation import counted
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def correlations(table: DerivativeTable, Fn: float | None = None) -> Figure:
         axis = figure.subplots()
         picture = axis.imshow(matrix, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
         axis.grid(visible=False)
-        symbols = [symbol(name, table.convention) for name in names]
+        symbols = [f"${table.convention.latex(name)}$" for name in names]
         axis.set_xticks(range(size), symbols, rotation=90)
         axis.set_yticks(range(size), symbols)
         axis.spines[:].set_visible(False)

@@ -10,16 +10,7 @@ import numpy as np
 from pmmkit.base import TableError
 from pmmkit.conventions import CHANNELS
 from pmmkit.models import DerivativeTable, alike
-from pmmkit.plotting import (
-    REFERENCE,
-    canvas,
-    colour,
-    hatch,
-    in_powers,
-    legend_below,
-    styled,
-    symbol,
-)
+from pmmkit.plotting import REFERENCE, canvas, colour, hatch, in_powers, legend_below, styled
 from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
@@ -98,7 +89,7 @@ def derivative_bars(tables: Mapping[str, DerivativeTable]) -> Figure:
                 _bars(axis, names, table, own, number, len(tables), figure_text(source))
             axis.axhline(0.0, color=REFERENCE, lw=0.8)
             axis.set_xticks(
-                np.arange(len(names)), [symbol(name, first.convention) for name in names]
+                np.arange(len(names)), [f"${first.convention.latex(name)}$" for name in names]
             )
             axis.set_xlim(-0.6, max(len(names), _LEAST) - 0.4)
             axis.grid(visible=False, axis="x")

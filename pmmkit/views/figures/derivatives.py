@@ -11,7 +11,7 @@ from pmmkit.base import TableError
 from pmmkit.conventions import CHANNELS, parse_derivative
 from pmmkit.models import DerivativeTable, compare
 from pmmkit.numerics import Array
-from pmmkit.plotting import REFERENCE, canvas, legend_below, marker, styled, symbol
+from pmmkit.plotting import REFERENCE, canvas, legend_below, marker, styled
 from pmmkit.plotting import colour as colour_style
 from pmmkit.presentation import figure_text
 
@@ -110,7 +110,7 @@ def beside_reference(
                 )
             axis.axvline(1.0, color=REFERENCE, ls="--", lw=1.2, zorder=1)
             axis.set_yticks(
-                np.arange(len(group)), [symbol(name, table.convention) for name in group]
+                np.arange(len(group)), [f"${table.convention.latex(name)}$" for name in group]
             )
             axis.set_ylim(len(group) - 0.4, -0.6)
             axis.set_xlim(limits)

@@ -13,7 +13,7 @@ from pmmkit.effects import Regressors, State
 from pmmkit.inference import std_along
 from pmmkit.models import DerivativeTable
 from pmmkit.numerics import Array
-from pmmkit.plotting import ORDERED, canvas, in_powers, legend_below, marker, styled
+from pmmkit.plotting import canvas, in_powers, legend_below, marker, styled
 from pmmkit.plotting import colour as colour_style
 from pmmkit.presentation import WIDE
 from pmmkit.signals import design_matrix
@@ -178,7 +178,9 @@ def over_a_cycle(cycles: Sequence[Cycle], *, channels: Sequence[str] = ("X", "Y"
                 )
                 order = (len(cycle.coefficients[channel]) - 1) // 2
                 fit = design_matrix(fine, order) @ np.nan_to_num(cycle.coefficients[channel])
-                axis.plot(np.degrees(fine), fit, color=ORDERED[0], label=f"harmonics 0 to {order}")
+                axis.plot(
+                    np.degrees(fine), fit, color=colour_style(0), label=f"harmonics 0 to {order}"
+                )
             axes[0, column].set_title(cycle.title)
             axes[-1, column].set_xlabel("phase θ [deg]")
             axes[-1, column].set_xlim(0, 360)

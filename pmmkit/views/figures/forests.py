@@ -10,18 +10,7 @@ import numpy as np
 from pmmkit.base import TableError
 from pmmkit.models import DerivativeTable, alike, compare
 from pmmkit.numerics import Array
-from pmmkit.plotting import (
-    INK,
-    ORDERED,
-    REFERENCE,
-    beyond,
-    canvas,
-    dash,
-    legend_below,
-    marker,
-    styled,
-    symbol,
-)
+from pmmkit.plotting import INK, REFERENCE, beyond, canvas, dash, legend_below, marker, styled
 from pmmkit.plotting import colour as colour_style
 
 if TYPE_CHECKING:
@@ -86,7 +75,9 @@ def forest(
                 _crosses(axis, (np.array(beside) - zero) / scale, places, reference_name)
             axis.set_xlim(-_LIMIT, _LIMIT)
             axis.set_ylim(float(sizes.sum()), 0.0)
-            axis.set_yticks(tops + sizes / 2, [symbol(name, first.convention) for name in names])
+            axis.set_yticks(
+                tops + sizes / 2, [f"${first.convention.latex(name)}$" for name in names]
+            )
             axis.grid(visible=False, axis="y")
             axis.set_title("all speeds" if first.pooled else f"Fn {froude:.3f}")
         axes[len(axes) // 2].set_xlabel(
@@ -209,7 +200,7 @@ def _bars(
         high.clip(-_LIMIT, _LIMIT),
         color=colour,
         lw=1.4,
-        ls=dash(number // len(ORDERED)),
+        ls=dash(number, rounds=True),
     )
     inside = np.abs(value) <= _LIMIT
     axis.plot(

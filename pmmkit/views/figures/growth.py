@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.conventions import Convention
-from pmmkit.plotting import ORDERED, REFERENCE, canvas, legend_below, styled, symbol
+from pmmkit.plotting import REFERENCE, canvas, colour, legend_below, styled
 from pmmkit.reduction import Growth
 
 if TYPE_CHECKING:
@@ -50,13 +50,13 @@ def growth_over_depth(grown: Sequence[Growth], *, convention: Convention) -> Fig
                 ratio,
                 [*(item.factor for item in own), 1.0],
                 [*(item.half for item in own), 0.0],
-                color=ORDERED[0],
+                color=colour(0),
                 marker="o",
                 lw=1.2,
                 capsize=3,
                 label="measured, 95 % interval",
             )
-            axis.set_title(symbol(name, convention))
+            axis.set_title(f"${convention.latex(name)}$")
             axis.margins(x=0.15, y=0.18)
             axis.locator_params(nbins=4)
         for axis in panels[len(names) :]:

@@ -51,6 +51,26 @@ _AXES: Final = {
 }
 
 
+def filter_figures(
+    found: Filtered, records: Sequence[FreeRecord], convention: Convention | None = None
+) -> dict[str, Figure]:
+    """What a Kalman filter learned and what it left: ``history`` and ``innovations``.
+
+    Parameters
+    ----------
+    found : Filtered
+        Its result.
+    records : sequence of FreeRecord
+        Those it was made from, in their order.
+    convention : Convention, optional
+        Of the derivatives, for their symbols.
+    """
+    return {
+        "history": parameter_histories(found, records, convention),
+        "innovations": innovation_figure(found, records),
+    }
+
+
 def parameter_histories(
     found: Filtered,
     records: Sequence[FreeRecord],
@@ -59,21 +79,8 @@ def parameter_histories(
 ) -> Figure:
     """Parameters as a filter learns them, with their 95 % band, beside the prior.
 
-    Parameters
-    ----------
-    found : Filtered
-        Result of a Kalman filter.
-    records : sequence of FreeRecord
-        Those it was made from, in their order; drawn one after another.
-    convention : Convention, optional
-        Of the derivatives, for their symbols.
-    names : sequence of str, optional
-        Which parameters; all by default.
-
-    Returns
-    -------
-    Figure
-        A small panel a parameter; dotted lines where a new record begins.
+    A small panel a parameter, all of them by default; records are drawn one after another, with
+    dotted lines where a new one begins.
 
     Raises
     ------
@@ -134,20 +141,9 @@ def innovation_figure(
 ) -> Figure:
     """Innovations of one record, normalised, over time, and their autocorrelation.
 
-    Parameters
-    ----------
-    found : Filtered
-        Result of a Kalman filter.
-    records : sequence of FreeRecord
-        Those it was made from.
-    name : str, optional
-        Of a record; by default the longest.
-
-    Returns
-    -------
-    Figure
-        A row per channel. If the filter is right, 95 of 100 points lie between the lines at ±2,
-        and the autocorrelation between those at ±2 over the root of the number of samples.
+    A row per channel, of the longest record by default. If the filter is right, 95 of 100 points
+    lie between the lines at ±2, and the autocorrelation between those at ±2 over the root of the
+    number of samples.
 
     Raises
     ------

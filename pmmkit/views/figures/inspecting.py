@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.intake import ColumnLook, FileGroup, FileLook, Look, sample_of, values_of
+from pmmkit.intake import ColumnLook, FileGroup, FileLook, Look, seen_values
 from pmmkit.numerics import Array
 from pmmkit.plotting import INK, canvas, colour, in_powers, styled, widened
 from pmmkit.presentation import figure_text
@@ -89,8 +88,7 @@ def first_look(found: Look) -> Figure | None:
     if look is None:
         return None
     try:
-        with sample_of(look.path) as sample:
-            values = values_of(replace(look, path=sample.path)).numbers
+        values = seen_values(look).numbers
     except OSError as error:
         raise DataError(f"{look.shown} cannot be read: {error.strerror}.") from error
     clock = look.known.get("t") if look.kind == "history" else None

@@ -9,16 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.numerics import Array
-from pmmkit.plotting import (
-    ORDERED,
-    REFERENCE,
-    WIDTH,
-    canvas,
-    in_powers,
-    legend_below,
-    marker,
-    styled,
-)
+from pmmkit.plotting import REFERENCE, WIDTH, canvas, in_powers, legend_below, marker, styled
 from pmmkit.plotting import colour as colour_style
 from pmmkit.presentation import figure_text
 from pmmkit.signals import design_matrix
@@ -154,7 +145,7 @@ def _cycle(
     scale = prime_scale(run, channel, comparison)
     D = scale * (basis @ run.view.force[channel])
     half = scale * np.sqrt(basis**2 @ run.measurement_uncertainty(channel) ** 2)
-    colour = ORDERED[0]
+    colour = colour_style(0)
     axis.fill_between(
         phase, D - half, D + half, color=colour, alpha=0.25, lw=0, label="$U_D$ about the measured"
     )
@@ -162,7 +153,7 @@ def _cycle(
     axis.plot(
         phase,
         scale * (basis @ run.predicted[channel]),
-        color=ORDERED[2],
+        color=colour_style(2),
         ls="--",
         label=_predicted(comparison),
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -10,19 +9,7 @@ import numpy as np
 from pmmkit.base import DataError
 from pmmkit.campaigns import setting_units
 from pmmkit.conventions import CHANNEL_UNITS, DEGREE_CHANNELS, FORCE_CHANNELS, factor_to
-from pmmkit.intake import (
-    LARGE,
-    CampaignLook,
-    ColumnLook,
-    Drafted,
-    Field,
-    FileGroup,
-    FileLook,
-    clock_words,
-    file_words,
-    sample_of,
-    values_of,
-)
+from pmmkit.intake import LARGE, ColumnLook, Drafted, FileGroup, FileLook, seen_values
 from pmmkit.numerics import Array
 from pmmkit.views.pages.numbers import short, thinned
 
@@ -62,14 +49,16 @@ def files_page(found: Drafted) -> dict[str, Any]:
             {**_group(group), "apart": group.first.shown in found.apart} for group in seen.groups
         ],
         "campaigns": [
-            _campaign(item) for item in seen.campaigns if not item.file.endswith(".toml")
+            {"file": x.file, "title": x.title, "runs": x.runs, "problem": x.problem}
+            for x in seen.campaigns
+            if not x.file.endswith(".toml")
         ],
         "others": {suffix: count for suffix, count in seen.others.items() if suffix != ".toml"},
         "passed_over": seen.passed_over,
         "problems": [str(problem) for problem in seen.problems[:MOST_FILES]],
         "vocabulary": vocabulary(),
         "text": found.text,
-        "fields": [_field(item) for item in found.fields[:MOST_FIELDS]],
+        "fields": [item.to_dict() for item in found.fields[:MOST_FIELDS]],
         "more_fields": max(len(found.fields) - MOST_FIELDS, 0),
         "faults": [str(problem) for problem in found.problems[:MOST_FILES]],
         "new": found.new,
@@ -106,15 +95,14 @@ def _fits(unit: str, own: str) -> bool:
 
 def _group(group: FileGroup) -> dict[str, Any]:
     first = group.first
-    clock = first.clock
     values, times = _numbers(first)
     return {
         "file": first.shown,
         "files": [item.shown for item in group.files[:MOST_FILES]],
         "count": len(group.files),
         "kind": first.kind,
-        "words": file_words(first),
-        "clock": "" if clock is None else clock_words(clock, first.known["t"]),
+        "words": first.words,
+        "clock": first.clock_words,
         "rows": first.rows,
         "sampled": first.sampled,
         "size": first.size,
@@ -128,14 +116,12 @@ def _group(group: FileGroup) -> dict[str, Any]:
 
 def _numbers(look: FileLook) -> tuple[dict[int, Array], Array | None]:
     """Numbers of the columns for their pictures, of a large text those of its parts."""
-    if look.layout is not None and look.size >= LARGE:
-        try:
-            with sample_of(look.path) as sample:
-                numbers = dict(values_of(replace(look, path=sample.path)).numbers)
-        except OSError:
-            numbers = {}
-    else:
-        numbers = dict(values_of(look).numbers)
+    try:
+        numbers = dict(seen_values(look).numbers)
+    except OSError:
+        if look.layout is None or look.size < LARGE:
+            raise
+        numbers = {}
     time = look.known.get("t")
     return numbers, None if time is None else numbers.get(time.position)
 
@@ -166,22 +152,3 @@ def _column(column: ColumnLook, numbers: Array | None, times: Array | None) -> d
         over = times
     kept = thinned({"x": np.where(np.isfinite(numbers), numbers, np.nanmean(numbers))}, PIECES)
     return page | {"t": short(over[kept]), "values": short(numbers[kept])}
-
-
-def _campaign(item: CampaignLook) -> dict[str, Any]:
-    return {"file": item.file, "title": item.title, "runs": item.runs, "problem": item.problem}
-
-
-def _field(item: Field) -> dict[str, Any]:
-    return {
-        "name": item.name,
-        "key": item.key,
-        "run": item.run,
-        "text": item.text,
-        "state": item.state,
-        "guess": item.guess.strip('"') if item.options else item.guess,
-        "why": item.why,
-        "options": list(item.options),
-        "answer": item.answer,
-        "error": item.error,
-    }

@@ -19,18 +19,18 @@ SHOWN: Final = 10
 
 
 def joint_page(
-    session: Session[Together],
     found: Together,
+    session: Session[Together],
     heard: Callable[[float, str], None] = lambda _done, _: None,
 ) -> dict[str, Any]:
     """A diagnosis of several campaigns, with what each candidate would do to each of them.
 
     Parameters
     ----------
+    found : Together
+        Of the session.
     session : Session
         The campaigns and what was added.
-    found : Together
-        Of this session.
     heard : callable
         Is told the share that is done, and of which candidate.
 

@@ -61,8 +61,8 @@ SHOWN: Final = 10
 
 
 def missing_page(
-    session: Session[Diagnosis],
     found: Diagnosis,
+    session: Session[Diagnosis],
     heard: Callable[[float, str], None] = lambda _done, _: None,
     *,
     overlays: bool = True,
@@ -71,10 +71,10 @@ def missing_page(
 
     Parameters
     ----------
+    found : Diagnosis
+        Of the session.
     session : Session[Diagnosis]
         The tests and what was added.
-    found : Diagnosis
-        Of this session.
     heard : callable
         Is told the share that is done, and of which candidate.
     overlays : bool

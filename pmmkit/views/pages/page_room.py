@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any, Final
 
 MOST: Final = 2_700_000
@@ -20,7 +21,15 @@ Answers = dict[str, Any]
 
 
 def asked_of(asked: str, of: int) -> str:
-    """The words by which a page asks of a campaign; of the first it asks as if there were one."""
+    """The words by which a page asks of a campaign; of the first it asks as if there were one.
+
+    Parameters
+    ----------
+    asked : str
+        The words without it.
+    of : int
+        Its place.
+    """
     return f"{asked} {of}" if of else asked
 
 
@@ -59,6 +68,41 @@ def with_runs(
             break
         kept[asked(name)] = page
     return {**answers, **kept}
+
+
+def with_histories(
+    answers: Answers, steps: int, campaigns: int, give: Callable[..., Any]
+) -> Answers:
+    """The answers that have room in a file, with the runs of each campaign, the worst first.
+
+    Parameters
+    ----------
+    answers : dict
+        What is known besides, a map of the runs with the model after each step among it.
+    steps, campaigns : int
+        How many there are.
+    give : callable
+        The page of a run of a campaign: its name, the `buckets` of its record and the place `of`
+        the campaign.
+    """
+    found = fitted(answers)
+    for of in range(campaigns):
+        found = with_runs(
+            found,
+            worst_first(found[asked_of(f"misfit {steps}", of)]),
+            partial(_given, give, of),
+            partial(_asks_run, steps, of),
+            share=1.0 / (campaigns - of),
+        )
+    return found
+
+
+def _given(give: Callable[..., Any], of: int, run: str, buckets: int) -> Any:
+    return give(run, buckets=buckets, of=of)
+
+
+def _asks_run(steps: int, of: int, run: str) -> str:
+    return asked_of(f"run {run} {steps}", of)
 
 
 def worst_first(misfit: Mapping[str, Any]) -> list[str]:

@@ -28,21 +28,27 @@ MOST: Final = 6
 """Pictures of a run."""
 MEMORY: Final = 4.0
 """Memory that a text file takes when it is read, over its size; 3.7 was seen."""
-CUTS: Final = {"captive": "window", "free-running": "trim"}
-"""Correction by which the campaign file states what counts of a record."""
 
 
-def runs_page(campaign: Campaign, first: int, findings: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Some of the runs of a campaign.
+def runs_page(
+    campaign: Campaign,
+    findings: Sequence[dict[str, Any]],
+    *,
+    first: int = 0,
+    run: str | None = None,
+) -> dict[str, Any]:
+    """Some of the runs of a campaign, or one in full, to look at and to draw its window.
 
     Parameters
     ----------
     campaign : Campaign
         The tests.
-    first : int
-        Place of the first run.
     findings : sequence of dict
         What the checks said.
+    first : int
+        Place of the first run.
+    run : str, optional
+        Id of the one that is shown in full.
 
     Returns
     -------
@@ -50,45 +56,27 @@ def runs_page(campaign: Campaign, first: int, findings: Sequence[dict[str, Any]]
         ``total``, ``first``, ``excluded`` (run and reason), and ``runs``: title, settings, source,
         what the checks say of it, ``channels`` with unit and picture, ``window`` of the record
         that counts, or the ``error`` for which it cannot be read; of a large file its ``large``
-        size [bytes] alone.
-    """
-    return {
-        "total": len(campaign.runs),
-        "first": first,
-        "excluded": [{"run": run.id, "reason": reason} for run, reason in campaign.excluded],
-        "runs": [
-            _shown(run, campaign, findings, PIECES, MOST)
-            for run in campaign.runs[first : first + AT_ONCE]
-        ],
-    }
-
-
-def record_page_of(
-    campaign: Campaign, run_id: str, findings: Sequence[dict[str, Any]]
-) -> dict[str, Any]:
-    """One run in full, to look at and to draw its window.
-
-    Parameters
-    ----------
-    campaign, findings
-        As for `runs_page`.
-    run_id : str
-        Its id.
-
-    Returns
-    -------
-    dict
-        As a run of `runs_page` has it, with all channels more finely and ``edges`` of cycles.
+        size [bytes] alone. One run has all channels more finely, and ``edges`` of cycles.
 
     Raises
     ------
     DataError
         If there is no such run.
     """
-    run = next((x for x in campaign.runs if x.id == run_id), None)
-    if run is None:
-        raise DataError(f"There is no run {run_id!r}.")
-    return _shown(run, campaign, findings, BUCKETS, len(CHANNELS), large=True)
+    if run is not None:
+        found = next((x for x in campaign.runs if x.id == run), None)
+        if found is None:
+            raise DataError(f"There is no run {run!r}.")
+        return _shown(found, campaign, findings, BUCKETS, len(CHANNELS), large=True)
+    return {
+        "total": len(campaign.runs),
+        "first": first,
+        "excluded": [{"run": run.id, "reason": reason} for run, reason in campaign.excluded],
+        "runs": [
+            _shown(item, campaign, findings, PIECES, MOST)
+            for item in campaign.runs[first : first + AT_ONCE]
+        ],
+    }
 
 
 def _shown(
@@ -143,13 +131,14 @@ def _shown(
     page["channels"] = [_channel(name, t, values, pieces) for name, values in columns.items()]
     page |= {"begin": short(t[0]), "seconds": short(t[-1] - t[0]), "samples": len(t)}
     page["marks"] = marks_of(t, columns, own, steady=not run.dynamic)
-    stated = _stated(run, CUTS[campaign.kind])
+    entry = window_entry(campaign, run.id)
+    stated = _stated(run, entry["action"])
     page["stated"] = (
         None
         if stated is None
         else {
             "reason": stated.reason,
-            "alone": stated.runs == (literal(run.id),),
+            "alone": stated.runs == tuple(entry["runs"]),
             "window": _ends(stated, t),
         }
     )
@@ -160,9 +149,18 @@ def _shown(
     return page | counted | {"marks": [*page["marks"], *counted.get("marks", ())]}
 
 
-def literal(run_id: str) -> str:
-    """A run's id as the campaign file names that run alone."""
-    return "".join(f"[{char}]" if char in "*?[" else char for char in run_id)
+def window_entry(campaign: Campaign, run_id: str) -> dict[str, Any]:
+    """The correction of the campaign file that states what counts of one run alone, without ends.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Captive tests or records that run free.
+    run_id : str
+        The run; its id is written as a pattern that fits nothing else.
+    """
+    alone = "".join(f"[{char}]" if char in "*?[" else char for char in run_id)
+    return {"runs": [alone], "action": "window" if campaign.kind == "captive" else "trim"}
 
 
 def _size(run: Run) -> int:

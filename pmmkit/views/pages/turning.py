@@ -75,8 +75,10 @@ def sailed_page(
     dict
         ``x``, ``y`` [ship lengths], ``t`` [s], ``psi``, ``delta`` [deg], ``speed`` [m/s], ``r``
         [deg/s], ``metrics``, ``verdicts``, ``notes``, ``unsettled`` (why nothing is met or failed)
-        and, where it was asked for and can be told, ``band``.
+        and, where it was asked for and can be told, ``band``; of a spiral as `spiral_page`.
     """
+    if manoeuvre == "spiral":
+        return spiral_page(model, speed=speed)
     track = simulate(model, manoeuvre, speed=speed, compiled=False, **settings)
     page = track_page(track)
     if band and (rivals or model.covariance is not None):

@@ -1,47 +1,52 @@
-"""A reduction as a page: everything that was found, in one HTML file that needs nothing else."""
+"""Results as pages, each one HTML file that needs nothing else; a reduction with all of it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import singledispatch
 from pathlib import Path
+from typing import Any
 
+from pmmkit.diagnosis import Diagnosis
 from pmmkit.files import write_text
 from pmmkit.models import ReferenceTable
 from pmmkit.presentation import Picture, Section, counted, percent
 from pmmkit.reduction import Reduction
+from pmmkit.seakeeping import Rao
+from pmmkit.validation import Comparison
 from pmmkit.views.pages.derivatives import derivatives_page
 from pmmkit.views.pages.page_file import page_file, state_of
 from pmmkit.views.pages.page_room import Answers
 from pmmkit.views.pages.sections import PageSection, told_page
 from pmmkit.views.pages.turning import track_page
 from pmmkit.views.report import pictures, sections, tables
+from pmmkit.views.report.captive.document import Document
+from pmmkit.views.report.captive.html import write_document
 from pmmkit.views.report.checked import checked_section
-from pmmkit.views.report.loop import Loop, loop_answers
-from pmmkit.views.report.turning import Turns, changes, turning_section
+from pmmkit.views.report.comparison import comparison_answers
+from pmmkit.views.report.free_running import records_answers
+from pmmkit.views.report.loop import Loop, diagnosis_answers, loop_answers
+from pmmkit.views.report.seakeeping import seakeeping_answers
+from pmmkit.views.report.turning import Turns, turning_section
 
 
-def write_report(
-    reduction: Reduction,
-    path: str | Path,
-    *,
-    reference: ReferenceTable | None = None,
-    turns: Turns | None = None,
-    loop: Loop | None = None,
-) -> Path:
-    """Write the report of a reduction as one HTML file: style and figures inside, nothing loaded.
+def write_report(result: Any, path: str | Path, **about: Any) -> Path:
+    """Write the report of a result as one HTML file: style and figures inside, nothing loaded.
 
     Parameters
     ----------
-    reduction : Reduction
-        As `reduce_campaign` gives it.
+    result : Reduction, Comparison, Loop, Diagnosis, Rao or Document
+        What is told: derivatives, a model beside tests, a diagnosis of captive tests or of
+        records, a ship in waves, or a test report.
     path : path
-        File to write, all or nothing.
-    reference : ReferenceTable, optional
-        Values of a source to stand beside ours.
-    turns : Turns, optional
-        Turning circles with the model that was found.
-    loop : Loop, optional
-        What a simpler model of the same runs lacks.
+        File to write, all or nothing; of a test report also ``.docx``, for Word.
+    **about
+        Of a reduction ``reference`` (values of a source to stand beside ours), ``turns``
+        (`Turns` with the model that was found) and ``loop`` (what a simpler model of the same
+        runs lacks). Of a comparison and of both diagnoses ``findings`` of the checks; of these
+        ``title``, of captive tests ``runs`` (how many), of records the ``session`` that was asked.
+        Of a ship in waves ``added``, ``responses``, ``operability``, and what ``more`` is told
+        and by ``figures`` drawn. Of a test report the ``template`` for Word that is filled.
 
     Returns
     -------
@@ -49,20 +54,37 @@ def write_report(
         The file.
     """
     target = Path(path)
-    write_text(target, report_html(reduction, reference=reference, turns=turns, loop=loop))
+    if isinstance(result, Document):
+        write_document(result, target, **about)
+    else:
+        write_text(target, page_file(answers_of(result, **about)))
     return target
 
 
-def report_html(
+def reduction_answers(
     reduction: Reduction,
     *,
     reference: ReferenceTable | None = None,
     turns: Turns | None = None,
     loop: Loop | None = None,
-) -> str:
-    """The report as text (see `write_report`)."""
+) -> Answers:
+    """What the page of a reduction holds."""
     places = report_places(reduction, reference=reference, turns=turns)
-    return page_file(report_answers(reduction, places, reference=reference, turns=turns, loop=loop))
+    return report_answers(reduction, places, reference=reference, turns=turns, loop=loop)
+
+
+@singledispatch
+def answers_of(result: Any, **about: Any) -> Answers:
+    """What the page of a result holds."""
+    del about
+    raise TypeError(f"{type(result).__name__} has no page.")
+
+
+answers_of.register(Comparison, comparison_answers)
+answers_of.register(Diagnosis, records_answers)
+answers_of.register(Loop, diagnosis_answers)
+answers_of.register(Rao, seakeeping_answers)
+answers_of.register(Reduction, reduction_answers)
 
 
 def report_places(
@@ -146,7 +168,7 @@ def _span(texts: list[str]) -> str:
 def _headline(reduction: Reduction, turns: Turns | None) -> list[str]:
     said = []
     if turns and len(turns.tracks) > 1:
-        moved = changes(turns.tracks)
+        moved = turns.changes
         low, high = sorted(track.Fn for track in turns.tracks)[:: len(turns.tracks) - 1]
         said.append(
             f"From Fn {low:.3f} to {high:.3f} a turn with {abs(turns.tracks[0].rudder_deg):g}° of "

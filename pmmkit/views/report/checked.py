@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pmmkit.intake import CheckFinding, name_runs, zeros_grid
+from pmmkit.intake import CheckFinding, name_runs
 from pmmkit.presentation import Picture, Section
 
 
@@ -24,6 +24,6 @@ def checked_section(findings: Sequence[CheckFinding], figures: Sequence[Picture]
         title="What the checks found",
         paragraphs=[] if shown else ["The checks found nothing to say."],
         findings=shown,
-        tables=[zeros_grid(item) for item in findings if item.by_run],
+        tables=[item.grid() for item in findings if item.by_run],
         figures=list(figures),
     )

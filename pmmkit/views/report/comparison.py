@@ -4,46 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 
-from pmmkit.files import write_text
 from pmmkit.intake import CheckFinding
 from pmmkit.presentation import Grid, Group, Section, number
 from pmmkit.validation import Comparison, errors_in_percent
 from pmmkit.views.pages.misfit import misfit_page
-from pmmkit.views.pages.page_file import page_file, state_of
+from pmmkit.views.pages.page_file import state_of
 from pmmkit.views.pages.page_room import Answers, with_runs, worst_first
 from pmmkit.views.pages.records import run_page
 from pmmkit.views.pages.sections import PageSection, told_page
 from pmmkit.views.report.checked import checked_section
 
 
-def write_comparison(
-    found: Comparison, path: str | Path, *, findings: Sequence[CheckFinding] = ()
-) -> Path:
-    """Write a comparison as one HTML file, all or nothing.
-
-    Parameters
-    ----------
-    found : Comparison
-        A model beside tests.
-    path : path
-        File to write.
-    findings : sequence of CheckFinding
-        What the checks say of the tests.
-
-    Returns
-    -------
-    Path
-        The file.
-    """
-    target = Path(path)
-    write_text(target, page_file(comparison_answers(found, findings)))
-    return target
-
-
 def comparison_answers(found: Comparison, findings: Sequence[CheckFinding] = ()) -> Answers:
-    """What the page of a comparison holds."""
+    """What the page of a comparison holds; findings are those of the checks."""
     misfit = misfit_page(found)
     answers: Answers = {
         "state": state_of(

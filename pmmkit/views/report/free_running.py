@@ -3,57 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from pmmkit.base import DataError
 from pmmkit.diagnosis import Diagnosis, Session
-from pmmkit.files import write_text
 from pmmkit.intake import CheckFinding
 from pmmkit.models import Step
 from pmmkit.presentation import Section, counted
-from pmmkit.views.pages.page_file import page_file, state_of
+from pmmkit.views.pages.page_file import state_of
+from pmmkit.views.pages.page_room import Answers
 from pmmkit.views.pages.sections import PageSection, told_page
 from pmmkit.views.report.checked import checked_section
 from pmmkit.views.report.drawn import drawn
 from pmmkit.views.report.loop import Loop, loop_answers
 
 
-def write_free_diagnosis(
+def records_answers(
     found: Diagnosis,
-    session: Session[Diagnosis],
-    path: str | Path,
     *,
+    session: Session[Diagnosis],
     title: str = "",
     findings: Sequence[CheckFinding] = (),
-) -> Path:
-    """Write a diagnosis of free-running records as one HTML file, all or nothing.
+) -> Answers:
+    """What the page of a diagnosis of free-running records holds.
 
-    Parameters
-    ----------
-    found : Diagnosis
-        What the session said.
-    session : Session[Diagnosis]
-        That was asked; what it worked out is used again.
-    path : path
-        File to write.
-    title : str
-        Of the tests; that of the campaign by default.
-    findings : sequence of CheckFinding
-        What the checks say of them.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    DataError
-        If the session is one of captive tests.
+    session: that said it; what it worked out is used again. title: of the tests, that of the
+    campaign by default. findings: of the checks.
     """
     evidence: Any = session.evidence
     if found.model is None:
-        raise DataError("This session is one of captive tests: write_diagnosis writes its page.")
+        raise DataError("This session is one of captive tests: it is told by a `Loop`.")
     after = session
     for item in found.findings:
         after = after.add(item)
@@ -65,7 +44,7 @@ def write_free_diagnosis(
         "effects these records can show": f"{shown} of {len(found.covered)}",
         "heading of records left out, rms error": f"{' → '.join(ends)}°",
     }
-    answers = {
+    return {
         "state": state_of(
             title=title or evidence.title or "Free-running records",
             kind="free-running",
@@ -77,9 +56,6 @@ def write_free_diagnosis(
             loop, facts=facts, sections=[_sailed(evidence, after.steps), _errors(found)]
         ),
     }
-    target = Path(path)
-    write_text(target, page_file(answers))
-    return target
 
 
 def _sailed(evidence: Any, steps: Sequence[Step]) -> Section:

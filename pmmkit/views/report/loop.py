@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from pmmkit.diagnosis import Diagnosis, Fall, Session
-from pmmkit.files import write_text
 from pmmkit.intake import CheckFinding
 from pmmkit.presentation import Section
 from pmmkit.views.pages.fall import fall_page
 from pmmkit.views.pages.missing import missing_page
-from pmmkit.views.pages.page_file import page_file, state_of
+from pmmkit.views.pages.page_file import state_of
 from pmmkit.views.pages.page_room import Answers
 from pmmkit.views.pages.sections import PageSection, told_page
 from pmmkit.views.report.checked import checked_section
@@ -42,70 +40,46 @@ class Loop:
     fall: Fall
     end: Diagnosis | None = None
 
+    @classmethod
+    def of(cls, session: Session[Diagnosis], base: str, *, rounds: int = 1) -> Loop:
+        """Diagnose, add what is named step by step, what explains most first, and go on.
 
-def loop_of(session: Session[Diagnosis], base: str, *, rounds: int = 1) -> Loop:
-    """Diagnose a session, add what is named step by step, what explains most first, and go on.
-
-    Parameters
-    ----------
-    session : Session[Diagnosis]
-        A model and its tests.
-    base : str
-        The model in words.
-    rounds : int
-        Diagnoses at most whose effects are added.
-    """
-    begun, first = session, session.diagnose()
-    found = first
-    for _ in range(rounds):
-        for item in found.proposed:
-            session = session.add(item)
-        if rounds == 1 or not found.proposed:
-            break
-        found = session.diagnose()
-    return Loop(
-        base=base,
-        session=begun,
-        diagnosis=first,
-        fall=session.fall(),
-        end=None if found is first else found,
-    )
+        rounds: diagnoses at most whose effects are added.
+        """
+        begun, first = session, session.diagnose()
+        found = first
+        for _ in range(rounds):
+            for item in found.proposed:
+                session = session.add(item)
+            if rounds == 1 or not found.proposed:
+                break
+            found = session.diagnose()
+        return cls(
+            base=base,
+            session=begun,
+            diagnosis=first,
+            fall=session.fall(),
+            end=None if found is first else found,
+        )
 
 
-def write_diagnosis(
-    loop: Loop, path: str | Path, *, title: str, runs: int, findings: Sequence[CheckFinding] = ()
-) -> Path:
-    """Write a diagnosis as one HTML file, all or nothing.
-
-    Parameters
-    ----------
-    loop : Loop
-        What was found.
-    path : path
-        File to write.
-    title : str
-        Of the tests.
-    runs : int
-        How many.
-    findings : sequence of CheckFinding
-        What the checks say of them.
-    """
+def diagnosis_answers(
+    loop: Loop, *, title: str, runs: int, findings: Sequence[CheckFinding] = ()
+) -> Answers:
+    """What the page of a diagnosis of captive tests holds: so many runs, findings of the checks."""
     found = loop.diagnosis
     shown = sum(item.shown for item in found.covered)
     facts = {
         "effects these runs can show": f"{shown} of {len(found.covered)}",
         "of the rms force does not matter": f"{100 * found.floor:g} %",
     }
-    answers = {
+    return {
         "state": state_of(
             title=title or "Captive tests", kind="captive", runs=runs, model=loop.base
         ),
         "told data": told_page(PageSection(after=[checked_section(findings)])),
         **loop_answers(loop, facts=facts),
     }
-    target = Path(path)
-    write_text(target, page_file(answers))
-    return target
 
 
 def loop_answers(
@@ -113,7 +87,7 @@ def loop_answers(
 ) -> Answers:
     """What the page holds of a diagnosis."""
     found = loop.diagnosis
-    missing = missing_page(loop.session, found, overlays=False)
+    missing = missing_page(found, loop.session, overlays=False)
     place = PageSection(
         facts={"answer": found.answer if found.best else found.verdict, **facts},
         before=_asked_again(loop),

@@ -10,7 +10,7 @@ import numpy as np
 from pmmkit.base import TableError
 from pmmkit.campaigns import TEST_KINDS, TankRecord
 from pmmkit.conventions import CHANNEL_UNITS
-from pmmkit.intake import CheckFinding, zero_channels
+from pmmkit.intake import CheckFinding
 from pmmkit.models import ReferenceTable
 from pmmkit.presentation import Picture, figure_text
 from pmmkit.reduction import Reduction, Rows, RunResult
@@ -40,7 +40,7 @@ def zeros_at_rest(finding: CheckFinding) -> Figure:
         Of the check ``zeros``.
     """
     runs = finding.by_run
-    channels = zero_channels(finding)
+    channels = finding.gauges
     return zeros_over_the_day(
         list(runs),
         {name: np.array([x.get(name, np.nan) for x in runs.values()]) for name in channels},

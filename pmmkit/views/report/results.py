@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from pmmkit.files import MODEL, write_results
 from pmmkit.models import Model, ReferenceTable, compare, save_model, write_table
-from pmmkit.plotting import document
 from pmmkit.reduction import Reduction
 from pmmkit.simulation import sweep_frame, track_files
 from pmmkit.views.pages.page_file import page_file
@@ -52,6 +51,8 @@ def write_reduction(
     list of str
         Names of the files.
     """
+    from matplotlib.backends.backend_svg import svgProlog
+
     places = report_places(reduction, reference=reference, turns=turns)
     answers = report_answers(reduction, places, reference=reference, turns=turns, loop=loop)
     return write_results(
@@ -59,7 +60,7 @@ def write_reduction(
         (
             *_tables(reduction, reference or ReferenceTable.published(reduction.table)),
             *(
-                (f"{picture.file}.svg", document(picture.svg))
+                (f"{picture.file}.svg", svgProlog + picture.svg)
                 for place in places.values()
                 for picture in place.pictures
                 if picture.file

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from pmmkit.files import write_text
 from pmmkit.presentation import Described, Section
 from pmmkit.seakeeping import AddedResistance, Operability, Rao, Response
-from pmmkit.views.pages.page_file import page_file, state_of
+from pmmkit.views.pages.page_file import state_of
+from pmmkit.views.pages.page_room import Answers
 from pmmkit.views.pages.sections import PageSection, told_page
 from pmmkit.views.report.drawn import drawn
 
@@ -21,39 +20,19 @@ if TYPE_CHECKING:
 _SHOWN: Final = 12
 
 
-def write_seakeeping(
+def seakeeping_answers(
     rao: Rao,
-    path: str | Path,
     *,
     added: AddedResistance | None = None,
     responses: Sequence[Response] = (),
     operability: Operability | None = None,
     more: Sequence[Described] = (),
     figures: Mapping[str, Figure] | None = None,
-) -> Path:
-    """Write what is known of a ship in waves as one HTML file, all or nothing.
+) -> Answers:
+    """What the page of a ship in waves holds.
 
-    Parameters
-    ----------
-    rao : Rao
-        Its motions.
-    path : path
-        File to write.
-    added : AddedResistance, optional
-        Added resistance in regular waves.
-    responses : sequence of Response
-        In a sea; the first 12 are told.
-    operability : Operability, optional
-        Where it can sail.
-    more : sequence of Described
-        What else is told, such as records beside the motions.
-    figures : mapping of str to Figure, optional
-        What else is drawn, by caption.
-
-    Returns
-    -------
-    Path
-        The file.
+    more: what else is told, such as records beside the motions. figures: what else is drawn, by
+    caption.
     """
     froude = rao.speed / math.sqrt(rao.g * rao.L)
     facts = {
@@ -72,13 +51,10 @@ def write_seakeeping(
         told += _named(item, "")
     drawings = [drawn(figure, caption) for caption, figure in (figures or {}).items()]
     told += [Section(figures=drawings)] if drawings else []
-    answers = {
+    return {
         "state": state_of(title=f"{rao.name} in waves", kind="seakeeping", runs=0, model=""),
         "told ship": told_page(PageSection(facts=facts, after=told)),
     }
-    target = Path(path)
-    write_text(target, page_file(answers))
-    return target
 
 
 def _told(thing: Described, figure: Figure, caption: str) -> list[Section]:

@@ -11,7 +11,7 @@ import numpy as np
 from pmmkit.base import PmmkitError, SimulationError
 from pmmkit.conventions import HARD_OVER, metric_of, told
 from pmmkit.models import Model, ReferenceTable
-from pmmkit.plotting import trajectory, turn_histories
+from pmmkit.plotting import manoeuvre
 from pmmkit.presentation import Cell, Grid, Group, Section, fixed, number, percent
 from pmmkit.simulation import (
     LENGTHS,
@@ -53,63 +53,51 @@ class Turns:
     notes: Sequence[str] = ()
     failed: Sequence[str] = ()
 
+    @classmethod
+    def of(
+        cls, model: Model, tested: Sequence[float], reference: ReferenceTable | None = None
+    ) -> Turns:
+        """Turning circles at the speeds of the tests, and sweeps between them.
 
-def turns_of(
-    model: Model, tested: Sequence[float], reference: ReferenceTable | None = None
-) -> Turns:
-    """Turning circles at the speeds of the tests, and sweeps between them.
+        tested: Froude numbers, where the model has one set of values for all. The reference sails
+        beside it if it can.
 
-    Parameters
-    ----------
-    model : Model
-        With propeller and rudder.
-    tested : sequence of float
-        Froude numbers of the tests, where the model has one set of values for all.
-    reference : ReferenceTable, optional
-        Sails beside it if it can.
+        Raises
+        ------
+        SimulationError
+            If the model cannot be sailed at any of the speeds.
+        """
+        tracks: list[Track] = []
+        failed: list[str] = []
+        for Fn in model.Fn or tuple(tested):
+            try:
+                speed = model.ship.speed(Fn, model.water.g)
+                tracks.append(simulate(model, rudder_deg=HARD_OVER, speed=speed))
+            except PmmkitError as error:
+                failed.append(str(error))
+        if not tracks:
+            raise SimulationError(failed[0])
+        at = [track.Fn for track in tracks]
+        along = np.linspace(at[0], at[-1], STEPS if len(at) > 1 else 1).tolist()
+        sailing = {"these derivatives": model}
+        if reference is not None and reference.model is not None:
+            sailing[reference.name] = reference.model
+        sweeps = {}
+        for name, item in sailing.items():
+            try:
+                sweeps[name] = froude_sweep(item, Fn=along, rudder_deg=HARD_OVER)
+            except PmmkitError as error:
+                failed.append(f"{name}: {error}")
+        return cls(tracks=tracks, sweeps=sweeps, notes=model.notes, failed=failed)
 
-    Raises
-    ------
-    SimulationError
-        If the model cannot be sailed at any of the speeds.
-    """
-    tracks: list[Track] = []
-    failed: list[str] = []
-    for Fn in model.Fn or tuple(tested):
-        try:
-            speed = model.ship.speed(Fn, model.water.g)
-            tracks.append(simulate(model, rudder_deg=HARD_OVER, speed=speed))
-        except PmmkitError as error:
-            failed.append(str(error))
-    if not tracks:
-        raise SimulationError(failed[0])
-    at = [track.Fn for track in tracks]
-    along = np.linspace(at[0], at[-1], STEPS if len(at) > 1 else 1).tolist()
-    sailing = {"these derivatives": model}
-    if reference is not None and reference.model is not None:
-        sailing[reference.name] = reference.model
-    sweeps = {}
-    for name, item in sailing.items():
-        try:
-            sweeps[name] = froude_sweep(item, Fn=along, rudder_deg=HARD_OVER)
-        except PmmkitError as error:
-            failed.append(f"{name}: {error}")
-    return Turns(tracks=tracks, sweeps=sweeps, notes=model.notes, failed=failed)
-
-
-def changes(tracks: Sequence[Track]) -> dict[str, float]:
-    """Change of the measures from the lowest to the highest Froude number, as a share.
-
-    Parameters
-    ----------
-    tracks : sequence of Track
-        Turns; those of a single speed do not change.
-    """
-    if len(tracks) < 2:
-        return {}
-    ordered = sorted(tracks, key=lambda item: item.Fn)
-    first, last = ordered[0].metrics, ordered[-1].metrics
-    return {name: last[name] / first[name] - 1 for name in reversed(LENGTHS)}
+    @property
+    def changes(self) -> dict[str, float]:
+        """Change of the measures from the lowest to the highest Froude number, as a share."""
+        if len(self.tracks) < 2:
+            return {}
+        ordered = sorted(self.tracks, key=lambda item: item.Fn)
+        first, last = ordered[0].metrics, ordered[-1].metrics
+        return {name: last[name] / first[name] - 1 for name in reversed(LENGTHS)}
 
 
 def _told(turns: Turns) -> list[str]:
@@ -145,9 +133,10 @@ def turning_section(turns: Turns) -> Section:
             *(text for track in turns.tracks for text in (*track.notes, *track.standing.sentences)),
         ]
     )
+    shown = manoeuvre(turns.tracks, "turning circle")
     pictures = [
         drawn(
-            trajectory(turns.tracks),
+            shown["trajectory"],
             "Paths of midship in ship lengths. Filled marks: 90° of heading (advance, "
             "transfer); open marks: 180° (tactical diameter).",
             facts=_told(turns),
@@ -155,7 +144,7 @@ def turning_section(turns: Turns) -> Section:
             file="trajectories",
         ),
         drawn(
-            turn_histories(turns.tracks),
+            shown["histories"],
             "Speed, yaw rate, drift, heading, rudder and revolutions in the turn.",
         ),
     ]
@@ -179,7 +168,7 @@ def _measures(turns: Turns) -> Grid:
     tracks = sorted(turns.tracks, key=lambda item: item.Fn)
     limits = _verdicts(tracks)
     names = told("turn", tracks[0].metrics)
-    moved = changes(tracks)
+    moved = turns.changes
     rows: list[list[Cell]] = []
     for name in names:
         row: list[Cell] = [_titled(name), *(number(track.metrics[name]) for track in tracks)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
-from pmmkit.conventions import CHANNELS, parse_derivative
+from pmmkit.conventions import CHANNELS
 from pmmkit.files import write_text
 from pmmkit.models.tables.table import DerivativeTable
 from pmmkit.presentation import plus_minus, with_uncertainty
@@ -17,7 +17,6 @@ def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
     """The table as LaTeX text for the package booktabs: a column per Froude number, rows grouped
     by channel. An empty cell is a value that the runs do not determine.
     """
-    beta, double = table.convention.sway == "beta", table.convention.system == "bis"
     std = table.std
     heads = [""] if table.pooled else [f"$Fn = {speed:.3f}$" for speed in table.Fn]
     told = plus_minus if style == "plus-minus" else with_uncertainty
@@ -35,7 +34,7 @@ def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
                 told(value, spread).replace("±", r"\pm")
                 for value, spread in zip(table.value[:, column], std[:, column], strict=True)
             ]
-            name = parse_derivative(table.names[column]).latex(beta=beta, double=double)
+            name = table.convention.latex(table.names[column])
             lines.append(
                 " & ".join([f"${name}$", *(f"${cell}$" if cell else "--" for cell in cells)])
                 + r" \\"

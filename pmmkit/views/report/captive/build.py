@@ -71,7 +71,7 @@ def captive_document(reduction: Reduction, *, standard: str = "ittc") -> Documen
     Returns
     -------
     Document
-        Everything that is printed, as data; `write_document` writes it.
+        Everything that is printed, as data; `write_report` writes it.
 
     Raises
     ------

@@ -68,7 +68,7 @@ def check_target(path: str | Path, template: str | Path | None = None) -> str:
     Parameters
     ----------
     path, template : path
-        As for `write_document`.
+        As for `write_report`.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def check_target(path: str | Path, template: str | Path | None = None) -> str:
     Raises
     ------
     DataError
-        As `write_document`, but for what only filling a template shows.
+        As `write_report`, but for what only filling a template shows.
     """
     name = Path(path).name
     ending = Path(path).suffix.lower().lstrip(".")
@@ -99,24 +99,10 @@ def check_target(path: str | Path, template: str | Path | None = None) -> str:
     return ending
 
 
-def write_document(
-    document: Document, path: str | Path, *, template: str | Path | None = None
-) -> Path:
+def write_document(document: Document, target: Path, *, template: str | Path | None = None) -> None:
     """Write a report, all or nothing; the ending of the name says how.
 
-    Parameters
-    ----------
-    document : Document
-        What is written.
-    path : path
-        ``.html``, or ``.docx`` for Word.
-    template : path, optional
-        The laboratory's own document (``.docx``), which is filled.
-
-    Returns
-    -------
-    Path
-        The file.
+    template: the laboratory's own document (``.docx``), which is filled.
 
     Raises
     ------
@@ -124,13 +110,11 @@ def write_document(
         If the ending is another, a template is given for HTML, is not there or cannot be filled,
         or what writes Word is not installed.
     """
-    target = Path(path)
     if check_target(target, template) == "html":
         write_text(target, html_of(document))
-        return target
+        return
     from pmmkit.views.report.captive.word.build import word_bytes
 
     content = word_bytes(document, template)
     with atomic_path(target) as part:
         part.write_bytes(content)
-    return target

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, Final, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
 from pmmkit.conventions import Criterion, Metric, cite, criteria
 from pmmkit.presentation import Described, Grid, Group, Section, counted, fixed, number
@@ -18,6 +19,7 @@ from pmmkit.simulation import (
     manoeuvre_of,
     what_follows,
 )
+from pmmkit.views.report.bare_page import bare_page
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,11 +35,22 @@ STRUCTURE: Final = (
     "and no proof of compliance: the current texts are to be read by a person."
 )
 Basis = Literal["predicted", "measured", "corrected"]
+STYLE: Final = Path(__file__).with_name("form.css")
 BASES: Final[dict[Basis, str]] = {
     "predicted": "predicted by simulation",
     "measured": "measured in a trial",
     "corrected": "measured in a trial and corrected to full load (R = T F/B)",
 }
+
+SHADES: Final = {
+    ABSENT: "absent",
+    "met": "met",
+    "NOT met": "failed",
+    "not judged": "open",
+    "not shown": "open",
+    UNSETTLED: "open",
+}
+"""Class of a cell that says a verdict, or that nobody said it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,8 +151,10 @@ class ImoForm(Described):
     results. `assumptions, remarks`: what is assumed of the engine; what a reader must know.
     `corrections`: from the loading of the trial to full load. `scale`: at which scale the
     results are. `loaded`: whether the results are carried to full load from a trial in another
-    loading.
+    loading. `PAGE`: name of the file to print; those for machines are called the same.
     """
+
+    PAGE: ClassVar[str] = "imo_form.html"
 
     name: str
     basis: Basis
@@ -256,6 +271,28 @@ class ImoForm(Described):
             "remarks": list(self.remarks),
             "not_supplied": list(self.not_supplied),
         }
+
+    def html(self) -> str:
+        """The form as a page to print: one sheet of A4 without scripts, which needs nothing."""
+        return bare_page(
+            "imo_form/form.html",
+            title=f"{TITLE}: {self.name}",
+            style=STYLE.read_text("utf-8"),
+            form=self,
+            heading=TITLE,
+            structure=STRUCTURE,
+            basis=BASES[self.basis],
+            conditions=conditions_grid(self.conditions),
+            results=results_grids(self.lines),
+            shades=SHADES,
+        )
+
+    def files(self) -> Iterator[tuple[str, Any]]:
+        """The form with the names of its files: to print, and for machines."""
+        name = Path(self.PAGE).stem
+        yield self.PAGE, self.html()
+        yield f"{name}.csv", self.to_pandas()
+        yield f"{name}.json", self.to_dict()
 
     def _headline(self) -> str:
         return f"{self.name}, {BASES[self.basis]}: {self.verdict}"
