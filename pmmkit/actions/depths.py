@@ -190,7 +190,7 @@ def swept_over_depth(
     from pmmkit.base import PmmkitError
     from pmmkit.models import TablesByDepth, carried_by_formulas, model_at_depth
     from pmmkit.plotting import save
-    from pmmkit.simulation import metrics_over, sweep, sweep_frame, told_metric, told_metrics
+    from pmmkit.simulation import metrics_over, sweep, told_metric, told_metrics
 
     models = _models(folder)
     asked = sorted(ratios, reverse=True)
@@ -211,7 +211,7 @@ def swept_over_depth(
         except PmmkitError as error:
             beside[ratio] = words_of(error)
     metrics = told_metrics(found)
-    table = sweep_frame(found)
+    table = found.to_dataframe().reset_index()
     for name in metrics:
         table[f"{name}_formula"] = [
             row[name] if isinstance(row, dict) else math.nan for row in beside.values()

@@ -11,7 +11,7 @@ from pmmkit.actions.speeds import typed_list
 
 if TYPE_CHECKING:
     from pmmkit.models import Model
-    from pmmkit.seakeeping import Hull, MotionInWaves, Rao, Sea
+    from pmmkit.seakeeping import MotionInWaves, Rao, Sea
     from pmmkit.simulation import Track
 
 WAVES = "Waves need a height and a peak period: write --wave-height 3 --wave-period 8."
@@ -100,7 +100,7 @@ def first_order(
 def _motions(model: Model, sea: Sea, name: str, speed: float | Sequence[float]) -> Rao:
     from pmmkit.seakeeping import motions_in
 
-    return motions_in(model, sea, speed=speed, hull=_hull(model, name))
+    return motions_in(model, sea, speed=speed, hull=name)
 
 
 def _table(speeds: str | None, model: Model) -> list[float]:
@@ -112,11 +112,3 @@ def new_notes(rough: Carried, before: Model) -> list[str]:
     """What a model in a sea has to say beyond what it said in a calm."""
     fresh = [text for text in rough.model.notes if text not in before.notes]
     return [f"note: {text}" for text in (*fresh, *rough.notes)]
-
-
-def _hull(model: Model, name: str) -> Hull:
-    """The hull of the library with the model's name and size, else its particulars' sections."""
-    from pmmkit.seakeeping import hull_of, hulls, load_hull
-
-    known = load_hull(name) if name in hulls() else None
-    return known if known is not None and known.L == model.ship.L else hull_of(model.ship)

@@ -10,17 +10,17 @@ from pmmkit.actions.speeds import FROUDE, typed_list
 from pmmkit.actions.text import numbers, words
 
 if TYPE_CHECKING:
-    from pmmkit.seakeeping import Hull, Loading, Place, RollDamping, Sea, SeaState
+    from pmmkit.seakeeping import Hull, Loading, Place, RollDamping, Sea
 
 
-def state_of_code(code: int) -> SeaState:
-    """The state of the sea of a code of WMO."""
+def sea_of_code(code: int) -> Sea:
+    """The sea of a state of WMO."""
     from pmmkit.seakeeping import sea_states
 
     states = {state.code: state for state in sea_states()}
     if code not in states:
         raise SettingError(f"--sea-state {code}: there are {', '.join(map(str, states))}.")
-    return states[code]
+    return states[code].sea
 
 
 def _keels(text: str) -> dict[str, float]:
@@ -71,11 +71,11 @@ def damped(
     text: str, hull: Hull, loading: Loading, speeds: list[float], waves: Sea | None
 ) -> RollDamping:
     """Roll damping with bilge keels as they were typed, for the one speed and the sea there are."""
-    from pmmkit.seakeeping import ikeda_damping
+    from pmmkit.seakeeping import RollDamping
 
     if waves is None or len(speeds) != 1:
         raise SettingError(
             "The damping of --bilge-keels grows with the rate of roll and the speed: state a sea "
             "(--hs, --tp) and one speed."
         )
-    return ikeda_damping(hull, loading, speed=speeds[0], **_keels(text))
+    return RollDamping.of(hull, loading, speed=speeds[0], **_keels(text))

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
+
+import numpy as np
+
+from pmmkit.numerics import Array
 
 PROPORTIONS: Final = {"B/L": 0.03, "d/L": 0.03, "block coefficient": 0.05}
 """Shares by which two hulls of one form may differ."""
@@ -94,6 +99,29 @@ class Ship:
             f"{self.name}: L {self.L:.4g} m, B {self.B:.4g} m, d {self.d:.4g} m, "
             f"{self.mass:.4g} kg, block coefficient {self.block:.3f}"
         )
+
+    def rigid_body_forces(self, motion: Mapping[str, Array]) -> dict[str, Array]:
+        """Forces that give the ship its accelerations: what water and wind must exert.
+
+        Notes
+        -----
+        X = m(u̇ - vr - xG r²), Y = m(v̇ + ur + xG ṙ - zG ṗ), N = Izz ṙ + m xG (v̇ + ur),
+        K = Ixx ṗ - m zG (v̇ + ur) about midship, in SI; products of the roll rate are left out. A
+        motion holds u, v, r, udot, vdot, rdot and pdot; what it lacks is zero.
+        """
+        zero = np.zeros(max((len(values) for values in motion.values()), default=1))
+        u, v, r, udot, vdot, rdot, pdot = (
+            np.asarray(motion.get(name, zero), float)
+            for name in ("u", "v", "r", "udot", "vdot", "rdot", "pdot")
+        )
+        m, zG = self.mass, self.zG or 0.0
+        across = vdot + u * r
+        return {
+            "X": m * (udot - v * r - self.xG * r**2),
+            "Y": m * (across + self.xG * rdot - zG * pdot),
+            "N": self.Izz * rdot + m * self.xG * across,
+            "K": (self.Ixx or 0.0) * pdot - m * zG * across,
+        }
 
     def froude(self, speed: float, g: float = 9.81) -> float:
         """Froude number of a speed [m/s] on the length L.

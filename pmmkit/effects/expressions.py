@@ -26,10 +26,7 @@ from pmmkit.syntax import (
     Several,
     Unary,
     expression,
-    names,
-    nodes,
-    python_function,
-    replaced,
+    python_lines,
     statements,
 )
 
@@ -81,8 +78,9 @@ written out."""
 _STATE: Final = "late_"
 """What names of states begin with."""
 _BODY: Final = statements("unit = 0.5 * rho * L * L * U * U")
+_NAMED: Final = _BODY[0].names()
 _MEANT: Final = frozenset(
-    (*MOTION, *names((*MOTION.values(), *_BODY)), *FUNCTIONS, *primitives.__all__)
+    (*MOTION, *Several((*MOTION.values(),)).names(), *_NAMED, *FUNCTIONS, *primitives.__all__)
 )
 _TOKEN: Final = re.compile(
     r"\s*(?:(?P<number>[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)|(?P<word>[A-Za-z_]\w*)"
@@ -141,7 +139,7 @@ class WrittenFunction:
     def function(self, name: str) -> Callable[..., Any]:
         """The function, in the words of `effects.primitives`."""
         space: dict[str, Any] = {word: getattr(primitives, word) for word in primitives.__all__}
-        text = "\n".join(python_function(self.tree))
+        text = "\n".join(python_lines(self.tree))
         exec(compile(text, f"<effect {name}>", "exec"), space)
         made: Callable[..., Any] = space["force"]
         return made
@@ -175,7 +173,7 @@ def written(
     channels = [channel for channel in CHANNELS if channel in sums]
     forces = [Binary("*", _UNIT["NK".find(c) >= 0], sums[c]) for c in channels]
     returned = (*forces, *own.rates)
-    asked = names((*returned, *_BODY)) - {"unit", *primitives.__all__}
+    asked = (Several(returned).names() | _NAMED) - {"unit", *primitives.__all__}
     for coefficient in coefficients:
         if coefficient not in asked:
             raise NotUnderstood(f"{coefficient} stands in no term", 0)
@@ -241,7 +239,7 @@ class _Expansion:
             )
         self.words.add(tree.word)
         meant = MOTION[tree.word]
-        return meant, sum(1 for _ in nodes(meant))
+        return meant, sum(1 for _ in meant.nodes())
 
     def _call(
         self, word: str, given: Sequence[tuple[Expression, int]], place: int
@@ -253,10 +251,10 @@ class _Expansion:
             state = f"{_STATE}{self.name}_{len(self.states) + 1}"
             self.states.append(state)
             values["state"] = Name(state)
-        size = sum(sizes.get(x.word, 1) if isinstance(x, Name) else 1 for x in nodes(meaning))
+        size = sum(sizes.get(x.word, 1) if isinstance(x, Name) else 1 for x in meaning.nodes())
         _sized(size, place)
-        grown = replaced(
-            meaning, lambda node: values.get(node.word, node) if isinstance(node, Name) else node
+        grown = meaning.replaced(
+            lambda node: values.get(node.word, node) if isinstance(node, Name) else node
         )
         if word == "lag":
             self.rates.append(grown)
@@ -279,7 +277,7 @@ def _check_linear(tree: Expression, coefficients: Sequence[str]) -> None:
                 own.append(factor)
             else:
                 others.append(factor)
-        for item in nodes(tuple(others)):
+        for item in Several(tuple(others)).nodes():
             if isinstance(item, Name) and item.word in coefficients:
                 raise NotUnderstood(
                     f"{item.word} is a coefficient: it multiplies a term, and stands in no "

@@ -15,11 +15,11 @@ from pmmkit.base import CampaignError, DataError, FileExists, Problem
 from pmmkit.campaigns import Campaign, Run, open_campaign
 from pmmkit.conventions import CHANNEL_UNITS, FORCE_CHANNELS
 from pmmkit.exports.campaign_toml import campaign_text
-from pmmkit.exports.comments import plain
 from pmmkit.files import CAMPAIGN, atomic_folder
 from pmmkit.numerics import ABSURD
 from pmmkit.presentation import safe_cell
 from pmmkit.readers import safe_names
+from pmmkit.syntax import plain
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,9 +9,9 @@ from typing import Any, Final
 
 from pmmkit.base import CampaignError
 from pmmkit.campaigns import RUN_SETTINGS, Campaign, Run, TypeB
-from pmmkit.exports.comments import comment
 from pmmkit.exports.text import written_by
 from pmmkit.files import toml_text
+from pmmkit.syntax import comment
 
 _ZERO: Final = ("drift", "heel", "rudder", "phase")
 """Settings that are zero where nothing is stated, and are written first."""

@@ -7,11 +7,13 @@ from typing import Any, Final
 
 from pmmkit.base import ModelError, TableError
 from pmmkit.effects import CATALOGUE, HULL, INERTIA
-from pmmkit.exports.comments import PYTHON_FIRST, comment, plain
 from pmmkit.exports.text import WHICH_SPEED, written_by
 from pmmkit.models import Model, converted, from_values
 from pmmkit.simulation import prepare, stability, steering
+from pmmkit.syntax import comment, plain
 
+_FIRST: Final = "# -*- coding: ascii -*-"
+"""First line of the file: it settles the encoding, whatever a later comment says of it."""
 _HULL: Final = (
     "Xvv",
     "Xvr",
@@ -68,7 +70,7 @@ def model_to_shipmmg(model: Model, *, speed: float | None = None) -> str:
     mmg = _as_mmg(model, {**hull, **_derivatives(model, INERTIA, Fn)})
     limits = steering(model)
     lines = [
-        PYTHON_FIRST,
+        _FIRST,
         *written_by("#"),
         *comment(
             f"{model.title or model.name}: parameters for shipmmg "

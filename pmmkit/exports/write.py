@@ -16,11 +16,11 @@ from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
 from pmmkit.exports.simman.write import write_simman
 from pmmkit.exports.subject import read_subject
-from pmmkit.exports.text import matlab_name
 from pmmkit.exports.track import write_track_csv, write_track_netcdf
 from pmmkit.files import atomic_path, write_text
 from pmmkit.models import DerivativeTable, Model, write_table
 from pmmkit.simulation import Track
+from pmmkit.syntax import matlab_name
 
 if TYPE_CHECKING:
     import xarray as xr

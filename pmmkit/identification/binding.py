@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
+from types import MappingProxyType, ModuleType
 from typing import Any, ClassVar, Final
 
 import numpy as np
@@ -14,20 +14,13 @@ from pmmkit.base import DataError, UnknownNameError
 from pmmkit.effects import CURRENT
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import (
-    CALM,
-    Conditions,
-    Constant,
-    EquationStructure,
-    Numbers,
-    packed,
-    values_at,
-)
+from pmmkit.simulation import Conditions, Prepared, prepare
 
 # Values of a model as a flat list of numbers, by name, and back.
 
 
 Place = tuple[str, str]
+PartValues = Mapping[str, Mapping[str, Any]]
 """Effect and name of a value."""
 
 
@@ -71,7 +64,7 @@ def _values(model: Model, effect: str) -> dict[str, object]:
     return dict(model.parts[effect].values) if effect in model.parts else {}
 
 
-def replaced(numbers: Numbers, at: Sequence[Place], values: Array) -> Numbers:
+def replaced(numbers: PartValues, at: Sequence[Place], values: Array) -> PartValues:
     """Values by effect and name with some of them changed."""
     changed = {effect: dict(own) for effect, own in numbers.items()}
     for (effect, name), value in zip(at, values.tolist(), strict=True):
@@ -101,8 +94,8 @@ class Binding:
 
     Parameters
     ----------
-    structure : EquationStructure
-        Of the equations.
+    equations : Prepared
+        The equations with the values of the model.
     names : tuple of str
         Parameters.
     mean : array (m,)
@@ -116,7 +109,7 @@ class Binding:
     STEP: ClassVar[float] = 0.05
     """Longest step of the integration in ship lengths over the speed of the approach."""
 
-    structure: EquationStructure
+    equations: Prepared
     names: tuple[str, ...]
     mean: Array
     base: Array
@@ -131,7 +124,7 @@ class Binding:
         names: Sequence[str],
         speed: float,
         *,
-        conditions: Conditions = CALM,
+        conditions: Conditions | None = None,
         extrapolate: bool = False,
     ) -> Binding:
         """How the equations of a model at a speed depend on some of its values.
@@ -145,7 +138,7 @@ class Binding:
             ``current_x``, ``current_y`` [m/s].
         speed : float
             Speed of the approach [m/s].
-        conditions : Conditions
+        conditions : Conditions, optional
             Wind, current and depth.
         extrapolate : bool
             Allow a speed outside the range of the model's values.
@@ -163,24 +156,24 @@ class Binding:
         array([-0.315,  0.312])
         """
         ready = driven(model)
-        numbers = values_at(ready, speed, extrapolate=extrapolate)
+        numbers = ready.values_at(speed, extrapolate=extrapolate)
         own = [name for name in names if name not in (*CURRENT, *FORCES)]
         at = dict(zip(own, places(ready, own), strict=True))
-        structure, k = packed(ready, numbers, speed, conditions, heeled=True)
-        base = np.array(k, float)
+        equations = prepare(ready, speed, values=numbers, conditions=conditions, heeled=True)
+        base = np.array(equations.k, float)
         mean, starts, places_of, slopes = [], [0], [], []
         for name in names:
             if name in at:
                 start, touched, slope = _line(ready, numbers, speed, conditions, at[name], base)
             else:
-                place = Constant[name]
+                place = equations.place(name)
                 start, touched, slope = float(base[place]), [place], [1.0]
             mean.append(start)
             places_of += touched
             slopes += slope
             starts.append(len(places_of))
         return cls(
-            structure=structure,
+            equations=equations,
             names=tuple(names),
             mean=np.array(mean),
             base=base,
@@ -188,6 +181,16 @@ class Binding:
             places=np.array(places_of, np.int64),
             slopes=np.array(slopes),
         )
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return self.equations.structure.states
+
+    @property
+    def functions(self) -> ModuleType:
+        """The functions of filters and smoothers."""
+        return self.equations.estimators
 
     def constants(self, values: Array) -> Array:
         """The constants with other values of the parameters, mass matrix not yet inverted."""
@@ -204,7 +207,7 @@ class Binding:
     def at(self, values: Array) -> Binding:
         """With the parameters held at values, so that there are none."""
         return Binding(
-            structure=self.structure,
+            equations=self.equations,
             names=(),
             mean=np.zeros(0),
             base=self.constants(values),
@@ -224,7 +227,12 @@ def driven(model: Model) -> Model:
 
 
 def _line(
-    model: Model, numbers: Any, speed: float, conditions: Conditions, at: Place, base: Array
+    model: Model,
+    numbers: PartValues,
+    speed: float,
+    conditions: Conditions | None,
+    at: Place,
+    base: Array,
 ) -> tuple[float, list[int], list[float]]:
     """Start, places and slopes of one parameter."""
     effect, name = at
@@ -233,7 +241,8 @@ def _line(
 
     def moved(value: float) -> Array:
         changed = replaced(numbers, [at], np.array([value]))
-        k = np.array(packed(model, changed, speed, conditions, heeled=True)[1], float)
+        other = prepare(model, speed, values=changed, conditions=conditions, heeled=True)
+        k = np.array(other.k, float)
         return np.where(np.isfinite(base), np.nan_to_num(k) - np.nan_to_num(base), 0.0)
 
     once, twice = moved(start + step), moved(start + 2.0 * step)

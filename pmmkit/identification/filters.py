@@ -20,7 +20,6 @@ from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.inference import Consistency, Innovations
 from pmmkit.models import Model
 from pmmkit.numerics import Array, precision_over
-from pmmkit.simulation import ESTIMATING, compiled
 
 GATE: Final = 5.0
 """Residuals beyond so many of their standard deviations are not taken in."""
@@ -175,7 +174,7 @@ def kalman(
     wander = wander or {}
     setup = _Setup(
         binding=binding,
-        functions=compiled(binding.structure, ESTIMATING),
+        functions=binding.functions,
         records=tuple(records),
         sensors=MappingProxyType(sensors_of(records, sensors or {})),
         prior=prior,
@@ -319,7 +318,7 @@ def _pass(
     setup: _Setup, method: Literal["ekf", "ukf"], roughness: float, about: Array
 ) -> tuple[Array, Array, list[Pass]]:
     """One pass over all records: parameters, their covariance, and what each record shows."""
-    prior, states = setup.prior, setup.binding.structure.states
+    prior, states = setup.prior, setup.binding.states
     size, binding = len(states), setup.binding.about(about)
     values, covariance = prior.mean, prior.covariance
     moving = Process(

@@ -4,30 +4,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError, Progress
-from pmmkit.identification.binding import Binding, driven, places, replaced, with_parameters
+from pmmkit.identification.binding import (
+    Binding,
+    PartValues,
+    driven,
+    places,
+    replaced,
+    with_parameters,
+)
 from pmmkit.identification.lack import LackOfFit, RecordPiece, lack_of, lasting
 from pmmkit.identification.prior import Prior
 from pmmkit.inference import LeastSquares
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import (
-    CALM,
-    Conditions,
-    EquationStructure,
-    Numbers,
-    packed,
-    values_at,
-    water_forces,
-)
+from pmmkit.simulation import Conditions, Prepared, prepare
 
 STEP: Final = 1e-6
 """Step of the differences over the size of a parameter."""
@@ -56,7 +55,7 @@ class ForceRecord:
     forces: Mapping[str, Array]
     std: Mapping[str, float | Array]
     speed: float
-    conditions: Conditions = CALM
+    conditions: Conditions = field(default_factory=Conditions)
     correlated: int = 1
 
 
@@ -138,7 +137,7 @@ def fit_to_forces(
     >>> motion = {"u": np.full(5, 9.0), "v": np.linspace(-1.0, 1.0, 5), "n": np.full(5, 1.4)}
     >>> ready = prepare(ship, 9.0)
     >>> record = ForceRecord(name="drift", motion=motion, speed=9.0, std={"Y": 1e3},
-    ...                      forces=water_forces(ready.structure, ready.k, motion))
+    ...                      forces=ready.water_forces(motion))
     >>> start = ship.with_values("hull_polynomial", Yv=-0.01, Yvvv=-0.05)
     >>> fit_to_forces(start, [record], ["Yv", "Yvvv"]).values.round(6)
     array([-0.0116, -0.109 ])
@@ -148,7 +147,7 @@ def fit_to_forces(
     if not names or not records:
         raise DataError("Name at least one value to fit, and give at least one record.")
     at = places(model, names)
-    given = [values_at(model, record.speed, extrapolate=extrapolate) for record in records]
+    given = [model.values_at(record.speed, extrapolate=extrapolate) for record in records]
     start = np.array([float(given[0][effect][name]) for effect, name in at])
     size = np.where(start != 0.0, np.abs(start), 1e-3)
     if not any(set(record.forces) & set(record.std) for record in records):
@@ -166,10 +165,10 @@ def fit_to_forces(
     }
 
     def difference(scaled: Array) -> Array:
-        constants = {group: pack(scaled * size) for group, pack in packs.items()}
+        equations = {group: pack(scaled * size) for group, pack in packs.items()}
         parts: list[Array] = []
         for record, group in zip(records, groups, strict=True):
-            found = water_forces(*constants[group], record.motion)
+            found = equations[group].water_forces(record.motion)
             parts += [
                 (found[channel] - values) / record.std[channel]
                 for channel, values in record.forces.items()
@@ -235,17 +234,19 @@ def fit_to_forces(
 def _packs(
     model: Model,
     names: Sequence[str],
-    numbers: Numbers,
+    numbers: PartValues,
     speed: float,
     conditions: Conditions,
     *,
     extrapolate: bool,
-) -> Callable[[Array], tuple[EquationStructure, Sequence[Any]]]:
-    """Structure and constants for values of parameters; straight lines where they are."""
+) -> Callable[[Array], Prepared]:
+    """The equations for values of parameters; straight lines where they are."""
     at = places(model, names)
 
-    def anew(values: Array) -> tuple[EquationStructure, Sequence[Any]]:
-        return packed(model, replaced(numbers, at, values), speed, conditions, heeled=True)
+    def anew(values: Array) -> Prepared:
+        return prepare(
+            model, speed, values=replaced(numbers, at, values), conditions=conditions, heeled=True
+        )
 
     if driven(model) is not model:
         return anew
@@ -253,7 +254,7 @@ def _packs(
         line = Binding.of(model, names, speed, conditions=conditions, extrapolate=extrapolate)
     except DataError:
         return anew
-    return lambda values: (line.structure, line.constants(values).tolist())
+    return lambda values: replace(line.equations, k=tuple(line.constants(values).tolist()))
 
 
 def _slopes(function: Callable[[Array], Array], start: Array) -> Callable[[Array], Array]:

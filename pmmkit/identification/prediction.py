@@ -18,7 +18,7 @@ from pmmkit.identification.smoother import Smoothed
 from pmmkit.inference import Stencil, root
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import ESTIMATING, State, compiled
+from pmmkit.simulation import State
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -183,14 +183,14 @@ class Course:
         return cls(
             record=record,
             binding=binding,
-            functions=compiled(binding.structure, ESTIMATING),
+            functions=binding.functions,
             longest=Binding.STEP * ready.ship.L / record.speed,
         )
 
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states."""
-        return self.binding.structure.states
+        return self.binding.states
 
     def states_of(self, item: Smoothed) -> Array:
         """The smoothed states (n, s) at the instants of the record."""

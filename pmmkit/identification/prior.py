@@ -13,7 +13,7 @@ from pmmkit.effects import CURRENT, HULL
 from pmmkit.identification.binding import places
 from pmmkit.models import Model
 from pmmkit.numerics import Array, precision_over
-from pmmkit.simulation import is_uncertain, spread_of, values_at
+from pmmkit.simulation import is_uncertain, spread_of
 
 SPREAD: Final = 0.3
 """Relative standard deviation of a derivative of which nothing else is known."""
@@ -77,7 +77,7 @@ class Prior:
         if not names:
             raise DataError("Name at least one parameter.")
         own = [name for name in names if name not in CURRENT]
-        numbers = values_at(model, speed, extrapolate=extrapolate)
+        numbers = model.values_at(speed, extrapolate=extrapolate)
         values = {
             name: float(numbers[effect][item])
             for name, (effect, item) in zip(own, places(model, own), strict=True)

@@ -17,7 +17,7 @@ from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
 from pmmkit.models import Model, Part, Step, before_of
 from pmmkit.numerics import Array
-from pmmkit.simulation import packed, rigid_body, values_at, water_forces
+from pmmkit.simulation import prepare
 
 ADDED_INERTIA: Final = 0.2
 """Roll inertia of the water over that of the ship; S175 of the library: 0.19."""
@@ -166,15 +166,15 @@ def _history(model: Model, smoothed: Smoothed, extrapolate: bool) -> _History:
 
     def moment(levers: _Levers, along: Mapping[str, Array]) -> Array:
         made = _rolling(model, levers)
-        numbers = values_at(made, record.speed, extrapolate=extrapolate)
-        return water_forces(*packed(made, numbers, record.speed, record.conditions), along)["K"]
+        ready = prepare(made, record.speed, conditions=record.conditions, extrapolate=extrapolate)
+        return ready.water_forces(along)["K"]
 
     none = moment(_Levers(), motion)
     assert record.roll is not None
     return _History(
         t=record.t - record.t[0],
         heel=record.roll,
-        known=moment(_Levers(), upright) - rigid_body(model.ship, motion)["K"],
+        known=moment(_Levers(), upright) - model.ship.rigid_body_forces(motion)["K"],
         by_lever=tuple(moment(_Levers(**{name: 1.0}), motion) - none for name in LEVERS),
     )
 

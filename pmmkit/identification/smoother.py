@@ -20,7 +20,6 @@ from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.inference import Innovations
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import ESTIMATING, compiled, rigid_body
 
 MEMORY: Final = 1.0
 """Time over which an unknown force hangs together, in ship lengths over the speed."""
@@ -132,7 +131,7 @@ class Smoothed:
         binding = Binding.of(
             ready, names, record.speed, conditions=record.conditions, extrapolate=extrapolate
         )
-        states = binding.structure.states
+        states = binding.states
         n, rows = len(states) + len(names), len(record)
         needed = 8.0 * rows * (room(len(states), len(names)) + n * n)
         if needed > ROOM:
@@ -140,7 +139,7 @@ class Smoothed:
                 f"Record {record.name!r} of {rows} instants needs "
                 f"{1e-9 * needed:.1f} GB: cut it, or take every second instant."
             )
-        functions = compiled(binding.structure, ESTIMATING)
+        functions = binding.functions
         unit = record.force_units(model)
         pace = record.speed / ready.ship.L
         first, measured = (
@@ -274,7 +273,7 @@ class Smoothed:
             motion |= {"phi": record.roll, "p": record.roll_rate}
             if record.roll_acceleration is not None:
                 motion |= {"pdot": record.roll_acceleration}
-        forces = rigid_body(model.ship, motion)
+        forces = model.ship.rigid_body_forces(motion)
         step = float(np.median(np.diff(record.t)))
         return ForceRecord(
             name=record.name,

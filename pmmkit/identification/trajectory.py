@@ -21,7 +21,6 @@ from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import ESTIMATING, compiled
 
 # Start values of the states of windows, from what is measured there and no model.
 
@@ -254,7 +253,7 @@ def _problem(
     length = window or WINDOW * L / speed
     known = sensors_of(records, sensors)
     channels = tuple(known)
-    states = binding.structure.states
+    states = binding.states
     begins, owners, pieces, start = [0], [], [], 0
     for number, record in enumerate(records):
         count = max(round((record.t[-1] - record.t[0]) / length), 1)
@@ -272,7 +271,7 @@ def _problem(
     sizes = {"u": speed, "v": speed, "r": speed / L, "x": L, "y": L}
     return _Problem(
         binding=binding,
-        functions=compiled(binding.structure, ESTIMATING),
+        functions=binding.functions,
         t=np.concatenate([record.t for record in records]),
         inputs=np.concatenate([record.inputs for record in records]),
         begins=np.array(begins, np.int64),
@@ -292,7 +291,7 @@ def _first_states(
     problem: _Problem, records: Sequence[FreeRecord], sensors: Mapping[str, float], L: float
 ) -> Array:
     """Start values of the states of every window: straight lines through what is measured."""
-    states = problem.binding.structure.states
+    states = problem.binding.states
     known = sensors_of(records, sensors)
     default = [record.first_state(states, known, L)[0] for record in records]
     found, begun = [], 0

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
         roll_from_particulars,
         straight_polynomial,
     )
-    from pmmkit.models.provenance import Standing
+    from pmmkit.models.provenance import Standing, missing_parts
     from pmmkit.models.records import FileReader, entries
     from pmmkit.models.reference import ReferenceTable, hull_table
     from pmmkit.models.revise import lent, with_part_of, with_stated, with_stated_parts
@@ -74,6 +74,7 @@ __all__ = [
     "lent",
     "load_model",
     "load_ship",
+    "missing_parts",
     "model_at_depth",
     "model_text",
     "needed",

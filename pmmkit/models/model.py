@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import (
+    DataError,
     ExtrapolationError,
     MissingPartError,
     ModelError,
@@ -440,6 +441,17 @@ class Model(Described):
                 else value
             )
         return filled
+
+    def values_at(self, speed: float, *, extrapolate: bool = False) -> dict[str, dict[str, Any]]:
+        """Values of all parts at the Froude number of a speed [m/s], by effect and name."""
+        if not (math.isfinite(speed) and speed > 0):
+            raise DataError(f"The approach speed {speed} m/s must be positive.")
+        Fn = self.ship.froude(speed, self.water.g)
+        return {effect: self.values(effect, Fn, extrapolate=extrapolate) for effect in self.parts}
+
+    def feels(self, what: str) -> bool:
+        """Whether something around the ship, such as its ``depth``, changes the forces."""
+        return any(what in part.known.needs for part in self.parts.values())
 
     @property
     def held(self) -> tuple[float, float]:

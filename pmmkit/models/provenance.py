@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from pmmkit.conventions import parse_derivative
-from pmmkit.effects import HULL
+from pmmkit.effects import CATALOGUE, HULL, INERTIA
 from pmmkit.models.model import FN_TOLERANCE, SAILING, Model, Part
 from pmmkit.presentation import listed
 
@@ -37,6 +37,32 @@ REVERSED: Final = (
 TOO_FAST: Final = (
     "At Fn {:.2f} nothing says how good they are: they were held against ships at Fn {:g} at most."
 )
+
+
+def missing_parts(model: Model) -> list[str]:
+    """Parts without which a model cannot be simulated; alternatives in one, by *or*.
+
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> from pmmkit.models import load_model
+    >>> missing_parts(load_model("kvlcc2"))
+    []
+    """
+    missing = [name for name in (HULL, INERTIA) if name not in model.parts]
+    missing += ["roll"] if model.heeled else []
+    every = CATALOGUE.values()
+    return missing + [
+        " or ".join(effect.name for effect in every if role in effect.roles)
+        for role in model.lacking
+    ]
 
 
 @dataclass(frozen=True, kw_only=True)

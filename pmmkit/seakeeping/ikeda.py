@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Self
 
 import numpy as np
 
@@ -76,94 +76,101 @@ class RollDamping(Described):
             )
         ]
 
+    @classmethod
+    def of(
+        cls,
+        hull: Hull,
+        loading: Loading,
+        *,
+        speed: float = 0.0,
+        amplitude_deg: float = 10.0,
+        keel_breadth: float = 0.0,
+        keel_length: float = 0.0,
+        g: float = 9.81,
+    ) -> Self:
+        """Roll damping of friction, eddies, bilge keels and lift.
 
-def ikeda_damping(
-    hull: Hull,
-    loading: Loading,
-    *,
-    speed: float = 0.0,
-    amplitude_deg: float = 10.0,
-    keel_breadth: float = 0.0,
-    keel_length: float = 0.0,
-    g: float = 9.81,
-) -> RollDamping:
-    """Roll damping of friction, eddies, bilge keels and lift.
+        Regression of Kawahara, Maekawa and Ikeda (2011) for conventional cargo ships; lift as Ikeda
+        has it there. What grows with the amplitude is told apart by half of it.
 
-    Regression of Kawahara, Maekawa and Ikeda (2011) for conventional cargo ships; lift as Ikeda
-    has it there. What grows with the amplitude is told apart by half of it.
+        Parameters
+        ----------
+        hull : Hull
+            The hull.
+        loading : Loading
+            Its mass.
+        speed : float
+            [m/s].
+        amplitude_deg : float
+            Of the roll, up to 20 or so [deg].
+        keel_breadth, keel_length : float
+            Of a bilge keel [m]; 0 for none.
+        g : float
+            Gravity [m/s²].
 
-    Parameters
-    ----------
-    hull : Hull
-        The hull.
-    loading : Loading
-        Its mass.
-    speed : float
-        [m/s].
-    amplitude_deg : float
-        Of the roll, up to 20 or so [deg].
-    keel_breadth, keel_length : float
-        Of a bilge keel [m]; 0 for none.
-    g : float
-        Gravity [m/s²].
+        Returns
+        -------
+        RollDamping
 
-    Returns
-    -------
-    RollDamping
-
-    Raises
-    ------
-    DataError
-        If the ship lies outside of what the regression was made from.
-    """
-    B, d, L = float(hull.breadths.max()), hull.draught, hull.L
-    still = hull.hydrostatics
-    CB, CM = still.volume / (L * B * d), float(hull.areas.max()) / (B * d)
-    OG = (d - loading.KG) / d
-    shown = {"CB": CB, "B/d": B / d, "OG/d": OG, "CM": CM}
-    if keel_breadth > 0.0 or keel_length > 0.0:
-        shown |= dict(zip(_KEELS, (keel_breadth / B, keel_length / L), strict=True))
-    wrong = [
-        f"{name} = {value:.3f}, not {low:g} to {high:g}"
-        for name, value in shown.items()
-        for low, high in [_RANGES[name]]
-        if not low <= value <= high
-    ]
-    if wrong:
-        raise DataError(
-            Problem(
-                message=f"Ikeda's formulas do not hold for this ship: {'; '.join(wrong)}.",
-                remedy="Give the loading a roll_damping of your own, such as 0.05 of critical.",
+        Raises
+        ------
+        DataError
+            If the ship lies outside of what the regression was made from.
+        """
+        B, d, L = float(hull.breadths.max()), hull.draught, hull.L
+        still = hull.hydrostatics
+        CB, CM = still.volume / (L * B * d), float(hull.areas.max()) / (B * d)
+        OG = (d - loading.KG) / d
+        shown = {"CB": CB, "B/d": B / d, "OG/d": OG, "CM": CM}
+        if keel_breadth > 0.0 or keel_length > 0.0:
+            shown |= dict(zip(_KEELS, (keel_breadth / B, keel_length / L), strict=True))
+        wrong = [
+            f"{name} = {value:.3f}, not {low:g} to {high:g}"
+            for name, value in shown.items()
+            for low, high in [_RANGES[name]]
+            if not low <= value <= high
+        ]
+        if wrong:
+            raise DataError(
+                Problem(
+                    message=f"Ikeda's formulas do not hold for this ship: {'; '.join(wrong)}.",
+                    remedy="Give the loading a roll_damping of your own, such as 0.05 of critical.",
+                )
             )
+        omega = _natural(hull, loading, g)
+        bare = omega * math.sqrt(B / (2 * g))
+        # B over ρ∇B² √(2g/B), and critical damping is 2C/ω
+        stiffness = g * (still.KM - loading.KG)
+        unit = B**2 * math.sqrt(2 * g / B) * omega / (2 * stiffness)
+
+        def keels(amplitude: float) -> float:
+            if keel_breadth == 0.0:
+                return 0.0
+            return (
+                unit
+                * _keels(CB, CM, B / d, OG, keel_breadth / B, keel_length / L, amplitude)
+                * bare
+            )
+
+        turn = math.radians(amplitude_deg)
+        eddies = (
+            unit * 4 * bare * turn / (3 * math.pi * CB * (B / d) ** 3) * _eddy(CB, CM, B / d, OG)
         )
-    omega = _natural(hull, loading, g)
-    bare = omega * math.sqrt(B / (2 * g))
-    # B over ρ∇B² √(2g/B), and critical damping is 2C/ω
-    stiffness = g * (still.KM - loading.KG)
-    unit = B**2 * math.sqrt(2 * g / B) * omega / (2 * stiffness)
-
-    def keels(amplitude: float) -> float:
-        if keel_breadth == 0.0:
-            return 0.0
-        return unit * _keels(CB, CM, B / d, OG, keel_breadth / B, keel_length / L, amplitude) * bare
-
-    turn = math.radians(amplitude_deg)
-    eddies = unit * 4 * bare * turn / (3 * math.pi * CB * (B / d) ** 3) * _eddy(CB, CM, B / d, OG)
-    full, half = keels(amplitude_deg), keels(0.5 * amplitude_deg)
-    slope = 2 * (full - half) + eddies  # what would be gone at no amplitude
-    friction = unit * _friction(CB, B, d, L, OG, turn, omega, speed, g)
-    lift = unit * _lift(CM, B, d, L, OG, speed) / (still.volume * B**2) * math.sqrt(B / (2 * g))
-    return RollDamping(
-        omega=omega,
-        amplitude_deg=amplitude_deg,
-        speed=speed,
-        friction=friction,
-        eddies=eddies,
-        keels=full,
-        lift=lift,
-        roll_damping=max(friction + lift + eddies + full - slope, 0.0),
-        roll_quadratic=max(slope, 0.0) * 3 * math.pi / (8 * omega * turn),
-    )
+        full, half = keels(amplitude_deg), keels(0.5 * amplitude_deg)
+        slope = 2 * (full - half) + eddies  # what would be gone at no amplitude
+        friction = unit * _friction(CB, B, d, L, OG, turn, omega, speed, g)
+        lift = unit * _lift(CM, B, d, L, OG, speed) / (still.volume * B**2) * math.sqrt(B / (2 * g))
+        return cls(
+            omega=omega,
+            amplitude_deg=amplitude_deg,
+            speed=speed,
+            friction=friction,
+            eddies=eddies,
+            keels=full,
+            lift=lift,
+            roll_damping=max(friction + lift + eddies + full - slope, 0.0),
+            roll_quadratic=max(slope, 0.0) * 3 * math.pi / (8 * omega * turn),
+        )
 
 
 def _natural(hull: Hull, loading: Loading, g: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Self
 
 from pmmkit.base import DataError
 from pmmkit.seakeeping.hull_forms.hull import Hull
@@ -50,62 +51,63 @@ class Loading:
         if wrong:
             raise DataError(wrong, title="Loading")
 
+    @classmethod
+    def of(
+        cls,
+        hull: Hull,
+        *,
+        GM: float | None = None,
+        KG: float | None = None,
+        kxx: float | None = None,
+        kyy: float | None = None,
+        kzz: float | None = None,
+        roll_damping: float | None = None,
+        roll_quadratic: float = 0.0,
+    ) -> Self:
+        """A loading from what is known; the rest is assumed and said.
 
-def loading_of(
-    hull: Hull,
-    *,
-    GM: float | None = None,
-    KG: float | None = None,
-    kxx: float | None = None,
-    kyy: float | None = None,
-    kzz: float | None = None,
-    roll_damping: float | None = None,
-    roll_quadratic: float = 0.0,
-) -> Loading:
-    """A loading from what is known; the rest is assumed and said.
+        Parameters
+        ----------
+        hull : Hull
+            What floats.
+        GM, KG : float, optional
+            Metacentric height, or the centre of gravity above the base line [m]; where both are
+            absent, 5 % of the breadth is taken for GM.
+        kxx, kyy, kzz : float, optional
+            Radii of gyration [m]; 0.37 of the breadth, 0.25 of the length and that of pitch else.
+        roll_damping : float, optional
+            Over critical [-]; 0.05 where absent.
+        roll_quadratic : float
+            What grows with the rate of roll [s/rad].
 
-    Parameters
-    ----------
-    hull : Hull
-        What floats.
-    GM, KG : float, optional
-        Metacentric height, or the centre of gravity above the base line [m]; where both are
-        absent, 5 % of the breadth is taken for GM.
-    kxx, kyy, kzz : float, optional
-        Radii of gyration [m]; 0.37 of the breadth, 0.25 of the length and that of pitch else.
-    roll_damping : float, optional
-        Over critical [-]; 0.05 where absent.
-    roll_quadratic : float
-        What grows with the rate of roll [s/rad].
-
-    Returns
-    -------
-    Loading
-    """
-    breadth = float(hull.breadths.max())
-    KM = hull.hydrostatics.KM
-    notes = []
-    if GM is not None and KG is not None and abs(KM - KG - GM) > 0.01 * breadth:
-        raise DataError(
-            f"GM = {GM:g} m and KG = {KG:g} m contradict the metacentre of the sections, "
-            f"{KM:.3f} m above the base line: give one of them."
+        Returns
+        -------
+        Loading
+        """
+        breadth = float(hull.breadths.max())
+        KM = hull.hydrostatics.KM
+        notes = []
+        if GM is not None and KG is not None and abs(KM - KG - GM) > 0.01 * breadth:
+            raise DataError(
+                f"GM = {GM:g} m and KG = {KG:g} m contradict the metacentre of the sections, "
+                f"{KM:.3f} m above the base line: give one of them."
+            )
+        if GM is None and KG is None:
+            notes.append("GM is assumed, 5 % of the breadth.")
+        height = 0.05 * breadth if GM is None else GM
+        if kxx is None:
+            notes.append("The radius of gyration in roll is assumed, 0.37 of the breadth.")
+        if kyy is None:
+            notes.append("The radius of gyration in pitch is assumed, 0.25 of the length.")
+        if roll_damping is None:
+            notes.append("The roll damping beside that of waves is assumed, 5 % of critical.")
+        pitch = 0.25 * hull.L if kyy is None else kyy
+        return cls(
+            KG=KM - height if KG is None else KG,
+            kxx=0.37 * breadth if kxx is None else kxx,
+            kyy=pitch,
+            kzz=pitch if kzz is None else kzz,
+            roll_damping=0.05 if roll_damping is None else roll_damping,
+            roll_quadratic=roll_quadratic,
+            notes=tuple(notes),
         )
-    if GM is None and KG is None:
-        notes.append("GM is assumed, 5 % of the breadth.")
-    height = 0.05 * breadth if GM is None else GM
-    if kxx is None:
-        notes.append("The radius of gyration in roll is assumed, 0.37 of the breadth.")
-    if kyy is None:
-        notes.append("The radius of gyration in pitch is assumed, 0.25 of the length.")
-    if roll_damping is None:
-        notes.append("The roll damping beside that of waves is assumed, 5 % of critical.")
-    pitch = 0.25 * hull.L if kyy is None else kyy
-    return Loading(
-        KG=KM - height if KG is None else KG,
-        kxx=0.37 * breadth if kxx is None else kxx,
-        kyy=pitch,
-        kzz=pitch if kzz is None else kzz,
-        roll_damping=0.05 if roll_damping is None else roll_damping,
-        roll_quadratic=roll_quadratic,
-        notes=tuple(notes),
-    )

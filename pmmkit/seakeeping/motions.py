@@ -13,7 +13,7 @@ from pmmkit.base import DataError
 from pmmkit.numerics import Array
 from pmmkit.seakeeping.hull_forms.hull import Hull
 from pmmkit.seakeeping.lengthwise import Complex, Flags, second, weights
-from pmmkit.seakeeping.loading import Loading, loading_of
+from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.strips import Strips, coefficients, excitation, strips_of
 from pmmkit.seakeeping.transfer import Rao
@@ -52,7 +52,7 @@ def rao(
     omega : array-like, optional
         Of the waves [rad/s], rising; those of `frequencies` where absent.
     loading : Loading, optional
-        The mass; where absent, assumed by `loading_of`.
+        The mass; where absent, assumed by `Loading.of`.
     waves : float or Sea, optional
         Amplitude of the regular waves [m], or the long-crested sea, in which roll is damped: for a
         `loading` with damping that grows with the rate, which is made linear there.
@@ -72,7 +72,7 @@ def rao(
         damping needs `waves`.
     """
     U, beta, w = _axes(hull, speeds, headings_deg, omega, g)
-    mass = loading_of(hull) if loading is None else loading
+    mass = Loading.of(hull) if loading is None else loading
     encounter = w - np.multiply.outer(np.multiply.outer(U, np.cos(beta)), w**2) / g
     highest = float(np.abs(encounter).max())
     if strips is None or strips.hull is not hull or strips.omega[-1] < highest or strips.g != g:

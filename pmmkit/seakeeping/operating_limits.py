@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Self
 
 import numpy as np
 
@@ -99,61 +99,70 @@ class Operability(Described):
             )
         ]
 
+    @classmethod
+    def of(
+        cls,
+        rao: Rao,
+        sea: Sea,
+        *,
+        places: Sequence[Place] = (),
+        limits: Mapping[str, float] = LIMITS,
+    ) -> Self:
+        """What motions come to over what they may, at each speed and heading that was computed.
 
-def operability(
-    rao: Rao, sea: Sea, *, places: Sequence[Place] = (), limits: Mapping[str, float] = LIMITS
-) -> Operability:
-    """What motions come to over what they may, at each speed and heading that was computed.
+        Parameters
+        ----------
+        rao : Rao
+            The motions.
+        sea : Sea
+            The sea.
+        places : sequence of Place
+            Where acceleration, wet decks and slams are judged.
+        limits : mapping of str to float
+            Some of `LIMITS`: ``roll_deg`` and ``acceleration`` are root mean squares [deg, m/s²],
+            ``slam`` and ``wet`` shares of the waves.
 
-    Parameters
-    ----------
-    rao : Rao
-        The motions.
-    sea : Sea
-        The sea.
-    places : sequence of Place
-        Where acceleration, wet decks and slams are judged.
-    limits : mapping of str to float
-        Some of `LIMITS`: ``roll_deg`` and ``acceleration`` are root mean squares [deg, m/s²],
-        ``slam`` and ``wet`` shares of the waves.
+        Returns
+        -------
+        Operability
 
-    Returns
-    -------
-    Operability
-
-    Raises
-    ------
-    UnknownNameError
-        If a limit is not known.
-    DataError
-        If a limit is not positive, or there is nothing to judge.
-    """
-    unknown = [name for name in limits if name not in LIMITS]
-    if unknown:
-        raise UnknownNameError(
-            f"There is no limit {', '.join(unknown)}. There are {', '.join(LIMITS)}."
+        Raises
+        ------
+        UnknownNameError
+            If a limit is not known.
+        DataError
+            If a limit is not positive, or there is nothing to judge.
+        """
+        unknown = [name for name in limits if name not in LIMITS]
+        if unknown:
+            raise UnknownNameError(
+                f"There is no limit {', '.join(unknown)}. There are {', '.join(LIMITS)}."
+            )
+        if not limits or not all(value > 0.0 for value in limits.values()):
+            raise DataError("Limits must be positive, one or more.")
+        headings = np.degrees(rao.heading)
+        found: dict[str, Array] = {}
+        for i, speed in enumerate(rao.speed):
+            for j, heading in enumerate(headings):
+                one = response(
+                    rao, sea, speed=float(speed), heading_deg=float(heading), places=places
+                )
+                for name, value in _values(one).items():
+                    if name in limits:
+                        table = found.setdefault(
+                            name, np.full((rao.speed.size, headings.size), np.nan)
+                        )
+                        table[i, j] = value / limits[name]
+        if not found:
+            raise DataError("There is nothing to judge: give places with freeboard and draught.")
+        return cls(
+            name=rao.name,
+            sea=sea,
+            speed=rao.speed,
+            heading_deg=headings,
+            limits=MappingProxyType({name: limits[name] for name in found}),
+            ratios=MappingProxyType(found),
         )
-    if not limits or not all(value > 0.0 for value in limits.values()):
-        raise DataError("Limits must be positive, one or more.")
-    headings = np.degrees(rao.heading)
-    found: dict[str, Array] = {}
-    for i, speed in enumerate(rao.speed):
-        for j, heading in enumerate(headings):
-            one = response(rao, sea, speed=float(speed), heading_deg=float(heading), places=places)
-            for name, value in _values(one).items():
-                if name in limits:
-                    table = found.setdefault(name, np.full((rao.speed.size, headings.size), np.nan))
-                    table[i, j] = value / limits[name]
-    if not found:
-        raise DataError("There is nothing to judge: give places with freeboard and draught.")
-    return Operability(
-        name=rao.name,
-        sea=sea,
-        speed=rao.speed,
-        heading_deg=headings,
-        limits=MappingProxyType({name: limits[name] for name in found}),
-        ratios=MappingProxyType(found),
-    )
 
 
 def _values(one: Response) -> dict[str, float]:

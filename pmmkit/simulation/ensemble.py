@@ -21,15 +21,7 @@ from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.simulation.equations.following import known_speeds, packed_following
 from pmmkit.simulation.equations.layouts import Status
-from pmmkit.simulation.equations.prepared import (
-    CALM,
-    Conditions,
-    Numbers,
-    Prepared,
-    packed,
-    stacked,
-    values_at,
-)
+from pmmkit.simulation.equations.prepared import Conditions, Prepared, packed, stacked
 from pmmkit.simulation.equations.structure import EquationStructure
 from pmmkit.simulation.froude import Follow, FroudeRange, froude_range, prepared
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
@@ -215,7 +207,7 @@ class Batch:
     gear: Gear
     speed: float
     rtol: float = RTOL
-    conditions: Conditions = CALM
+    conditions: Conditions = field(default_factory=Conditions)
     revolutions: float | None = None
     extrapolate: bool = False
     fn: Follow = "approach"
@@ -298,9 +290,11 @@ class Batch:
             self.conditions,
         )
 
-    def _given(self, speed: float, names: Sequence[str], values: Array) -> Numbers:
+    def _given(
+        self, speed: float, names: Sequence[str], values: Array
+    ) -> Mapping[str, Mapping[str, Any]]:
         """Values of the parts at a speed, with those of the ships in their places."""
-        given = values_at(self.model, speed, extrapolate=self.extrapolate)
+        given = self.model.values_at(speed, extrapolate=self.extrapolate)
         for column, name in enumerate(names):
             effect, dot, own = name.rpartition(".")
             for home in (effect,) if dot else self.model.derivative_parts:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import numpy as np
 
@@ -120,6 +120,25 @@ class FullAstern:
     high: float = math.nan
     bucket: bool = False
 
+    @classmethod
+    def of_a_stop(cls, t: Array, n: Array, ahead: float) -> Self | None:
+        """What the engine did in a measured stop; None where the propeller never turns astern.
+
+        Parameters
+        ----------
+        t, n, ahead
+            As for `reached`, until the ship stops.
+
+        Notes
+        -----
+        The revolutions are the median of the second half of the time in which they are astern.
+        """
+        astern = np.flatnonzero(n < 0.0)
+        if not len(astern):
+            return None
+        turns = float(np.median(n[astern[len(astern) // 2 :]])) / ahead
+        return cls(turns=turns, reversal_s=reached(t, n, ahead, turns), measured=True)
+
     @property
     def words(self) -> str:
         """What the engine did, what of it is assumed, and what that leaves open.
@@ -168,25 +187,6 @@ def reached(t: Array, n: Array, ahead: float, turns: float) -> float:
     """
     there = n <= (turns + THERE) * ahead
     return float(t[int(np.argmax(there))]) if there.any() else math.nan
-
-
-def measured_astern(t: Array, n: Array, ahead: float) -> FullAstern | None:
-    """What the engine did in a measured stop; None where the propeller never turns astern.
-
-    Parameters
-    ----------
-    t, n, ahead
-        As for `reached`, until the ship stops.
-
-    Notes
-    -----
-    The revolutions are the median of the second half of the time in which they are astern.
-    """
-    astern = np.flatnonzero(n < 0.0)
-    if not len(astern):
-        return None
-    turns = float(np.median(n[astern[len(astern) // 2 :]])) / ahead
-    return FullAstern(turns=turns, reversal_s=reached(t, n, ahead, turns), measured=True)
 
 
 def as_it_reverses(

@@ -23,13 +23,15 @@ from pmmkit.simulation.equations.layouts import (
     Status,
     StepField,
 )
-from pmmkit.simulation.equations.prepared import Prepared, mass_problem, propulsion_problem
+from pmmkit.simulation.equations.prepared import (
+    LONGEST_STEP,
+    Prepared,
+    mass_problem,
+    propulsion_problem,
+)
 from pmmkit.simulation.equations.structure import EquationStructure
 from pmmkit.simulation.plan import Plan, ProbeResults
 
-LONGEST_STEP: Final = 2.0
-"""Longest step in ship lengths over the approach speed. Near a steady turn the error estimate
-alone lets the steps grow to the limit of stability, where the dense output loses digits."""
 FASTEST: Final = 10.0
 """A ship beyond so many times its approach speed has left what the model describes."""
 ROOM: Final = 400

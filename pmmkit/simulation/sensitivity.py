@@ -26,7 +26,6 @@ from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.simulation.ensemble import Batch, batch_of, unstated
-from pmmkit.simulation.equations.prepared import values_at
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting
 from pmmkit.simulation.spread import in_kind, is_uncertain, spread_of
@@ -246,7 +245,7 @@ def sensitivities(
         extrapolate=True,
         beside=[item.name for item in free],
     )
-    given = values_at(loaded, speed, extrapolate=batch.extrapolate)
+    given = loaded.values_at(speed, extrapolate=batch.extrapolate)
     chosen = tuple(names) if names is not None else drawn.names
     known = {
         loaded.parts[part].place(name): x for part, own in given.items() for name, x in own.items()

@@ -15,7 +15,7 @@ import numpy as np
 from pmmkit.base import DataError, Problem, SimulationError
 from pmmkit.models import Model, Standing, held_straight, load_model, of_a_model
 from pmmkit.simulation.equations.layouts import Control, End, State
-from pmmkit.simulation.equations.prepared import CALM, Conditions, feels_depth, feels_waves
+from pmmkit.simulation.equations.prepared import Conditions
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre
@@ -170,7 +170,7 @@ def simulate(
     )
     loaded = ship_for(chosen, stated, speed, settings, extrapolate=extrapolate)
     calm = wave_height is None and not any(around.values())
-    conditions = CALM if calm else Conditions(**around)
+    conditions = Conditions() if calm else Conditions(**around)
     ready = prepared(loaded, speed, fn, conditions=conditions, extrapolate=extrapolate)
     plan = chosen.plan(
         speed / ready.L, speed=speed, wind=wind_speed > 0.0, bucket=loaded.has_bucket, **settings
@@ -179,8 +179,8 @@ def simulate(
     gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
     track = track_of(loaded, history, dt, settings)
-    more = [NO_BOTTOM] if depth is not None and not feels_depth(loaded) else []
-    if wave_height is not None and not feels_waves(loaded):
+    more = [NO_BOTTOM] if depth is not None and not loaded.feels("depth") else []
+    if wave_height is not None and not loaded.feels("wave_height"):
         more.append(NO_WAVES)
     if fn == "instant":
         track = replace(track, tested=froude_range(loaded, history))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, overload
+from typing import Any, Final, overload
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from pmmkit.models import TOGETHER, Model
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
 from pmmkit.simulation.equations.following import known_speeds
-from pmmkit.simulation.equations.prepared import Numbers, values_at
 from pmmkit.simulation.froude import Follow
 
 CHUNK: Final = 10_000
@@ -224,7 +223,7 @@ def spread_of(
     if isinstance(spread, Draws):
         return _fitting(spread, model, speed, extrapolate=extrapolate, fn=fn)
     speeds = (known_speeds(model, speed) if fn == "instant" else ()) or (speed,)
-    values = [values_at(model, each, extrapolate=extrapolate) for each in speeds]
+    values = [model.values_at(each, extrapolate=extrapolate) for each in speeds]
     given = [
         {
             model.parts[effect].place(name): x
@@ -319,7 +318,7 @@ def _fitting(draws: Draws, model: Model, speed: float, *, extrapolate: bool, fn:
     """The draws, if the model has all that they are of."""
     if fn == "instant" and known_speeds(model, speed):
         raise DataError("Draws are of one speed: let the derivatives be those of the approach.")
-    values = values_at(model, speed, extrapolate=extrapolate)
+    values = model.values_at(speed, extrapolate=extrapolate)
     there = {model.parts[effect].place(name) for effect, own in values.items() for name in own}
     lost = [name for name in draws.names if name not in there]
     if lost:
@@ -346,7 +345,7 @@ def _together(names: Sequence[str]) -> Array:
     return root(correlation)
 
 
-def _of_estimates(model: Model, values: Sequence[Numbers]) -> Spread | None:
+def _of_estimates(model: Model, values: Sequence[Mapping[str, Mapping[str, Any]]]) -> Spread | None:
     """Values with an uncertainty of their own, such as estimates from particulars."""
     named, means, stds = [], [], []
     for effect, part in model.parts.items():

@@ -22,7 +22,6 @@ from pmmkit.simulation.single import simulate
 from pmmkit.simulation.track import Track
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
 
@@ -317,8 +316,3 @@ def told_metric(row: Mapping[str, Any], name: str) -> str:
     if f"{name}_low" not in row:
         return text
     return f"{text} ({row[f'{name}_low']:.4g} to {row[f'{name}_high']:.4g})"
-
-
-def sweep_frame(sweep: xr.Dataset) -> pd.DataFrame:
-    """A sweep as a table, a row per case."""
-    return sweep.to_dataframe().reset_index()

@@ -148,33 +148,33 @@ class PythonPrinter:
 _PYTHON = PythonPrinter()
 
 
-def python_lines(block: Sequence[Statement]) -> list[str]:
-    """Statements as lines of Python.
+def python_lines(tree: Function | Sequence[Statement], *, mark: str = "") -> list[str]:
+    """Statements, or a function without its docstring, as lines of Python.
+
+    Parameters
+    ----------
+    tree : Function or sequence of Statement
+        What is printed.
+    mark : str
+        What decorates a function.
+
+    Returns
+    -------
+    list of str
 
     Raises
     ------
     Unwritable
-        If one is `Stray`.
+        If a statement is `Stray`.
 
     Examples
     --------
-    >>> from pmmkit.syntax.reading import statements
+    >>> from pmmkit.syntax import statements
     >>> python_lines(statements("y = (-x)**2 - (a - (b*c))"))
     ['y = (-x) ** 2 - (a - b * c)']
     """
-    return [line for item in block for line in _statement(item)]
-
-
-def python_function(tree: Function, *, mark: str = "") -> list[str]:
-    """A function as lines of Python, without its docstring.
-
-    Parameters
-    ----------
-    tree : Function
-        The function.
-    mark : str
-        What decorates it.
-    """
+    if not isinstance(tree, Function):
+        return [line for item in tree for line in _statement(item)]
     usual = dict(tree.defaults)
     given = [f"{x}={_PYTHON.text(usual[x])}" if x in usual else x for x in tree.arguments]
     head = f"def {tree.name}({', '.join(given)}):"

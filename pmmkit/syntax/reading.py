@@ -62,6 +62,15 @@ _COMPARED: Final = {
 def expression(text: str) -> Expression:
     """The tree of an expression.
 
+    Parameters
+    ----------
+    text : str
+        In Python's words.
+
+    Returns
+    -------
+    Expression
+
     Examples
     --------
     >>> expression("x**2")
@@ -73,6 +82,15 @@ def expression(text: str) -> Expression:
 def statements(text: str) -> tuple[Statement, ...]:
     """The trees of statements, one below the other.
 
+    Parameters
+    ----------
+    text : str
+        In Python's words.
+
+    Returns
+    -------
+    tuple of Statement
+
     Examples
     --------
     >>> statements("y += 1")
@@ -82,7 +100,17 @@ def statements(text: str) -> tuple[Statement, ...]:
 
 
 def functions(text: str) -> dict[str, Function]:
-    """The functions of a module by their names."""
+    """The functions of a module by their names.
+
+    Parameters
+    ----------
+    text : str
+        Of the module.
+
+    Returns
+    -------
+    dict of str to Function
+    """
     return {
         node.name: _function(node)
         for node in ast.parse(text).body

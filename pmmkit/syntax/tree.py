@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeVar
+from typing import Any
 
 
 class Unwritable(Exception):
@@ -19,10 +19,61 @@ class Unwritable(Exception):
 class Node:
     """A part of a tree."""
 
+    def nodes(self) -> Iterator[Node]:
+        """All nodes of the tree, the root first.
+
+        Examples
+        --------
+        >>> [type(node).__name__ for node in Unary("-", Name("x")).nodes()]
+        ['Unary', 'Name']
+        """
+        yield self
+        for value in vars(self).values():
+            for inner in _nodes_in(value):
+                yield from inner.nodes()
+
+    def names(self) -> frozenset[str]:
+        """The words of all names in the tree, those of functions among them."""
+        return frozenset(node.word for node in self.nodes() if isinstance(node, Name))
+
+    def replaced(self, rule: Callable[[Any], Any]) -> Any:
+        """The tree in which each node, from the leaves to the root, is what a rule makes of it.
+
+        Examples
+        --------
+        >>> doubled = lambda node: Number(2 * node.value) if isinstance(node, Number) else node
+        >>> Binary("+", Name("x"), Number(3)).replaced(doubled).right
+        Number(value=6)
+        """
+        changed = {
+            name: _replaced_in(value, rule)
+            for name, value in vars(self).items()
+            if isinstance(value, Node | tuple)
+        }
+        return rule(replace(self, **changed) if changed else self)
+
+
+def _nodes_in(value: Any) -> Iterator[Node]:
+    """The nodes that stand in a field of a node, not those within them."""
+    if isinstance(value, Node):
+        yield value
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _nodes_in(item)
+
+
+def _replaced_in(value: Any, rule: Callable[[Any], Any]) -> Any:
+    if isinstance(value, tuple):
+        return tuple([_replaced_in(item, rule) for item in value])
+    return value.replaced(rule) if isinstance(value, Node) else value
+
 
 @dataclass(frozen=True)
 class Number(Node):
-    """A number, whole or not, or a truth; other constants are `Stray`."""
+    """A number, whole or not, or a truth: its `value`; other constants are `Stray`.
+
+    `place`: where it stood in a text.
+    """
 
     value: bool | int | float
     place: int = field(default=0, compare=False, repr=False)
@@ -30,7 +81,7 @@ class Number(Node):
 
 @dataclass(frozen=True)
 class Name(Node):
-    """A variable, a constant or a function by its name."""
+    """A variable, a constant or a function by its name, a `word`; `place` as of a `Number`."""
 
     word: str
     place: int = field(default=0, compare=False, repr=False)
@@ -38,7 +89,7 @@ class Name(Node):
 
 @dataclass(frozen=True)
 class Member(Node):
-    """What belongs to something else: ``math.pi``, ``State.u``."""
+    """What belongs to something else: ``math.pi`` is the `word` ``pi`` `of` ``math``."""
 
     of: Expression
     word: str
@@ -46,7 +97,7 @@ class Member(Node):
 
 @dataclass(frozen=True)
 class Call(Node):
-    """A function of arguments, some of them by name."""
+    """A `function` of arguments, `inner` by order and `named`; `place` as of a `Number`."""
 
     function: Expression
     inner: tuple[Expression, ...]
@@ -56,7 +107,7 @@ class Call(Node):
 
 @dataclass(frozen=True)
 class Unary(Node):
-    """``-``, ``+`` or ``not`` in front of an operand."""
+    """A `sign`, ``-``, ``+`` or ``not``, before `inner`; `place` as of a `Number`."""
 
     sign: str
     inner: Expression
@@ -65,7 +116,7 @@ class Unary(Node):
 
 @dataclass(frozen=True)
 class Binary(Node):
-    """An operator of arithmetic between two operands."""
+    """A `sign` of arithmetic between `left` and `right`; `place` as of a `Number`."""
 
     sign: str
     left: Expression
@@ -100,7 +151,7 @@ class Conditional(Node):
 
 @dataclass(frozen=True)
 class Subscript(Node):
-    """What stands at a place of a list; places count from 0."""
+    """What stands in a list, `of`, `at` a place; places count from 0."""
 
     of: Expression
     at: Expression
@@ -108,7 +159,7 @@ class Subscript(Node):
 
 @dataclass(frozen=True)
 class Span(Node):
-    """Places from one end to another."""
+    """Places from `low` on to before `high`."""
 
     low: Expression | None
     high: Expression | None
@@ -116,7 +167,7 @@ class Span(Node):
 
 @dataclass(frozen=True)
 class Several(Node):
-    """Values together: a tuple."""
+    """Values together, `inner`: a tuple."""
 
     inner: tuple[Expression, ...]
 
@@ -206,7 +257,7 @@ class Leave(Node):
 
 @dataclass(frozen=True)
 class Return(Node):
-    """The end of a function."""
+    """The end of a function, and the `value` that it gives."""
 
     value: Expression | None
 
@@ -239,58 +290,3 @@ class Function(Node):
     defaults: tuple[tuple[str, Expression], ...] = ()
     told: str = ""
     plain: bool = True
-
-
-Tree = TypeVar("Tree")
-
-
-def replaced(tree: Tree, rule: Callable[[Any], Any]) -> Tree:
-    """A tree in which each node, from the leaves to the root, is what a rule makes of it.
-
-    Parameters
-    ----------
-    tree : Node or tuple of nodes
-    rule : callable
-        Gives a node for a node: the same where nothing is to change.
-
-    Examples
-    --------
-    >>> doubled = lambda node: Number(2 * node.value) if isinstance(node, Number) else node
-    >>> replaced(Binary("+", Name("x"), Number(3)), doubled).right
-    Number(value=6)
-    """
-    made: Any = tree
-    if isinstance(tree, tuple):
-        return tuple([replaced(item, rule) for item in tree])  # type: ignore[return-value]
-    if isinstance(tree, Node):
-        changed = {}
-        for name, value in vars(tree).items():
-            if isinstance(value, Node | tuple):
-                new = replaced(value, rule)
-                if new is not value:
-                    changed[name] = new
-        made = rule(replace(tree, **changed) if changed else tree)
-    return made  # type: ignore[no-any-return]
-
-
-def nodes(tree: Any) -> Iterator[Node]:
-    """All nodes of a tree, the root first.
-
-    Examples
-    --------
-    >>> [type(node).__name__ for node in nodes(Unary("-", Name("x")))]
-    ['Unary', 'Name']
-    """
-    if isinstance(tree, tuple):
-        for item in tree:
-            yield from nodes(item)
-    elif isinstance(tree, Node):
-        yield tree
-        for value in vars(tree).values():
-            if isinstance(value, Node | tuple):
-                yield from nodes(value)
-
-
-def names(tree: Any) -> frozenset[str]:
-    """The words of all names in a tree, those of functions among them."""
-    return frozenset(node.word for node in nodes(tree) if isinstance(node, Name))

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import ModelError, PmmkitError
-from pmmkit.conventions import bibliography, parse_derivative
+from pmmkit.conventions import CHANNELS, bibliography, parse_derivative
 from pmmkit.diagnosis import candidate_of as captive_candidate
 from pmmkit.diagnosis import free_candidate_of as free_candidate
 from pmmkit.diagnosis import standard_tests
@@ -28,15 +28,7 @@ from pmmkit.models import (
     with_effect,
     without_effect,
 )
-from pmmkit.simulation import (
-    ACCELERATIONS,
-    FORCES,
-    GIVEN,
-    Conditions,
-    Prepared,
-    prepare,
-    water_forces,
-)
+from pmmkit.simulation import ACCELERATIONS, GIVEN, Conditions, Prepared, prepare
 from pmmkit.testing.faults import acts_on_records, declared_fault
 
 _FROUDE: Final = 0.142
@@ -395,7 +387,7 @@ def _linear(case: _Case) -> Iterator[str]:
         return
     sizes = effect.typical
     none = dict.fromkeys(sizes, 0.0)
-    places = [i for i, x in enumerate(effect.outputs) if x in (*FORCES, *ACCELERATIONS)]
+    places = [i for i, x in enumerate(effect.outputs) if x in (*CHANNELS, *ACCELERATIONS)]
 
     def forces(point: Mapping[str, Any], **given: float) -> Any:
         found = _outputs(case, point, **(none | given))
@@ -471,9 +463,9 @@ def _by_froude(case: _Case) -> Iterator[str]:
     found = []
     for ship, stretch in ((model, 1.0), (large, _LARGER)):
         ready = _in_wind(ship)
-        found.append(water_forces(ready.structure, ready.k, _history(ship, stretch)))
+        found.append(ready.water_forces(_history(ship, stretch)))
     small, grown = found
-    for channel in FORCES:
+    for channel in CHANNELS:
         expected = small[channel] * _LARGER ** (4 if channel in "NK" else 3)
         if not np.allclose(grown[channel], expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max()):
             yield f"{channel} of a larger ship is not that of Froude's law"

@@ -30,7 +30,7 @@ from pmmkit.numerics import Array, rms
 from pmmkit.presentation import WIDE, counted
 from pmmkit.reduction import idle
 from pmmkit.simulation import Manoeuvre as Orders
-from pmmkit.simulation import Track, executed_at, feels_depth, simulate, steering, water_forces
+from pmmkit.simulation import Track, executed_at, simulate, steering
 from pmmkit.validation.manoeuvre import ManoeuvreComparison
 from pmmkit.validation.prediction import at_the_scale_of
 from pmmkit.validation.statistics import ChannelError
@@ -292,7 +292,7 @@ def _compared(
     held = Binding.of(
         model, (), record.speed, conditions=record.conditions, extrapolate=extrapolate
     )
-    said = water_forces(held.structure, held.base.tolist(), implied.motion)
+    said = held.equations.water_forces(implied.motion)
     names = tuple(whole.measured)
     return FreeRun(
         run=run,
@@ -335,7 +335,7 @@ def _sailed(
             model,
             manoeuvre,
             speed=settings.speed,
-            depth=campaign.depth_of(run) if feels_depth(model) else None,
+            depth=campaign.depth_of(run) if model.feels("depth") else None,
             extrapolate=extrapolate,
             rudder_rate_deg=rate if math.isfinite(rate) else None,
             **asked,

@@ -16,7 +16,7 @@ from pmmkit.effects import State
 from pmmkit.models import Model, Part, scaled
 from pmmkit.numerics import Array
 from pmmkit.reduction import View
-from pmmkit.simulation import CALM, packed, repeating_states, values_at, water_forces
+from pmmkit.simulation import prepare
 
 Forces = Callable[[State, Array], dict[str, Array]]
 """From the motion of midship and its instants [s] to forces of the water by channel [N, N m]."""
@@ -87,12 +87,11 @@ class Predictor:
         model = replace(
             self.model, parts=MappingProxyType(parts), covariance=None, covariance_names=()
         )
-        values = values_at(model, speed, extrapolate=self.extrapolate)
-        structure, k = packed(model, values, speed, CALM, sails=False)
+        ready = prepare(model, speed, extrapolate=self.extrapolate, sails=False)
 
         def forces(motion: State, t: Array) -> dict[str, Array]:
             given = history_of(motion)
-            return water_forces(structure, k, given | repeating_states(structure, k, given, t))
+            return ready.water_forces(given | ready.repeating_states(given, t))
 
         return forces
 

@@ -18,7 +18,6 @@ from pmmkit.diagnosis import read_session
 from pmmkit.effects import own_effect
 from pmmkit.files import datasets_folder
 from pmmkit.models import Model, load_model, ships
-from pmmkit.simulation import feels_depth
 from pmmkit.views import page_of, trials_page
 from pmmkit.workbench.campaigns import OpenCampaigns
 from pmmkit.workbench.commands import command_lines
@@ -292,7 +291,7 @@ class Desk:
             "L": model.ship.L,
             "draught": model.ship.d,
             "windy": any("wind_speed" in part.known.needs for part in model.parts.values()),
-            "shallow": feels_depth(model),
+            "shallow": model.feels("depth"),
             "scale": model.scale,
         }
 

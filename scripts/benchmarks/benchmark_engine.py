@@ -26,7 +26,8 @@ from pathlib import Path
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.simulation import Constant, Prepared, prepare
+from pmmkit.simulation import Prepared, prepare
+from pmmkit.simulation.equations.layouts import Constant
 from pmmkit.simulation.equations.monomials import FACTOR_PLACES
 
 SHIP, SPEED, RTOL = "kvlcc2-l7", 1.179, 1e-6

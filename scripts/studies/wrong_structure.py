@@ -30,7 +30,6 @@ from pmmkit.identification import FreeRecord, Prior, identify, places
 from pmmkit.identification.binding import with_parameters
 from pmmkit.identification.from_run import measured_roll
 from pmmkit.models import Model, Part
-from pmmkit.simulation import values_at
 from tests.support.recorded import recorded
 
 METHODS = ("ekf", "trajectory", "regression")
@@ -153,7 +152,7 @@ def extended(
                 if name not in prior.names and name not in OUTSIDE:
                     size = WIDER * abs(share) * item.typical[label]
                     std[name] = math.hypot(std.get(name, 0.0), size)
-    numbers = values_at(better, records[0].speed, extrapolate=True)
+    numbers = better.values_at(records[0].speed, extrapolate=True)
     found = np.array([float(numbers[home][own]) for home, own in places(better, list(std))])
     model = with_parameters(model, places(model, list(std)), found)
     whole = np.zeros((len(prior.names) + len(std),) * 2)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pmmkit.seakeeping import Hull, Loading, loading_of
+from pmmkit.seakeeping import Hull, Loading
 from pmmkit.seakeeping.hull_forms.hull import Station
 
 L, D, KYY, RHO, G = 3.0, 0.1875, 0.75, 1000.0, 9.81
@@ -65,4 +65,4 @@ def wigley(model: str, stations: int = 41) -> Hull:
 
 def loaded(hull: Hull) -> Loading:
     """As tested, but for a little stability in roll, which the rig gave."""
-    return loading_of(hull, GM=0.01, kxx=0.1, kyy=KYY, kzz=KYY, roll_damping=0.05)
+    return Loading.of(hull, GM=0.01, kxx=0.1, kyy=KYY, kzz=KYY, roll_damping=0.05)

@@ -10,9 +10,9 @@ import xarray as xr
 from commands import said
 
 import pmmkit as pk
-import pmmkit.models.library
 from pmmkit.base import DataError
 from pmmkit.cli import main
+from pmmkit.models.library import SHIPS
 from pmmkit.seakeeping import motions
 from pmmkit.seakeeping.strips import strips_of
 from pmmkit.validation import comparison
@@ -71,7 +71,7 @@ def test_the_drift_of_a_sea_goes_into_a_model_file(tmp_path, capsys):
     order = ["seakeeping", "s175", "--speeds", "8", "--headings", "0,30,60,90,120,150,180"]
     out = tmp_path / "out"
     assert main([*order, "--hs", "4", "--tp", "8", "--no-figures", "--out", str(out)]) == 0
-    plain = pk.ship_library.SHIPS["s175-3dof"].file.read_text(encoding="utf-8")
+    plain = SHIPS["s175-3dof"].file.read_text(encoding="utf-8")
     (tmp_path / "rough.toml").write_text(plain + (out / "drift.toml").read_text(encoding="utf-8"))
     rough = pk.load_model(tmp_path / "rough.toml")
     calm, moved = (
@@ -143,7 +143,7 @@ def test_drift_and_motion_come_from_one_strip_theory(computed, tmp_path, capsys)
     assert main([*order, *waves, *speeds, "--wave-motion", "--out", str(tmp_path / "a")]) == 0
     assert len(computed) == 1
     assert "at 0, 5, 8 m/s" in capsys.readouterr().out
-    plain = pk.ship_library.SHIPS["s175-3dof"].file.read_text(encoding="utf-8")
+    plain = SHIPS["s175-3dof"].file.read_text(encoding="utf-8")
     own = tmp_path / "own.toml"
     own.write_text(f"{plain}\n{TABLE}", encoding="utf-8")
     order[1] = str(own)

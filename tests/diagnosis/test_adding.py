@@ -20,7 +20,7 @@ from pmmkit.diagnosis.captive.diagnose import diagnose_captive
 from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.effects import BY_SPEED, Regressors, State
 from pmmkit.models import load_model, model_text
-from pmmkit.simulation import prepare, water_forces
+from pmmkit.simulation import prepare
 
 FROUDE = tuple(speed / (WATER.g * SHIP.L) ** 0.5 for speed in (1.0, 1.5, 2.0))
 PHYSICS = [item for item in captive_candidates((1.0,)) if item.kind == "physics"]
@@ -81,7 +81,7 @@ def force_of(model, m):
     history = {name: np.broadcast_to(getattr(m, name), (size,)) for name in names}
     history |= {"delta": np.full(size, m.delta)}
     ready = prepare(model, m.carriage)
-    return water_forces(ready.structure, ready.k, history)
+    return ready.water_forces(history)
 
 
 @pytest.mark.slow
@@ -155,8 +155,7 @@ def test_derivatives_keep_their_force_in_the_convention_of_any_model(ship, effec
         approach_speed=U,
     ).columns
     with_it, without = (
-        water_forces(ready.structure, ready.k, motion)
-        for ready in (prepare(x, U) for x in (better, model))
+        ready.water_forces(motion) for ready in (prepare(x, U) for x in (better, model))
     )
     for channel in "XYN":
         own = [i for i, name in enumerate(used) if name[0] == channel]

@@ -47,7 +47,7 @@ def test_heel_coupling_has_a_place_in_a_model_that_does_not_roll():
     assert {name: values[name] for name in heel.values} == dict.fromkeys(heel.values, 0.0)
     binding = Binding.of(made, heel.values, 9.0)
     assert np.all(np.diff(binding.starts) == 1)
-    assert not binding.structure.rolls
+    assert not binding.equations.structure.rolls
 
 
 def test_sailing_shows_more_of_heel_than_captive_tests():

@@ -23,7 +23,7 @@ from pmmkit.identification.binding import driven
 from pmmkit.models import Model, Part
 from pmmkit.seakeeping import frequencies
 from pmmkit.seakeeping.second_order.mean_drift import drift_table
-from pmmkit.simulation import ESTIMATING, State, compiled
+from pmmkit.simulation import State
 from tests.support.few_stations import thinned
 from tests.support.free_tank.campaigns import Setup, write
 from tests.support.free_tank.cases import FLEETS
@@ -184,10 +184,10 @@ def test_a_record_sails_in_the_sea_that_it_states(table):
 def sailed_along(model: Model, record: FreeRecord) -> tuple[float, ...]:
     """States at the end of a record, from steady running."""
     binding = Binding.of(driven(model), (), record.speed, conditions=record.conditions)
-    functions = compiled(binding.structure, ESTIMATING)
+    functions = binding.functions
     k = binding.base.copy()
     functions.complete(k)
-    first = np.zeros((1, len(binding.structure.states)))
+    first = np.zeros((1, len(binding.states)))
     first[0, State.u] = record.speed
     out = np.empty((len(record), first.shape[1]))
     ends = np.array([0, len(record)])

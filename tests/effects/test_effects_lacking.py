@@ -15,7 +15,7 @@ from pmmkit.effects.cross_flow import force as crossflow
 from pmmkit.effects.memory import late_cross_flow_force, late_sway_force
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import load_model
-from pmmkit.simulation import prepare, water_forces
+from pmmkit.simulation import prepare
 
 L, U, RHO = 4.0, 1.5, 1000.0
 
@@ -67,13 +67,13 @@ def test_a_history_with_time_follows_the_lag_and_without_it_has_settled():
     first = [speed[0] * motion["v"][0]]
     s = solve_ivp(rate, (0.0, 40.0), first, t_eval=t, rtol=1e-10, atol=1e-12).y[0]
     unit = 0.5 * model.water.rho * model.ship.L**2
-    plain = water_forces(base.structure, base.k, motion)["Y"]
-    found = water_forces(ready.structure, ready.k, motion | {"t": t})["Y"] - plain
+    plain = base.water_forces(motion)["Y"]
+    found = ready.water_forces(motion | {"t": t})["Y"] - plain
     expected = -0.004 * unit * (s - speed * motion["v"])
     np.testing.assert_allclose(found, expected, atol=2e-4 * np.abs(expected).max())
-    given_state = water_forces(ready.structure, ready.k, motion | {"late_sway": s})["Y"] - plain
+    given_state = ready.water_forces(motion | {"late_sway": s})["Y"] - plain
     np.testing.assert_allclose(given_state, expected, atol=1e-9 * np.abs(plain).max())
-    settled = water_forces(ready.structure, ready.k, motion)["Y"]
+    settled = ready.water_forces(motion)["Y"]
     np.testing.assert_allclose(settled, plain, rtol=1e-12)
 
 
@@ -155,8 +155,7 @@ def test_resistance_follows_its_curve_at_the_actual_speed():
     )
     speeds = plain.ship.speed(0.2) * np.array([0.5, 1.0, 1.3])
     one, other = (
-        water_forces(x.structure, x.k, {"u": speeds})["X"]
-        for x in (prepare(model, 9.0), prepare(plain, 9.0))
+        x.water_forces({"u": speeds})["X"] for x in (prepare(model, 9.0), prepare(plain, 9.0))
     )
     F = np.array([0.5, 1.0, 1.3]) ** 2 - 1
     unit = 0.5 * plain.water.rho * plain.ship.L**2 * speeds**2
@@ -206,7 +205,7 @@ def test_size_and_lag_are_fitted_from_forces_along_a_history():
         motion=motion,
         speed=9.0,
         std={"Y": 1e3, "N": 1e5},
-        forces={c: water_forces(ready.structure, ready.k, motion)[c] for c in "YN"},
+        forces={c: ready.water_forces(motion)[c] for c in "YN"},
     )
     start = pk.with_effect(load_model("s175-3dof"), "memory")
     names = ["memory.Yv_late", "memory.Nv_late", "memory.lag"]

@@ -21,7 +21,7 @@ from pmmkit.effects import CATALOGUE
 from pmmkit.identification import fit_to_forces
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import load_model, scaled
-from pmmkit.simulation import prepare, water_forces
+from pmmkit.simulation import prepare
 from pmmkit.testing.effects import check_effect
 from scripts.documentation.make_docs import effect_page
 
@@ -116,7 +116,7 @@ def test_it_is_identified_from_forces_along_a_history(skeg):
     U, L = np.hypot(motion["u"], motion["v"]), ship.ship.L
     past = np.maximum(np.abs(motion["v"]) / U - EDGE, 0.0) * motion["r"] * L / U
     unit = 0.5 * ship.water.rho * L**2 * U**2
-    forces = water_forces(ready.structure, ready.k, motion)
+    forces = ready.water_forces(motion)
     forces["Y"] = forces["Y"] + 0.006 * unit * past
     forces["N"] = forces["N"] - 0.005 * unit * L * past
     record = ForceRecord(

@@ -16,10 +16,8 @@ import pytest
 import pmmkit as pk
 from pmmkit import catalogue
 from pmmkit.effects import primitives
-from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, ValueKind
-from pmmkit.exports.c.program import Program
-from pmmkit.simulation import CARRYING, interpreted, module_text, prepare
-from pmmkit.syntax import Unwritable
+from pmmkit.simulation import prepare
+from pmmkit.syntax import CProgram, Unwritable
 
 COMPILER = shutil.which("cc")
 needs_compiler = pytest.mark.skipif(COMPILER is None, reason="there is no C compiler cc")
@@ -27,13 +25,13 @@ LENGTH = 4
 """Of every table."""
 
 
-def program_of(text: str) -> Program:
+def program_of(text: str) -> CProgram:
     """A program of functions in the words of effects."""
     module = ModuleType("functions")
     module.__dict__.update({name: getattr(primitives, name) for name in primitives.__all__})
     module.__dict__.update(math=math, vector=lambda size: [0.0] * size)
     exec(text, module.__dict__)
-    return Program(text, module)
+    return CProgram(text, module)
 
 
 def loaded(text: str, folder) -> ctypes.CDLL:
@@ -58,10 +56,11 @@ def numbers(values) -> ctypes.Array:
 # --- Every effect of the catalogue ---------------------------------------------------------------
 
 
-def kinds_of(effect) -> list[ValueKind]:
+def kinds_of(effect) -> list[str]:
     names = inspect.signature(effect.force).parameters
-    table = ValueKind("table")
-    return [table if x in effect.tables else INT if x in effect.options else DOUBLE for x in names]
+    return [
+        "table" if x in effect.tables else "int" if x in effect.options else "double" for x in names
+    ]
 
 
 def sizes_of(effect) -> list[int]:
@@ -97,7 +96,7 @@ def test_every_effect_is_the_same_in_c(tmp_path):
     ]
     module = ModuleType("effects")
     vars(module).update({f"effect_{item.name}": item.force for item in effects})
-    program, calls = Program("", module), []
+    program, calls = CProgram("", module), []
     for item in effects:
         name = program.take(f"effect_{item.name}", kinds_of(item))
         calls.append(called(name, sizes_of(item), len(item.outputs)))
@@ -147,11 +146,9 @@ def test_the_equations_of_motion_are_the_same_in_c(name, tmp_path):
     model = pk.load_model(name)
     speed = model.ship.speed(0.15)
     ready = prepare(model, speed)
-    program = Program(
-        module_text(ready.structure, CARRYING), interpreted(ready.structure, CARRYING)
-    )
-    moment = [LIST, DOUBLE, DOUBLE, DOUBLE, LIST, LIST]
-    for function, kinds in (("rates", moment), ("complete", [LIST])):
+    program = CProgram(*ready.program())
+    moment = ["list", "double", "double", "double", "list", "list"]
+    for function, kinds in (("rates", moment), ("complete", ["list"])):
         program.take(function, kinds)
     ends = """
     void rates(double *y, const double *c, double *k, double *out)
@@ -193,7 +190,7 @@ def told(a, b):
     return short, a - b, total, whole - 1 / 2, room[0] - room[1], between, max(a, b) - min(a, b, 0)
 """
     program = program_of(text)
-    name = program.take("told", [DOUBLE, DOUBLE])
+    name = program.take("told", ["double", "double"])
     library = loaded(program.text + called(name, [1, 1], 7), tmp_path)
     known: dict = {"vector": lambda size: [0.0] * size}
     exec(text, known)
@@ -213,7 +210,7 @@ def told(a):
     return n // 2, (n - 7) // 3, n // -3, -7 // 2 + a, large, 2**-1 * a, -(n > 0) + 0.5
 """
     program = program_of(text)
-    name = program.take("told", [DOUBLE])
+    name = program.take("told", ["double"])
     library = loaded(program.text + called(name, [1], 7), tmp_path)
     known: dict = {}
     exec(text, known)
@@ -245,4 +242,4 @@ def told(a):
 )
 def test_what_c_is_not_written_for_is_said(body, why):
     with pytest.raises(Unwritable, match=why):
-        program_of(f"def told(a, b):\n    {body}\n").take("told", [DOUBLE, DOUBLE])
+        program_of(f"def told(a, b):\n    {body}\n").take("told", ["double", "double"])

@@ -20,12 +20,11 @@ from small_campaign import write_campaign
 
 import pmmkit as pk
 from pmmkit.base import ModelError, PmmkitError
-from pmmkit.exports.comments import plain
 from pmmkit.exports.matlab.model import model_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
-from pmmkit.exports.text import is_matlab_name, matlab_name
 from pmmkit.models import Part, Step
 from pmmkit.simulation import prepare
+from pmmkit.syntax import is_matlab_name, matlab_name, plain
 
 SPEEDS = {
     "kvlcc2-l7": 1.179,

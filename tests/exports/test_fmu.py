@@ -29,7 +29,8 @@ from pmmkit.effects import CATALOGUE
 from pmmkit.exports.fmu.unit import model_to_fmu
 from pmmkit.exports.fmu.variables import LAG, table_of
 from pmmkit.models import Part, ships
-from pmmkit.simulation import Constant, prepare
+from pmmkit.simulation import prepare
+from pmmkit.simulation.equations.layouts import Constant
 
 SPEEDS = {"s175": 8.0, "kvlcc2": 7.974, "kvlcc2-l7": 1.179, "mariner": 7.7175, "esso190k": 8.0}
 STATES = ("x", "y", "psi", "u", "v", "r")

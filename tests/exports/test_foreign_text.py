@@ -21,7 +21,6 @@ from hypothesis import strategies as st
 from small_campaign import write_campaign
 
 import pmmkit as pk
-from pmmkit.exports.comments import comment, plain
 from pmmkit.exports.matlab.model import model_to_mss
 from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
@@ -30,6 +29,7 @@ from pmmkit.models import Part, Step, from_values
 from pmmkit.models.tables.io.latex import to_latex
 from pmmkit.presentation import Section, printable, safe_cell, text_of_cell
 from pmmkit.presentation.layout import section_html
+from pmmkit.syntax import comment, plain
 
 CANARY = "open('canary', 'w')"
 BREAKS = ["\n", "\r", "\r\n", "\x0b", "\x0c", "\x1c", "\x1d", "\x1e", "\x85", "\u2028", "\u2029"]

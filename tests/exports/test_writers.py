@@ -31,12 +31,9 @@ from pmmkit.effects.primitives import (
     tanh,
     where,
 )
-from pmmkit.exports.c.kinds import DOUBLE
-from pmmkit.exports.c.program import Program
 from pmmkit.exports.matlab.model import model_to_mss
-from pmmkit.exports.matlab.printed import printed
-from pmmkit.exports.matlab.transcribe import transcribe
-from pmmkit.syntax import Unwritable, expression
+from pmmkit.syntax import CProgram, Unwritable, expression, transcribe
+from pmmkit.syntax.matlab.printed import printed
 
 COMPILER = shutil.which("cc")
 LARGE, SMALL = 1e308, 5e-324
@@ -162,10 +159,10 @@ def test_matlab_gives_what_python_gives(function):
 def test_c_gives_what_python_gives(tmp_path):
     module = ModuleType("functions")
     vars(module).update({item.__name__: item for item in FUNCTIONS})
-    program = Program("", module)
+    program = CProgram("", module)
     calls = [
         f"double run_{x.__name__}(double a, double b, double c)"
-        f" {{ return {program.take(x.__name__, [DOUBLE] * 3)}(a, b, c); }}"
+        f" {{ return {program.take(x.__name__, ['double'] * 3)}(a, b, c); }}"
         for x in FUNCTIONS
     ]
     text = "\n".join(["#include <math.h>", program.text, *calls])

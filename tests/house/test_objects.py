@@ -25,15 +25,9 @@ from pmmkit.identification.trials.table import Wind
 from pmmkit.models import Part, Step
 from pmmkit.presentation import Described
 from pmmkit.reduction import Parts
-from pmmkit.seakeeping import (
-    MeasuredTransfer,
-    beside,
-    explained,
-    ikeda_damping,
-    loading_of,
-    operability,
-    superposed,
-)
+from pmmkit.seakeeping import Loading, Operability, RollDamping, superposed
+from pmmkit.seakeeping.explanation import explained
+from pmmkit.seakeeping.measured import MeasuredTransfer, beside
 from pmmkit.simulation import CHANNELS
 from pmmkit.views import form_of_model
 from pmmkit.views.report.captive.document import Chapter, Document, Item
@@ -177,13 +171,13 @@ def accounted():
 
 @cache
 def judged():
-    return operability(waved(), pk.sea("bretschneider", Hs=3.0, Tp=8.0))
+    return Operability.of(waved(), pk.sea("bretschneider", Hs=3.0, Tp=8.0))
 
 
 @cache
 def damped():
     ship = pk.hull_from_particulars(name="ship", L=175.0, B=25.4, d=9.5, block=0.57, midship=0.966)
-    return ikeda_damping(ship, loading_of(ship, GM=1.0))
+    return RollDamping.of(ship, Loading.of(ship, GM=1.0))
 
 
 @cache

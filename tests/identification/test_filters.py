@@ -18,16 +18,10 @@ from pmmkit.identification.filters import kalman
 from pmmkit.identification.record import sensors_of
 from pmmkit.models import Part, load_model
 from pmmkit.signals import white_noise
-from pmmkit.simulation import (
-    CALM,
-    ESTIMATING,
-    Constant,
-    InputField,
-    compiled,
-    packed,
-    prepare,
-    values_at,
-)
+from pmmkit.simulation import InputField, prepare
+from pmmkit.simulation.equations.code_generation import ESTIMATING
+from pmmkit.simulation.equations.compilation import compiled
+from pmmkit.simulation.equations.layouts import Constant
 
 TANKER, SPEED = load_model("kvlcc2-l7"), 1.179
 LINER = load_model("s175")
@@ -373,7 +367,7 @@ def test_constants_are_those_of_a_model_with_other_values(model, speed):
     binding = Binding.of(model, names, speed)
     for j, name in enumerate(names):
         other = with_other(model, name, 1.37 * binding.mean[j])
-        expected = packed(other, values_at(other, speed), speed, CALM)[1]
+        expected = prepare(other, speed).k
         moved = binding.mean.copy()
         moved[j] *= 1.37
         np.testing.assert_allclose(
@@ -647,12 +641,12 @@ def test_a_drifting_ship_feels_the_wind_less_the_current():
     flow = 3.0 * np.exp(1j * math.radians(200.0))
     binding = Binding.of(windy, ["current_x", "current_y"], 9.0)
     k = binding.constants(np.array([flow.real, flow.imag]))
-    functions = compiled(binding.structure, ESTIMATING)
+    functions = compiled(binding.equations.structure, ESTIMATING)
     functions.complete(k)
     inputs = np.zeros((len(track), len(InputField)))
     inputs[:, 0], inputs[:, 1] = track.delta, track.n
     inputs[:, 3], inputs[:, 4] = 20.0, math.radians(70.0)
-    start = [getattr(track, name)[0] for name in binding.structure.states]
+    start = [getattr(track, name)[0] for name in binding.states]
     out = np.empty((len(track), len(start)))
     functions.windows(track.t, inputs, np.array([0, len(track)]), np.array([start]), k, 0.5, out)
     assert out[-1, 0] == pytest.approx(track.x[-1], abs=0.05)

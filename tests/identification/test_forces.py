@@ -12,7 +12,7 @@ from pmmkit.base import DataError, UnknownNameError
 from pmmkit.identification import fit_to_forces
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import load_model
-from pmmkit.simulation import prepare, water_forces
+from pmmkit.simulation import prepare
 
 SHIPS = [
     ("s175", 9.0),
@@ -55,7 +55,7 @@ def test_the_water_gives_the_ship_the_accelerations_of_newton(name, speed):
         ]
     )
     m |= dict(zip(("udot", "vdot", "rdot", "pdot"), found.T, strict=True))
-    force = water_forces(ready.structure, ready.k, m)
+    force = ready.water_forces(m)
     s, zG = model.ship, model.ship.zG or 0.0
     expected = {
         "X": s.mass * (m["udot"] - m["v"] * m["r"] - s.xG * m["r"] ** 2),
@@ -73,7 +73,7 @@ def test_the_water_gives_the_ship_the_accelerations_of_newton(name, speed):
 def test_sway_from_rest_feels_the_added_mass_alone():
     """Sway from rest: the force is minus the added mass times the acceleration, nothing else."""
     ready = prepare(load_model("kvlcc2-l7"), 1.2)
-    force = water_forces(ready.structure, ready.k, {"vdot": np.array([0.3]), "u": np.array([1e-6])})
+    force = ready.water_forces({"vdot": np.array([0.3]), "u": np.array([1e-6])})
     unit = 0.5 * 1000.0 * 7.0**2 * 0.46
     assert force["Y"][0] == pytest.approx(-0.223 * unit * 0.3, rel=1e-6)
     assert force["X"][0] == pytest.approx(0.0, abs=1e-6)

@@ -13,7 +13,7 @@ from pmmkit import fit_to_forces
 from pmmkit.base import DataError, SimulationError
 from pmmkit.identification import Prior, Smoothed
 from pmmkit.identification import smoother as smoother_module
-from pmmkit.simulation import prepare, water_forces
+from pmmkit.simulation import prepare
 
 LACKING = TANKER.with_values("hull_polynomial", Yvvv=0.0, Nvvr=0.0, Xuu=-0.012, Xvr=0.0)
 """The tanker with half its resistance and without three terms; the added mass is the same."""
@@ -48,8 +48,7 @@ def true_motion(model=TANKER, manoeuvre="zigzag", *, speed=SPEED, dt=0.1, **sett
 def lacked(truth, wrong, motion, speed=SPEED):
     """Forces of one model less those of another, along a motion."""
     one, other = (
-        water_forces(ready.structure, ready.k, motion)
-        for ready in (prepare(truth, speed), prepare(wrong, speed))
+        ready.water_forces(motion) for ready in (prepare(truth, speed), prepare(wrong, speed))
     )
     return {channel: one[channel] - other[channel] for channel in one}
 
@@ -192,7 +191,7 @@ def test_a_rolling_ship_has_a_moment_of_roll_too():
 def test_implied_forces_are_those_of_the_true_model_along_the_true_motion():
     _, motion = true_motion()
     ready = prepare(TANKER, SPEED)
-    expected = water_forces(ready.structure, ready.k, motion)
+    expected = ready.water_forces(motion)
     record = sailed(seed=9)
     forces = Smoothed.of(LACKING, record, sensors=SENSORS).implied_forces(LACKING)
     for channel in ("X", "Y", "N"):

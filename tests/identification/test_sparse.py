@@ -16,7 +16,7 @@ from pmmkit.identification.sparse.regression import look_for_collinearity, spars
 from pmmkit.identification.sparse.request import physics_groups
 from pmmkit.identification.sparse.rows import averaged, equations
 from pmmkit.models import load_model
-from pmmkit.simulation import prepare, simulate, water_forces
+from pmmkit.simulation import prepare, simulate
 
 RHO, L, D = 1000.0, 7.0, 0.46
 AH, XH, XR, LR = 0.312, -0.464, -0.5, -0.71
@@ -206,7 +206,7 @@ def test_the_std_is_the_scatter_between_campaigns(ship):
 def test_the_model_found_gives_the_forces_and_is_simulated(ship, found):
     ready = prepare(found.model, 1.2)
     motion = captive()["yaw 0.1 drift 8"]
-    force = water_forces(ready.structure, ready.k, motion)
+    force = ready.water_forces(motion)
     for channel, values in by_hand(motion).items():
         assert np.max(np.abs(force[channel] - values)) < 0.01 * np.max(np.abs(values))
     exact = ship.with_values("hull_polynomial", **TRUTH)
@@ -251,11 +251,7 @@ def test_an_added_mass_with_coriolis_terms_counts_in_every_channel(ship):
     motions = captive()
     records = [
         ForceRecord(
-            name=name,
-            motion=m,
-            forces=water_forces(ready.structure, ready.k, m),
-            std={"X": 0.01, "Y": 0.01},
-            speed=1.2,
+            name=name, motion=m, forces=ready.water_forces(m), std={"X": 0.01, "Y": 0.01}, speed=1.2
         )
         for name, m in motions.items()
     ]

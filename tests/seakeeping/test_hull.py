@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from pmmkit.base import DataError, UnknownNameError
-from pmmkit.seakeeping import Hull, hull_from_particulars, hulls, load_hull, read_hull
+from pmmkit.seakeeping import Hull, hull_from_particulars, load_hull, read_hull
 from pmmkit.seakeeping.hull_forms.hull import Station
+from pmmkit.seakeeping.hull_forms.particulars import hulls
 from pmmkit.seakeeping.mapping import area, at, fit_sections, fitted, is_conformal, lewis, misfit
 
 X = np.linspace(-50.0, 50.0, 21)

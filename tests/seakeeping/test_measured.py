@@ -7,8 +7,8 @@ import pytest
 from few_stations import thinned
 
 from pmmkit.base import DataError
-from pmmkit.seakeeping import MeasuredTransfer, Sea, beside, hull_from_particulars, rao
-from pmmkit.seakeeping.measured import from_irregular, from_regular
+from pmmkit.seakeeping import Sea, hull_from_particulars, rao
+from pmmkit.seakeeping.measured import MeasuredTransfer, beside, from_irregular, from_regular
 
 SHIP = thinned(hull_from_particulars(name="model", L=4.0, B=0.7, d=0.25, block=0.65))
 OMEGA = np.linspace(2.0, 8.0, 61)

@@ -10,16 +10,7 @@ from few_stations import thinned
 from veres import read_transfer
 
 from pmmkit.base import DataError
-from pmmkit.seakeeping import (
-    Loading,
-    Rao,
-    Sea,
-    hull_from_particulars,
-    load_hull,
-    loading_of,
-    rao,
-    read_hull,
-)
+from pmmkit.seakeeping import Loading, Rao, Sea, hull_from_particulars, load_hull, rao, read_hull
 from pmmkit.seakeeping.strips import coefficients, strips_of
 
 SHIP = thinned(
@@ -92,7 +83,7 @@ def test_s175_by_its_particulars_costs_five_hundredths_of_heave(veres):
             speeds=veres.speed[[0, 3, 4]],
             headings_deg=180.0,
             omega=veres.omega,
-            loading=loading_of(one, **given),
+            loading=Loading.of(one, **given),
         )
         off[one.name] = [apart(found, veres, 2, speed, 180) for speed in veres.speed[[0, 3, 4]]]
     assert max(off[hull.name]) < 0.06
@@ -219,7 +210,7 @@ def test_what_cannot_be_is_refused(asked, says):
 
 def test_loadings_that_contradict_are_refused():
     with pytest.raises(DataError, match="contradict"):
-        loading_of(SHIP, GM=1.0, KG=2.0)
+        Loading.of(SHIP, GM=1.0, KG=2.0)
 
 
 BEAM = {"speeds": 0.0, "headings_deg": 90.0}
@@ -228,7 +219,7 @@ ROLLING = np.linspace(0.3, 0.7, 41)
 
 def rolled(waves=None, **damping):
     return rao(
-        SHIP, **BEAM, omega=ROLLING, loading=loading_of(SHIP, GM=1.2, **damping), waves=waves
+        SHIP, **BEAM, omega=ROLLING, loading=Loading.of(SHIP, GM=1.2, **damping), waves=waves
     )
 
 

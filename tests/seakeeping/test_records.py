@@ -9,18 +9,13 @@ import pytest
 from few_stations import thinned
 
 from pmmkit.base import DataError
-from pmmkit.seakeeping import (
-    MeasuredTransfer,
-    explained,
-    hull_from_particulars,
-    loading_of,
-    rao,
-    read_record,
-    together,
-)
+from pmmkit.seakeeping import Loading, hull_from_particulars, rao
+from pmmkit.seakeeping.explanation import explained
+from pmmkit.seakeeping.measured import MeasuredTransfer
+from pmmkit.seakeeping.records import read_record, together
 
 SHIP = thinned(hull_from_particulars(name="model", L=4.0, B=0.7, d=0.25, block=0.65))
-GIVEN = loading_of(SHIP, GM=0.04, kxx=0.25, kyy=1.0, kzz=1.0, roll_damping=0.05)
+GIVEN = Loading.of(SHIP, GM=0.04, kxx=0.25, kyy=1.0, kzz=1.0, roll_damping=0.05)
 OMEGA = np.linspace(2.0, 8.0, 61)
 
 

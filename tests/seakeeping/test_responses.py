@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from pmmkit.base import DataError, UnknownNameError
 from pmmkit.seakeeping import (
+    Operability,
     Place,
     Sea,
     added_resistance,
     hull_from_particulars,
-    operability,
     rao,
     response,
     sea,
@@ -223,16 +223,16 @@ def test_a_table_of_drift_is_of_a_long_crested_sea_over_all_headings(moved):
 @pytest.mark.slow
 def test_operability_is_each_value_over_its_limit(moved):
     bow, waves = Place(name="bow", x=70.0, freeboard=6.0, draught=8.5), Sea(Hs=4.0, Tp=9.0)
-    found = operability(moved, waves, places=[bow])
+    found = Operability.of(moved, waves, places=[bow])
     assert set(found.ratios) == set(LIMITS)
     one = response(moved, waves, speed=8.0, heading_deg=180, places=[bow])
     wanted = math.sqrt(one.places[0].acceleration.m0) / LIMITS["acceleration"]
     assert found.ratios["acceleration"][1, -1] == pytest.approx(wanted)
-    calm = operability(moved, Sea(Hs=0.1, Tp=9.0), places=[bow])
-    storm = operability(moved, Sea(Hs=14.0, Tp=12.0), places=[bow])
+    calm = Operability.of(moved, Sea(Hs=0.1, Tp=9.0), places=[bow])
+    storm = Operability.of(moved, Sea(Hs=14.0, Tp=12.0), places=[bow])
     assert storm.share < found.share <= calm.share == 1.0
     assert found.plot().axes
     with pytest.raises(UnknownNameError, match="roll_deg"):
-        operability(moved, waves, limits={"heel": 3.0})
+        Operability.of(moved, waves, limits={"heel": 3.0})
     with pytest.raises(DataError, match="nothing to judge"):
-        operability(moved, waves, limits={"wet": 0.05})
+        Operability.of(moved, waves, limits={"wet": 0.05})

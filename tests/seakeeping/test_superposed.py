@@ -8,7 +8,8 @@ from few_stations import thinned
 
 from pmmkit.base import DataError
 from pmmkit.models import load_model
-from pmmkit.seakeeping import Sea, hull_of, loading_of, rao, response, superposed
+from pmmkit.seakeeping import Loading, Sea, rao, response, superposed
+from pmmkit.seakeeping.hull_forms.particulars import hull_of
 from pmmkit.simulation import simulate
 
 SEA = Sea(Hs=3.0, Tp=10.0)
@@ -66,7 +67,7 @@ def test_in_long_waves_the_ship_rides_the_crest_and_leans_with_the_slope():
         speeds=0.0,
         headings_deg=[0.0, 90.0, 180.0],
         omega=np.linspace(0.2, 0.4, 20),
-        loading=loading_of(hull, GM=8.0, roll_damping=0.2),
+        loading=Loading.of(hull, GM=8.0, roll_damping=0.2),
     )
     still = simulate(SHIP, "straight", speed=0.01, duration=1500.0, compiled=False)
     waves = superposed(still, stiff, Sea(Hs=2.0, Tp=24.0, gamma=20.0), from_deg=90.0).waves

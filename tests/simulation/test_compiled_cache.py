@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from pmmkit.simulation import compiled
+from pmmkit.simulation.equations.compilation import compiled
 from pmmkit.simulation.equations.compiled_cache import kept
 
 SESSION = """
 import warnings, numpy as np
 from pmmkit.simulation import prepare
-from pmmkit.simulation import compiled
+from pmmkit.simulation.equations.compilation import compiled
 from pmmkit.simulation.equations.compiled_cache import kept
 from pmmkit.models import load_model
 ready = prepare(load_model('kvlcc2-l7'), 1.179)

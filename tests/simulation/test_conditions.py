@@ -5,17 +5,8 @@ from __future__ import annotations
 import pytest
 
 import pmmkit as pk
-from pmmkit.simulation import (
-    approach_condition,
-    current_condition,
-    depth_condition,
-    draught_condition,
-    length_condition,
-    rudder_condition,
-    said,
-    sea_condition,
-    wind_condition,
-)
+from pmmkit.identification.trials.evaluate import said
+from pmmkit.simulation import Condition
 from pmmkit.simulation.imo.conditions import beaufort
 from pmmkit.simulation.single import NO_BOTTOM
 from pmmkit.views import form_of_model
@@ -32,31 +23,31 @@ def test_beaufort_numbers_of_the_scale_of_the_world_meteorological_organization(
 @pytest.mark.parametrize(
     ("condition", "met"),
     [
-        (length_condition(100.0), True),
-        (length_condition(99.9), False),
-        (depth_condition(83.2 + 1e-6, 20.8), True),
-        (depth_condition(83.2, 20.8), False),
-        (depth_condition(None, 20.8), None),
-        (depth_condition(None, 20.8, deep=True), True),
-        (wind_condition(10.7), True),
-        (wind_condition(10.8), False),
-        (wind_condition(None, 5), True),
-        (wind_condition(None, 6), False),
-        (wind_condition(9.0, 6), True),
-        (wind_condition(None), None),
-        (sea_condition(4), True),
-        (sea_condition(5), False),
-        (sea_condition(None), None),
-        (current_condition(False, ""), False),
-        (draught_condition(20.8 * 0.95, 20.8), True),
-        (draught_condition(20.8 * 0.949, 20.8), False),
-        (draught_condition(20.8 * 1.051, 20.8), False),
-        (draught_condition(20.8, None), None),
-        (approach_condition(7.2, 8.0), True),
-        (approach_condition(7.19, 8.0), False),
-        (approach_condition(7.2, None), None),
-        (rudder_condition(-35.2), True),
-        (rudder_condition(30.0), None),
+        (Condition.of_length(100.0), True),
+        (Condition.of_length(99.9), False),
+        (Condition.of_depth(83.2 + 1e-6, 20.8), True),
+        (Condition.of_depth(83.2, 20.8), False),
+        (Condition.of_depth(None, 20.8), None),
+        (Condition.of_depth(None, 20.8, deep=True), True),
+        (Condition.of_wind(10.7), True),
+        (Condition.of_wind(10.8), False),
+        (Condition.of_wind(None, 5), True),
+        (Condition.of_wind(None, 6), False),
+        (Condition.of_wind(9.0, 6), True),
+        (Condition.of_wind(None), None),
+        (Condition.of_sea(4), True),
+        (Condition.of_sea(5), False),
+        (Condition.of_sea(None), None),
+        (Condition.of_current(False, ""), False),
+        (Condition.of_draught(20.8 * 0.95, 20.8), True),
+        (Condition.of_draught(20.8 * 0.949, 20.8), False),
+        (Condition.of_draught(20.8 * 1.051, 20.8), False),
+        (Condition.of_draught(20.8, None), None),
+        (Condition.of_approach(7.2, 8.0), True),
+        (Condition.of_approach(7.19, 8.0), False),
+        (Condition.of_approach(7.2, None), None),
+        (Condition.of_rudder(-35.2), True),
+        (Condition.of_rudder(30.0), None),
     ],
     ids=lambda x: x.name if hasattr(x, "name") else str(x),
 )
@@ -82,7 +73,7 @@ def test_a_stated_speed_of_the_engine_is_judged_and_no_longer_asked_for():
 
 
 def test_an_unstated_sea_state_is_told_as_no_sentence():
-    assert sea_condition(None).words == ""
+    assert Condition.of_sea(None).words == ""
 
 
 def test_verdicts_and_form_of_a_model_tell_the_same_conditions():

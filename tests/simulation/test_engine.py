@@ -29,7 +29,6 @@ from pmmkit.simulation import (
     simulate,
     sobol,
     spread_of,
-    water_forces,
 )
 from pmmkit.simulation import prepare as prepare_kernel
 from pmmkit.simulation.ensemble import batch_of
@@ -288,7 +287,7 @@ def towed_with_a_brake(size):
     speeds = np.linspace(0.4, 1.4, 9) * SPEED
     motion = {"u": speeds, "n": np.full(9, 1.7)}
     ready = prepare(TANKER, SPEED)
-    water = water_forces(ready.structure, ready.k, motion)
+    water = ready.water_forces(motion)
     unit = 0.5 * TANKER.water.rho * TANKER.ship.L * TANKER.ship.d
     return ForceRecord(
         name="towed",

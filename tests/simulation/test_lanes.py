@@ -55,8 +55,8 @@ def ships(request):
 
 
 def test_only_straight_equations_have_lanes(ships):
-    from pmmkit.simulation import compiled
     from pmmkit.simulation.equations.code_generation import SAILING
+    from pmmkit.simulation.equations.compilation import compiled
 
     batch, names, values, _, lanes = ships
     assert lanes == compiled(batch.ship(names, values[0]).structure, SAILING).LANES

@@ -56,8 +56,8 @@ import hashlib
 import numpy as np
 import pmmkit as pk
 from pmmkit.simulation import prepare
-from pmmkit.simulation import ESTIMATING
-from pmmkit.simulation import compiled
+from pmmkit.simulation.equations.code_generation import ESTIMATING
+from pmmkit.simulation.equations.compilation import compiled
 from pmmkit.identification import FreeRecord, identify
 from pmmkit.models import load_model
 from pmmkit.simulation import monte_carlo

@@ -16,9 +16,9 @@ from pmmkit.base import DataError
 from pmmkit.conventions import criteria
 from pmmkit.effects.four_quadrant import b4_70
 from pmmkit.models import Part, of_a_model
-from pmmkit.simulation import machinery, measured_astern
+from pmmkit.simulation import machinery
 from pmmkit.simulation.imo import judged
-from pmmkit.simulation.machinery import ENGINE, as_it_reverses, reached, torque_of
+from pmmkit.simulation.machinery import ENGINE, FullAstern, as_it_reverses, reached, torque_of
 
 SPEED = 7.97
 PITCH = 0.721
@@ -52,7 +52,7 @@ def test_revolutions_fall_on_a_line_to_those_ordered_in_the_time_that_is_stated(
     line = np.maximum(1.0 - 1.6 * track.t / seconds, -0.6)
     assert track.n / track.n[0] == pytest.approx(line, abs=1e-9)
     # 2 % of the approach's revolutions before the end of the ramp, to a sample
-    found = measured_astern(track.t, track.n, track.n[0])
+    found = FullAstern.of_a_stop(track.t, track.n, track.n[0])
     assert found.turns == pytest.approx(-0.6)
     assert found.reversal_s == pytest.approx(
         seconds * 1.58 / 1.6, abs=1.01 * np.diff(track.t).max()
@@ -83,7 +83,7 @@ def test_what_is_stated_of_the_engine_is_not_assumed():
 def test_a_recorded_reversal_is_found(turns, rate):
     t = np.arange(0.0, 900.0, 1.0)
     n = 1.2 * np.maximum(1.0 - rate * t, turns)
-    found = measured_astern(t, n, 1.2)
+    found = FullAstern.of_a_stop(t, n, 1.2)
     assert found.measured
     assert found.turns == pytest.approx(turns, abs=0.02 + rate)
     assert found.reversal_s == pytest.approx((1.0 - turns) / rate, abs=0.04 / rate + 2.0)
@@ -91,7 +91,7 @@ def test_a_recorded_reversal_is_found(turns, rate):
 
 def test_a_propeller_that_only_stands_was_never_astern():
     t = np.arange(50.0)
-    assert measured_astern(t, np.maximum(1.0 - 0.1 * t, 0.0), 1.0) is None
+    assert FullAstern.of_a_stop(t, np.maximum(1.0 - 0.1 * t, 0.0), 1.0) is None
     assert np.isnan(reached(t, np.maximum(1.0 - 0.1 * t, 0.0), 1.0, -0.6))
 
 

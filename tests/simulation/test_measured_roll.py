@@ -14,21 +14,12 @@ from pmmkit.base import MissingPartError, ModelError
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects import HULL, INERTIA
 from pmmkit.models import load_model
-from pmmkit.simulation import (
-    CALM,
-    ESTIMATING,
-    Constant,
-    InputField,
-    OverGround,
-    State,
-    compiled,
-    module_text,
-    packed,
-    prepare,
-    rigid_body,
-    values_at,
-    water_forces,
-)
+from pmmkit.simulation import Conditions, InputField, OverGround, State, prepare
+from pmmkit.simulation.equations.code_generation import ESTIMATING, module_text
+from pmmkit.simulation.equations.compilation import compiled
+from pmmkit.simulation.equations.histories import water_forces
+from pmmkit.simulation.equations.layouts import Constant
+from pmmkit.simulation.equations.prepared import packed
 
 SPEED = 9.0
 ROLLING, UPRIGHT = load_model("s175"), load_model("s175-3dof")
@@ -38,7 +29,7 @@ HEELED = UPRIGHT.with_values(HULL, **HEEL_TERMS)
 
 def estimating(model):
     """The functions of the estimators for a model, and its constants."""
-    structure, k = packed(model, values_at(model, SPEED), SPEED, CALM, heeled=True)
+    structure, k = packed(model, model.values_at(SPEED), SPEED, Conditions(), heeled=True)
     functions, constants = compiled(structure, ESTIMATING), np.array(k)
     assert functions.complete(constants) == 0
     return functions, structure, constants
@@ -88,7 +79,7 @@ def test_the_acceleration_of_the_measured_roll_pushes_sideways():
     motion = dict(zip(("x", "y", "psi", "u", "v", "r"), states.T, strict=True))
     motion |= {f"{name}dot": out[:, State[name]] for name in ("u", "v", "r")}
     motion |= {"pdot": pdot, "n": inputs[:, 1]}
-    force, body = water_forces(structure, k, motion), rigid_body(ship, motion)
+    force, body = water_forces(structure, k, motion), ship.rigid_body_forces(motion)
     for channel in "XYN":
         np.testing.assert_allclose(force[channel], body[channel], rtol=1e-9)
     still = np.empty_like(states)

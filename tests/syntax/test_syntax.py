@@ -10,35 +10,24 @@ from hypothesis import strategies as st
 
 from pmmkit.effects import primitives
 from pmmkit.syntax import (
-    FUNCTIONS,
     Binary,
     Call,
-    Compare,
-    Conditional,
-    Logic,
     Member,
     Name,
     Number,
-    PythonPrinter,
     Several,
-    Stray,
     Subscript,
     Unary,
     Unwritable,
-    bound,
-    called,
-    counted,
     expression,
-    function_of,
     functions,
-    names,
-    nodes,
-    python_function,
     python_lines,
-    replaced,
     statements,
-    word_of,
 )
+from pmmkit.syntax.printing import PythonPrinter
+from pmmkit.syntax.reading import function_of
+from pmmkit.syntax.tree import Compare, Conditional, Logic, Stray
+from pmmkit.syntax.words import FUNCTIONS, bound, called, counted, word_of
 
 NAMES = st.sampled_from("abc").map(Name)
 NUMBERS = st.one_of(
@@ -119,11 +108,11 @@ def told(a, b=2.0):
 def test_functions_are_read_whole_and_run_as_before():
     (tree,) = functions(TEXT).values()
     assert (tree.name, tree.arguments, tree.told) == ("told", ("a", "b"), "Words.")
-    assert not [node for node in nodes(tree) if isinstance(node, Stray)]
-    again = "\n".join(python_function(tree, mark="kept"))
+    assert not [node for node in tree.nodes() if isinstance(node, Stray)]
+    again = "\n".join(python_lines(tree, mark="kept"))
     assert again.startswith("@kept\ndef told(a, b=2.0):\n    x, y = a, b\n    y = 1.0\n")
     assert functions(again)["told"].body == tree.body
-    source = "\n".join(python_function(function_of(primitives.interpolate)))
+    source = "\n".join(python_lines(function_of(primitives.interpolate)))
     space: dict = {}
     exec(source, space)
     xs, ys = (0.0, 1.0, 3.0), (5.0, 7.0, 8.0)
@@ -134,7 +123,7 @@ def test_functions_are_read_whole_and_run_as_before():
 def test_what_no_tree_is_made_of_is_said_by_whoever_comes_to_it():
     for text in ("with a:\n    b", "[x for x in y]", "x[::2]", "f(*a)", "'text'.y", "a = b = c"):
         block = statements(text)
-        assert any(isinstance(node, Stray) for node in nodes(block))
+        assert any(isinstance(node, Stray) for item in block for node in item.nodes())
         with pytest.raises(Unwritable, match="Python is not written for"):
             python_lines(block)
     with pytest.raises(Unwritable, match="inside another"):
@@ -152,10 +141,10 @@ def test_names_are_replaced_and_nothing_is_changed_in_place():
                 return Name(f"k_{at}")
         return node
 
-    assert replaced(tree, rule) == expression("k_3 + f(k_4, k[x])")
+    assert tree.replaced(rule) == expression("k_3 + f(k_4, k[x])")
     assert tree == expression("k[3] + f(k[4], k[x])")
-    assert replaced(tree, lambda node: node) is not None
-    assert names(tree) == {"k", "f", "x"}
+    assert tree.replaced(lambda node: node) is not None
+    assert tree.names() == {"k", "f", "x"}
 
 
 def test_every_function_of_the_list_is_found_by_what_it_is():

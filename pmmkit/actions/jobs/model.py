@@ -92,7 +92,7 @@ def model(job: ModelSettings) -> Outcome:
 
 def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
     """The model's page, and what it lacks for a simulation."""
-    from pmmkit.simulation import missing_parts
+    from pmmkit.models import missing_parts
 
     lacks = missing_parts(model)
     said = (

@@ -7,18 +7,11 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.actions.motion_records import MotionRecordSettings, beside_records, read_records
 from pmmkit.actions.outcome import Outcome, written
 from pmmkit.actions.places import results_folder
 from pmmkit.actions.setting import SettingError, setting, settings, stated
 from pmmkit.actions.shared import DrawFigures, Out
-from pmmkit.actions.ship_in_waves import (
-    damped,
-    state_of_code,
-    typed_hull,
-    typed_place,
-    typed_speeds,
-)
+from pmmkit.actions.ship_in_waves import damped, sea_of_code, typed_hull, typed_place, typed_speeds
 from pmmkit.actions.text import numbers, stem
 
 if TYPE_CHECKING:
@@ -78,7 +71,7 @@ class SeaSettings:
         if self.sea_state is not None:
             if {"hs", "tp", "t1"} & set(stated(self)):
                 raise SettingError("--sea-state stands in place of --hs, --tp and --t1.")
-            return replace(state_of_code(self.sea_state).sea, spreading=self.spreading)
+            return replace(sea_of_code(self.sea_state), spreading=self.spreading)
         if self.hs is not None:
             return sea(
                 self.spectrum,
@@ -91,6 +84,20 @@ class SeaSettings:
         if {"tp", "t1", "gamma", "spreading"} & set(stated(self)):
             raise SettingError("--hs is needed beside a period, --gamma and --spreading.")
         return None
+
+
+@settings
+class MotionRecordSettings:
+    """Records of motions in waves."""
+
+    record: tuple[str, ...] = setting(
+        "Records of motions in waves, such as 'runs/*.csv', beside the computed ones: "
+        "columns t, wave, heave, pitch …, such as 'heave [mm]'; may be repeated.",
+        default=(),
+    )
+    record_scale: float = setting(
+        "Of a model in the records: 50 for one of 1:50.", default=1.0, least=1e-3
+    )
 
 
 @settings
@@ -122,11 +129,13 @@ class SeakeepingSettings:
 def seakeeping(job: SeakeepingSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.seakeeping import (
+        Loading,
+        Operability,
         added_resistance,
+        beside_records,
         frequencies,
-        loading_of,
-        operability,
         rao,
+        read_records,
         response,
     )
 
@@ -136,7 +145,7 @@ def seakeeping(job: SeakeepingSettings) -> Outcome:
     if len(radii) not in (0, 3):
         raise SettingError(f"--gyration {job.hull.gyration!r}: write roll,pitch,yaw in m.")
     given = dict(zip(("kxx", "kyy", "kzz"), radii, strict=False))
-    loading = loading_of(hull, GM=job.hull.gm, roll_damping=job.hull.roll_damping, **given)
+    loading = Loading.of(hull, GM=job.hull.gm, roll_damping=job.hull.roll_damping, **given)
     waves = job.waves.sea
     courses = numbers(job.headings) or ()
     places = [typed_place(text) for text in job.place]
@@ -149,12 +158,12 @@ def seakeeping(job: SeakeepingSettings) -> Outcome:
             )
         damping = damped(job.hull.bilge_keels, hull, loading, paces, waves)
         linear, quadratic = damping.roll_damping, damping.roll_quadratic
-        loading = loading_of(
+        loading = Loading.of(
             hull, GM=job.hull.gm, roll_damping=linear, roll_quadratic=quadratic, **given
         )
     if job.records.record and (len(paces), len(courses)) != (1, 1):
         raise SettingError("Beside --record state one speed and one heading.")
-    read = read_records(job.records)
+    read = read_records(job.records.record, job.records.record_scale)
     found = rao(
         hull,
         speeds=paces,
@@ -172,7 +181,7 @@ def seakeeping(job: SeakeepingSettings) -> Outcome:
         if waves
     ]
     around = {0.0, 180.0} <= {round(heading, 6) for heading in courses}
-    sailed = operability(found, waves, places=places) if waves and around else None
+    sailed = Operability.of(found, waves, places=places) if waves and around else None
     measured = beside_records(read, found) if read else None
     results = (
         *_files(found, added, answers, waves, figures=job.figures),

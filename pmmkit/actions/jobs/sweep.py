@@ -66,14 +66,7 @@ def sweep(job: SweepSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.models import Standing, load_model
     from pmmkit.plotting import save
-    from pmmkit.simulation import (
-        SHARES,
-        froude_sweep,
-        metrics_over,
-        sweep_frame,
-        told_metric,
-        told_metrics,
-    )
+    from pmmkit.simulation import SHARES, froude_sweep, metrics_over, told_metric, told_metrics
     from pmmkit.simulation import sweep as sweep_sweeps
 
     typed = None if job.speeds is None else typed_list(job.speeds)
@@ -103,7 +96,7 @@ def sweep(job: SweepSettings) -> Outcome:
             loaded, job.over, numbers(job.values), job.manoeuvre, speed=asked[0], **settings
         )
     metrics = told_metrics(found)
-    table = sweep_frame(found)
+    table = found.to_dataframe().reset_index()
     rows: list[dict[str, Any]] = [
         {str(name): value for name, value in row.items()} for row in table.to_dict("records")
     ]

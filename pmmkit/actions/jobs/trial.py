@@ -50,8 +50,8 @@ class TrialSettings:
 
 def trial(job: TrialSettings) -> Outcome:
     """Do what is asked."""
+    from pmmkit.conventions import cite
     from pmmkit.identification import evaluate_trials
-    from pmmkit.simulation import SOURCE
     from pmmkit.views import form_of_trials, read_stated
 
     velocity = numbers(job.current)
@@ -75,12 +75,12 @@ def trial(job: TrialSettings) -> Outcome:
     filled = form_of_trials(opened, found, corrected=corrected, notes=notes)
     content = {
         "campaign": opened.title,
-        "source": SOURCE,
+        "source": cite("msc137"),
         "findings": [item.to_dict() for item in findings],
         "runs": [item.to_dict() for item in found],
         "full_load": [item.to_dict() for item in corrected],
     }
-    lines = [f"{opened.title}: {len(found)} runs, limits of {SOURCE}"]
+    lines = [f"{opened.title}: {len(found)} runs, limits of {cite('msc137')}"]
     for item in found:
         lines += ["", str(item)]
     if filled.corrections is not None:

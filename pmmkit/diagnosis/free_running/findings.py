@@ -21,7 +21,6 @@ from pmmkit.effects import OUTSIDE, Parameter
 from pmmkit.identification import FreeRecord, Prediction, Smoothed, places
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import values_at
 
 BEYOND: Final = 2.0
 """Standard deviations by which a fit may leave a value beyond the least or most that there is."""
@@ -88,7 +87,7 @@ def model_of(
         if item.name in fit.names:
             made = item.added_to(made)
     change = {name: x for name, x in moved(fit).items() if name not in OUTSIDE}
-    numbers = values_at(made, speed, extrapolate=True)
+    numbers = made.values_at(speed, extrapolate=True)
     whole = _unknown(fit)
     deviations = np.sqrt(np.maximum(np.diagonal(whole), 0.0)).tolist()
     std = dict(zip(fit.place.question.numbers.values, deviations, strict=True))

@@ -13,7 +13,6 @@ from pmmkit.diagnosis.free_running.information import Forces, Information, Windo
 from pmmkit.identification import FreeRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import rigid_body
 
 FLOOR: Final = 0.001
 """Unknown forces below this share of the rms force of a channel do not matter."""
@@ -100,7 +99,7 @@ def usual_forces(model: Model, records: Sequence[FreeRecord]) -> Array:
             "vdot": np.zeros(1),
             "rdot": np.array([size * pace]),
         }
-        force = rigid_body(ship, motion)
+        force = ship.rigid_body_forces(motion)
         sizes = {name: abs(float(force[name][0])) for name in ("X", "Y", "N")}
         sizes["K"] = 0.1 * ship.d * sizes["Y"]
         squares.append(np.array([sizes[word] / unit[word] for word in words]) ** 2)

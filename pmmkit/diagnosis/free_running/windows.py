@@ -14,7 +14,7 @@ from pmmkit.effects import CURRENT, OUTSIDE
 from pmmkit.identification import Binding, FreeRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import ESTIMATING, Constant, InputField, State, compiled
+from pmmkit.simulation import InputField, State
 
 WINDOW: Final = 5.0
 """Length of a window in ship lengths over the speed."""
@@ -63,7 +63,7 @@ class RecordWindows:
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states."""
-        return self.binding.structure.states
+        return self.binding.states
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -86,7 +86,7 @@ class RecordWindows:
 
 
 def _compiled_anew(given: Mapping[str, Any]) -> RecordWindows:
-    return RecordWindows(functions=compiled(given["binding"].structure, ESTIMATING), **given)
+    return RecordWindows(functions=given["binding"].functions, **given)
 
 
 def stretches_of(
@@ -119,7 +119,7 @@ def _stretch(
     window: float,
 ) -> RecordWindows:
     pace = record.speed / model.ship.L
-    default = record.first_state(binding.structure.states, sensors, model.ship.L)[0]
+    default = record.first_state(binding.states, sensors, model.ship.L)[0]
     begins = _begins(record, window / pace)
     pieces, spacing = _pieces(record, begins, pace)
     by = record.force_units(model)
@@ -127,9 +127,9 @@ def _stretch(
         record=record,
         names=names,
         binding=binding,
-        functions=compiled(binding.structure, ESTIMATING),
+        functions=binding.functions,
         begins=begins,
-        starts=record.first_states(begins, binding.structure.states, default, 0.5 / pace),
+        starts=record.first_states(begins, binding.states, default, 0.5 / pace),
         forces=np.zeros((len(record), len(by))),
         units=np.array([*by.values()]),
         pieces=pieces,
@@ -253,7 +253,10 @@ def shown(stretch: RecordWindows, states: Array, change: Array) -> Array:
     psi, u, v = (states[:, place] for place in (State.psi, State.u, State.v))
     ahead, aside = np.cos(psi), np.sin(psi)
     level = v * np.cos(_heel(stretch, states))
-    current = [stretch.binding.base[Constant[name]] + moved.get(name, 0.0) for name in CURRENT]
+    current = [
+        stretch.binding.base[stretch.binding.equations.place(name)] + moved.get(name, 0.0)
+        for name in CURRENT
+    ]
     north = u * ahead - level * aside + current[0]
     east = u * aside + level * ahead + current[1]
     lag, offset = moved.get("clock_lag", 0.0), moved.get("heading_offset", 0.0)

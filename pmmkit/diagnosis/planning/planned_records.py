@@ -19,7 +19,7 @@ from pmmkit.effects import CURRENT
 from pmmkit.identification import FreeRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import Track, feels_depth, simulate
+from pmmkit.simulation import Track, simulate
 
 LONGEST: Final = 60.0
 """A planned record is no longer than this, in ship lengths over the speed."""
@@ -146,7 +146,7 @@ def _around(sea: PlannedConditions, like: FreeRecord, course: float) -> dict[str
         "current_speed": math.hypot(north, east),
         "current_direction_deg": math.degrees(math.atan2(east, north) - course),
     }
-    if like.depth is not None and feels_depth(sea.model):
+    if like.depth is not None and sea.model.feels("depth"):
         found["depth"] = like.depth
     if like.wind_speed is not None:
         found["wind_speed"] = float(np.mean(like.wind_speed))

@@ -10,10 +10,10 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.base import __version__
-from pmmkit.exports.comments import plain
 from pmmkit.exports.fmu.variables import FmuVariable, Table
 from pmmkit.models import Model
 from pmmkit.simulation import RTOL
+from pmmkit.syntax import plain
 
 # Units as powers of the base units.
 

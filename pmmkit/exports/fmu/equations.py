@@ -3,41 +3,28 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 from pmmkit.base import ModelError, Problem
-from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, ValueKind, number
-from pmmkit.exports.c.program import Program
-from pmmkit.exports.comments import comment
 from pmmkit.exports.fmu.variables import BEGIN, GEAR, Table
 from pmmkit.exports.text import written_by
 from pmmkit.models import Model
-from pmmkit.simulation import (
-    CARRYING,
-    LONGEST_STEP,
-    RTOL,
-    Constant,
-    Control,
-    GearField,
-    Prepared,
-    interpreted,
-    module_text,
-)
-from pmmkit.syntax import Unwritable
+from pmmkit.simulation import RTOL, Prepared
+from pmmkit.syntax import CProgram, Unwritable, c_number, comment
 
-_MOMENT: Final = (LIST, DOUBLE, DOUBLE, DOUBLE, LIST, LIST)
-_FUNCTIONS: Final[dict[str, tuple[ValueKind, ...]]] = {
-    "complete": (LIST,),
+_MOMENT: Final = ("list", "double", "double", "double", "list", "list")
+_FUNCTIONS: Final[dict[str, Sequence[str]]] = {
+    "complete": ("list",),
     "rates": _MOMENT,
     "forces": _MOMENT,
-    "self_propulsion": (DOUBLE, LIST, LIST, LIST),
-    "flow": (DOUBLE, DOUBLE),
-    "wind_over_current": (DOUBLE,) * 4,
-    "gear_rate": (DOUBLE,) * 4,
-    "ordered": (LIST, INT, *(DOUBLE,) * 5),
-    "controlled": (DOUBLE, LIST, INT),
-    "carried": (DOUBLE, DOUBLE, DOUBLE, LIST, LIST, LIST, DOUBLE, DOUBLE),
+    "self_propulsion": ("double", "list", "list", "list"),
+    "flow": ("double",) * 2,
+    "wind_over_current": ("double",) * 4,
+    "gear_rate": ("double",) * 4,
+    "ordered": ("list", "int", *("double",) * 5),
+    "controlled": ("double", "list", "int"),
+    "carried": ("double", "double", "double", "list", "list", "list", "double", "double"),
 }
 """What ship.h calls, with the kinds of the arguments."""
 _CLOSEST: Final = 1e-13
@@ -71,16 +58,18 @@ def equations_text(model: Model, ready: Prepared, table: Table, *, token: str) -
     return "\n".join(lines) + "\n"
 
 
-def _program(ready: Prepared, table: Table) -> Program:
-    module = interpreted(ready.structure, CARRYING)
-    program = Program(module_text(ready.structure, CARRYING), module)
+def _program(ready: Prepared, table: Table) -> CProgram:
+    text, module = ready.program()
+    program = CProgram(text, module)
     problems = []
     for item in ready.structure.used:
         name = f"effect_{item.effect}"
         tables = {own for own, _ in item.tables}
         options = {own for own, _ in item.options}
-        asked = [ValueKind("table") if x in tables else INT if x in options else DOUBLE
-                 for x in inspect.signature(getattr(module, name)).parameters]  # fmt: skip
+        asked = [
+            "table" if x in tables else "int" if x in options else "double"
+            for x in inspect.signature(getattr(module, name)).parameters
+        ]
         try:
             program.take(name, asked)
         except Unwritable as error:
@@ -106,7 +95,7 @@ def _numbers(table: Table) -> Iterator[str]:
     nominal = (item.nominal for item in table.variables if item.name in table.states)
     yield from _listed("double NOMINAL", [size or 1.0 for size in nominal])
     slopes = [
-        f"{{{place}, {variable}, {number(size)}}}"
+        f"{{{place}, {variable}, {c_number(size)}}}"
         for variable, item in enumerate(table.variables)
         for place, size in item.slopes
     ]
@@ -116,7 +105,7 @@ def _numbers(table: Table) -> Iterator[str]:
 
 
 def _listed(name: str, values: Iterable[float]) -> list[str]:
-    texts = [number(float(value)) for value in values]
+    texts = [c_number(float(value)) for value in values]
     return [f"static const {name}[{len(texts)}] = {{", *_rows(texts), "};"]
 
 
@@ -129,17 +118,13 @@ def _defined(ready: Prepared, table: Table, token: str) -> Iterator[str]:
     places, states = table.places, table.states
     known = {
         "TOKEN": f'"{token}"',
-        "TOLERANCE": number(RTOL),
-        "CLOSEST": number(_CLOSEST),
-        "LONGEST_STEP": number(LONGEST_STEP * ready.L / ready.speed),
+        "TOLERANCE": c_number(RTOL),
+        "CLOSEST": c_number(_CLOSEST),
+        "LONGEST_STEP": c_number(ready.longest_step),
         "VARIABLES": len(table.variables),
         "CONSTANTS": len(table.base),
         "STATES": len(states),
-        "GEARS": len(Control) * len(GearField),
-        "RUDDER": int(Control.rudder),
-        "REVOLUTIONS": int(Control.revolutions),
-        "BUCKET": int(Control.bucket),
-        "RUDDER_ORDER": len(GearField) * Control.rudder + GearField.order,
+        **ready.gears(),
         "SLOPES": sum(len(item.slopes) for item in table.variables),
         "FIRST_STATE": places[states[0]],
         "U_STATE": states.index("u"),
@@ -151,7 +136,7 @@ def _defined(ready: Prepared, table: Table, token: str) -> Iterator[str]:
         "FIRST_BEGIN": places[f"{states[0]}{BEGIN}"],
         "FIRST_PARAMETER": places[f"{states[0]}{BEGIN}"],
         **{f"V_{name.upper()}": places[name] for name in _ASKED if name in places},
-        **{f"K_{name.upper()}": int(Constant[name]) for name in _SURROUNDINGS},
+        **{f"K_{name.upper()}": ready.place(name) for name in _SURROUNDINGS},
     }
     for name, value in known.items():
         yield f"#define {name} {value}"

@@ -15,9 +15,10 @@ from pmmkit.exports.fmu.compiler import library
 from pmmkit.exports.fmu.description import build_text, description_text
 from pmmkit.exports.fmu.equations import equations_text
 from pmmkit.exports.fmu.variables import table_of
-from pmmkit.exports.text import WHICH_SPEED, matlab_name
+from pmmkit.exports.text import WHICH_SPEED
 from pmmkit.models import Model
 from pmmkit.simulation import prepare
+from pmmkit.syntax import matlab_name
 
 Version = Literal[2, 3]
 VERSIONS: Final[tuple[Version, ...]] = (3, 2)

@@ -10,18 +10,7 @@ from typing import Any, Final, Literal
 from pmmkit.effects import CATALOGUE, INERTIA
 from pmmkit.exports.matlab.hull import variable as spelled
 from pmmkit.models import Model
-from pmmkit.simulation import (
-    CALM,
-    NO_SEA,
-    POLYNOMIALS,
-    Constant,
-    Numbers,
-    Prepared,
-    packed,
-    steering,
-    told,
-    values_at,
-)
+from pmmkit.simulation import POLYNOMIALS, Prepared, prepare, steering
 
 Causality = Literal["independent", "input", "output", "local", "parameter", "calculatedParameter"]
 GEAR: Final = "delta_gear"
@@ -168,12 +157,12 @@ def _begin(name: str, start: float) -> FmuVariable:
 
 
 def _outputs(ready: Prepared) -> list[FmuVariable]:
-    """What follows from the states; the forces last, in the order of `told`."""
+    """What follows from the states; the forces last, in the order of `EquationStructure.told`."""
     found = [FmuVariable("delta", "rad", "rudder angle, positive to starboard", "output")]
     if ready.structure.revolutions and "n" not in ready.structure.states:
         unit, text = _STATES["n"]
         found.append(FmuVariable("n", unit, text, "output"))
-    for name in told(ready.structure):
+    for name in ready.structure.told:
         unit, text = _TOLD.get(name, ("-", f"{name.replace('_', ' ')}, between effects"))
         causality: Causality = "output" if name in _TOLD else "local"
         found.append(FmuVariable(name, unit, text, causality))
@@ -197,7 +186,7 @@ def _inputs(ready: Prepared, n: float) -> list[FmuVariable]:
         **dict.fromkeys(("wind_speed", "wind_direction"), "wind_speed" in asked),
         **dict.fromkeys(("wave_height", "wave_direction"), "wave_height" in asked),
     }
-    starts = {"n_order": n, "wave_height": NO_SEA}
+    starts = {"n_order": n, "wave_height": ready.k[ready.place("wave_height")]}
     return [
         FmuVariable(name, unit, text, "input", start=starts.get(name, 0.0))
         for name, (unit, text) in _INPUTS.items()
@@ -248,24 +237,24 @@ def _parameters(model: Model, ready: Prepared, speed: float) -> Iterator[FmuVari
     """Particulars of the ship, derivatives, and the numbers of the effects."""
     for name, (unit, text) in _SHIP.items():
         if ready.rolls or name not in _ROLL_ALONE:
-            place = Constant[name]
+            place = ready.place(name)
             yield FmuVariable(
                 f"ship.{name}",
                 unit,
                 text,
                 "parameter",
                 start=ready.k[place],
-                slopes=((int(place), 1.0),),
+                slopes=((place, 1.0),),
             )
-    values = values_at(model, speed)
+    values = model.values_at(speed)
     numbers = list(_numbers(ready, values))
     nothing = {effect: dict(own) for effect, own in values.items()}
     for effect, name in numbers:
         nothing[effect][name] = 0.0
-    _, without = packed(model, nothing, speed, CALM)
+    without = prepare(model, speed, values=nothing).k
     for effect, name in numbers:
         alone = nothing | {effect: nothing[effect] | {name: 1.0}}
-        _, with_it = packed(model, alone, speed, CALM)
+        with_it = prepare(model, speed, values=alone).k
         slopes = [
             (place, b - a)
             for place, (a, b) in enumerate(zip(without, with_it, strict=True))
@@ -275,7 +264,7 @@ def _parameters(model: Model, ready: Prepared, speed: float) -> Iterator[FmuVari
             yield _number(model, effect, name, values[effect].get(name, 0.0), slopes)
 
 
-def _numbers(ready: Prepared, values: Numbers) -> Iterator[tuple[str, str]]:
+def _numbers(ready: Prepared, values: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
     """Effect and name of every single number that the constants are linear in."""
     for effect in (*POLYNOMIALS, INERTIA):
         for name in values.get(effect, {}):

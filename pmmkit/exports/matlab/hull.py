@@ -8,9 +8,8 @@ from typing import Any, Final
 
 from pmmkit.conventions import CHANNELS, Convention, Derivative, parse_derivative
 from pmmkit.effects import CATALOGUE
-from pmmkit.exports.matlab.transcribe import MatlabLine, line
 from pmmkit.simulation import POLYNOMIALS
-from pmmkit.syntax import Number
+from pmmkit.syntax import MatlabLine
 
 Values = Mapping[str, Mapping[str, Any]]
 _FACTORS: Final = {
@@ -65,18 +64,15 @@ def hull_lines(values: Values, convention: Convention, *, rolls: bool) -> list[M
     surge = "(u - U0)" if convention.surge == "delta-u" else "u"
     sway = "-v" if convention.sway == "beta" else "v"
     rudder = "-delta" if convention.rudder_positive == "port" else "delta"
-    lines = [
-        MatlabLine(target=variable(name), value=Number(float(value)))
-        for name, value in terms.items()
-    ]
+    lines = [MatlabLine(variable(name), float(value)) for name, value in terms.items()]
     lines += [
-        line("U_p", reference, note="speed that makes non-dimensional (m/s)"),
-        line("u_p", f"{surge}/U_p"),
-        line("v_p", f"{sway}/U_p"),
-        line("r_p", "r*L/U_p"),
-        line("p_p", "p*L/U_p"),
-        line("delta_p", rudder),
-        line(
+        MatlabLine("U_p", reference, note="speed that makes non-dimensional (m/s)"),
+        MatlabLine("u_p", f"{surge}/U_p"),
+        MatlabLine("v_p", f"{sway}/U_p"),
+        MatlabLine("r_p", "r*L/U_p"),
+        MatlabLine("p_p", "p*L/U_p"),
+        MatlabLine("delta_p", rudder),
+        MatlabLine(
             "unit",
             _FORCE_UNITS[convention.system] + ("" if bis else f"*{square}"),
             note="of forces (N), times L of moments",
@@ -86,7 +82,7 @@ def hull_lines(values: Values, convention: Convention, *, rolls: bool) -> list[M
         mine = [parse_derivative(name) for name in terms if name[0] == channel]
         total = " + ".join(_product(item, convention) for item in mine) or "0"
         arm = "" if channel in "XY" else "*L"
-        lines.append(line(channel, f"unit{arm}*({total})"))
+        lines.append(MatlabLine(channel, f"unit{arm}*({total})"))
     return lines
 
 
@@ -105,7 +101,7 @@ def _product(derivative: Derivative, convention: Convention) -> str:
 
 def mass_lines(added: Mapping[str, float], convention: Convention) -> list[MatlabLine]:
     """The added mass in SI units."""
-    lines = [line("mass_unit", _MASS_UNITS[convention.system], note="kg")]
+    lines = [MatlabLine("mass_unit", _MASS_UNITS[convention.system], note="kg")]
     for name, value in added.items():
         if name == "lx":
             continue
@@ -114,7 +110,7 @@ def mass_lines(added: Mapping[str, float], convention: Convention) -> list[Matla
         moment = derivative.channel not in "XY"
         power = derivative.length_power - 1 + moment
         lines.append(
-            line(
+            MatlabLine(
                 variable(name),
                 f"{float(-value if turned else value)!r}*mass_unit"
                 + ("" if not power else "*L" if power == 1 else f"*L**{power}"),
@@ -143,41 +139,41 @@ def motion_lines(
         return f"(mass - {variable(name)})" if separate and name in added else "mass"
 
     lines = [
-        line("X", f"X + {moving('Yvdot')}*v*r + mass*xG*r**2"),
-        line("Y", f"Y - {moving('Xudot')}*u*r"),
-        line("N", "N - mass*xG*u*r"),
-        line("m11", f"mass{share('Xudot')}"),
-        line("m22", f"mass{share('Yvdot')}"),
-        line("m23", f"mass*xG{share('Yrdot')}"),
-        line("m32", f"mass*xG{share('Nvdot')}"),
-        line("m33", f"Izz{share('Nrdot')}"),
-        line("u_dot", "X/m11"),
+        MatlabLine("X", f"X + {moving('Yvdot')}*v*r + mass*xG*r**2"),
+        MatlabLine("Y", f"Y - {moving('Xudot')}*u*r"),
+        MatlabLine("N", "N - mass*xG*u*r"),
+        MatlabLine("m11", f"mass{share('Xudot')}"),
+        MatlabLine("m22", f"mass{share('Yvdot')}"),
+        MatlabLine("m23", f"mass*xG{share('Yrdot')}"),
+        MatlabLine("m32", f"mass*xG{share('Nvdot')}"),
+        MatlabLine("m33", f"Izz{share('Nrdot')}"),
+        MatlabLine("u_dot", "X/m11"),
     ]
     if not rolls:
         return [
             *lines,
-            line("detM", "m22*m33 - m23*m32"),
-            line("v_dot", "(m33*Y - m23*N)/detM"),
-            line("r_dot", "(m22*N - m32*Y)/detM"),
+            MatlabLine("detM", "m22*m33 - m23*m32"),
+            MatlabLine("v_dot", "(m33*Y - m23*N)/detM"),
+            MatlabLine("r_dot", "(m22*N - m32*Y)/detM"),
         ]
     lever = separate and {"Xudot", "lx"} <= set(added)
     return [
-        line("K", f"K + (mass*zG{' - Xudot*lx*L' if lever else ''})*u*r"),
+        MatlabLine("K", f"K + (mass*zG{' - Xudot*lx*L' if lever else ''})*u*r"),
         *lines,
-        line("m24", f"-mass*zG{share('Ypdot')}"),
-        line("m34", f"0{share('Npdot')}"),
-        line("m42", f"-mass*zG{share('Kvdot')}"),
-        line("m43", f"0{share('Krdot')}"),
-        line("m44", f"Ixx{share('Kpdot')}"),
-        line("c1", "m33*m44 - m34*m43"),
-        line("c2", "m24*m43 - m23*m44"),
-        line("c3", "m23*m34 - m24*m33"),
-        line("detM", "m22*c1 + m32*c2 + m42*c3"),
-        line("v_dot", "(c1*Y + c2*N + c3*K)/detM"),
-        line(
+        MatlabLine("m24", f"-mass*zG{share('Ypdot')}"),
+        MatlabLine("m34", f"0{share('Npdot')}"),
+        MatlabLine("m42", f"-mass*zG{share('Kvdot')}"),
+        MatlabLine("m43", f"0{share('Krdot')}"),
+        MatlabLine("m44", f"Ixx{share('Kpdot')}"),
+        MatlabLine("c1", "m33*m44 - m34*m43"),
+        MatlabLine("c2", "m24*m43 - m23*m44"),
+        MatlabLine("c3", "m23*m34 - m24*m33"),
+        MatlabLine("detM", "m22*c1 + m32*c2 + m42*c3"),
+        MatlabLine("v_dot", "(c1*Y + c2*N + c3*K)/detM"),
+        MatlabLine(
             "r_dot", "((m34*m42 - m32*m44)*Y + (m22*m44 - m24*m42)*N + (m24*m32 - m22*m34)*K)/detM"
         ),
-        line(
+        MatlabLine(
             "p_dot", "((m32*m43 - m33*m42)*Y + (m23*m42 - m22*m43)*N + (m22*m33 - m23*m32)*K)/detM"
         ),
     ]

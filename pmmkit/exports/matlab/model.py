@@ -8,27 +8,27 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from pmmkit.base import ModelError, Problem
+from pmmkit.conventions import CHANNELS
 from pmmkit.effects import CATALOGUE, INERTIA, function_of_text
-from pmmkit.exports.comments import WIDTH, comment
 from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
-from pmmkit.exports.matlab.printed import COLUMN, printed
-from pmmkit.exports.matlab.transcribe import MatlabLine, line, needed, transcribe
 from pmmkit.exports.matlab.words import heading, meaning
-from pmmkit.exports.text import WHICH_SPEED, is_matlab_name, matlab_name, number
+from pmmkit.exports.text import WHICH_SPEED
 from pmmkit.models import Model
-from pmmkit.simulation import (
-    ACCELERATIONS,
-    FORCES,
-    NO_SEA,
-    POLYNOMIALS,
-    Prepared,
-    Used,
-    prepare,
-    steering,
-    values_at,
+from pmmkit.simulation import ACCELERATIONS, POLYNOMIALS, Prepared, Used, prepare, steering
+from pmmkit.syntax import (
+    Binary,
+    MatlabLine,
+    Name,
+    Unwritable,
+    comment,
+    is_matlab_name,
+    matlab_name,
+    matlab_value,
+    needed,
+    transcribe,
 )
-from pmmkit.syntax import Binary, Call, Name, Number, Several, Unwritable
 
+_WIDTH: Final = 80
 _ANY_FROUDE: Final = 0.2
 """Where a model has one set of values for all speeds, any speed gives its structure."""
 _NO_INPUT: Final = {
@@ -107,13 +107,13 @@ def model_to_mss(model: Model, *, name: str | None = None, speed: float | None =
     approach = about or (model.convention.U == "carriage" and model.convention.system != "bis")
     _check_speed(model, speed, approach=approach)
     at = model.ship.speed(_ANY_FROUDE, model.water.g) if speed is None else speed
-    ready, values = prepare(model, at), values_at(model, at)
+    ready, values = prepare(model, at), model.values_at(at)
     effects, extra, rates = _effects(model, ready, values)
     states = _states(ready)
     inputs = ["delta_c", "n_c"] if ready.structure.revolutions else ["delta_c"]
     sections = [
         _inputs(states, inputs, about=about),
-        _ship(model),
+        _ship(model, ready.k[ready.place("wave_height")]),
         _Section(
             title=f"Hull: {meaning(model)}. Source: {model.parts['hull_polynomial'].source}",
             lines=_with_sources(
@@ -203,12 +203,12 @@ def _effects(
             _parameter(item, name, values[item.effect].get(name, 0.0), model) for name in item.own
         ]
         for output, value in zip(item.known.outputs, returned, strict=True):
-            if output in FORCES:
-                lines.append(MatlabLine(target=output, value=Binary("+", Name(output), value)))
+            if output in CHANNELS:
+                lines.append(MatlabLine(output, Binary("+", Name(output), value)))
                 continue
             name = value.word if isinstance(value, Name) else f"{item.effect}_{output}_out"
             if not isinstance(value, Name):
-                lines.append(MatlabLine(target=name, value=value))
+                lines.append(MatlabLine(name, value))
             if output in ACCELERATIONS:
                 extra.setdefault(output, []).append(name)
             elif output.endswith("_rate"):
@@ -237,13 +237,10 @@ def _unfit(item: Used) -> str | None:
 def _parameter(item: Used, name: str, value: Any, model: Model) -> MatlabLine:
     known = item.known.parameter(name)
     assert known is not None
-    values = value if isinstance(value, tuple) else (value,)
-    numbers = tuple(Number(float(x)) for x in values)
-    given = Several(numbers) if isinstance(value, tuple) else numbers[0]
     unit = "" if known.unit == "-" else f" ({known.unit})"
     source = model.parts[item.effect].sources.get(name)
     note = known.text + unit + (f"; {source}" if source else "")
-    return MatlabLine(target=f"{item.effect}_{name}", value=given, note=note)
+    return MatlabLine(f"{item.effect}_{name}", value, note)
 
 
 def _with_sources(
@@ -280,39 +277,32 @@ def _inputs(states: Sequence[str], inputs: Sequence[str], *, about: bool) -> _Se
         text = f"x[{place}]"
         if name == "u" and about:
             text = f"U0 + {text}"
-        lines.append(line(name, f"{text}/60" if name == "n" else text))
-    lines.append(line("delta_c", "ui[0]"))
+        lines.append(MatlabLine(name, f"{text}/60" if name == "n" else text))
+    lines.append(MatlabLine("delta_c", "ui[0]"))
     if "n_c" in inputs:
-        lines.append(line("n_order", "ui[1]/60", "1/s"))
+        lines.append(MatlabLine("n_order", "ui[1]/60", "1/s"))
         if "n" not in states:
-            lines.append(line("n", "n_order"))
+            lines.append(MatlabLine("n", "n_order"))
     lines += [
-        line("U", "max(sqrt(u**2 + v**2), 1e-9)", "speed (m/s)"),
-        line("beta", "atan2(-v, u)", "drift angle (rad)"),
+        MatlabLine("U", "max(sqrt(u**2 + v**2), 1e-9)", "speed (m/s)"),
+        MatlabLine("beta", "atan2(-v, u)", "drift angle (rad)"),
     ]
     return _Section(title="States and inputs", lines=lines)
 
 
-def _ship(model: Model) -> _Section:
+def _ship(model: Model, sea: float) -> _Section:
     ship, water = model.ship, model.water
     lines = [
-        MatlabLine(target=name, value=Number(float(getattr(ship, name) or 0.0)), note=text)
-        for name, text in _PARTICULARS.items()
+        MatlabLine(name, getattr(ship, name) or 0.0, text) for name, text in _PARTICULARS.items()
     ]
     depth = float("inf") if water.depth is None else water.depth
     lines += [
-        MatlabLine(
-            target="rho", value=Number(float(water.rho)), note="density of the water (kg/m3)"
-        ),
-        MatlabLine(target="g", value=Number(float(water.g)), note="gravity (m/s2)"),
-        MatlabLine(target="depth", value=Number(float(depth)), note="of the water (m)"),
-        MatlabLine(
-            target="wave_height",
-            value=Number(float(NO_SEA)),
-            note="no sea but that of the model (m)",
-        ),
-        MatlabLine(target="wave_direction", value=Number(0.0), note="where it comes from (rad)"),
-        line("Fn", "U/sqrt(g*L)", "Froude number"),
+        MatlabLine("rho", water.rho, "density of the water (kg/m3)"),
+        MatlabLine("g", water.g, "gravity (m/s2)"),
+        MatlabLine("depth", depth, "of the water (m)"),
+        MatlabLine("wave_height", sea, "no sea but that of the model (m)"),
+        MatlabLine("wave_direction", 0.0, "where it comes from (rad)"),
+        MatlabLine("Fn", "U/sqrt(g*L)", "Froude number"),
     ]
     return _Section(title="Ship and water", lines=lines)
 
@@ -320,26 +310,25 @@ def _ship(model: Model) -> _Section:
 def _levers(added: Mapping[str, float]) -> list[MatlabLine]:
     known = CATALOGUE[INERTIA].parameter("lx")
     assert known is not None
-    given = added.get("lx", 0.0)
-    return [MatlabLine(target="lx", value=Number(float(given)), note=known.text)]
+    return [MatlabLine("lx", added.get("lx", 0.0), known.text)]
 
 
 def _steering(model: Model) -> _Section:
     limits = steering(model)
     lines = [
-        line(
+        MatlabLine(
             "delta_max",
             f"{float(limits.get('max_deg', 90.0))!r}*pi/180",
             "largest rudder angle (rad)",
         ),
-        line(
+        MatlabLine(
             "delta_rate",
             f"{float(limits['rate_deg_s'])!r}*pi/180",
             "rate of the steering gear (rad/s)",
         ),
-        line("T_delta", "1.0", "time constant near the order (s)"),
-        line("wanted", "max(min(delta_c, delta_max), -delta_max)"),
-        line("delta_dot", "max(min((wanted - delta)/T_delta, delta_rate), -delta_rate)"),
+        MatlabLine("T_delta", "1.0", "time constant near the order (s)"),
+        MatlabLine("wanted", "max(min(delta_c, delta_max), -delta_max)"),
+        MatlabLine("delta_dot", "max(min((wanted - delta)/T_delta, delta_rate), -delta_rate)"),
     ]
     return _Section(title="Steering gear", lines=lines)
 
@@ -347,18 +336,16 @@ def _steering(model: Model) -> _Section:
 def _path(states: Sequence[str], rates: Mapping[str, str], *, rolls: bool) -> _Section:
     across = "v*cos(phi)" if rolls else "v"
     lines = [
-        line("x_dot", f"u*cos(psi) - {across}*sin(psi)"),
-        line("y_dot", f"u*sin(psi) + {across}*cos(psi)"),
-        line("psi_dot", "r*cos(phi)" if rolls else "r"),
+        MatlabLine("x_dot", f"u*cos(psi) - {across}*sin(psi)"),
+        MatlabLine("y_dot", f"u*sin(psi) + {across}*cos(psi)"),
+        MatlabLine("psi_dot", "r*cos(phi)" if rolls else "r"),
     ]
     if rolls:
-        lines.append(line("phi_dot", "p"))
+        lines.append(MatlabLine("phi_dot", "p"))
     if "n" in states:
-        lines.append(line("n_dot", f"60*{rates['n']}", "rpm/s"))
-    xdot = Call(Name(COLUMN), tuple(Name(f"{name}_dot") for name in states))
-    return _Section(
-        title="Time derivative of the states", lines=[*lines, MatlabLine(target="xdot", value=xdot)]
-    )
+        lines.append(MatlabLine("n_dot", f"60*{rates['n']}", "rpm/s"))
+    lines.append(MatlabLine("xdot", f"column({', '.join(f'{name}_dot' for name in states)})"))
+    return _Section(title="Time derivative of the states", lines=lines)
 
 
 def _alive(sections: Sequence[_Section], wanted: Iterable[str]) -> list[_Section]:
@@ -374,13 +361,12 @@ def _alive(sections: Sequence[_Section], wanted: Iterable[str]) -> list[_Section
 def _written(section: _Section) -> list[str]:
     lines = ["", *comment(section.title)]
     for item in section.lines:
-        code = f"{item.target} = {printed(item.value)};"
         notes = comment(item.note) if item.note else []
-        beside = f"{code:<38} {' '.join(notes)}".rstrip()
-        if len(notes) < 2 and len(beside) <= WIDTH + 20:
+        beside = f"{item.text:<38} {' '.join(notes)}".rstrip()
+        if len(notes) < 2 and len(beside) <= _WIDTH + 20:
             lines.append(beside)
         else:
-            lines += [*notes, *_wrapped(code)]
+            lines += [*notes, *_wrapped(item.text)]
     return lines
 
 
@@ -388,7 +374,7 @@ def _wrapped(code: str) -> list[str]:
     """A long assignment over several lines, broken in front of signs and behind commas."""
     lines, current = [], ""
     for word in _BREAKS.split(code):
-        if current.strip() and len(current) + len(word) > WIDTH - 4:
+        if current.strip() and len(current) + len(word) > _WIDTH - 4:
             lines.append(f"{current.rstrip()} ...")
             current = "    "
         current += word.lstrip() if not current.strip() else word
@@ -405,9 +391,9 @@ def _checks(
 ) -> list[str]:
     lines = []
     if approach and speed is not None:
-        lines.append(f"if nargin < 3, U0 = {number(speed)}; end")
+        lines.append(f"if nargin < 3, U0 = {matlab_value(speed)}; end")
     if revolutions is not None:
-        lines.append(f"if length(ui) == 1, ui = [ui; {number(60 * revolutions)}]; end")
+        lines.append(f"if length(ui) == 1, ui = [ui; {matlab_value(60 * revolutions)}]; end")
     return [
         *lines,
         f"if length(x) ~= {len(states)}, error('x-vector must have dimension {len(states)}!'); end",

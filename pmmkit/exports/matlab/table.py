@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from typing import Final
 
 from pmmkit.base import TableError
-from pmmkit.exports.comments import comment, matlab_string
 from pmmkit.exports.matlab.hull import variable
-from pmmkit.exports.text import is_matlab_name, number, row, written_by
+from pmmkit.exports.text import written_by
 from pmmkit.models import DerivativeTable
+from pmmkit.syntax import comment, is_matlab_name, matlab_value
 
 _PARTICULARS: Final = {
     "L": "length between perpendiculars (m)",
@@ -56,28 +56,30 @@ def table_to_mss(table: DerivativeTable, *, name: str = "derivatives") -> str:
                 for line in comment(f"Provenance: {key}: {value}")
             ),
             "",
-            f"table.Fn = {row(table.Fn)};",
-            *(f"table.{item} = {row(table.value[:, column])};" for item, column in known),
-            "",
-            *(f"table.std.{item} = {row(table.std[:, column])};" for item, column in known),
-            "",
-            f"table.ship.name = {matlab_string(table.ship.name)};",
+            f"table.Fn = {matlab_value(list(table.Fn))};",
             *(
-                f"table.ship.{item} = {number(getattr(table.ship, item))};  % {text}"
+                f"table.{item} = {matlab_value(list(table.value[:, column]))};"
+                for item, column in known
+            ),
+            "",
+            *(
+                f"table.std.{item} = {matlab_value(list(table.std[:, column]))};"
+                for item, column in known
+            ),
+            "",
+            f"table.ship.name = {matlab_value(table.ship.name)};",
+            *(
+                f"table.ship.{item} = {matlab_value(getattr(table.ship, item))};  % {text}"
                 for item, text in _PARTICULARS.items()
             ),
-            f"table.water.rho = {number(table.water.rho)};  % density (kg/m3)",
-            f"table.water.g = {number(table.water.g)};  % gravity (m/s2)",
+            f"table.water.rho = {matlab_value(table.water.rho)};  % density (kg/m3)",
+            f"table.water.g = {matlab_value(table.water.g)};  % gravity (m/s2)",
             *(
-                f"table.convention.{item.name} = {_plain(asdict(table.convention)[item.name])};"
-                for item in fields(table.convention)
+                f"table.convention.{name} = {matlab_value(value)};"
+                for name, value in asdict(table.convention).items()
             ),
             "",
             "end",
             "",
         ]
     )
-
-
-def _plain(value: str | float) -> str:
-    return matlab_string(value) if isinstance(value, str) else number(value)

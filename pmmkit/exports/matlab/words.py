@@ -6,9 +6,9 @@ import hashlib
 from collections.abc import Sequence
 from typing import Final
 
-from pmmkit.exports.comments import comment
 from pmmkit.exports.text import written_by
 from pmmkit.models import Model, model_text
+from pmmkit.syntax import comment
 
 _STATES: Final = {
     "u": ("surge velocity", "m/s"),

@@ -8,10 +8,10 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS
-from pmmkit.exports.comments import plain
 from pmmkit.exports.simman.results import HELD, MOTION, SimmanResult, cycle_of
 from pmmkit.numerics import Array
 from pmmkit.presentation import safe_cell
+from pmmkit.syntax import plain
 
 Row = dict[str, str | float]
 

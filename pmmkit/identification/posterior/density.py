@@ -27,7 +27,6 @@ from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.models import Model
 from pmmkit.numerics import Array, root_of
-from pmmkit.simulation import ESTIMATING, compiled
 
 STEP: Final = 0.1
 """Longest step of the integration in ship lengths over the speed of the approach."""
@@ -137,7 +136,7 @@ class Density:
 
     def passed(self, item: Begun, values: Array, roughness: float, *, store: bool = False) -> Pass:
         """One pass of the compiled filter, which has no parameters: its states are the ship's."""
-        states = self.binding.structure.states
+        states = self.binding.states
         moving = Process(
             diffusion=process(states, roughness, self.speed, self.L),
             fading=np.zeros(0),
@@ -150,7 +149,7 @@ class Density:
 
 
 def _compiled_anew(given: Mapping[str, Any]) -> Density:
-    return Density(functions=compiled(given["binding"].structure, ESTIMATING), **given)
+    return Density(functions=given["binding"].functions, **given)
 
 
 def likelihood_of(squares: float, volume: float, count: int, freedom: float) -> float:
@@ -194,7 +193,7 @@ def density_of(
     binding = Binding.of(
         ready, prior.names, speed, conditions=records[0].conditions, extrapolate=extrapolate
     )
-    states = binding.structure.states
+    states = binding.states
     known = sensors_of(records, sensors)
     begun = []
     for record in records:
@@ -212,7 +211,7 @@ def density_of(
         prior=prior,
         roughness=roughness,
         binding=binding,
-        functions=compiled(binding.structure, ESTIMATING),
+        functions=binding.functions,
         records=tuple(begun),
         speed=speed,
         L=L,

@@ -105,7 +105,7 @@ def sparse_regression(
     >>> records = []
     >>> for run in range(8):
     ...     motion = {"u": np.full(30, 1.2), "v": rng.uniform(-.4, .4, 30), "n": np.full(30, 1.7)}
-    ...     Y = water_forces(ready.structure, ready.k, motion)["Y"] + rng.normal(0, .5, 30)
+    ...     Y = ready.water_forces(motion)["Y"] + rng.normal(0, .5, 30)
     ...     records.append(ForceRecord(name=f"drift {run}", motion=motion, forces={"Y": Y},
     ...                                std={"Y": .5}, speed=1.2))
     >>> found = sparse_regression(ship, records, "Yv Yvvv Yvvvvv", method="stepwise", bags=20)

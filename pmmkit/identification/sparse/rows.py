@@ -5,25 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects import HULL, INERTIA
-from pmmkit.identification.binding import Place, replaced
+from pmmkit.identification.binding import PartValues, Place, replaced
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import (
-    Conditions,
-    EquationStructure,
-    Numbers,
-    packed,
-    values_at,
-    water_forces,
-)
+from pmmkit.simulation import Conditions, Prepared, prepare
 
 WEAK_SHARE: Final = 20
 """A test function spans this part of a run where its length is not stated."""
@@ -121,15 +114,14 @@ def equations(
     """
     at = homes(model, names)
     blank = emptied(model, at)
-    constants: dict[tuple[float, Conditions], tuple[EquationStructure, list[list[Any]]]] = {}
+    constants: dict[tuple[float, Conditions], list[Prepared]] = {}
     rows = []
     for record in records:
         key = (record.speed, record.conditions)
         if key not in constants:
-            numbers = values_at(blank, record.speed, extrapolate=extrapolate)
+            numbers = blank.values_at(record.speed, extrapolate=extrapolate)
             constants[key] = _constants(blank, numbers, at, record)
-        structure, lists = constants[key]
-        base, *ones = (water_forces(structure, k, record.motion) for k in lists)
+        base, *ones = (item.water_forces(record.motion) for item in constants[key])
         own = {}
         for channel in channels:
             if channel not in measured(record):
@@ -148,19 +140,13 @@ def equations(
 
 
 def _constants(
-    blank: Model, numbers: Numbers, at: Sequence[Place], record: ForceRecord
-) -> tuple[EquationStructure, list[list[Any]]]:
-    """The constants without the terms, and with each of them at one."""
-    structure, empty = packed(blank, numbers, record.speed, record.conditions, heeled=True)
+    blank: Model, numbers: PartValues, at: Sequence[Place], record: ForceRecord
+) -> list[Prepared]:
+    """The equations without the terms, and with each of them at one."""
     one = np.ones(1)
-    return structure, [
-        empty,
-        *(
-            packed(
-                blank, replaced(numbers, [place], one), record.speed, record.conditions, heeled=True
-            )[1]
-            for place in at
-        ),
+    return [
+        prepare(blank, record.speed, values=values, conditions=record.conditions, heeled=True)
+        for values in (numbers, *(replaced(numbers, [place], one) for place in at))
     ]
 
 

@@ -23,21 +23,9 @@ from pmmkit.identification.trials.record import Record, read_record
 from pmmkit.identification.trials.table import Trial, Wind
 from pmmkit.identification.trials.verdicts import verdicts_of
 from pmmkit.numerics import Array
+from pmmkit.presentation import listed
 from pmmkit.signals import white_noise
-from pmmkit.simulation import (
-    Condition,
-    FullAstern,
-    approach_condition,
-    current_condition,
-    depth_condition,
-    draught_condition,
-    length_condition,
-    measured_astern,
-    rudder_condition,
-    said,
-    sea_condition,
-    wind_condition,
-)
+from pmmkit.simulation import Condition, FullAstern
 
 # What is around a trial: the wind, and the noise of the fixes where no circle shows it.
 
@@ -106,13 +94,22 @@ def trial_conditions(
         shown = f"{current.speed:.2f} m/s to {current.direction_deg:03.0f}°, removed"
     draught = mean_draught(stated, ship.d)
     return (
-        length_condition(ship.L),
-        depth_condition(campaign.water.depth, draught),
-        wind_condition(wind, stated.get("wind_beaufort")),
-        sea_condition(stated.get("sea_state")),
-        current_condition(current is not None, shown),
-        draught_condition(draught, stated.get("full_load_draught")),
-        approach_condition(speed, stated.get("speed_85")),
+        Condition.of_length(ship.L),
+        Condition.of_depth(campaign.water.depth, draught),
+        Condition.of_wind(wind, stated.get("wind_beaufort")),
+        Condition.of_sea(stated.get("sea_state")),
+        Condition.of_current(current is not None, shown),
+        Condition.of_draught(draught, stated.get("full_load_draught")),
+        Condition.of_approach(speed, stated.get("speed_85")),
+    )
+
+
+def said(conditions: Sequence[Condition]) -> tuple[str, ...]:
+    """What a test does not meet, a sentence each; and all that it does not show, in one."""
+    unknown = [item.title for item in conditions if item.met is None]
+    return (
+        *(item.words for item in conditions if item.met is False),
+        *([f"Not shown of what the standard asks for: {listed(unknown)}."] if unknown else []),
     )
 
 
@@ -336,7 +333,7 @@ def _engine(part: _Part, stopped: float) -> tuple[float, FullAstern | None]:
     if part.run.test != "stopping" or not ahead > 0.0 or math.isnan(stopped):
         return ahead, None
     until = (part.record.t >= order) & (part.record.t <= order + stopped)
-    return ahead, measured_astern(part.record.t[until] - order, n[until], ahead)
+    return ahead, FullAstern.of_a_stop(part.record.t[until] - order, n[until], ahead)
 
 
 def _orders(run: Run, record: Record, given: float | None, notes: list[str]) -> list[Order]:
@@ -471,7 +468,7 @@ def _trial(
             conditions=said(around),
             full_astern=engine,
         ),
-        conditions=((*around, rudder_condition(level)) if run.test == "turning" else around),
+        conditions=((*around, Condition.of_rudder(level)) if run.test == "turning" else around),
         revolutions=ahead,
         current=current,
         equal_headings=part.drift,

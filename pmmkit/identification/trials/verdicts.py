@@ -8,15 +8,7 @@ from dataclasses import replace
 
 from pmmkit.campaigns import TEST_KINDS
 from pmmkit.conventions import Criterion, criteria
-from pmmkit.simulation import (
-    LARGE,
-    FullAstern,
-    Verdict,
-    judge,
-    manoeuvre_words,
-    side_of,
-    turning_conditions,
-)
+from pmmkit.simulation import FullAstern, Verdict, judge
 
 
 def verdicts_of(
@@ -46,13 +38,6 @@ def verdicts_of(
     asked = [pair for pair in criteria() if _applies(pair[1], test, size, switch_deg)]
     own_first = sorted(asked, key=lambda pair: pair[1].manoeuvre != test)
     kind = TEST_KINDS[test]
-    if kind is TEST_KINDS["turning"]:
-        conditions = turning_conditions(rudder_deg, conditions, ".1f")
-    elif kind is TEST_KINDS["stopping"]:
-        conditions += (LARGE,)
-    laid = rudder_deg if kind.turns_rudder else 0.0
-    switch = float(round(switch_deg)) if kind.switches else None
-    words = manoeuvre_words(test, float(round(laid)), switch)
     found = [
         judge(
             metric,
@@ -62,9 +47,12 @@ def verdicts_of(
             L=L,
             speed=speed,
             scale=f"as measured, L = {L:.4g} m",
-            manoeuvre=words,
-            conditions=conditions,
-            side=side_of(laid),
+            manoeuvre=test,
+            rudder_deg=rudder_deg if kind.turns_rudder else 0.0,
+            switch_deg=switch_deg if kind.switches else None,
+            conditions=(*conditions, *([Verdict.LARGE] if kind is TEST_KINDS["stopping"] else [])),
+            alone=kind is TEST_KINDS["turning"],
+            measured=True,
         )
         for metric, criterion in own_first
     ]

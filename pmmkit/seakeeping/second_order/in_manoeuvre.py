@@ -10,7 +10,7 @@ from typing import Final
 from pmmkit.base import DataError
 from pmmkit.models import Model, Part
 from pmmkit.seakeeping.hull_forms.hull import Hull
-from pmmkit.seakeeping.hull_forms.particulars import hull_of
+from pmmkit.seakeeping.hull_forms.particulars import hull_of, hulls, load_hull
 from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.motions import frequencies, rao
 from pmmkit.seakeeping.seas import Sea
@@ -27,7 +27,7 @@ def motions_in(
     sea: Sea,
     *,
     speed: float | Sequence[float],
-    hull: Hull | None = None,
+    hull: Hull | str | None = None,
     loading: Loading | None = None,
 ) -> Rao:
     """Motions at the headings, speeds and frequencies that a manoeuvre in a sea asks for.
@@ -43,10 +43,11 @@ def motions_in(
         Whose energy the frequencies hold.
     speed : float or sequence of float
         Of the approach [m/s], beside which stands rest; or several, rising.
-    hull : Hull, optional
-        At the scale of the model; sections are assumed from its particulars where absent.
+    hull : Hull or str, optional
+        At the scale of the model, or the name of one of the library, which is taken where it has
+        the length of the model; sections are assumed from the particulars otherwise.
     loading : Loading, optional
-        As `pmmkit.seakeeping.loading_of` assumes where absent.
+        As `Loading.of` assumes where absent.
 
     Returns
     -------
@@ -61,7 +62,10 @@ def motions_in(
     if not speeds or speeds[0] < 0.0 or any(b <= a for a, b in pairwise(speeds)):
         told = ", ".join(f"{x:g}" for x in speeds)
         raise DataError(f"The speeds of a manoeuvre in waves must rise from 0 or more: {told}.")
-    lines = hull_of(model.ship) if hull is None else hull
+    named = load_hull(hull) if isinstance(hull, str) and hull in hulls() else None
+    lines = hull if isinstance(hull, Hull) else named
+    if lines is None or (lines is named and lines.L != model.ship.L):
+        lines = hull_of(model.ship)
     return rao(
         lines,
         speeds=speeds,
@@ -152,7 +156,7 @@ def in_waves(
     hull : Hull, optional
         At the scale of the model; sections are assumed from its particulars where absent.
     loading : Loading, optional
-        As `pmmkit.seakeeping.loading_of` assumes where absent.
+        As `Loading.of` assumes where absent.
     motions : Rao, optional
         In place of speed, hull and loading: those of `motions_in`, which `superposed` takes too.
 

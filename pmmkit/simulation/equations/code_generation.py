@@ -11,6 +11,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, Final
 
+from pmmkit.conventions import CHANNELS
 from pmmkit.effects import PRIMITIVES, catalogue, function_of_text, over_arrays
 from pmmkit.inference import FILTERS
 from pmmkit.simulation.equations import layouts
@@ -26,20 +27,18 @@ from pmmkit.simulation.equations.layouts import (
     StepField,
 )
 from pmmkit.simulation.equations.monomials import FACTOR_PLACES
-from pmmkit.simulation.equations.structure import ACCELERATIONS, FORCES, EquationStructure, Used
+from pmmkit.simulation.equations.structure import ACCELERATIONS, EquationStructure, Used
 from pmmkit.syntax import (
     Binary,
     Call,
+    Expression,
     Member,
     Name,
-    Node,
     Number,
     Span,
     Subscript,
     functions,
-    python_function,
     python_lines,
-    replaced,
     statements,
 )
 
@@ -146,7 +145,7 @@ def _taken_in(item: Used) -> list[str]:
     if item.text:
         words = ", ".join(PRIMITIVES)
         own = replace(function_of_text(item.effect, item.text), name=name)
-        return [f"from {over_arrays.__module__} import {words}", *python_function(own), ""]
+        return [f"from {over_arrays.__module__} import {words}", *python_lines(own), ""]
     return [
         f"from {catalogue.__module__} import catalogue",
         f"{name} = catalogue()[{item.effect!r}].force",
@@ -198,9 +197,9 @@ def _equations(structure: EquationStructure, *, heeled: bool) -> list[str]:
     ]
 
 
-def _rewritten(lines: Sequence[str], rule: Callable[[Node], Node]) -> list[str]:
+def _rewritten(lines: Sequence[str], rule: Callable[[Expression], Expression]) -> list[str]:
     """Lines in which each part of the syntax is what a rule makes of it."""
-    return python_lines(replaced(statements("\n".join(lines)), rule))
+    return python_lines([item.replaced(rule) for item in statements("\n".join(lines))])
 
 
 def _rates_of_lanes(structure: EquationStructure) -> list[str]:
@@ -250,10 +249,10 @@ def _rates_of_lanes(structure: EquationStructure) -> list[str]:
     ]
 
 
-def _in_lanes(begin: Mapping[str, int], lanes: int) -> Callable[[Node], Node]:
+def _in_lanes(begin: Mapping[str, int], lanes: int) -> Callable[[Expression], Expression]:
     """What stands for lists, and for functions that have others for lanes, in a loop over lanes."""
 
-    def rule(node: Node) -> Node:
+    def rule(node: Expression) -> Expression:
         match node:
             case Subscript(of=Name(word=word), at=Number(value=at)) if word in begin:
                 first = Number(begin[word] + lanes * int(at))
@@ -298,24 +297,13 @@ def _forces(structure: EquationStructure) -> list[str]:
     lines, _, _ = summed(structure)
     body = _instant(structure, heeled=structure.rolls)
     body += _at_the_moment(structure, lines) if structure.follows else lines
-    body += [f"out[{place}] = {name}" for place, name in enumerate(told(structure))]
+    body += [f"out[{place}] = {name}" for place, name in enumerate(structure.told)]
     return [
         "",
         "@entry",
         "def forces(y, delta, revolutions, bucket, k, out):",
         *(f"    {line}" for line in body),
     ]
-
-
-def told(structure: EquationStructure) -> tuple[str, ...]:
-    """Forces and moment of all effects [N, N m], and the signals that effects give each other."""
-    signals = (
-        output
-        for item in structure.used
-        for output in item.known.outputs
-        if output not in (*FORCES, *ACCELERATIONS) and not output.endswith("_rate")
-    )
-    return (*FORCES, *dict.fromkeys(signals))
 
 
 def _at_the_moment(structure: EquationStructure, lines: Sequence[str]) -> list[str]:
@@ -338,7 +326,7 @@ def _at_the_moment(structure: EquationStructure, lines: Sequence[str]) -> list[s
         ),
     ]
 
-    def own(node: Node) -> Node:
+    def own(node: Expression) -> Expression:
         match node:
             case Subscript(of=Name(word="k"), at=Number(value=place)) if place in structure.follows:
                 return Name(f"k_{place}")
@@ -354,7 +342,7 @@ def summed(structure: EquationStructure) -> tuple[list[str], dict[str, list[str]
         body.append("beta = atan2(-v, u)")
     if any("Fn" in item.arguments for item in structure.used):
         body.append("Fn = U / sqrt(g * L)")
-    body.append("X, Y, N, K = " + ", ".join(f"k[{Constant[f'more_{x}']}]" for x in FORCES))
+    body.append("X, Y, N, K = " + ", ".join(f"k[{Constant[f'more_{x}']}]" for x in CHANNELS))
     body += _polynomial(structure)
     places = structure.places()
     extra_mass: dict[str, list[str]] = {}
@@ -363,7 +351,7 @@ def summed(structure: EquationStructure) -> tuple[list[str], dict[str, list[str]
         call, taken = _call(item, places)
         body.append(call)
         for output, variable in taken:
-            if output in FORCES:
+            if output in CHANNELS:
                 body.append(f"{output} += {variable}")
             elif output in ACCELERATIONS:
                 extra_mass.setdefault(output, []).append(variable)
@@ -400,7 +388,7 @@ def _polynomial(structure: EquationStructure) -> list[str]:
             "    at += 5",
         ]
     known: dict[tuple[int, ...], str] = {(): "square"}
-    sums: dict[str, list[str]] = {channel: [] for channel in FORCES}
+    sums: dict[str, list[str]] = {channel: [] for channel in CHANNELS}
     place = len(Constant)
     for factors_of, channels in structure.products:
         for length in range(1, len(factors_of) + 1):
@@ -528,7 +516,7 @@ _LAYOUTS: Final = {
 }
 
 
-def _numbers(node: Node) -> Node:
+def _numbers(node: Expression) -> Expression:
     """Numbers of members and lengths of layouts for their names; what adds nothing is left out."""
     match node:
         case Member(of=Name(word=layout), word=member) if layout in _LAYOUTS:
@@ -548,5 +536,5 @@ def _functions(files: tuple[str, ...]) -> str:
         text = Path(__file__).parent.joinpath(name).read_text(encoding="utf-8")
         for own in functions(text).values():
             mark = "entry" if own.name in ENTRIES else "inner"
-            parts += [*python_function(replaced(own, _numbers), mark=mark), ""]
+            parts += [*python_lines(own.replaced(_numbers), mark=mark), ""]
     return "\n".join(parts)

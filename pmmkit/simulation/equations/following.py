@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -13,15 +13,12 @@ from pmmkit.base import ModelError
 from pmmkit.models import Model
 from pmmkit.simulation.equations.layouts import Constant
 from pmmkit.simulation.equations.prepared import (
-    CALM,
     Conditions,
-    Numbers,
     Prepared,
     mass_problem,
     packed,
     prepare,
     refers_to_carriage,
-    values_at,
 )
 from pmmkit.simulation.equations.structure import EquationStructure
 
@@ -41,7 +38,7 @@ def known_speeds(model: Model, speed: float) -> tuple[float, ...]:
 
 @lru_cache(maxsize=64)
 def prepare_following(
-    model: Model, speed: float, *, conditions: Conditions = CALM, extrapolate: bool = False
+    model: Model, speed: float, *, conditions: Conditions | None = None, extrapolate: bool = False
 ) -> Prepared:
     """A model whose values follow the Froude number of the moment.
 
@@ -54,10 +51,11 @@ def prepare_following(
     >>> prepare_following(one_speed, 9.0).k == prepare(one_speed, 9.0).k
     True
     """
+    conditions = conditions or Conditions()
     plain = prepare(model, speed, conditions=conditions, extrapolate=extrapolate)
     speeds = known_speeds(model, speed)
-    values = [values_at(model, each, extrapolate=extrapolate) for each in speeds]
-    at_approach = values_at(model, speed, extrapolate=extrapolate)
+    values = [model.values_at(each, extrapolate=extrapolate) for each in speeds]
+    at_approach = model.values_at(speed, extrapolate=extrapolate)
     structure, k = packed_following(model, at_approach, speeds, values, speed, conditions)
     if not structure.follows:
         return plain
@@ -69,9 +67,9 @@ def prepare_following(
 
 def packed_following(
     model: Model,
-    at_approach: Numbers,
+    at_approach: Mapping[str, Mapping[str, Any]],
     speeds: Sequence[float],
-    values: Sequence[Numbers],
+    values: Sequence[Mapping[str, Mapping[str, Any]]],
     speed: float,
     conditions: Conditions,
 ) -> tuple[EquationStructure, list[Any]]:

@@ -10,12 +10,12 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import ModelError
-from pmmkit.conventions import Ship
+from pmmkit.conventions import CHANNELS
 from pmmkit.effects import over_arrays
 from pmmkit.numerics import Array
 from pmmkit.simulation.equations.code_generation import CONTROLS, MOTION, summed
 from pmmkit.simulation.equations.layouts import Constant
-from pmmkit.simulation.equations.structure import ACCELERATIONS, FORCES, EquationStructure
+from pmmkit.simulation.equations.structure import ACCELERATIONS, EquationStructure
 
 HISTORY: Final = ("u", "v", "r", "p", "phi", "psi", "udot", "vdot", "rdot", "pdot", *CONTROLS)
 """What a history of motion may hold; what it lacks is zero."""
@@ -25,35 +25,7 @@ AROUND: Final = ("wind_speed", "wind_direction", "wave_height", "wave_direction"
 def water_forces(
     structure: EquationStructure, k: Sequence[Any], motion: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """Forces of the water on the ship, added mass included, along a history.
-
-    Parameters
-    ----------
-    structure : EquationStructure
-        Of the model.
-    k : sequence
-        Its constants, from `packed`.
-    motion : mapping of str to array (n,)
-        Of `HISTORY`, SI and radians, ship axes at midship, through the water; and the states that
-        effects bring. States that are left out follow the motion where the time ``t`` is given,
-        settled at its start; without ``t`` they are settled throughout. Revolutions of a model with
-        a shaft are those given. With ``wind_speed`` and ``wind_direction`` the true wind changes
-        along the history, and so do waves with ``wave_height`` and ``wave_direction``.
-
-    Returns
-    -------
-    dict of str to array (n,)
-        X, Y [N], N, K [N m] about midship, without the inertia of the ship itself.
-
-    Examples
-    --------
-    >>> from pmmkit.simulation.equations.prepared import prepare
-    >>> from pmmkit.models import load_model
-    >>> ready = prepare(load_model("s175-3dof"), 9.0)
-    >>> ahead = {"u": np.array([9.0]), "n": np.array([ready.self_propulsion()])}
-    >>> bool(abs(water_forces(ready.structure, ready.k, ahead)["X"][0]) < 1e-3)
-    True
-    """
+    """Forces of the water on the ship along a history: `Prepared.water_forces`."""
     size = max((len(values) for values in motion.values()), default=1)
     zero = np.zeros(size)
     given = {name: np.asarray(motion.get(name, zero), float) for name in HISTORY}
@@ -68,47 +40,17 @@ def water_forces(
         if lacking:
             given |= _followed(structure, constants, given, lacking, motion.get("t"))
         found, _ = _function(structure)(constants, **given)
-    return {name: np.broadcast_to(x, (size,)).copy() for name, x in zip(FORCES, found, strict=True)}
+    return {
+        name: np.broadcast_to(x, (size,)).copy() for name, x in zip(CHANNELS, found, strict=True)
+    }
 
 
 def repeating_states(
     structure: EquationStructure, k: Sequence[Any], motion: Mapping[str, Array], t: Array
 ) -> dict[str, Array]:
-    """States that effects bring, along a motion that repeats itself or stands still.
+    """States that effects bring, along a motion that repeats itself: `Prepared.repeating_states`.
 
-    Parameters
-    ----------
-    structure : EquationStructure
-        Of the model.
-    k : sequence
-        Its constants, from `packed`.
-    motion : mapping of str to array (n,)
-        As for `water_forces`, without these states.
-    t : array (n,)
-        Instants [s], ascending, of whole cycles without the end of the last; all alike for a motion
-        that stands still.
-
-    Returns
-    -------
-    dict of str to array (n,)
-        All but the revolutions, which are given.
-
-    Raises
-    ------
-    ModelError
-        If a state does not follow a linear equation of its own.
-
-    Notes
-    -----
     ds/dt = a(t) - b(t) s by the trapezoidal rule, closed over the cycles.
-
-    Examples
-    --------
-    >>> from pmmkit.simulation.equations.prepared import prepare
-    >>> from pmmkit.models import load_model
-    >>> ready = prepare(load_model("s175-3dof"), 9.0)
-    >>> repeating_states(ready.structure, ready.k, {"u": np.array([9.0])}, np.zeros(1))
-    {}
     """
     names = [name for name in structure.brought if name != "n"]
     if not names:
@@ -152,42 +94,6 @@ def _repeating(forcing: Array, fading: Array, t: Array) -> Array:
     right[1:, 0], right[0, 1] = pushed, 1.0
     own, free = solve_banded((1, 0), band, right).T
     return np.asarray((own + free * own[-1] / (1.0 - free[-1]))[:-1])
-
-
-def rigid_body(ship: Ship, motion: Mapping[str, Array]) -> dict[str, Array]:
-    """Forces that give a ship its accelerations: what the water (and the wind) must exert.
-
-    Parameters
-    ----------
-    ship : Ship
-        Mass and inertia.
-    motion : mapping of str to array (n,)
-        As for `water_forces`.
-
-    Returns
-    -------
-    dict of str to array (n,)
-        X, Y [N], N, K [N m] about midship.
-
-    Notes
-    -----
-    X = m(u̇ - vr - xG r²), Y = m(v̇ + ur + xG ṙ - zG ṗ), N = Izz ṙ + m xG (v̇ + ur),
-    K = Ixx ṗ - m zG (v̇ + ur); products of the roll rate are left out, as in the equations.
-    """
-    size = max((len(values) for values in motion.values()), default=1)
-    zero = np.zeros(size)
-    u, v, r, udot, vdot, rdot, pdot = (
-        np.asarray(motion.get(name, zero), float)
-        for name in ("u", "v", "r", "udot", "vdot", "rdot", "pdot")
-    )
-    m, zG = ship.mass, ship.zG or 0.0
-    across = vdot + u * r
-    return {
-        "X": m * (udot - v * r - ship.xG * r**2),
-        "Y": m * (across + ship.xG * rdot - zG * pdot),
-        "N": ship.Izz * rdot + m * ship.xG * across,
-        "K": (ship.Ixx or 0.0) * pdot - m * zG * across,
-    }
 
 
 def _followed(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from types import ModuleType
 from typing import Any, Final
@@ -14,17 +14,15 @@ import numpy as np
 from pmmkit.base import DataError, MissingPartError, ModelError, Problem, Remedy, Way
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import CATALOGUE, HULL, INERTIA, AddedMass, apply
-from pmmkit.models import TAKE_PARTS, Model
+from pmmkit.models import TAKE_PARTS, Model, missing_parts
 from pmmkit.numerics import Array
-from pmmkit.simulation.equations.code_generation import GIVEN
+from pmmkit.simulation.equations.code_generation import CARRYING, ESTIMATING, GIVEN, module_text
 from pmmkit.simulation.equations.compilation import compiled, interpreted
-from pmmkit.simulation.equations.layouts import NO_SEA, Constant, State
+from pmmkit.simulation.equations.histories import repeating_states, water_forces
+from pmmkit.simulation.equations.layouts import NO_SEA, Constant, Control, GearField, State
 from pmmkit.simulation.equations.monomials import Monomial, polynomial
 from pmmkit.simulation.equations.structure import POLYNOMIALS, EquationStructure, Used, in_order
 from pmmkit.simulation.equations.surroundings import flow, wind_over_current
-
-Numbers = Mapping[str, Mapping[str, Any]]
-"""Values of the parts by effect and name: floats, tables, or arrays with a value per ship."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +67,9 @@ class Conditions:
         return wind_over_current(self.wind_speed, direction, *self.current)
 
 
-CALM: Final[Conditions] = Conditions()
+LONGEST_STEP: Final = 2.0
+"""Longest step in ship lengths over the approach speed. Near a steady turn the error estimate
+alone lets the steps grow to the limit of stability, where the dense output loses digits."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,9 +99,103 @@ class Prepared:
         return self.k[Constant.L]
 
     @property
+    def longest_step(self) -> float:
+        """Longest step of the integration [s]."""
+        return LONGEST_STEP * self.L / self.speed
+
+    @property
     def rolls(self) -> bool:
         """Whether roll is a degree of freedom."""
         return self.structure.rolls
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For another process, which compiles the functions or has them."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    @property
+    def estimators(self) -> ModuleType:
+        """The functions of filters and smoothers, compiled."""
+        return compiled(self.structure, ESTIMATING)
+
+    def program(self) -> tuple[str, ModuleType]:
+        """What a program in another language is made of: a text, and the module that it makes."""
+        return module_text(self.structure, CARRYING), interpreted(self.structure, CARRYING)
+
+    @staticmethod
+    def gears() -> dict[str, int]:
+        """Places in the lists of a program: of each control, and how it follows its order.
+
+        ``GEARS`` numbers tell how all of them do; ``RUDDER_ORDER`` is the place of the order.
+        """
+        return {
+            "GEARS": len(Control) * len(GearField),
+            **{control.name.upper(): int(control) for control in Control},
+            "RUDDER_ORDER": len(GearField) * Control.rudder + GearField.order,
+        }
+
+    @staticmethod
+    def place(name: str) -> int:
+        """Where a constant stands that every model has, such as ``mass``."""
+        return int(Constant[name])
+
+    def water_forces(self, motion: Mapping[str, Array]) -> dict[str, Array]:
+        """Forces of the water on the ship, added mass included, along a history.
+
+        Parameters
+        ----------
+        motion : mapping of str to array (n,)
+            u, v, r, p, phi, psi, their rates udot, vdot, rdot, pdot, and delta, n, n_order,
+            bucket: SI and radians, ship axes at midship, through the water; and the states that
+            effects bring. States that are left out follow the motion where the time ``t`` is
+            given, settled at its start; without ``t`` they are settled throughout. Revolutions of
+            a model with a shaft are those given. With ``wind_speed`` and ``wind_direction`` the
+            true wind changes along the history, and so do waves with ``wave_height`` and
+            ``wave_direction``.
+
+        Returns
+        -------
+        dict of str to array (n,)
+            X, Y [N], N, K [N m] about midship, without the inertia of the ship itself.
+
+        Examples
+        --------
+        >>> from pmmkit.models import load_model
+        >>> ready = prepare(load_model("s175-3dof"), 9.0)
+        >>> ahead = {"u": np.array([9.0]), "n": np.array([ready.self_propulsion()])}
+        >>> bool(abs(ready.water_forces(ahead)["X"][0]) < 1e-3)
+        True
+        """
+        return water_forces(self.structure, self.k, motion)
+
+    def repeating_states(self, motion: Mapping[str, Array], t: Array) -> dict[str, Array]:
+        """States that effects bring, along a motion that repeats itself or stands still.
+
+        Parameters
+        ----------
+        motion : mapping of str to array (n,)
+            As for `water_forces`, without these states.
+        t : array (n,)
+            Instants [s], ascending, of whole cycles without the end of the last; all alike for a
+            motion that stands still.
+
+        Returns
+        -------
+        dict of str to array (n,)
+            All but the revolutions, which are given.
+
+        Raises
+        ------
+        ModelError
+            If a state does not follow a linear equation of its own.
+
+        Examples
+        --------
+        >>> from pmmkit.models import load_model
+        >>> ready = prepare(load_model("s175-3dof"), 9.0)
+        >>> ready.repeating_states({"u": np.array([9.0])}, np.zeros(1))
+        {}
+        """
+        return repeating_states(self.structure, self.k, motion, t)
 
     def functions(self, *, fast: bool = False) -> ModuleType:
         """The functions of the structure, interpreted or compiled."""
@@ -218,14 +312,16 @@ def propulsion_problem(name: str, speed: float) -> str:
     )
 
 
-@lru_cache(maxsize=64)
 def prepare(
     model: Model,
     speed: float,
     *,
-    conditions: Conditions = CALM,
+    values: Mapping[str, Mapping[str, Any]] | None = None,
+    conditions: Conditions | None = None,
     extrapolate: bool = False,
     generic: bool = False,
+    sails: bool = True,
+    heeled: bool = False,
 ) -> Prepared:
     """A model at an approach speed, as code and constants.
 
@@ -235,12 +331,19 @@ def prepare(
         A model with hull, added mass, propulsion and rudder.
     speed : float
         Approach speed [m/s]; the values of its Froude number hold throughout the manoeuvre.
-    conditions : Conditions
-        Wind, current and depth.
+    values : mapping, optional
+        Values of the parts by effect and name, where they are not those of the model.
+    conditions : Conditions, optional
+        Wind, current and depth; by default calm water as deep as the model says.
     extrapolate : bool
         Allow a Froude number outside the model's range.
     generic : bool
         Take the hull polynomial as data: one code for all polynomials.
+    sails : bool
+        Whether the model must have all that a manoeuvre needs; False for forces on given motions,
+        such as those of a towed hull.
+    heeled : bool
+        Whether a model that does not roll is given a measured heel.
 
     Returns
     -------
@@ -260,24 +363,38 @@ def prepare(
     >>> round(60 * ready.self_propulsion(), 2)
     85.95
     """
-    values = values_at(model, speed, extrapolate=extrapolate)
-    structure, k = packed(model, values, speed, conditions, generic=generic)
+    around = conditions or Conditions()
+    if values is None:
+        return _prepared(model, speed, around, extrapolate, generic, sails, heeled)
+    structure, k = packed(model, values, speed, around, generic=generic, sails=sails, heeled=heeled)
     return Prepared(structure=structure, k=tuple(k), speed=speed, name=model.name)
 
 
-def values_at(
-    model: Model, speed: float, *, extrapolate: bool = False
-) -> dict[str, dict[str, Any]]:
-    """Values of all parts at the Froude number of a speed, by effect and name."""
-    if not (math.isfinite(speed) and speed > 0):
-        raise DataError(f"The approach speed {speed} m/s must be positive.")
-    Fn = model.ship.froude(speed, model.water.g)
-    return {effect: model.values(effect, Fn, extrapolate=extrapolate) for effect in model.parts}
+@lru_cache(maxsize=64)
+def _prepared(
+    model: Model,
+    speed: float,
+    conditions: Conditions,
+    extrapolate: bool,
+    generic: bool,
+    sails: bool,
+    heeled: bool,
+) -> Prepared:
+    values = model.values_at(speed, extrapolate=extrapolate)
+    return prepare(
+        model,
+        speed,
+        values=values,
+        conditions=conditions,
+        generic=generic,
+        sails=sails,
+        heeled=heeled,
+    )
 
 
 def packed(
     model: Model,
-    values: Numbers,
+    values: Mapping[str, Mapping[str, Any]],
     speed: float,
     conditions: Conditions,
     *,
@@ -285,31 +402,7 @@ def packed(
     sails: bool = True,
     heeled: bool = False,
 ) -> tuple[EquationStructure, list[Any]]:
-    """Structure and constants of a model from the values of its parts.
-
-    Parameters
-    ----------
-    model : Model
-        Ship, water, convention and options.
-    values : mapping
-        As `values_at` gives them; some may be arrays with a value per ship.
-    speed : float
-        Approach speed [m/s].
-    conditions : Conditions
-        Wind, current and depth.
-    generic : bool
-        As for `prepare`.
-    sails : bool
-        Whether the model must have all that a manoeuvre needs; False for forces on given motions,
-        such as those of a towed hull.
-    heeled : bool
-        Whether a model that does not roll is given a measured heel.
-
-    Returns
-    -------
-    Structure, list
-        Constants are floats, or arrays with a value per ship.
-    """
+    """Structure and constants, which are floats, or arrays with a value per ship."""
     if sails:
         _check_parts(model)
     if sails and model.heeled and not heeled:
@@ -396,7 +489,7 @@ def stacked(k: Sequence[Any], ships: int) -> Array:
 
 
 def structure_of(
-    model: Model, values: Numbers, monomials: Sequence[Monomial] | None
+    model: Model, values: Mapping[str, Mapping[str, Any]], monomials: Sequence[Monomial] | None
 ) -> EquationStructure:
     """The structure of a model; without `monomials` that of the kernel for all polynomials."""
     used = {}
@@ -425,7 +518,9 @@ def structure_of(
     )
 
 
-def _in_shallow_water(model: Model, values: Numbers, depth: float) -> Numbers:
+def _in_shallow_water(
+    model: Model, values: Mapping[str, Mapping[str, Any]], depth: float
+) -> Mapping[str, Mapping[str, Any]]:
     name = "shallow_water"
     if name not in model.parts or math.isinf(depth):
         return values
@@ -438,34 +533,6 @@ def _in_shallow_water(model: Model, values: Numbers, depth: float) -> Numbers:
             grown = apply({derivative: 1.0}, ship=ship, depth=depth, **powers)[derivative]
             found[effect][parameter] = values[effect][parameter] * grown
     return found
-
-
-def feels_depth(model: Model) -> bool:
-    """Whether the depth of the water changes the forces of a model."""
-    return any("depth" in part.known.needs for part in model.parts.values())
-
-
-def feels_waves(model: Model) -> bool:
-    """Whether the height of the waves changes the forces of a model."""
-    return any("wave_height" in part.known.needs for part in model.parts.values())
-
-
-def missing_parts(model: Model) -> list[str]:
-    """Parts without which a model cannot be simulated; alternatives in one, by *or*.
-
-    Examples
-    --------
-    >>> from pmmkit.models import load_model
-    >>> missing_parts(load_model("kvlcc2"))
-    []
-    """
-    missing = [name for name in (HULL, INERTIA) if name not in model.parts]
-    missing += ["roll"] if model.heeled else []
-    every = CATALOGUE.values()
-    return missing + [
-        " or ".join(effect.name for effect in every if role in effect.roles)
-        for role in model.lacking
-    ]
 
 
 def _heel_problem(model: Model) -> Problem:

@@ -8,12 +8,12 @@ from functools import cached_property
 from typing import Final
 
 from pmmkit.base import MissingPartError, ModelError, Problem
+from pmmkit.conventions import CHANNELS
 from pmmkit.effects import CATALOGUE, HULL, Effect, written_effect
 from pmmkit.models import TAKE_PARTS
 from pmmkit.simulation.equations.layouts import ROLLING, STATES, Constant
 
 POLYNOMIALS: Final = (HULL, "rudder_abkowitz")
-FORCES: Final = ("X", "Y", "N", "K")
 ACCELERATIONS: Final = (
     "Xudot",
     "Yvdot",
@@ -100,6 +100,17 @@ class EquationStructure:
         """Whether revolutions of a propeller enter."""
         return any({"n", "n_order"} & set(item.arguments) for item in self.used)
 
+    @property
+    def told(self) -> tuple[str, ...]:
+        """Forces and moment of all effects, and the signals that they give each other."""
+        signals = (
+            output
+            for item in self.used
+            for output in item.known.outputs
+            if output not in (*CHANNELS, *ACCELERATIONS) and not output.endswith("_rate")
+        )
+        return (*CHANNELS, *dict.fromkeys(signals))
+
     @cached_property
     def width(self) -> int:
         """Number of the constants, without what follows the speed and a polynomial as data."""
@@ -128,7 +139,7 @@ def in_order(used: Mapping[str, Used], name: str, conditions: frozenset[str]) ->
         signal: effect
         for effect, item in used.items()
         for signal in item.known.outputs
-        if signal not in FORCES and signal not in ACCELERATIONS and not signal.endswith("_rate")
+        if signal not in CHANNELS and signal not in ACCELERATIONS and not signal.endswith("_rate")
     }
     states = {state for item in used.values() for state in item.known.states}
     waiting, done, order = dict(used), set(conditions | states), []

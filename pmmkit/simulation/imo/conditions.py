@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Self
 
 from pmmkit.conventions import HARD_OVER, Ship
-from pmmkit.presentation import listed
 
 SHORTEST: Final = 100.0
 """Length from which on the standard applies [m]: MSC.137(76)."""
@@ -25,6 +23,17 @@ WINDS: Final = (0.2, 1.5, 3.3, 5.4, 7.9, 10.7, 13.8, 17.1, 20.7, 24.4, 28.4, 32.
 """Upper ends of Beaufort 0 to 11 [m/s], of the mean over ten minutes at a height of 10 m."""
 SIMULATED: Final = "none, as simulated"
 """What is shown of wind, sea and current of a simulation."""
+
+
+def beaufort(speed: float) -> int:
+    """Beaufort number of a wind [m/s].
+
+    Examples
+    --------
+    >>> beaufort(0.0), beaufort(10.7), beaufort(10.8), beaufort(40.0)
+    (0, 5, 6, 12)
+    """
+    return sum(speed > end for end in WINDS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,158 +67,151 @@ class Condition:
     words: str = ""
     excess: float = 0.0
 
+    @classmethod
+    def of_length(cls, L: float) -> Self:
+        """The length of the ship [m]."""
+        return cls(
+            name="length",
+            title="length",
+            standard=f"{SHORTEST:g} m or more",
+            value=L,
+            shown=f"{L:.4g} m",
+            met=L >= SHORTEST,
+            words=f"The standard is for ships of {SHORTEST:g} m and more; this one has "
+            f"L = {L:.4g} m.",
+        )
 
-def beaufort(speed: float) -> int:
-    """Beaufort number of a wind [m/s].
+    @classmethod
+    def of_depth(cls, depth: float | None, draught: float, *, deep: bool = False) -> Self:
+        """The depth of the water over the mean draught.
 
-    Examples
-    --------
-    >>> beaufort(0.0), beaufort(10.7), beaufort(10.8), beaufort(40.0)
-    (0, 5, 6, 12)
-    """
-    return sum(speed > end for end in WINDS)
-
-
-def length_condition(L: float) -> Condition:
-    """The length of the ship [m]."""
-    return Condition(
-        name="length",
-        title="length",
-        standard=f"{SHORTEST:g} m or more",
-        value=L,
-        shown=f"{L:.4g} m",
-        met=L >= SHORTEST,
-        words=f"The standard is for ships of {SHORTEST:g} m and more; this one has L = {L:.4g} m.",
-    )
-
-
-def depth_condition(depth: float | None, draught: float, *, deep: bool = False) -> Condition:
-    """The depth of the water over the mean draught.
-
-    Parameters
-    ----------
-    depth : float or None
-        [m]
-    draught : float
-        Mean draught [m].
-    deep : bool
-        Whether no depth means water without a bottom: that of a simulation.
-    """
-    standard = f"more than {DEEP:g} draughts"
-    asked = Condition(name="depth", title="depth", standard=standard)
-    if depth is None:
-        return replace(asked, shown="no bottom" if deep else "", met=deep or None)
-    ratio = depth / draught
-    return replace(
-        asked,
-        value=ratio,
-        shown=f"{depth:.4g} m, {ratio:.1f} draughts",
-        met=ratio > DEEP,
-        excess=-ratio,
-        words=f"The standard asks for deep water, {standard}; this is {ratio:.1f}.",
-    )
-
-
-def wind_condition(speed: float | None, number: int | None = None) -> Condition:
-    """The wind: its mean true speed [m/s] as measured, else its Beaufort number as stated."""
-    standard = f"at most Beaufort {WINDIEST}"
-    own = number if speed is None else beaufort(speed)
-    asked = Condition(name="wind", title="wind", standard=standard)
-    if own is None:
-        return asked
-    shown = f"Beaufort {own}" + ("" if speed is None else f", {speed:.1f} m/s")
-    said = f"is {speed:.1f} m/s" if speed is not None else f"is Beaufort {own}"
-    return replace(
-        asked,
-        value=own,
-        shown=shown,
-        met=own <= WINDIEST,
-        excess=own if speed is None else speed,
-        words=f"The standard asks for calm weather, {standard}; the wind {said}.",
-    )
-
-
-def sea_condition(state: int | None) -> Condition:
-    """The sea state, as stated."""
-    asked = Condition(name="sea_state", title="sea state", standard=f"at most {ROUGHEST}")
-    if state is None:
-        return asked
-    return replace(
-        asked,
-        value=state,
-        shown=f"{state}",
-        met=state <= ROUGHEST,
-        words=f"The standard asks for a sea state of at most {ROUGHEST}; this is {state}.",
-    )
-
-
-def current_condition(known: bool, shown: str) -> Condition:
-    """The current: uniform at most, and removed."""
-    return Condition(
-        name="current",
-        title="current",
-        standard="uniform, corrected for",
-        shown=shown if known else "not known: lengths over ground",
-        met=known,
-        words="The current is not known: the lengths are over ground.",
-    )
-
-
-def draught_condition(draught: float, full: float | None) -> Condition:
-    """The mean draught beside that of full load [m]."""
-    standard = f"full load within {100 * LOADED:g} %"
-    asked = Condition(name="draught", title="draught", standard=standard)
-    if full is None:
-        return replace(asked, shown=f"{draught:.4g} m, that of full load not supplied")
-    share = draught / full - 1.0
-    return replace(
-        asked,
-        value=share,
-        shown=f"{draught:.4g} m, {100 * share:+.1f} % of full load {full:.4g} m",
-        excess=abs(share),
-        met=abs(share) <= LOADED * (1.0 + 1e-12),
-        words=f"The standard asks for the draught of full load, {full:.4g} m, within "
-        f"{100 * LOADED:g} %; this is {draught:.4g} m.",
-    )
-
-
-def approach_condition(speed: float, full: float | None) -> Condition:
-    """The approach speed beside that at 85 % of the engine's output [m/s]."""
-    standard = f"at least {100 * FAST:g} % of that at 85 % of the engine's output"
-    asked = Condition(name="approach", title="approach speed", standard=standard)
-    if full is None:
+        Parameters
+        ----------
+        depth : float or None
+            [m]
+        draught : float
+            Mean draught [m].
+        deep : bool
+            Whether no depth means water without a bottom: that of a simulation.
+        """
+        standard = f"more than {DEEP:g} draughts"
+        asked = cls(name="depth", title="depth", standard=standard)
+        if depth is None:
+            return replace(asked, shown="no bottom" if deep else "", met=deep or None)
+        ratio = depth / draught
         return replace(
             asked,
-            excess=-speed,
-            shown=f"{speed:.4g} m/s, that at 85 % not supplied",
-            words=f"The approach speed, {speed:.4g} m/s, must be {standard}, which is not stated.",
+            value=ratio,
+            shown=f"{depth:.4g} m, {ratio:.1f} draughts",
+            met=ratio > DEEP,
+            excess=-ratio,
+            words=f"The standard asks for deep water, {standard}; this is {ratio:.1f}.",
         )
-    share = speed / full
-    return replace(
-        asked,
-        value=share,
-        shown=f"{speed:.4g} m/s, {100 * share:.1f} % of {full:.4g} m/s",
-        excess=-share,
-        met=share >= FAST * (1.0 - 1e-12),
-        words=f"The approach speed must be {standard}, {full:.4g} m/s; this is {speed:.4g} m/s, "
-        f"{100 * share:.0f} %.",
-    )
 
+    @classmethod
+    def of_wind(cls, speed: float | None, number: int | None = None) -> Self:
+        """The wind: its mean true speed [m/s] as measured, else its Beaufort number as stated."""
+        standard = f"at most Beaufort {WINDIEST}"
+        own = number if speed is None else beaufort(speed)
+        asked = cls(name="wind", title="wind", standard=standard)
+        if own is None:
+            return asked
+        shown = f"Beaufort {own}" + ("" if speed is None else f", {speed:.1f} m/s")
+        said = f"is {speed:.1f} m/s" if speed is not None else f"is Beaufort {own}"
+        return replace(
+            asked,
+            value=own,
+            shown=shown,
+            met=own <= WINDIEST,
+            excess=own if speed is None else speed,
+            words=f"The standard asks for calm weather, {standard}; the wind {said}.",
+        )
 
-def rudder_condition(rudder_deg: float) -> Condition:
-    """The rudder of a turning circle [deg]; whether less is all that is permitted nobody shows."""
-    size = abs(rudder_deg)
-    return Condition(
-        name="rudder",
-        title="rudder of the turning circle",
-        standard=f"{HARD_OVER:g}° or the largest permissible",
-        value=size,
-        shown=f"{size:.1f}°",
-        excess=-size,
-        met=True if size > HARD_OVER - 0.5 else None,
-        words=f"The standard asks for {HARD_OVER:g}° of rudder or the largest permissible; this is "
-        f"{size:.1f}°.",
-    )
+    @classmethod
+    def of_sea(cls, state: int | None) -> Self:
+        """The sea state, as stated."""
+        asked = cls(name="sea_state", title="sea state", standard=f"at most {ROUGHEST}")
+        if state is None:
+            return asked
+        return replace(
+            asked,
+            value=state,
+            shown=f"{state}",
+            met=state <= ROUGHEST,
+            words=f"The standard asks for a sea state of at most {ROUGHEST}; this is {state}.",
+        )
+
+    @classmethod
+    def of_current(cls, known: bool, shown: str) -> Self:
+        """The current: uniform at most, and removed."""
+        return cls(
+            name="current",
+            title="current",
+            standard="uniform, corrected for",
+            shown=shown if known else "not known: lengths over ground",
+            met=known,
+            words="The current is not known: the lengths are over ground.",
+        )
+
+    @classmethod
+    def of_draught(cls, draught: float, full: float | None) -> Self:
+        """The mean draught beside that of full load [m]."""
+        standard = f"full load within {100 * LOADED:g} %"
+        asked = cls(name="draught", title="draught", standard=standard)
+        if full is None:
+            return replace(asked, shown=f"{draught:.4g} m, that of full load not supplied")
+        share = draught / full - 1.0
+        return replace(
+            asked,
+            value=share,
+            shown=f"{draught:.4g} m, {100 * share:+.1f} % of full load {full:.4g} m",
+            excess=abs(share),
+            met=abs(share) <= LOADED * (1.0 + 1e-12),
+            words=f"The standard asks for the draught of full load, {full:.4g} m, within "
+            f"{100 * LOADED:g} %; this is {draught:.4g} m.",
+        )
+
+    @classmethod
+    def of_approach(cls, speed: float, full: float | None) -> Self:
+        """The approach speed beside that at 85 % of the engine's output [m/s]."""
+        standard = f"at least {100 * FAST:g} % of that at 85 % of the engine's output"
+        asked = cls(name="approach", title="approach speed", standard=standard)
+        if full is None:
+            return replace(
+                asked,
+                excess=-speed,
+                shown=f"{speed:.4g} m/s, that at 85 % not supplied",
+                words=f"The approach speed, {speed:.4g} m/s, must be {standard}, which is not "
+                "stated.",
+            )
+        share = speed / full
+        return replace(
+            asked,
+            value=share,
+            shown=f"{speed:.4g} m/s, {100 * share:.1f} % of {full:.4g} m/s",
+            excess=-share,
+            met=share >= FAST * (1.0 - 1e-12),
+            words=f"The approach speed must be {standard}, {full:.4g} m/s; this is "
+            f"{speed:.4g} m/s, "
+            f"{100 * share:.0f} %.",
+        )
+
+    @classmethod
+    def of_rudder(cls, rudder_deg: float) -> Self:
+        """The rudder of a turning circle [deg]; whether more is permitted nobody shows."""
+        size = abs(rudder_deg)
+        return cls(
+            name="rudder",
+            title="rudder of the turning circle",
+            standard=f"{HARD_OVER:g}° or the largest permissible",
+            value=size,
+            shown=f"{size:.1f}°",
+            excess=-size,
+            met=True if size > HARD_OVER - 0.5 else None,
+            words=f"The standard asks for {HARD_OVER:g}° of rudder or the largest permissible; "
+            "this is "
+            f"{size:.1f}°.",
+        )
 
 
 def simulated_conditions(
@@ -234,21 +236,11 @@ def simulated_conditions(
         Speed at 85 % of the engine's output [m/s], mean draught of full load [m].
     """
     return (
-        length_condition(ship.L),
-        depth_condition(depth, ship.d, deep=True),
-        replace(wind_condition(0.0), shown=SIMULATED),
-        replace(sea_condition(0), shown=SIMULATED),
-        current_condition(True, SIMULATED),
-        draught_condition(ship.d, full_draught),
-        approach_condition(speed, full_speed),
-    )
-
-
-def said(conditions: Iterable[Condition]) -> tuple[str, ...]:
-    """What a test does not meet, a sentence each; and all that it does not show, in one."""
-    all_of_them = list(conditions)
-    unknown = [item.title for item in all_of_them if item.met is None]
-    return (
-        *(item.words for item in all_of_them if item.met is False),
-        *([f"Not shown of what the standard asks for: {listed(unknown)}."] if unknown else []),
+        Condition.of_length(ship.L),
+        Condition.of_depth(depth, ship.d, deep=True),
+        replace(Condition.of_wind(0.0), shown=SIMULATED),
+        replace(Condition.of_sea(0), shown=SIMULATED),
+        Condition.of_current(True, SIMULATED),
+        Condition.of_draught(ship.d, full_draught),
+        Condition.of_approach(speed, full_speed),
     )

@@ -14,13 +14,7 @@ from pmmkit.conventions import HARD_OVER, Criterion, Metric, criteria
 from pmmkit.effects import CATALOGUE
 from pmmkit.models import Model, Standing, as_it_stops, load_model, of_a_model
 from pmmkit.simulation.imo.conditions import Condition, simulated_conditions
-from pmmkit.simulation.imo.verdict import (
-    Verdict,
-    judge,
-    track_conditions,
-    turning_conditions,
-    verdict_of,
-)
+from pmmkit.simulation.imo.verdict import Verdict, judge, track_conditions, verdict_of
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
 from pmmkit.simulation.machinery import FullAstern, assumed, reached
 from pmmkit.simulation.single import NO_BOTTOM, NO_WAVES, REVERSAL, ship_for, simulate, steering
@@ -32,7 +26,6 @@ if TYPE_CHECKING:
 SURE: Final = 0.05
 """A verdict by assumptions is settled where fewer than this share of the ships differ from it."""
 STOPPED: Final = "What the engine does in the stop is assumed."
-LARGE: Final = "The administration may allow up to 20 L for ships of large displacement."
 
 
 def imo_turning(track: Track) -> list[Verdict]:
@@ -65,9 +58,8 @@ def imo_turning(track: Track) -> list[Verdict]:
     """
     if track.manoeuvre != "turning":
         raise DataError(f"The criteria are for a turning circle, not for {track.manoeuvre!r}.")
-    conditions = turning_conditions(track.rudder_deg, track_conditions(track))
     return [
-        verdict_of(metric, item, track, conditions)
+        verdict_of(metric, item, track, track_conditions(track), alone=True)
         for metric, item in criteria()
         if item.manoeuvre == track.manoeuvre
     ]
@@ -270,7 +262,12 @@ def _stopping(
     differs = guessed or draws.known or any(part.std for part in ship.parts.values())
     wanted = draws.n if differs else 0
     many = _many(model, criterion.manoeuvre, speed, replace(draws, n=wanted), settings, given)
-    said = (*track_conditions(track, asked), *_unfelt(track), LARGE, *track.standing.sentences)
+    said = (
+        *track_conditions(track, asked),
+        *_unfelt(track),
+        Verdict.LARGE,
+        *track.standing.sentences,
+    )
     verdict = verdict_of(metric, criterion, track, said)
     ordered = stopping.filled(given)[turns.name]
     ahead = float(track.n[0])

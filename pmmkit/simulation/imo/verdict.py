@@ -5,18 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, Final, Literal
+from typing import Any, ClassVar, Literal
 
 from pmmkit.conventions import HARD_OVER, Criterion, Metric, cite, criteria
 from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, fixed
-from pmmkit.simulation.imo.conditions import Condition, approach_condition, length_condition
+from pmmkit.simulation.imo.conditions import Condition
 from pmmkit.simulation.machinery import FullAstern
 from pmmkit.simulation.track import Track
 
-SOURCE: Final = cite("msc137")
 Side = Literal["port", "starboard", ""]
-UNSETTLED: Final = "not settled"
-"""What is said of a criterion where what the number stands on is no ground for a verdict."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -60,6 +57,12 @@ class Verdict(Described):
     side: Side = ""
     full_astern: FullAstern | None = None
     unsettled: tuple[str, ...] = ()
+    UNSETTLED: ClassVar[str] = "not settled"
+    """What is said where what the number stands on is no ground for a verdict."""
+    LARGE: ClassVar[str] = (
+        "The administration may allow up to 20 L for ships of large displacement."
+    )
+    """What stands beside the track reach of a stop."""
 
     @property
     def margin(self) -> float:
@@ -108,7 +111,18 @@ class Verdict(Described):
     @property
     def words(self) -> str:
         """What follows."""
-        return what_follows(self.passed, settled=self.settled)
+        return self.what_follows(self.passed, settled=self.settled)
+
+    @classmethod
+    def what_follows(cls, passed: bool | None, *, settled: bool) -> str:
+        """What is said of a criterion that is met, failed or not judged, on such ground."""
+        words = {True: "met", False: "NOT met", None: "not judged"}
+        return words[passed] if settled else cls.UNSETTLED
+
+    @staticmethod
+    def in_unit(text: str, unit: str) -> str:
+        """A number of a criterion with its unit, ``L`` or ``deg``."""
+        return f"{text}{' L' if unit == 'L' else '°'}"
 
     @property
     def metric(self) -> str:
@@ -120,8 +134,8 @@ class Verdict(Described):
         return [
             self.criterion.replace("_", " "),
             self.manoeuvre,
-            in_unit(fixed(self.value, 2), self.unit) if math.isfinite(self.value) else ABSENT,
-            in_unit(f"{self.limit:.4g}", self.unit),
+            self.in_unit(fixed(self.value, 2), self.unit) if math.isfinite(self.value) else ABSENT,
+            self.in_unit(f"{self.limit:.4g}", self.unit),
             fixed(self.margin, 2, signed=True),
             self.words,
             ABSENT if self.probability is None else f"{100 * self.probability:.1f} %",
@@ -133,17 +147,6 @@ class Verdict(Described):
 
     def _sections(self) -> Sequence[Section]:
         return verdict_sections([self])
-
-
-def what_follows(passed: bool | None, *, settled: bool) -> str:
-    """What is said of a criterion that is met, failed or not judged, on such ground."""
-    words = {True: "met", False: "NOT met", None: "not judged"}
-    return words[passed] if settled else UNSETTLED
-
-
-def in_unit(text: str, unit: str) -> str:
-    """A number of a criterion with its unit, ``L`` or ``deg``."""
-    return f"{text}{' L' if unit == 'L' else '°'}"
 
 
 def probability_within(margin: float, std: float) -> float | None:
@@ -175,7 +178,7 @@ def verdict_sections(verdicts: Sequence[Verdict]) -> list[Section]:
     said = dict.fromkeys(text for item in verdicts for text in item.conditions if text not in why)
     engines = dict.fromkeys(item.full_astern.words for item in verdicts if item.full_astern)
     return [
-        Section(paragraphs=[f"Criteria of {SOURCE}", *scales, *why]),
+        Section(paragraphs=[f"Criteria of {cite('msc137')}", *scales, *why]),
         Section(tables=[Grid(head=head, groups=[Group(rows=rows)], texts=(1,))]),
         *([Section(title="Full astern", points=list(engines))] if engines else []),
         *([Section(title="Conditions", points=list(said))] if said else []),
@@ -191,10 +194,13 @@ def judge(
     speed: float,
     manoeuvre: str,
     scale: str,
+    rudder_deg: float = 0.0,
+    switch_deg: float | None = None,
     std: Mapping[str, float] | None = None,
     conditions: tuple[str, ...] = (),
-    side: Side = "",
     unsettled: tuple[str, ...] = (),
+    alone: bool = False,
+    measured: bool = False,
 ) -> Verdict:
     """A criterion applied to the numbers of a manoeuvre.
 
@@ -206,16 +212,33 @@ def judge(
         Numbers of the manoeuvre.
     L, speed : float
         Ship length [m], test speed [m/s].
-    manoeuvre, scale, conditions, side
+    manoeuvre : str
+        Its name.
+    scale, conditions
         As in `Verdict`.
+    rudder_deg : float
+        Positive to starboard, 0 where the rudder is not laid [deg].
+    switch_deg : float, optional
+        Heading at which a zigzag switches [deg].
     std : mapping of str to float, optional
         Standard uncertainties of numbers that were measured.
     unsettled : tuple of str
         As in `Verdict`; they are among its conditions.
+    alone : bool
+        Whether a turning circle stands without that to the other side.
+    measured : bool
+        Whether the angles were measured: then they are rounded in words.
     """
     limit = criterion.limit_for(L, speed)
     name = metric.judged(criterion)
     value = metrics.get(name, math.nan)
+    if alone:
+        conditions = _turning_conditions(rudder_deg, conditions, ".1f" if measured else "g")
+    if measured:
+        rudder = float(round(rudder_deg))
+        switch_deg = None if switch_deg is None else float(round(switch_deg))
+    else:
+        rudder = rudder_deg
     return Verdict(
         criterion=criterion.name,
         limit=limit,
@@ -223,9 +246,9 @@ def judge(
         conditions=tuple(dict.fromkeys((*unsettled, *conditions))),
         scale=scale,
         unit="L" if metric.length else metric.unit,
-        manoeuvre=manoeuvre,
+        manoeuvre=manoeuvre_words(manoeuvre, rudder, switch_deg),
         probability=probability_within(limit - value, (std or {}).get(name, math.nan)),
-        side=side,
+        side=_side_of(rudder_deg),
         unsettled=unsettled,
     )
 
@@ -244,9 +267,7 @@ def zigzag_limits(L: float, speed: float) -> tuple[float, float]:
     return first.limit_for(L, speed), second.limit_for(L, speed)
 
 
-def turning_conditions(
-    rudder_deg: float, others: tuple[str, ...], digits: str = "g"
-) -> tuple[str, ...]:
+def _turning_conditions(rudder_deg: float, others: tuple[str, ...], digits: str) -> tuple[str, ...]:
     """What one turning circle does not show of the two that the standard asks for."""
     rudder = (
         f"The standard asks for {HARD_OVER:g}° of rudder or the largest permissible; this is "
@@ -261,7 +282,12 @@ def turning_conditions(
 
 
 def verdict_of(
-    metric: Metric, criterion: Criterion, track: Track, conditions: tuple[str, ...]
+    metric: Metric,
+    criterion: Criterion,
+    track: Track,
+    conditions: tuple[str, ...],
+    *,
+    alone: bool = False,
 ) -> Verdict:
     """A criterion applied to a simulated manoeuvre."""
     return judge(
@@ -272,13 +298,15 @@ def verdict_of(
         speed=track.speed,
         scale=track.scale,
         conditions=conditions,
-        manoeuvre=_sailed(track),
-        side=side_of(track.rudder_deg),
+        manoeuvre=track.manoeuvre,
+        rudder_deg=track.rudder_deg,
+        switch_deg=track.settings.get("switch_deg"),
         unsettled=track.standing.unsettled,
+        alone=alone,
     )
 
 
-def side_of(rudder_deg: float) -> Side:
+def _side_of(rudder_deg: float) -> Side:
     """The side of a first order; none for rudder amidships."""
     return "" if not rudder_deg else "port" if rudder_deg < 0 else "starboard"
 
@@ -304,7 +332,7 @@ def manoeuvre_words(manoeuvre: str, rudder_deg: float, switch_deg: float | None 
     if not rudder_deg:
         return words
     angles = f"{abs(rudder_deg):g}" + ("°" if switch_deg is None else f"/{switch_deg:g}")
-    return f"{words} {angles}, to {side_of(rudder_deg)}"
+    return f"{words} {angles}, to {_side_of(rudder_deg)}"
 
 
 def _sailed(track: Track) -> str:
@@ -316,7 +344,7 @@ def track_conditions(
 ) -> tuple[str, ...]:
     """Conditions of the standard that a simulated manoeuvre does not meet, or does not show."""
     if conditions is None:
-        conditions = (length_condition(track.L), approach_condition(track.speed, None))
+        conditions = (Condition.of_length(track.L), Condition.of_approach(track.speed, None))
     found = [item.words for item in conditions if item.words and not item.met]
     if track.tested and track.tested.below + track.tested.above > 0.0:
         found.append(f"{_sailed(track)}: {track.tested.words}")

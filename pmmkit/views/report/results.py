@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pmmkit.files import MODEL, write_results
 from pmmkit.models import Model, ReferenceTable, compare, save_model, write_table
 from pmmkit.reduction import Reduction
-from pmmkit.simulation import sweep_frame, track_files
+from pmmkit.simulation import track_files
 from pmmkit.views.pages.page_file import page_file
 from pmmkit.views.report.build import report_answers, report_places
 from pmmkit.views.report.loop import Loop
@@ -89,7 +89,7 @@ def _turns(turns: Turns) -> Iterator[tuple[str, Any]]:
         yield from track_files(track, f"_Fn{track.Fn:.3f}")
     for name, sweep in turns.sweeps.items():
         plain = "".join(letter if letter.isalnum() else "_" for letter in name.lower())
-        yield f"sweep_{plain}.csv", sweep_frame(sweep)
+        yield f"sweep_{plain}.csv", sweep.to_dataframe().reset_index()
 
 
 def by_method(reduction: Reduction, reference: ReferenceTable | None = None) -> pd.DataFrame:

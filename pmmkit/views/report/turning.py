@@ -15,7 +15,7 @@ from pmmkit.plotting import manoeuvre
 from pmmkit.presentation import Cell, Grid, Group, Section, fixed, number, percent
 from pmmkit.simulation import (
     LENGTHS,
-    UNSETTLED,
+    Verdict,
     froude_sweep,
     imo_turning,
     measures_over_froude,
@@ -202,6 +202,6 @@ def _verdicts(tracks: Sequence[Track]) -> dict[str, str]:
         elif all(item.passed for item in same):
             text += ", met"
         elif not all(item.settled for item in same):
-            text += f", {UNSETTLED}"
+            text += f", {Verdict.UNSETTLED}"
         found[same[0].metric] = text
     return found

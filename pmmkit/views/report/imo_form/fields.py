@@ -10,7 +10,7 @@ from typing import Any, Final
 from pmmkit.base import DataError
 from pmmkit.conventions import Ship
 from pmmkit.identification import mean_draught
-from pmmkit.simulation import draught_condition
+from pmmkit.simulation import Condition
 from pmmkit.views.report.imo_form.form import FormField
 
 TABLE: Final = "imo"
@@ -133,7 +133,7 @@ def loading_words(draught: float, full: float | None, *, corrected: bool) -> str
     >>> loading_words(11.0, 20.8, corrected=True)
     'tested at partial load and corrected'
     """
-    met = draught_condition(draught, full).met
+    met = Condition.of_draught(draught, full).met
     if corrected:
         return "tested at partial load and corrected"
     if met is None:

@@ -11,7 +11,7 @@ from pmmkit.campaigns import Campaign
 from pmmkit.conventions import HARD_OVER
 from pmmkit.identification import Corrected, Trial, mean_draught
 from pmmkit.models import Model
-from pmmkit.simulation import LARGE, Condition, Verdict, prepare, simulated_conditions, steering
+from pmmkit.simulation import Condition, Verdict, prepare, simulated_conditions, steering
 from pmmkit.views.report.imo_form.fields import (
     head_entries,
     loading_entries,
@@ -77,7 +77,7 @@ def form_of_model(
             ),
         ),
     )
-    shown = {*(item.words for item in conditions), LARGE}
+    shown = {*(item.words for item in conditions), Verdict.LARGE}
     told = dict.fromkeys(text for x in verdicts for text in x.conditions if text not in shown)
     return ImoForm(
         name=model.name,
@@ -198,7 +198,7 @@ def _assumed(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
 def _large(verdicts: Sequence[tuple[str, Verdict]]) -> tuple[str, ...]:
     """What a stop that is too long may plead."""
     failed = any(x.full_astern and x.passed is False for _, x in verdicts)
-    return (LARGE,) if failed else ()
+    return (Verdict.LARGE,) if failed else ()
 
 
 def _range(values: Sequence[float]) -> str:

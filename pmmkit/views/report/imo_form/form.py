@@ -10,15 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
 from pmmkit.conventions import Criterion, Metric, cite, criteria
 from pmmkit.presentation import Described, Grid, Group, Section, counted, fixed, number
-from pmmkit.simulation import (
-    UNSETTLED,
-    Condition,
-    Side,
-    Verdict,
-    in_unit,
-    manoeuvre_of,
-    what_follows,
-)
+from pmmkit.simulation import Condition, Verdict, manoeuvre_of
 from pmmkit.views.report.bare_page import bare_page
 
 if TYPE_CHECKING:
@@ -26,7 +18,7 @@ if TYPE_CHECKING:
 
 ABSENT: Final = "not supplied"
 """What stands where nobody said."""
-SIDES: Final[tuple[Side, ...]] = ("port", "starboard")
+SIDES: Final[tuple[str, ...]] = ("port", "starboard")
 ORDINALS: Final = ("first", "second", "third")
 NOTES: Final = cite("msc_circ1053")
 TITLE: Final = "Manoeuvring data of a ship"
@@ -48,7 +40,7 @@ SHADES: Final = {
     "NOT met": "failed",
     "not judged": "open",
     "not shown": "open",
-    UNSETTLED: "open",
+    Verdict.UNSETTLED: "open",
 }
 """Class of a cell that says a verdict, or that nobody said it."""
 
@@ -98,8 +90,8 @@ class CriterionLine:
     criterion: Criterion
     limit: float
     unit: str
-    verdicts: dict[Side, Verdict]
-    runs: dict[Side, str]
+    verdicts: dict[str, Verdict]
+    runs: dict[str, str]
     tried: bool = False
 
     @property
@@ -113,7 +105,7 @@ class CriterionLine:
         return f"{told}, as tried" if self.tried else told
 
     @property
-    def sides(self) -> tuple[Side, ...]:
+    def sides(self) -> tuple[str, ...]:
         """The sides to which it is asked."""
         return SIDES if "rudder_deg" in self.criterion.settings else ("",)
 
@@ -204,7 +196,7 @@ class ImoForm(Described):
         parts = [
             f"{sum(item.passed is True for item in self.lines)} of {len(self.lines)} criteria met",
             f"NOT met: {', '.join(failed)}" if failed else "",
-            f"{unsettled} {UNSETTLED} ({' '.join(why)})" if unsettled else "",
+            f"{unsettled} {Verdict.UNSETTLED} ({' '.join(why)})" if unsettled else "",
             f"{unjudged} not judged" if unjudged else "",
             f"conditions NOT met: {', '.join(besides)}" if besides else "",
             f"{counted(unknown, 'condition')} not shown" if unknown else "",
@@ -353,14 +345,14 @@ def results_grids(lines: Sequence[CriterionLine]) -> list[Grid]:
     ]
 
 
-def _results(lines: Sequence[CriterionLine], sides: tuple[Side, ...]) -> Grid:
+def _results(lines: Sequence[CriterionLine], sides: tuple[str, ...]) -> Grid:
     rows = [
         [
             line.words,
             line.criterion.paragraph,
             *(cell for side in sides for cell in _told(line, side)),
-            in_unit(number(line.limit), line.unit),
-            what_follows(line.passed, settled=line.settled),
+            Verdict.in_unit(number(line.limit), line.unit),
+            Verdict.what_follows(line.passed, settled=line.settled),
         ]
         for line in lines
     ]
@@ -369,14 +361,14 @@ def _results(lines: Sequence[CriterionLine], sides: tuple[Side, ...]) -> Grid:
     return Grid(head=head, groups=[Group(rows=rows)], texts=(1, len(head) - 1))
 
 
-def _told(line: CriterionLine, side: Side) -> tuple[str, str]:
+def _told(line: CriterionLine, side: str) -> tuple[str, str]:
     """Value and margin to a side."""
     found = line.verdicts.get(side)
     if found is None or not math.isfinite(found.value):
         return ABSENT, ""
     return (
-        in_unit(fixed(found.value, 2), line.unit),
-        in_unit(fixed(found.margin, 2, signed=True), line.unit),
+        Verdict.in_unit(fixed(found.value, 2), line.unit),
+        Verdict.in_unit(fixed(found.margin, 2, signed=True), line.unit),
     )
 
 
@@ -390,8 +382,8 @@ def lines_of(
     found = []
     for metric, criterion in criteria():
         own = [(run, x) for run, x in verdicts if x.criterion == criterion.name]
-        sides: dict[Side, Verdict] = {}
-        runs: dict[Side, str] = {}
+        sides: dict[str, Verdict] = {}
+        runs: dict[str, str] = {}
         for run, verdict in sorted(own, key=lambda pair: _least(pair[1])):
             if verdict.side not in sides:
                 sides[verdict.side], runs[verdict.side] = verdict, run

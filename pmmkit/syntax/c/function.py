@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pmmkit.exports.c.expression import Expression, Writer
-from pmmkit.exports.c.kinds import (
+from pmmkit.syntax.c.expression import Expression, Writer
+from pmmkit.syntax.c.kinds import (
     BOOL,
     DOUBLE,
     INT,
@@ -17,7 +17,7 @@ from pmmkit.exports.c.kinds import (
     identifier,
     joined,
 )
-from pmmkit.syntax import (
+from pmmkit.syntax.tree import (
     Assign,
     Augmented,
     Call,
@@ -34,10 +34,8 @@ from pmmkit.syntax import (
     Subscript,
     Unwritable,
     While,
-    names,
-    nodes,
 )
-from pmmkit.syntax import Expression as Tree
+from pmmkit.syntax.tree import Expression as Tree
 
 
 class Body:
@@ -166,7 +164,7 @@ class Body:
             return self._several(target.inner, value)
         if isinstance(target, Name):
             if target.word not in self._read and not any(
-                isinstance(node, Call) for node in nodes(value)
+                isinstance(node, Call) for node in value.nodes()
             ):
                 return []
             if self._vector(target.word, value):
@@ -249,16 +247,16 @@ class Body:
 def _read(tree: Function) -> frozenset[str]:
     """Names whose values are looked at: all but those that are only put there."""
     found: frozenset[str] = frozenset()
-    for node in nodes(tree):
+    for node in tree.nodes():
         match node:
             case Assign(target=target, value=value):
-                found |= names(value) | _places(target)
+                found |= value.names() | _places(target)
             case Augmented(target=target, value=value):
-                found |= names((target, value))
+                found |= target.names() | value.names()
             case Do(value=value) | While(test=value) | If(test=value) | For(over=value):
-                found |= names(value)
-            case Return(value=value):
-                found |= names(value)
+                found |= value.names()
+            case Return(value=value) if value is not None:
+                found |= value.names()
     return found
 
 
@@ -266,14 +264,14 @@ def _places(target: Tree) -> frozenset[str]:
     """Names that say where a value is put."""
     if isinstance(target, Several):
         return frozenset().union(*map(_places, target.inner))
-    return names(target) if isinstance(target, Subscript) else frozenset()
+    return target.names() if isinstance(target, Subscript) else frozenset()
 
 
 def _entangled(targets: Sequence[Tree], values: Sequence[Tree]) -> bool:
     """Whether a value reads what an earlier one of the same assignment has changed."""
     changed: set[str] = set()
     for target, value in zip(targets, values, strict=True):
-        if changed & names(value):
+        if changed & value.names():
             return True
-        changed |= names(target.of if isinstance(target, Subscript) else target)
+        changed |= (target.of if isinstance(target, Subscript) else target).names()
     return False

@@ -1,6 +1,6 @@
 """Functions of Python, in the words that it shares with numba, as the text of a C program.
 
-`pmmkit.exports.matlab.transcribe` writes an effect out as a list of assignments, for readers who
+`pmmkit.syntax.matlab.transcribe` writes an effect out as a list of assignments, for readers who
 know MATLAB. Here functions stay functions, with their loops and branches, so that the equations,
 the integrator and every effect that can be compiled can be written.
 """
@@ -12,10 +12,12 @@ from collections.abc import Sequence
 from types import FunctionType, ModuleType
 from typing import Any, Final
 
-from pmmkit.exports.c.function import Body
-from pmmkit.exports.c.kinds import NOTHING, ValueKind, identifier, number
-from pmmkit.exports.comments import comment
-from pmmkit.syntax import Call, Expression, Function, Unwritable, bound, function_of, functions
+from pmmkit.syntax.c.function import Body
+from pmmkit.syntax.c.kinds import NOTHING, ValueKind, c_number, identifier
+from pmmkit.syntax.comments import comment
+from pmmkit.syntax.reading import function_of, functions
+from pmmkit.syntax.tree import Call, Expression, Function, Unwritable
+from pmmkit.syntax.words import bound
 
 PREFIX: Final = "eq_"
 """Of all translated functions, so that none has the name of one of C's."""
@@ -27,10 +29,15 @@ static int floored(int a, int b) { return a / b - (a % b != 0 && (a % b < 0) != 
 """
 
 
-class Program:
+class CProgram:
     """A C program that grows by the functions that are asked for and all that they call.
 
-    `text`: of the module; its functions have no source elsewhere.
+    Parameters
+    ----------
+    text : str
+        Of the module; its functions have no source elsewhere.
+    module : module
+        What the text makes when it is run.
     """
 
     def __init__(self, text: str, module: ModuleType) -> None:
@@ -44,9 +51,9 @@ class Program:
         self._sizes: set[int] = set()
         self._parts: list[str] = []
 
-    def take(self, name: str, kinds: Sequence[ValueKind]) -> str:
-        """Translate a function of the module; gives its name in C."""
-        return self.function(self._own[name], tuple(kinds), name)[0]
+    def take(self, name: str, kinds: Sequence[str]) -> str:
+        """Translate a function of the module for arguments of some kinds; gives its name in C."""
+        return self.function(self._own[name], tuple(map(ValueKind, kinds)), name)[0]
 
     @property
     def text(self) -> str:
@@ -70,7 +77,7 @@ class Program:
         name = self._tables[id(value)] = self._free(f"table{alias}".replace("__", "_").lower())
         self._kept.append(value)
         rows = [value] if isinstance(value[0], int | float) else list(value)
-        lists = [f"{{{', '.join(number(float(x)) for x in row)}}}" for row in rows]
+        lists = [f"{{{', '.join(c_number(float(x)) for x in row)}}}" for row in rows]
         size = "" if len(rows) == 1 and rows[0] is value else f"[{len(rows)}]"
         inner = lists[0] if not size else "{\n    " + ",\n    ".join(lists) + "}"
         self._parts.append(f"static const double {name}{size}[{len(rows[0])}] = {inner};\n")

@@ -1,4 +1,4 @@
-"""Text of unknown origin in generated programs: comments and strings that cannot end."""
+"""Text of unknown origin in generated programs: comments that cannot end."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ import textwrap
 import unicodedata
 from typing import Final
 
-WIDTH: Final = 80
-PYTHON_FIRST: Final = "# -*- coding: ascii -*-"
-"""First line of a Python file: it settles the encoding, whatever a later comment says of it."""
+_WIDTH: Final = 80
 _LETTERS: Final = str.maketrans(
     {
         "ø": "o",
@@ -69,6 +67,10 @@ def plain(text: str) -> str:
     text : str
         Any text, such as a title out of a file.
 
+    Returns
+    -------
+    str
+
     Examples
     --------
     >>> plain("Strøm-Tejsen, 35°" + chr(10) + "delete all")
@@ -92,6 +94,10 @@ def comment(text: str, sign: str = "%") -> list[str]:
     sign : str
         What a comment starts with.
 
+    Returns
+    -------
+    list of str
+
     Examples
     --------
     >>> comment("One line.")
@@ -102,20 +108,8 @@ def comment(text: str, sign: str = "%") -> list[str]:
     lead = f"{sign} "
     lines = textwrap.wrap(
         _ORDERS.sub(r"\1 ", plain(text)),
-        WIDTH - len(lead),
+        _WIDTH - len(lead),
         break_long_words=False,
         break_on_hyphens=False,
     )
     return [lead + line for line in lines] or [sign]
-
-
-def matlab_string(text: str) -> str:
-    """A text in quotes for MATLAB and Octave.
-
-    Examples
-    --------
-    >>> matlab_string("Froude's law")
-    "'Froude''s law'"
-    """
-    quoted = plain(text).replace("'", "''")
-    return f"'{quoted}'"

@@ -6,23 +6,22 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import FunctionType
-from typing import Any, Final, Literal, Protocol
+from typing import Any, Final, Protocol
 
-from pmmkit.syntax import Call, Expression, Unwritable
-
-Name = Literal["bool", "int", "double", "list", "table", "grid", "tuple", "nothing"]
+from pmmkit.syntax.tree import Call, Expression, Unwritable
 
 
 @dataclass(frozen=True)
 class ValueKind:
     """A kind of value.
 
-    `name`: ``list``: numbers that a function may change, by their address; ``table``: numbers
-    that it only reads, with their count; ``grid``: tables of one length; ``tuple``: what a
-    function returns together. `size`: of a tuple: how many numbers.
+    `name`: ``bool``, ``int``, ``double``, ``nothing``; ``list``: numbers that a function may
+    change, by their address; ``table``: numbers that it only reads, with their count; ``grid``:
+    tables of one length; ``tuple``: what a function returns together. `size`: of a tuple: how many
+    numbers.
     """
 
-    name: Name
+    name: str
     size: int = 0
 
     @property
@@ -104,12 +103,20 @@ def identifier(name: str) -> str:
     return f"{plain}_" if plain in _KEYWORDS else plain
 
 
-def number(value: float) -> str:
+def c_number(value: float) -> str:
     """A number as C writes it, with the fewest digits that give it again.
+
+    Parameters
+    ----------
+    value : float or int
+
+    Returns
+    -------
+    str
 
     Examples
     --------
-    >>> number(2), number(0.1), number(1e16), number(float("-inf"))
+    >>> c_number(2), c_number(0.1), c_number(1e16), c_number(float("-inf"))
     ('2', '0.1', '1e+16', '-INFINITY')
     """
     if isinstance(value, int):

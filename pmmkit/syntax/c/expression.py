@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import FunctionType
 from typing import Any, Final
 
-from pmmkit.exports.c.kinds import (
+from pmmkit.syntax.c.kinds import (
     BOOL,
     DOUBLE,
     GRID,
@@ -16,20 +16,11 @@ from pmmkit.exports.c.kinds import (
     TABLE,
     Library,
     ValueKind,
+    c_number,
     identifier,
     joined,
-    number,
 )
-from pmmkit.syntax import (
-    AND,
-    ATOM,
-    CHOICE,
-    COMPARISON,
-    FUNCTIONS,
-    OPERATORS,
-    OR,
-    SIGN,
-    SUM,
+from pmmkit.syntax.tree import (
     Binary,
     Call,
     Compare,
@@ -43,12 +34,23 @@ from pmmkit.syntax import (
     Subscript,
     Unary,
     Unwritable,
+)
+from pmmkit.syntax.tree import Expression as Tree
+from pmmkit.syntax.words import (
+    AND,
+    ATOM,
+    CHOICE,
+    COMPARISON,
+    FUNCTIONS,
+    OPERATORS,
+    OR,
+    SIGN,
+    SUM,
     called,
     counted,
     outside_value,
     word_of,
 )
-from pmmkit.syntax import Expression as Tree
 
 _LARGEST: Final = 2**31 - 1
 """Whole number that C's int is sure to hold."""
@@ -266,7 +268,7 @@ def _decided(signs: tuple[str, ...], items: list[Expression]) -> int | None:
 def _constant(value: float) -> Expression:
     if isinstance(value, int) and abs(value) > _LARGEST:
         value = float(value)
-    text = number(value)
+    text = c_number(value)
     kind = BOOL if isinstance(value, bool) else INT if isinstance(value, int) else DOUBLE
     rank = SIGN if text.startswith("-") else ATOM
     return Expression(text, kind, rank, int(value) if kind == INT else None)

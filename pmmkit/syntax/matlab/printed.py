@@ -5,26 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from pmmkit.exports.text import number
-from pmmkit.syntax import (
-    AND,
-    ATOM,
-    COMPARISON,
-    FUNCTIONS,
-    OPERATORS,
-    POWER,
-    SIGN,
-    Call,
-    Expression,
-    Name,
-    Number,
-    Printed,
-    PythonPrinter,
-    Several,
-    Unwritable,
-)
+from pmmkit.syntax.matlab.names import matlab_value
+from pmmkit.syntax.printing import Printed, PythonPrinter
+from pmmkit.syntax.tree import Call, Expression, Name, Number, Several, Unwritable
+from pmmkit.syntax.words import AND, ATOM, COMPARISON, FUNCTIONS, OPERATORS, POWER, SIGN
 
-COLUMN: Final = "column"
+_COLUMN: Final = "column"
 """A function of trees here: its arguments below each other, as `Several` has them in a row."""
 
 
@@ -33,7 +19,7 @@ def printed(tree: Expression) -> str:
 
     Examples
     --------
-    >>> from pmmkit.syntax import expression
+    >>> from pmmkit.syntax.reading import expression
     >>> printed(expression("-x[0]**2*(a - -b)/c**-y**2"))
     '-x(1)^2*(a - (-b))/c^(-y^2)'
     """
@@ -48,7 +34,7 @@ class _MatlabPrinter(PythonPrinter):
 
     def number(self, value: float) -> str:
         whole = isinstance(value, int) and not isinstance(value, bool)
-        return str(value) if whole else number(value)
+        return str(value) if whole else matlab_value(value)
 
     def unary(self, sign: str, inner: Printed) -> Printed:
         if sign == "+":
@@ -76,7 +62,7 @@ class _MatlabPrinter(PythonPrinter):
     def call(self, tree: Call) -> str:
         texts = [self.text(item) for item in tree.inner]
         word = tree.function.word if isinstance(tree.function, Name) else ""
-        if word == COLUMN:
+        if word == _COLUMN:
             return f"[{'; '.join(texts)}]"
         spelled = FUNCTIONS[word]
         if spelled.count:

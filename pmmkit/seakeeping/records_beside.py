@@ -1,33 +1,21 @@
-"""Records of motions in waves beside what was computed, as a command takes and writes them."""
+"""Records of motions in waves beside what was computed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from glob import glob
 from typing import TYPE_CHECKING, Any
 
-from pmmkit.actions.setting import setting, settings
+from pmmkit.seakeeping.explanation import Explained, explained
+from pmmkit.seakeeping.figures import beside_measured
+from pmmkit.seakeeping.measured import MeasuredTransfer, RaoComparison, beside
+from pmmkit.seakeeping.records import read_record, together
+from pmmkit.seakeeping.transfer import Rao
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from pmmkit.seakeeping import Explained, MeasuredTransfer, Rao, RaoComparison
-
-
-@settings
-class MotionRecordSettings:
-    """Records of motions in waves."""
-
-    record: tuple[str, ...] = setting(
-        "Records of motions in waves, such as 'runs/*.csv', beside the computed ones: "
-        "columns t, wave, heave, pitch …, such as 'heave [mm]'; may be repeated.",
-        default=(),
-    )
-    record_scale: float = setting(
-        "Of a model in the records: 50 for one of 1:50.", default=1.0, least=1e-3
-    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,8 +65,6 @@ class RecordsBeside:
 
     def plot(self) -> Figure:
         """Measured points beside computed curves."""
-        from pmmkit.seakeeping import beside_measured
-
         return beside_measured(
             {
                 f"{item.mode} / ζ": (item.encounter, item.measured, item.std, item.computed)
@@ -87,24 +73,42 @@ class RecordsBeside:
         )
 
 
-Transfers = Mapping[str, tuple[str, Mapping[str, "MeasuredTransfer"]]]
+Transfers = Mapping[str, tuple[str, Mapping[str, MeasuredTransfer]]]
 """Of each file the kind of waves, and transfer functions by motion."""
 
 
-def read_records(asked: MotionRecordSettings) -> Transfers:
-    """Transfer functions of records from files and patterns."""
-    if not asked.record:
-        return {}
-    from pmmkit.seakeeping import read_record
+def read_records(given: Sequence[str], scale: float) -> Transfers:
+    """Transfer functions of records from files and patterns, by file, with the kind of waves.
 
-    names = [name for text in asked.record for name in sorted(glob(text)) or [text]]
-    return {name: read_record(name, scale=asked.record_scale).transfer() for name in names}
+    Parameters
+    ----------
+    given : sequence of str
+        Files, or patterns such as ``runs/*.csv``.
+    scale : float
+        Of a model in the records: 50 for one of 1:50.
+
+    Returns
+    -------
+    dict of str to (str, dict of str to MeasuredTransfer)
+    """
+    names = [name for text in given for name in sorted(glob(text)) or [text]]
+    return {name: read_record(name, scale=scale).transfer() for name in names}
 
 
 def beside_records(read: Transfers, found: Rao) -> RecordsBeside:
-    """Records beside the motions of one speed and heading."""
-    from pmmkit.seakeeping import beside, explained, together
+    """Records beside the motions of one speed and heading, and what would explain the difference.
 
+    Parameters
+    ----------
+    read : mapping
+        From `read_records`.
+    found : Rao
+        The computed motions.
+
+    Returns
+    -------
+    RecordsBeside
+    """
     measured = together([transfer for _, transfer in read.values()])
     return RecordsBeside(
         kinds={name: kind for name, (kind, _) in read.items()},

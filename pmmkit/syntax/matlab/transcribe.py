@@ -1,4 +1,4 @@
-"""The function of an effect written out for MATLAB, line by line and without branches.
+"""Functions written out for MATLAB, line by line and without branches.
 
 Effects are written in the few words of `effects.primitives`. With the options of a model known,
 what is left of most of them is a list of assignments: functions that they call are written out in
@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from types import FunctionType
 from typing import Any, Final
 
-from pmmkit.syntax import (
-    FUNCTIONS,
-    OPERATORS,
+from pmmkit.syntax.matlab.printed import printed
+from pmmkit.syntax.reading import expression, function_of
+from pmmkit.syntax.tree import (
     Assign,
     Augmented,
     Binary,
@@ -31,7 +32,6 @@ from pmmkit.syntax import (
     Member,
     Name,
     Number,
-    Outside,
     Return,
     Several,
     Statement,
@@ -39,40 +39,65 @@ from pmmkit.syntax import (
     Unary,
     Unwritable,
     While,
+)
+from pmmkit.syntax.words import (
+    FUNCTIONS,
+    OPERATORS,
+    Outside,
     bound,
     called,
     counted,
-    expression,
-    function_of,
-    names,
     outside_value,
     word_of,
 )
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class MatlabLine:
-    """One assignment, and what its comment says."""
+    """One assignment, and what its comment says.
+
+    Parameters
+    ----------
+    target : str
+        The variable.
+    meant : str, float, tuple of float or Expression
+        Its value: an expression in Python's words, in which ``column(a, b)`` stands for values
+        below each other, numbers, or a tree.
+    note : str
+        What its comment says.
+
+    Examples
+    --------
+    >>> line = MatlabLine("U", "max(sqrt(u**2 + v**2), 1e-9)")
+    >>> line.text, line.uses == {"max", "sqrt", "u", "v"}
+    ('U = max(sqrt(u^2 + v^2), 1e-09);', True)
+    """
 
     target: str
-    value: Expression
+    meant: str | float | tuple[float, ...] | Expression
     note: str = ""
+
+    @cached_property
+    def value(self) -> Expression:
+        """The value as a tree."""
+        match self.meant:
+            case str():
+                return expression(self.meant)
+            case tuple():
+                return Several(tuple(Number(float(x)) for x in self.meant))
+            case int() | float():
+                return Number(float(self.meant))
+        return self.meant
 
     @property
     def uses(self) -> frozenset[str]:
         """Names in the expression."""
-        return names(self.value)
+        return self.value.names()
 
-
-def line(target: str, text: str, note: str = "") -> MatlabLine:
-    """An assignment of an expression in Python's words.
-
-    Examples
-    --------
-    >>> line("U", "max(sqrt(u**2 + v**2), 1e-9)").uses == {"max", "sqrt", "u", "v"}
-    True
-    """
-    return MatlabLine(target=target, value=expression(text), note=note)
+    @property
+    def text(self) -> str:
+        """The assignment as MATLAB takes it."""
+        return f"{self.target} = {printed(self.value)};"
 
 
 def transcribe(
@@ -84,15 +109,35 @@ def transcribe(
 ) -> tuple[list[MatlabLine], list[Expression]]:
     """The assignments of a function, and expressions of what it returns.
 
+    Parameters
+    ----------
+    function : callable
+        In the words that C and MATLAB share with Python.
+    arguments : mapping of str to str or int
+        What each argument stands for: a variable, or a number that decides branches.
+    prefix : str
+        What names of variables begin with.
+    tree : Function, optional
+        The function as a tree, where its text is in no file.
+
+    Returns
+    -------
+    lines : list of MatlabLine
+    returned : list of Expression
+
+    Raises
+    ------
+    Unwritable
+        If MATLAB has no words for it, or a branch depends on a variable.
+
     Examples
     --------
     >>> from pmmkit.effects.roll import force
-    >>> from pmmkit.exports.matlab.printed import printed
     >>> given = {name: name for name in function_of(force).arguments}
     >>> lines, (moment,) = transcribe(force, given | {"restoring": 1}, "roll")
-    >>> [(line.target, printed(line.value)) for line in lines], printed(moment)
-    ([('roll_heel', 'sin(phi)')],
-     '-rho*g*volume*GM*roll_heel - (damping + damping_quadratic*abs(p))*p')
+    >>> [line.text for line in lines], MatlabLine("K", moment).text
+    (['roll_heel = sin(phi);'],
+     'K = -rho*g*volume*GM*roll_heel - (damping + damping_quadratic*abs(p))*p;')
     """
     writer = _Writer(prefix, {name for name in arguments.values() if isinstance(name, str)})
     given = {
@@ -104,7 +149,18 @@ def transcribe(
 
 
 def needed(lines: Sequence[MatlabLine], wanted: Iterable[str]) -> list[MatlabLine]:
-    """The assignments on which some variables depend, in their order."""
+    """The assignments on which some variables depend, in their order.
+
+    Parameters
+    ----------
+    lines : sequence of MatlabLine
+    wanted : iterable of str
+        The variables.
+
+    Returns
+    -------
+    list of MatlabLine
+    """
     alive, kept = set(wanted), []
     for item in reversed(lines):
         if item.target in alive:
@@ -180,7 +236,7 @@ class _Writer:
             count += 1
             target = f"{base}_{count}"
         self.taken.add(target)
-        self.lines.append(MatlabLine(target=target, value=value))
+        self.lines.append(MatlabLine(target, value))
         known[word] = Name(target)
 
     def _values(self, tree: Expression, known: Known, outside: Outside) -> list[Expression]:
