@@ -108,20 +108,6 @@ def worst_deviation(
 
     Values whose uncertainty is not known do not count.
 
-    Parameters
-    ----------
-    table : DerivativeTable
-        The table.
-    reference : DerivativeTable or mapping
-        What it is compared with, as in `compare`.
-    names : sequence of str, optional
-        Which derivatives; those that both have by default.
-
-    Raises
-    ------
-    TableError
-        If no value can be compared.
-
     Examples
     --------
     >>> from pmmkit.conventions import Ship, Water

@@ -139,22 +139,7 @@ class StatedRun:
     def nominal_motion(self, times: ArrayLike) -> State:
         """Motion that a captive test was set to, exact in every angle.
 
-        Parameters
-        ----------
-        times : array (n,)
-            Times [s].
-
-        Returns
-        -------
-        State
-            Of the motion reference point. ``udot``, ``vdot`` are the time derivatives of the
-            ship-axes components u and v. Heel, rudder (a swung one at the phase of its swing) and
-            revolutions are the settings; unknown revolutions and thrust are zero.
-
-        Raises
-        ------
-        CampaignError
-            If the run lacks a setting that its test needs, or is a free-running test.
+        times [s].
 
         Examples
         --------
@@ -214,13 +199,7 @@ class StatedRun:
             )
 
     def require_settings(self, needed: Sequence[str] | None = None) -> None:
-        """Raise a CampaignError naming all settings that are missing or impossible.
-
-        Parameters
-        ----------
-        needed : sequence of str, optional
-            Those that are looked at; by default all that the nominal motion needs.
-        """
+        """Raise a CampaignError naming all settings that are missing or impossible."""
         if needed is None:
             self.refuse_free_running()
             needed = self.kind_of_test.needs

@@ -26,20 +26,9 @@ DEGREES: Final = 180.0 / math.pi
 class Sailed:
     """A record that was left out, as it was measured and as it was sailed.
 
-    Parameters
-    ----------
-    name : str
-        Of the record.
-    t : array (n,)
-        Time [s].
-    begins : array (w,) of int
-        First instants of the windows.
-    measured : mapping of str to array (n,)
-        Measured channels [m, rad, m/s, rad/s].
-    simulated : mapping of str to mapping of str to array (n,)
-        What a model shows of them through the windows, by its name in words.
-    std : mapping of str to mapping of str to array (n,)
-        How far that may be off, as standard deviations.
+    `begins (w,)`: first instants of the windows. `measured`: measured channels [m, rad, m/s,
+    rad/s]. `simulated`: what a model shows of them through the windows, by its name in words.
+    `std`: how far that may be off, as standard deviations.
     """
 
     name: str
@@ -53,20 +42,6 @@ class Sailed:
 def before_and_after(records: Sequence[Sailed]) -> Figure:
     """Tracks, headings and yaw rates of records, measured and as models sail them, and how far the
     headings are off.
-
-    Parameters
-    ----------
-    records : sequence of Sailed
-        A column for each.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    DataError
-        If there is no record.
     """
     if not records:
         raise DataError("There is no record to draw.")

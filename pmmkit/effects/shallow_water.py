@@ -77,29 +77,7 @@ def factors(
 ) -> dict[str, Any]:
     """What derivatives are multiplied by in water of a depth.
 
-    Parameters
-    ----------
-    depth : float
-        Depth of the water [m], ``math.inf`` when deep.
-    d, L, B : float
-        Draught, length and breadth of the ship [m].
-    CB : float
-        Block coefficient.
-    lambda_Yv, lambda_Nv, lambda_Nr : float
-        Powers of the effective aspect ratio.
-    share : float
-        Share of what the formulas add to 1: none leaves the derivatives of deep water.
-
-    Returns
-    -------
-    dict
-        Factors of Yv, Yr, Nv, Nr, of Yvvv (products with sway in Y and N), Yrrr (products of yaw),
-        Nvvr (sway and yaw in N), of Xuu (resistance), Xvv, Xvr, Xrr, and of Yvdot and Nrdot.
-
-    Raises
-    ------
-    DataError
-        If the depth is less than 1.2 draughts.
+    d, L, B [m].
 
     Notes
     -----

@@ -18,23 +18,6 @@ from pmmkit.models import DerivativeTable, Model, ReferenceTable, converted, int
 def parameters_of(model: Model, asked: Sequence[str] | None) -> tuple[str, ...]:
     """What is identified: what was asked for, or all derivatives of the hull.
 
-    Parameters
-    ----------
-    model : Model
-        Has their start values.
-    asked : sequence of str, optional
-        Derivatives (factors in any order), parameters with their effect, currents.
-
-    Returns
-    -------
-    tuple of str
-        Each once.
-
-    Raises
-    ------
-    UnknownNameError
-        With all names that the model does not have, and those that it has.
-
     Examples
     --------
     >>> from pmmkit.models import load_model

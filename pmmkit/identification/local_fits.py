@@ -34,19 +34,7 @@ class Local:
 def local(t: Array, values: Array, at: ArrayLike, half: float) -> Local:
     """Fit a parabola to the samples within so many seconds of each instant.
 
-    Parameters
-    ----------
-    t, values : array (n,)
-        Increasing times [s] and a record.
-    at : float or array (m,)
-        The instants [s].
-    half : float
-        Half of the window [s]; widened until 6 samples lie in it.
-
-    Returns
-    -------
-    Local
-        Floats of one instant, arrays of several.
+    t, values [s]; at (m,); at [s]; half [s].
 
     Examples
     --------
@@ -105,19 +93,7 @@ def crossing(t: Array, values: Array, level: float, half: float, start: float) -
 
     Across a gap that is longer than the windows the record is a straight line.
 
-    Parameters
-    ----------
-    t, values, half
-        As for `local`.
-    level : float
-        The level.
-    start : float
-        Where to begin [s].
-
-    Returns
-    -------
-    float or None
-        None if the record does not get there.
+    start [s].
 
     Examples
     --------
@@ -154,17 +130,7 @@ def way_along(
 ) -> float:
     """Length of the path between two instants, by places so far apart that noise adds nothing.
 
-    Parameters
-    ----------
-    t, x, y : array (n,)
-        Increasing times [s] and positions [m].
-    start, end : float
-        The instants [s].
-    every : float
-        Seconds between the places; each is smoothed over half of that.
-    shortest : float
-        Least way between two places [m]; of a ship that hardly moves any more, noise would else
-        make the way longer.
+    t, x, y [s]; start, end [s]; shortest [m].
     """
     count = max(round((end - start) / every), 2)
     at = np.linspace(start, end, count + 1)
@@ -189,12 +155,7 @@ SMOOTHED: Final = 0.15
 def half_window(t: Array, L: float, speed: float) -> float:
     """Half of the window in which places and headings of a record are smoothed [s].
 
-    Parameters
-    ----------
-    t : array (n,)
-        Increasing times [s].
-    L, speed : float
-        Ship length [m] and speed of the approach [m/s].
+    t [s]; L, speed [m].
 
     Examples
     --------
@@ -207,19 +168,7 @@ def half_window(t: Array, L: float, speed: float) -> float:
 def velocity(t: Array, x: Array, y: Array, at: ArrayLike, half: float) -> tuple[Any, Any]:
     """Velocity along x and y at an instant or at several, from the positions about it.
 
-    Parameters
-    ----------
-    t, x, y : array (n,)
-        Increasing times [s] and positions [m].
-    at : float or array (m,)
-        The instants [s].
-    half : float
-        Half of the window in which places are smoothed [s]; slopes take one twice as wide.
-
-    Returns
-    -------
-    float or array (m,), float or array (m,)
-        [m/s]
+    t, x, y [s]; at (m,); at [s]; half [s].
 
     Examples
     --------
@@ -237,21 +186,7 @@ def true_wind(
 ) -> tuple[Array, Array]:
     """True wind over ground from that which a ship feels.
 
-    Parameters
-    ----------
-    psi : array (n,)
-        Heading [rad].
-    speed, direction : array (n,)
-        Of the relative wind [m/s] and where it comes from, from the bow to starboard [rad].
-    north, east : array (n,)
-        Velocity of the ship over ground [m/s]. That through the water makes a wind that is off by
-        the current.
-
-    Returns
-    -------
-    array (n,), array (n,)
-        Speed [m/s] and where it comes from, from north, without jumps of 2π [rad]; NaN where
-        something is not known.
+    speed, direction [m/s]; north, east [m/s].
 
     Examples
     --------

@@ -207,15 +207,6 @@ def kind_with(
 ) -> TestKind | None:
     """The captive kind that oscillates so and holds these settings; the simplest of several.
 
-    Parameters
-    ----------
-    swings : collection of str
-        Velocities that oscillate: ``u``, ``v``, ``r``.
-    held : collection of str
-        Angles that are held: ``drift``, ``rudder``, ``heel``.
-    turning : bool
-        Whether the model is held in a steady turn.
-
     Examples
     --------
     >>> kind_with(swings={"r"}, held={"drift"}).name, kind_with(held={"drift", "rudder"}).name

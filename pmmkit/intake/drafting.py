@@ -126,22 +126,11 @@ class DraftAnswers:
 class Field:
     """One thing that is asked.
 
-    Parameters
-    ----------
-    name : str
-        Table and key, with the run where it is of one: ``ship.L``, ``runs[a].speed``.
-    key, run, text : str
-        Table and key; the run or nothing; what is asked.
-    state : {"needed", "guessed", "estimated", "off", "answered"}
-        As of a `Question`, or that it has an answer.
-    guess, why : str
-        What is taken meanwhile and where it comes from.
-    options : tuple of str
-        Between which one chooses; empty where it is typed.
-    answer, error : str
-        What was typed, and what is wrong with it.
-    line : int
-        Of the campaign file, the first is 1.
+    `name`: table and key, with the run where it is of one: ``ship.L``, ``runs[a].speed``. `key,
+    run, text`: table and key; the run or nothing; what is asked. `state`: as of a `Question`,
+    or that it has an answer. `guess, why`: what is taken meanwhile and where it comes from.
+    `options`: between which one chooses; empty where it is typed. `answer, error`: what was
+    typed, and what is wrong with it. `line`: of the campaign file, the first is 1.
     """
 
     name: str

@@ -67,18 +67,7 @@ def seen_values(look: FileLook) -> Values:
 
 @contextmanager
 def sample_of(path: Path) -> Iterator[Sample]:
-    """A file if it is small, else a sample of its lines that is deleted at the end of the block.
-
-    Parameters
-    ----------
-    path : Path
-        A text file whose lines end in a newline byte.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read, or the temporary file cannot be written.
-    """
+    """A file if it is small, else a sample of its lines that is deleted at the end of the block."""
     size = path.stat().st_size
     if size < LARGE:
         yield Sample(path=path)

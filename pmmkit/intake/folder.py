@@ -62,20 +62,8 @@ _PASSED: Final = frozenset(
 class CampaignLook:
     """A campaign that is there.
 
-    Parameters
-    ----------
-    file : str
-        Campaign file or saved campaign.
-    title, kind, ship : str
-        As stated there.
-    runs, excluded : int
-        How many.
-    tests : mapping of str to int
-        Runs of each kind.
-    speeds : tuple of float
-        Nominal speeds [m/s].
-    problem : str
-        Why it cannot be opened; empty if it can.
+    `file`: campaign file or saved campaign. `tests`: runs of each kind. `problem`: why it
+    cannot be opened; empty if it can.
     """
 
     file: str

@@ -23,15 +23,7 @@ class Values:
 
 
 def values_of(look: FileLook, positions: Sequence[int] | None = None) -> Values:
-    """Numbers of the columns of a file, NaN where they are damaged, and the problems.
-
-    Parameters
-    ----------
-    look : FileLook
-        As `look_at` gave it.
-    positions : sequence of int, optional
-        Columns; by default all that hold numbers.
-    """
+    """Numbers of the columns of a file, NaN where they are damaged, and the problems."""
     wanted = tuple(positions if positions is not None else _numeric(look))
     request = look.request
     reader = READERS[look.format]

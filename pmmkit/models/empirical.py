@@ -26,14 +26,10 @@ def criterion(values: Mapping[str, float], mass: float, xG: float) -> tuple[floa
 class StraightLine:
     """Straight-line stability of a bare hull by estimated derivatives, without its rudder.
 
-    Parameters
-    ----------
-    lever_yaw, lever_sway : float
-        Points at which the forces of yaw and sway act, over L from midship; stable if that of yaw
-        lies further forward.
-    C, std : float
-        Yv (Nr - m'xG) - Nv (Yr - m') in the prime system, positive where stable, and its standard
-        uncertainty from those of the four derivatives.
+    `lever_yaw, lever_sway`: points at which the forces of yaw and sway act, over L from
+    midship; stable if that of yaw lies further forward. `C, std`: yv (Nr - m'xG) - Nv (Yr - m')
+    in the prime system, positive where stable, and its standard uncertainty from those of the
+    four derivatives.
     """
 
     lever_yaw: float

@@ -212,16 +212,7 @@ def resistance_derivative(
 ) -> tuple[float, float]:
     """Xuu of a resistance, or by skin friction with its standard uncertainty.
 
-    Parameters
-    ----------
-    ship, water : Ship, Water
-        Length, draught, volume; density and viscosity.
-    speed : float
-        [m/s]
-    convention : Convention
-        Its non-dimensional system.
-    resistance : float, optional
-        [N] at that speed; by default an estimate.
+    speed [m/s]; resistance [N].
 
     Examples
     --------

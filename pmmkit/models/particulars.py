@@ -131,21 +131,6 @@ def parts_from_particulars(
 ) -> tuple[Part, Part]:
     """Propeller and rudder: values as stated, the rest estimated from the ship's particulars.
 
-    Parameters
-    ----------
-    ship : Ship
-        The ship or model.
-    propeller, rudder : mapping
-        What is stated, by the names of the effects ``propeller`` and ``rudder_mmg``; also the
-        geometry of the propeller (``P_over_D``, ``area_ratio``, ``blades``) for its curves, the
-        ``height`` of the rudder [m], and the ``full_length`` of the ship [m], from which the rate
-        of its steering gear follows. Other entries do not count.
-
-    Returns
-    -------
-    Part, Part
-        Each value with its source, estimates with their standard uncertainty.
-
     Examples
     --------
     >>> from pmmkit.models.library import load_ship

@@ -19,20 +19,10 @@ OPEN_WATER: Final = "open_water"
 class StatedSection:
     """What a section of a campaign file can state of a part.
 
-    Parameters
-    ----------
-    name : str
-        Of the section.
-    effect_name : str
-        The effect whose values it states.
-    geometry : tuple of Parameter
-        What is known of the part besides the values of the effect: estimates take it.
-    wanted : tuple of str
-        What a turn depends on most.
-    more_words : mapping of str to tuple of str
-        Keys that take a word, besides the options of the effect.
-    curve : bool
-        Whether it may hold tested curves.
+    `effect_name`: the effect whose values it states. `geometry`: what is known of the part
+    besides the values of the effect: estimates take it. `wanted`: what a turn depends on most.
+    `more_words`: keys that take a word, besides the options of the effect. `curve`: whether it
+    may hold tested curves.
     """
 
     name: str

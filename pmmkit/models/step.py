@@ -194,13 +194,6 @@ def faults_of(steps: Sequence[Step], campaign: str) -> dict[str, Step]:
 
     A fault belongs to its laboratory: to the tests that the step names, by their title.
 
-    Parameters
-    ----------
-    steps : sequence of Step
-        Of a model.
-    campaign : str
-        Title of the tests.
-
     Examples
     --------
     >>> found = [
@@ -220,11 +213,6 @@ def faults_of(steps: Sequence[Step], campaign: str) -> dict[str, Step]:
 
 def added(steps: Sequence[Step]) -> tuple[int, ...]:
     """Places of the steps that added what is still in a model: effects, and faults of the tests.
-
-    Parameters
-    ----------
-    steps : sequence of Step
-        Of a model.
 
     Examples
     --------

@@ -24,25 +24,7 @@ if TYPE_CHECKING:
 
 
 def zigzag(tracks: Sequence[TrackLike], names: Sequence[str] | None = None) -> Figure:
-    """Heading, rudder and yaw rate of zigzags over time.
-
-    Parameters
-    ----------
-    tracks : sequence of TrackLike
-        Simulated or measured.
-    names : sequence of str, optional
-        Their names in the legend; the names of the models by default.
-
-    Returns
-    -------
-    Figure
-        Heading above (rudder dashed), yaw rate below.
-
-    Raises
-    ------
-    DataError
-        If there is no track.
-    """
+    """Heading, rudder and yaw rate of zigzags over time."""
     if not tracks:
         raise DataError("There is no track to draw.")
     labels = [figure_text(name) for name in names or [track.name for track in tracks]]
@@ -112,18 +94,7 @@ def _overshoots(axis: Axes, track: TrackLike) -> None:
 
 
 def spiral(track: TrackLike) -> Figure:
-    """Yaw rate over rudder angle: both ways through a spiral.
-
-    Parameters
-    ----------
-    track : TrackLike
-        Of a spiral.
-
-    Returns
-    -------
-    Figure
-        An unstable ship shows a loop.
-    """
+    """Yaw rate over rudder angle: both ways through a spiral."""
     with style.styled():
         figure = style.canvas(4.2, 5.6)
         axis = figure.subplots()
@@ -198,18 +169,7 @@ def steady_turns(
 
 
 def path(track: TrackLike) -> Figure:
-    """Path over the water in ship lengths with the places of the orders.
-
-    Parameters
-    ----------
-    track : TrackLike
-        Of any manoeuvre.
-
-    Returns
-    -------
-    Figure
-        With equal axes.
-    """
+    """Path over the water in ship lengths with the places of the orders."""
     with style.styled():
         figure = style.canvas(6.0, 6.6)
         axis = figure.subplots()
@@ -224,19 +184,8 @@ def path(track: TrackLike) -> Figure:
 
 
 def histories(track: TrackLike) -> Figure:
-    """Velocities, heading, rudder, yaw rate and revolutions over time, and when was ordered what.
-
-    Parameters
-    ----------
-    track : TrackLike
-        Of any manoeuvre.
-
-    Returns
-    -------
-    Figure
-        A panel a quantity; heel too where the ship rolls. Dotted lines stand at the orders, where
-        these are few.
-    """
+    """Velocities, heading, rudder, yaw rate and revolutions over time, and when was ordered
+    what."""
     panels: list[tuple[str, list[tuple[str, np.ndarray]]]] = [
         ("velocity [m/s]", [("surge u", track.u), ("sway v", track.v)]),
         ("heading ψ [deg]", [("heading ψ", np.degrees(track.psi))]),

@@ -78,25 +78,7 @@ def trajectory(
 
 
 def turn_histories(tracks: Sequence[TrackLike], names: Sequence[str] | None = None) -> Figure:
-    """Speed, yaw rate, drift, heading, rudder and revolutions, over the time in ship lengths.
-
-    Parameters
-    ----------
-    tracks : sequence of TrackLike
-        The tracks.
-    names : sequence of str, optional
-        Their names in the legend; Froude number and rudder angle by default.
-
-    Returns
-    -------
-    Figure
-        A matplotlib figure, a panel a quantity.
-
-    Raises
-    ------
-    DataError
-        If there is no track.
-    """
+    """Speed, yaw rate, drift, heading, rudder and revolutions, over the time in ship lengths."""
     labels = _labels(tracks, names)
     with style.styled():
         figure = style.canvas(5.4)

@@ -67,16 +67,6 @@ READERS: Final = Registry(
 def format_of(file: str, options: Options, path: Path | None = None) -> str:
     """Format of a file: as stated, else by its suffix, else by its content, else text of columns.
 
-    Parameters
-    ----------
-    file : str
-        Its name.
-    options : Options
-        What the campaign file states.
-    path : Path, optional
-        Where it lies; without it the content is not looked at. Where the suffix is that of a
-        container of several formats (HDF5), the content counts before it.
-
     Examples
     --------
     >>> format_of("tests.xls", Options()), format_of("run.dat", Options())
@@ -151,16 +141,5 @@ def reader_for(request: Request) -> Reader:
 
 
 def files_of(request: Request) -> dict[str, Path]:
-    """The files that are read for a request, by the names that messages give them.
-
-    Parameters
-    ----------
-    request : Request
-        The file.
-
-    Raises
-    ------
-    CampaignError
-        If the request means a folder that holds nothing of its format.
-    """
+    """The files that are read for a request, by the names that messages give them."""
     return {request.inside(path).shown: path for path in reader_for(request).files(request)}

@@ -72,21 +72,7 @@ def stacked_shares(
 def left_by_the_fit(
     channels: Mapping[str, Mapping[str, tuple[Array, Array]]], units: Mapping[str, str]
 ) -> Figure:
-    """What a fit leaves of the measured forces, over what was fitted.
-
-    Parameters
-    ----------
-    channels : mapping of str to mapping of str to (array (n,), array (n,))
-        By channel and title of the kind of test: measured and fitted values.
-    units : mapping of str to str
-        Of the channels.
-
-    Returns
-    -------
-    Figure
-        A column a channel, a row a kind of test, all of a column to one scale; at zero the fit is
-        what was measured. In each panel stands its root mean square.
-    """
+    """What a fit leaves of the measured forces, over what was fitted."""
     kinds = list(dict.fromkeys(kind for groups in channels.values() for kind in groups))
     with styled():
         figure = canvas(1.15 * len(kinds) + 0.7)

@@ -34,18 +34,7 @@ class Squat:
 
 
 def squat(results: Sequence[RunResult]) -> tuple[Squat, ...]:
-    """Sinkage and trim by Froude number, of steady runs without drift, turn, heel and rudder.
-
-    Parameters
-    ----------
-    results : sequence of RunResult
-        Runs in water of one depth.
-
-    Returns
-    -------
-    tuple of Squat
-        Ascending; empty where nobody measured them.
-    """
+    """Sinkage and trim by Froude number, of steady runs without drift, turn, heel and rudder."""
     straight = [item for item in results if _straight(item)]
     groups = froude_groups([item.froude for item in straight])
     return tuple(

@@ -21,13 +21,6 @@ TOGETHER: Final = frozenset({"Xuu", "XT"})
 def thrust_inside(solution: Solution, rows: Sequence[Rows]) -> tuple[int, ...]:
     """Froude groups in which Xuu holds thrust: it was not measured, did not vary by itself, or its
     share is no propeller's.
-
-    Parameters
-    ----------
-    solution : Solution
-        The fits.
-    rows : sequence of Rows
-        What was fitted.
     """
     return tuple(
         group

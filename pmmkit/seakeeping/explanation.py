@@ -52,17 +52,9 @@ class Change:
 class Explained(Described):
     """What each number of the loading would explain by itself, the best first.
 
-    Parameters
-    ----------
-    name : str
-        Of the ship.
-    points : int
-        Measured values.
-    misfit : float
-        Mean square of the differences over their uncertainty as the loading was given; 1 is
-        what the measurements and the theory are uncertain by.
-    changes : tuple of Change
-        One for each number that the measured motions feel.
+    `misfit`: mean square of the differences over their uncertainty as the loading was given; 1
+    is what the measurements and the theory are uncertain by. `changes`: one for each number
+    that the measured motions feel.
     """
 
     name: str
@@ -117,26 +109,7 @@ def explained(
     speed: float | None = None,
     heading_deg: float | None = None,
 ) -> Explained:
-    """What a wrong number of the loading would explain, each by itself.
-
-    Parameters
-    ----------
-    measured : mapping of str to MeasuredTransfer
-        By motion.
-    found : Rao
-        The motions as computed.
-    speed, heading_deg : float, optional
-        One of those of `found` [m/s, deg].
-
-    Returns
-    -------
-    Explained
-
-    Raises
-    ------
-    DataError
-        If nothing was measured, or the damping of roll grows with its rate.
-    """
+    """What a wrong number of the loading would explain, each by itself."""
     from scipy.optimize import minimize_scalar
 
     if not measured:

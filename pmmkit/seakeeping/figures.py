@@ -55,15 +55,7 @@ def over_time(t: Array, panels: Mapping[str, Array]) -> Figure:
 def beside_measured(panels: Mapping[str, tuple[Array, Array, Array, Array]]) -> Figure:
     """Measured points with twice their standard uncertainty, beside a computed curve.
 
-    Parameters
-    ----------
-    panels : mapping of str to (array, array, array, array)
-        Frequencies of encounter [rad/s], measured, standard uncertainty and computed values by
-        the label of the ordinate.
-
-    Returns
-    -------
-    Figure
+    panels [rad/s].
     """
     with styled():
         figure, axes = _one_below_the_other(len(panels), 2.1, 0.9)

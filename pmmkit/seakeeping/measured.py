@@ -29,14 +29,9 @@ _ENERGY: Final = 0.02  # of the peak of the spectrum, below which a frequency te
 class MeasuredTransfer:
     """A transfer function that was measured.
 
-    Parameters
-    ----------
-    encounter : array
-        Frequencies of encounter [rad/s].
-    transfer : array of complex
-        Motion over the wave at the probe; it leads the wave where its phase is positive.
-    std : array
-        Standard uncertainty of its amplitude.
+    `encounter`: frequencies of encounter [rad/s]. `transfer`: motion over the wave at the
+    probe; it leads the wave where its phase is positive. `std`: standard uncertainty of its
+    amplitude.
     """
 
     encounter: Array
@@ -119,12 +114,8 @@ def from_irregular(
 class RaoComparison(Described):
     """A measured transfer function beside the computed one.
 
-    Parameters
-    ----------
-    name, mode : str
-        The ship, and the motion.
-    encounter, measured, std, computed : array
-        Frequencies [rad/s]; amplitudes with their standard uncertainty, and what was computed.
+    `name, mode`: the ship, and the motion. `encounter, measured, std, computed`: frequencies
+    [rad/s]; amplitudes with their standard uncertainty, and what was computed.
     """
 
     name: str
@@ -171,24 +162,7 @@ def beside(
     speed: float | None = None,
     heading_deg: float | None = None,
 ) -> RaoComparison:
-    """Amplitudes that were measured beside those computed at the same frequency of encounter.
-
-    Parameters
-    ----------
-    measured : MeasuredTransfer
-        Of one run, or of several put together.
-    rao : Rao
-        The motions; at a heading in which each frequency of encounter belongs to one wave.
-    mode : str
-        The motion that was measured, such as ``heave``.
-    speed, heading_deg : float, optional
-        One of those of `rao` [m/s, deg].
-
-    Returns
-    -------
-    RaoComparison
-        Of the frequencies that both have.
-    """
+    """Amplitudes that were measured beside those computed at the same frequency of encounter."""
     a, b = rao.case(speed, heading_deg)
     encounter = rao.encounter[a, b]
     if (np.diff(encounter) <= 0.0).any():

@@ -68,27 +68,7 @@ class MotionRecord:
 
 
 def read_record(path: str | Path, *, scale: float = 1.0) -> MotionRecord:
-    """A record of motions from a file of columns.
-
-    Parameters
-    ----------
-    path : path
-        A file that any reader knows, with columns ``t``, ``wave`` and some of surge, sway, heave,
-        roll, pitch, yaw; ``name [unit]`` in a header converts, else they are in m, s and rad.
-        Other columns are left out.
-    scale : float
-        Of a model that is so many times smaller than the ship: lengths and times grow by Froude's
-        law.
-
-    Returns
-    -------
-    MotionRecord
-
-    Raises
-    ------
-    DataError
-        If a column is missing or given twice, a unit does not fit, or time does not rise.
-    """
+    """A record of motions from a file of columns."""
     file = Path(path)
     request = Request(path=file, shown=file.name)
     picked: list[tuple[str, float]] = []
@@ -135,13 +115,7 @@ def read_record(path: str | Path, *, scale: float = 1.0) -> MotionRecord:
 
 
 def together(records: Sequence[Mapping[str, MeasuredTransfer]]) -> dict[str, MeasuredTransfer]:
-    """Transfer functions of several records as one for each motion, in rising frequency.
-
-    Parameters
-    ----------
-    records : sequence of mapping of str to MeasuredTransfer
-        Of each record, by motion.
-    """
+    """Transfer functions of several records as one for each motion, in rising frequency."""
     found = {}
     for name in MODES:
         parts = [record[name] for record in records if name in record]

@@ -272,16 +272,8 @@ def _fully_grown(
 class SeaState:
     """A code of the state of the sea.
 
-    Parameters
-    ----------
-    code : int
-        By WMO, 0 to 9.
-    words : str
-        In words.
-    lowest, highest : float
-        Significant wave height [m].
-    period : float, optional
-        Most probable peak period of the North Atlantic [s].
+    `code`: by WMO, 0 to 9. `lowest, highest`: significant wave height [m]. `period`: most
+    probable peak period of the North Atlantic [s].
     """
 
     code: int

@@ -17,25 +17,7 @@ FEWEST: Final = 16
 def as_record(
     t: ArrayLike, y: ArrayLike, *, name: str = "t", least: int = 4
 ) -> tuple[Array, Array]:
-    """Abscissa (n,) and channels (c, n) of a record as float arrays, checked.
-
-    Parameters
-    ----------
-    t : (n,) array
-        Time or phase; must increase.
-    y : (c, n) or (n,) array
-        Channels.
-    name : str
-        What the abscissa is called in messages.
-    least : int
-        Fewest samples allowed.
-
-    Raises
-    ------
-    DataError
-        All problems at once: shapes, too few samples, numbers that are not finite, an abscissa
-        that does not increase.
-    """
+    """Abscissa (n,) and channels (c, n) of a record as float arrays, checked."""
     time = np.asarray(t, dtype=float)
     values = np.atleast_2d(np.asarray(y, dtype=float))
     if time.ndim != 1 or values.ndim != 2 or values.shape[-1] != time.size:

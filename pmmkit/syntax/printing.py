@@ -54,13 +54,7 @@ class PythonPrinter:
     """Prints expressions as Python takes them; other languages change what differs."""
 
     def text(self, tree: Expression) -> str:
-        """An expression.
-
-        Raises
-        ------
-        Unwritable
-            If the language has no words for it.
-        """
+        """An expression."""
         return self.printed(tree).text
 
     def printed(self, tree: Expression) -> Printed:

@@ -122,11 +122,6 @@ def functions(text: str) -> dict[str, Function]:
 def function_of(function: Callable[..., Any]) -> Function:
     """The tree of a function whose text is kept in a file.
 
-    Raises
-    ------
-    Unwritable
-        If there is none, or it stands inside another.
-
     Examples
     --------
     >>> function_of(textwrap.dedent).arguments

@@ -113,13 +113,7 @@ def outside_value(tree: Expression, outside: Outside) -> Any:
 
 
 def called(tree: Call, outside: Outside) -> tuple[str, Any]:
-    """The name of a function that is called, and the function.
-
-    Raises
-    ------
-    Unwritable
-        If it has no name.
-    """
+    """The name of a function that is called, and the function."""
     match tree.function:
         case Name(word=word):
             return word, outside.get(word, getattr(builtins, word, None))
@@ -141,22 +135,7 @@ def counted(word: str, count: int) -> bool:
 
 
 def bound(known: Function, function: FunctionType, tree: Call) -> tuple[Expression, ...]:
-    """What a call gives each argument of a function, what is left out filled in.
-
-    Parameters
-    ----------
-    known : Function
-        The function's tree, for the order of its arguments.
-    function : function
-        The function, for the values of its defaults.
-    tree : Call
-        The call.
-
-    Raises
-    ------
-    Unwritable
-        If an argument has no value, or one that is no number.
-    """
+    """What a call gives each argument of a function, what is left out filled in."""
     named = dict(tree.named)
     late = function.__defaults__ or ()
     usual = dict(zip(known.arguments[len(known.arguments) - len(late) :], late, strict=True))

@@ -173,12 +173,7 @@ def scales(views: Sequence[View]) -> dict[str, float]:
 def rms_of(harmonics: Array, labels: Sequence[str]) -> float:
     """Root mean square over time of what harmonics describe.
 
-    Parameters
-    ----------
-    harmonics : array (k,)
-        Mean and amplitudes, in any unit.
-    labels : sequence of str
-        What each is: ``C0`` for the mean, ``C1``, ``S1`` and so on.
+    harmonics (k,).
 
     Examples
     --------

@@ -13,12 +13,7 @@ from pmmkit.base import Problem, Remedy, did_you_mean
 class Faults:
     """What is wrong with a file, as it is found.
 
-    Parameters
-    ----------
-    file : str
-        Its name, for messages.
-    problems : list of Problem
-        What was found.
+    `file`: its name, for messages.
     """
 
     file: str

@@ -78,28 +78,7 @@ def pick(
     required: Iterable[str] = (),
     usual: Mapping[str, str] = _NONE,
 ) -> tuple[tuple[Picked, ...], list[Problem]]:
-    """The columns of a file that are used, and what is wrong with them.
-
-    Parameters
-    ----------
-    headers : sequence of str
-        Headers of the file; empty strings where it has none.
-    width : int
-        Number of columns.
-    specs : mapping of str to ColumnSpec
-        The ``[columns]`` of the campaign file. Headers that are names of channels are taken
-        without being mapped, in their own spelling; of histories also those that end in their
-        unit, such as ``r_deg_s``, where no other column is the channel.
-    request : Request
-        The file, for messages.
-    table : bool
-        Whether the rows are runs.
-    required : iterable of str
-        Channels that must be there.
-    usual : mapping of str to str
-        Headers under which channels usually stand in this format; used where `specs` says nothing
-        of the channel and the header is there.
-    """
+    """The columns of a file that are used, and what is wrong with them."""
     problems: list[Problem] = []
     picked: dict[str, Picked] = {}
     bare = [split_unit(header) for header in headers]

@@ -63,20 +63,9 @@ class Context:
 class HistoryLoader:
     """Reads a history each time it is called.
 
-    Parameters
-    ----------
-    request : Request
-        The file.
-    columns : mapping of str to ColumnSpec
-        Where the channels stand.
-    context : Context
-        How to make them SI.
-    kind : str
-        Kind of campaign: says which channels must be there.
-    rows : int or None
-        Number of rows that the campaign file says the file has.
-    motion : Request or None
-        A further file with the path of the hull.
+    `columns`: where the channels stand. `context`: how to make them SI. `kind`: kind of
+    campaign: says which channels must be there. `rows`: number of rows that the campaign file
+    says the file has. `motion`: a further file with the path of the hull.
     """
 
     request: Request

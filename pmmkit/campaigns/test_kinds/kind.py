@@ -90,15 +90,10 @@ class PhaseChannel:
 class NominalMotion:
     """How the model goes in a captive test, from the settings and the phases θ (n,) [rad].
 
-    Parameters
-    ----------
-    tank : callable, optional
-        Motion in tank axes. Amplitudes that are not stated count as zero.
-    ship : callable, optional
-        The same in ship axes where it is known in closed form; else it follows from `tank`.
-    place : callable, optional
-        Where the hull is, x and y from where it lies at rest [m], in axes that move with the
-        carriage. Absent where settings and phase do not tell it.
+    `tank`: motion in tank axes. Amplitudes that are not stated count as zero. `ship`: the same
+    in ship axes where it is known in closed form; else it follows from `tank`. `place`: where
+    the hull is, x and y from where it lies at rest [m], in axes that move with the carriage.
+    Absent where settings and phase do not tell it.
     """
 
     tank: Callable[[Settings, Array], TankMotion] | None = None
@@ -110,12 +105,8 @@ class NominalMotion:
 class KindFit:
     """The fit of derivatives to tests of one kind alone.
 
-    Parameters
-    ----------
-    factors : tuple of str
-        Variables that may stand in the derivatives.
-    beside : tuple of str
-        Kinds of test that take part as well.
+    `factors`: variables that may stand in the derivatives. `beside`: kinds of test that take
+    part as well.
     """
 
     factors: tuple[str, ...]

@@ -23,16 +23,10 @@ from pmmkit.numerics import Array
 class Struts:
     """The two struts of a mechanism, ``[struts]`` of a campaign file.
 
-    Parameters
-    ----------
-    spacing : float
-        Distance of the struts along the rails [m].
-    centre_x : float
-        Where the point midway between them is at rest, forward of midship [m].
-    slides : {"aft", "forward"}
-        The strut that slides along the hull; the other is pivoted to it.
-    motion_x : float
-        The point whose motion is meant by the campaign, forward of midship [m].
+    `spacing`: distance of the struts along the rails [m]. `centre_x`: where the point midway
+    between them is at rest, forward of midship [m]. `slides`: the strut that slides along the
+    hull; the other is pivoted to it. `motion_x`: the point whose motion is meant by the
+    campaign, forward of midship [m].
     """
 
     spacing: float
@@ -53,12 +47,7 @@ class Struts:
     def swing(self, amplitude: float, phase: float) -> tuple[float, float]:
         """Amplitude A of the point midway [m] and the largest heading atan K on the struts [rad].
 
-        Parameters
-        ----------
-        amplitude : float
-            Of each strut [m].
-        phase : float
-            Lead of the forward strut over the aft one [rad].
+        amplitude [m].
 
         Examples
         --------
@@ -85,15 +74,7 @@ class Struts:
         return 2 * math.atan(omega * self.spacing / (2 * speed))
 
     def amplitude_and_phase(self, settings: Settings, *, lags: bool) -> tuple[float, float]:
-        """Amplitude of each strut [m] and lead of the forward one [rad]: undoes `swing`.
-
-        Parameters
-        ----------
-        settings : Settings
-            Of a run with both amplitudes.
-        lags : bool
-            Whether the heading is stated as lagging the sway, as in a test of both.
-        """
+        """Amplitude of each strut [m] and lead of the forward one [rad]: undoes `swing`."""
         heading = (settings.yaw_amplitude or 0.0) * (-1 if lags else 1)
         across = 0.5 * self.spacing * math.tan(heading)
         along = settings.amplitude or 0.0

@@ -22,16 +22,9 @@ TAILS: Final = (0.05, 0.95)
 class Convergence:
     """How well chains agree, and how much they say.
 
-    Parameters
-    ----------
-    names : tuple of str
-        What was drawn.
-    r_hat : array (m,)
-        Rank-normalised split R-hat, the larger of bulk and folded.
-    ess_bulk, ess_tail : array (m,)
-        Effective sample sizes of the bulk and of the 5 % and 95 % quantiles.
-    chains : int
-        That are independent of each other.
+    `r_hat (m,)`: rank-normalised split R-hat, the larger of bulk and folded. `ess_bulk,
+    ess_tail (m,)`: effective sample sizes of the bulk and of the 5 % and 95 % quantiles.
+    `chains`: that are independent of each other.
     """
 
     names: tuple[str, ...]
@@ -68,12 +61,7 @@ class Convergence:
 def convergence(draws: Array, names: Sequence[str]) -> Convergence:
     """R-hat and effective sample sizes of several numbers.
 
-    Parameters
-    ----------
-    draws : array (chains, steps, walkers, m)
-        Of chains that are independent of each other; walkers of one are not.
-    names : sequence of str
-        Of the m numbers.
+    draws (chains, steps, walkers, m).
     """
     own = [draws[..., i] for i in range(draws.shape[-1])]
     return Convergence(

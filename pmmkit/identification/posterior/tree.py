@@ -142,15 +142,7 @@ def draws_of(tree: xr.DataTree) -> Draws:
 
 
 def write_posterior(tree: xr.DataTree, path: str | Path) -> None:
-    """Write the draws as NetCDF4, which ArviZ reads; the same draws give the same bytes.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Of a `Posterior`.
-    path : path
-        The file.
-    """
+    """Write the draws as NetCDF4, which ArviZ reads; the same draws give the same bytes."""
     with atomic_path(path, sealed=True) as part:
         tree.to_netcdf(part, engine="h5netcdf")
 

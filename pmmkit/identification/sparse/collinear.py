@@ -23,17 +23,11 @@ ILL: Final = 30.0
 class Collinearity:
     """How far the terms of a library can be told apart on some records.
 
-    Parameters
-    ----------
-    pairs : tuple of (str, str, float)
-        Terms whose columns are alike: the cosine of the angle between them, largest first.
-    inflation : mapping of str to float
-        By how much the variance of each coefficient is larger than if its column stood at right
-        angles to all others.
-    mixtures : mapping of str to tuple of str
-        For terms with a large inflation, the terms that mimic them most.
-    condition : mapping of str to float
-        Condition number of the columns of unit length, by the channels solved together.
+    `pairs`: terms whose columns are alike: the cosine of the angle between them, largest first.
+    `inflation`: by how much the variance of each coefficient is larger than if its column stood
+    at right angles to all others. `mixtures`: for terms with a large inflation, the terms that
+    mimic them most. `condition`: condition number of the columns of unit length, by the
+    channels solved together.
 
     Examples
     --------
@@ -53,17 +47,7 @@ class Collinearity:
     def of(
         cls, equations: Equations, names: Sequence[str], channels: Sequence[str]
     ) -> Collinearity:
-        """From the scaled columns of all runs.
-
-        Parameters
-        ----------
-        equations : Equations
-            Of all runs; its columns are independent.
-        names : sequence of str
-            Terms, one per column.
-        channels : sequence of str
-            Channels of the equations, for the message.
-        """
+        """From the scaled columns of all runs."""
         X, _, _ = equations.scaled
         columns = X / np.linalg.norm(X, axis=0)
         cosines = columns.T @ columns

@@ -68,18 +68,7 @@ class Current:
 
 
 def mean_current(found: Mapping[str, Current]) -> Current | None:
-    """Weighted mean of the circles' currents in north and east; their scatter counts too.
-
-    Parameters
-    ----------
-    found : mapping of str to Current
-        By run, of turning circles in the same axes.
-
-    Returns
-    -------
-    Current or None
-        None of none.
-    """
+    """Weighted mean of the circles' currents in north and east; their scatter counts too."""
     if not found:
         return None
     values = np.array([(item.x, item.y) for item in found.values()])

@@ -59,17 +59,7 @@ class _Trial(TrackLike, Protocol):
 
 
 def trial_figure(trial: _Trial) -> Figure:
-    """The figure that shows a trial.
-
-    Parameters
-    ----------
-    trial : Trial
-        A turning circle or a stop gives its path, a zigzag its heading and rudder.
-
-    Returns
-    -------
-    Figure
-    """
+    """The figure that shows a trial."""
     return trial_zigzag(trial) if TEST_KINDS[trial.manoeuvre].switches else trial_path(trial)
 
 
@@ -78,21 +68,6 @@ def trial_path(trial: _Trial) -> Figure:
 
     The origin is where midship was at the order, the approach goes upwards. Dimension lines are
     drawn on the path without the current; the limits of the IMO stand in the title.
-
-    Parameters
-    ----------
-    trial : Trial
-        A turning circle or a stop.
-
-    Returns
-    -------
-    Figure
-        With equal axes.
-
-    Raises
-    ------
-    DataError
-        If the record holds nothing after the order.
     """
     shown = (trial.t > 0) | (trial.x > -_FORE * trial.L)
     if trial.manoeuvre != "turning":
@@ -135,17 +110,7 @@ def trial_path(trial: _Trial) -> Figure:
 
 
 def trial_zigzag(trial: _Trial) -> Figure:
-    """Heading and rudder of a zigzag over time, with the overshoots and their limits.
-
-    Parameters
-    ----------
-    trial : Trial
-        A zigzag.
-
-    Returns
-    -------
-    Figure
-    """
+    """Heading and rudder of a zigzag over time, with the overshoots and their limits."""
     with styled():
         figure = canvas(4.4)
         axis = figure.subplots()

@@ -82,28 +82,12 @@ class RunDraft:
 class Draft:
     """What a campaign file is written from.
 
-    Parameters
-    ----------
-    title : str
-        Of the campaign.
-    kind : {"captive", "free-running"}
-        Of the campaign.
-    ship_name : str or None
-        Ship of the library.
-    runs, tables : tuple of RunDraft
-        Histories; tables whose rows are runs.
-    matrices : tuple of MatrixDraft
-        Tables that list runs: one for the files, one for each workbook with a sheet per run.
-    particulars : mapping of str to (float, str)
-        Of the model, as a list beside the tests has them, and where.
-    proposal : Proposal or None
-        Axes and signs by the physics of all runs; None where they were not asked.
-    saved : tuple of (str, Campaign)
-        Saved campaigns by their files.
-    unused : tuple of str
-        Files with numbers that are none of these, and why.
-    look : Look
-        What was seen.
+    `ship_name`: ship of the library. `runs, tables`: histories; tables whose rows are runs.
+    `matrices`: tables that list runs: one for the files, one for each workbook with a sheet per
+    run. `particulars`: of the model, as a list beside the tests has them, and where.
+    `proposal`: axes and signs by the physics of all runs; None where they were not asked.
+    `saved`: saved campaigns by their files. `unused`: files with numbers that are none of
+    these, and why.
     """
 
     title: str

@@ -61,14 +61,7 @@ def campaign_draft(
 
 
 def proposed(draft: Draft, target: Path) -> Draft:
-    """The draft with axes and signs that agree with the physics of all of its runs.
-
-    Returns
-    -------
-    Draft
-        With a proposal where its runs are captive tests that can be read. What is proposed was
-        tried: with it no sign of these runs is against physics.
-    """
+    """The draft with axes and signs that agree with the physics of all of its runs."""
     if draft.kind != "captive" or draft.saved:
         return draft
     plain = written(_seen_from_mesh(draft)).text

@@ -32,22 +32,7 @@ def over_froude(
 ) -> Figure:
     """Derivatives over the Froude number with their intervals, one small panel each.
 
-    Parameters
-    ----------
-    names : sequence of str (n,)
-        Derivatives.
-    Fn : array (k,)
-        Froude numbers.
-    value : array (k, n)
-        Values.
-    interval : (array, array)
-        Ends of their intervals.
-    convention : Convention
-        For their symbols.
-    factor : float
-        What is drawn is the values times 1 or 1000.
-    beside : (str, mapping of str to array (k,)), optional
-        Values of a source with its name, drawn as lines.
+    Fn (k,); value (k, n); beside (k,).
     """
     low, high = interval
     prefix = r"$10^3\,$" if factor == 1e3 else ""

@@ -31,13 +31,6 @@ def columns(request: Request, choose: Choose) -> Columns:
     """Some columns as numbers; columns that are not chosen are not parsed.
 
     A large file is read in pieces; of each only the numbers are kept.
-
-    Raises
-    ------
-    CampaignError
-        With every line that has too many or too few fields and every cell that is empty, not a
-        number, infinite or absurdly large (of a large file those up to the piece in which there
-        are more than are listed); or because the text cannot be decoded.
     """
     headers: tuple[str, ...] = ()
     positions: tuple[int, ...] = ()

@@ -69,23 +69,11 @@ class MethodInputs:
 class Estimate(Described):
     """Derivatives by one method.
 
-    Parameters
-    ----------
-    method : str
-        Its name.
-    table : DerivativeTable
-        The derivatives with their intervals.
-    notes : tuple of str
-        What the method has to say.
-    shares : mapping of str to array (k,)
-        Of a method that chooses terms: in which part of the bags of runs each was taken, by
-        Froude number; NaN where it was not looked for.
-    same_terms : DerivativeTable, optional
-        Of a method that chooses terms: what it gives with the terms of the regression.
-    tests : Consistency, optional
-        Of a filter: the tests of its innovations.
-    seconds : float
-        It took, beside what all methods share.
+    `table`: the derivatives with their intervals. `notes`: what the method has to say. `shares
+    (k,)`: of a method that chooses terms: in which part of the bags of runs each was taken, by
+    Froude number; NaN where it was not looked for. `same_terms`: of a method that chooses
+    terms: what it gives with the terms of the regression. `tests`: of a filter: the tests of
+    its innovations. `seconds`: it took, beside what all methods share.
     """
 
     method: str

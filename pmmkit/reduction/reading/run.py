@@ -23,17 +23,7 @@ def speed_increase(campaign: Campaign, speed: float) -> float | None:
     section over the tank's and Fh the Froude number on the tank's depth. A mean over the section:
     a first estimate, not a wall correction of moments.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        Its water must hold tank_width and tank_depth.
-    speed : float
-        Carriage speed [m/s].
-
-    Returns
-    -------
-    float or None
-        Share; None where the tank is not stated or the flow is critical.
+    speed [m/s].
 
     Examples
     --------

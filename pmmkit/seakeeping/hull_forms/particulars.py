@@ -205,14 +205,7 @@ def load_hull(name: str | Path) -> Hull:
 
 
 def hull_of(ship: Ship) -> Hull:
-    """A hull of Lewis forms with the particulars of a ship, at its scale.
-
-    Parameters
-    ----------
-    ship : Ship
-        Length, breadth, draught, volume; it floats with its centre of gravity above that of
-        buoyancy.
-    """
+    """A hull of Lewis forms with the particulars of a ship, at its scale."""
     return hull_from_particulars(
         name=ship.name, L=ship.L, B=ship.B, d=ship.d, block=ship.block, xB=ship.xG
     )

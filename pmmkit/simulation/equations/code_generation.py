@@ -101,21 +101,7 @@ _FACTORS: Final = {
 
 
 def module_text(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> str:
-    """Python text of the equations of a structure, followed by the engine.
-
-    Parameters
-    ----------
-    structure : EquationStructure
-        Validated: its names come from the catalogue, never from a file's text.
-    files : tuple of str
-        Files of this package whose functions follow the equations.
-
-    Returns
-    -------
-    str
-        A module in which ``entry`` and ``inner`` decorate the functions and ``use`` takes in those
-        of the effects; the loader supplies all three.
-    """
+    """Python text of the equations of a structure, followed by the engine."""
     lines = ["import math", "from math import atan2, cos, fabs, sin, sqrt"]
     for item in structure.used:
         lines += [*_taken_in(item), f"effect_{item.effect} = use(plain_{item.effect})"]

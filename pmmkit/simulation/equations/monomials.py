@@ -17,21 +17,7 @@ Monomial = tuple[tuple[int, ...], Mapping[str, Any]]
 def polynomial(
     values: Mapping[str, Any], *, ship: Ship, water: Water, convention: Convention
 ) -> tuple[Monomial, ...]:
-    """A hull polynomial as monomials with dimensional coefficients.
-
-    Parameters
-    ----------
-    values : mapping
-        Derivatives by canonical name, none of an acceleration or of the thrust; arrays where
-        ships differ.
-    ship, water, convention
-        The non-dimensional system.
-
-    Returns
-    -------
-    tuple of Monomial
-        One entry per product of factors, in a fixed order whatever the order of the values.
-    """
+    """A hull polynomial as monomials with dimensional coefficients."""
     collected: dict[tuple[int, ...], dict[str, Any]] = {}
     for name, value in values.items():
         derivative = parse_derivative(name)

@@ -65,18 +65,11 @@ class Used:
 class EquationStructure:
     """What of a model decides on the code of its equations.
 
-    Parameters
-    ----------
-    products : tuple
-        Products of the hull polynomial and their channels; None for a kernel that takes them as
-        data, slower but the same for all polynomials.
-    used : tuple of Used
-        The other effects in the order in which they are evaluated.
-    rolls : bool
-        Whether roll is a degree of freedom.
-    follows : tuple of int
-        Places of the constants that follow the speed of the moment, ascending; behind the other
-        constants stand a number of speeds and, for each, itself and the values of these places.
+    `products`: products of the hull polynomial and their channels; None for a kernel that takes
+    them as data, slower but the same for all polynomials. `used`: the other effects in the
+    order in which they are evaluated. `rolls`: whether roll is a degree of freedom. `follows`:
+    places of the constants that follow the speed of the moment, ascending; behind the other
+    constants stand a number of speeds and, for each, itself and the values of these places.
     """
 
     products: Products | None

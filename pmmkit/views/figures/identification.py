@@ -81,11 +81,6 @@ def parameter_histories(
 
     A small panel a parameter, all of them by default; records are drawn one after another, with
     dotted lines where a new one begins.
-
-    Raises
-    ------
-    UnknownNameError
-        If a name is not one of the parameters.
     """
     shown = list(names or found.names)
     lost = [name for name in shown if name not in found.names]
@@ -144,11 +139,6 @@ def innovation_figure(
     A row per channel, of the longest record by default. If the filter is right, 95 of 100 points
     lie between the lines at ±2, and the autocorrelation between those at ±2 over the root of the
     number of samples.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such record.
     """
     by_name = {item.name: item for item in records}
     chosen = name or max(by_name, key=lambda key: len(by_name[key]))

@@ -22,24 +22,7 @@ TRADES: Final = 0.3
 
 
 def derivatives_page(reduction: Reduction, beside: ReferenceTable | None = None) -> dict[str, Any]:
-    """A reduction as the page shows it.
-
-    Parameters
-    ----------
-    reduction : Reduction
-        Of captive tests.
-    beside : ReferenceTable, optional
-        Values of a source; published ones of this ship if absent.
-
-    Returns
-    -------
-    dict
-        ``speeds``, ``factor`` (what they are told times), ``system``, ``about`` (how to read them),
-        ``structure``, ``reference`` (its name), ``notes``, ``verdict`` with its ``use`` and its
-        ``reasons``, and ``rows``: by derivative its ``values`` at each speed (value, low, high, and
-        ``told`` in the words of the table), ``published``, ``families``, ``runs`` that move it and
-        what it ``trades`` with.
-    """
+    """A reduction as the page shows it."""
     table = reduction.table
     reference = beside or ReferenceTable.published(table)
     published = _published(table, reference.table) if reference else {}

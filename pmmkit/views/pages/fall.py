@@ -9,21 +9,7 @@ from pmmkit.views.pages.numbers import short
 
 
 def fall_page(fall: Fall) -> dict[str, Any]:
-    """The waterfall: a row per step.
-
-    Parameters
-    ----------
-    fall : Fall
-        Of captive tests, of records, or of several campaigns.
-
-    Returns
-    -------
-    dict
-        ``unit``, ``of`` (``force`` or ``heading``), ``how``, ``remarks``, ``steps``: by step its
-        name, ``error``, the ``level`` of noise alone where it is known, and errors by channel with
-        their units. Of several campaigns ``campaigns``: these by title, with each step; one that a
-        campaign was not asked for leaves its errors as they are.
-    """
+    """The waterfall: a row per step."""
     if len(fall.campaigns) > 1:
         return {
             "campaigns": [

@@ -29,20 +29,7 @@ USUAL_UNITS: Final = (
 
 
 def files_page(found: Drafted) -> dict[str, Any]:
-    """What lies in a folder and what its campaign file says.
-
-    Parameters
-    ----------
-    found : Drafted
-        From `drafted`.
-
-    Returns
-    -------
-    dict
-        ``groups``: files of one layout with their words, clock and ``columns``; ``campaigns``;
-        ``problems`` of files; ``text`` of the campaign file with ``fields`` that are asked and
-        ``faults``; whether it is ``new``, ``changed`` and ``complete``.
-    """
+    """What lies in a folder and what its campaign file says."""
     seen = found.seen
     return {
         "groups": [

@@ -23,24 +23,7 @@ def joint_page(
     session: Session[Together],
     heard: Callable[[float, str], None] = lambda _done, _: None,
 ) -> dict[str, Any]:
-    """A diagnosis of several campaigns, with what each candidate would do to each of them.
-
-    Parameters
-    ----------
-    found : Together
-        Of the session.
-    session : Session
-        The campaigns and what was added.
-    heard : callable
-        Is told the share that is done, and of which candidate.
-
-    Returns
-    -------
-    dict
-        As `missing_page` gives it; candidates have what each campaign says in ``votes``, and a
-        fault the ``campaign`` that has it. What stands there in ``share``, ``overlays`` and
-        ``base`` is ``drawn`` here, a table for each campaign.
-    """
+    """A diagnosis of several campaigns, with what each candidate would do to each of them."""
     own = {item.name: item for item in session.evidence.own}
     entries = {**CATALOGUE, **own}
     named = [item for item in found.singles if item.names[0] in found.best]

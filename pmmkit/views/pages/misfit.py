@@ -14,20 +14,7 @@ from pmmkit.views.pages.numbers import short
 
 
 def misfit_page(comparison: Comparison) -> dict[str, Any]:
-    """The map of runs, grouped by kind of test, and what stands out.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        A model beside tests, captive or free-running.
-
-    Returns
-    -------
-    dict
-        ``kind``, ``statistics`` (name and title), ``columns`` (name and unit), ``groups`` (test,
-        title, rows), ``sentences`` (text, channel, runs), ``within``, ``cells``, ``notes``. A row
-        has the run's name, its settings in words and by column what `Comparison.rows` says of it.
-    """
+    """The map of runs, grouped by kind of test, and what stands out."""
     runs = {item.view.run.id: item.view.run for item in comparison.captive}
     runs |= {item.name: item.run for item in comparison.free}
     rows = comparison.rows()

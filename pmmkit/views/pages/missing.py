@@ -67,28 +67,7 @@ def missing_page(
     *,
     overlays: bool = True,
 ) -> dict[str, Any]:
-    """A diagnosis with what each candidate would do, before anything is added.
-
-    Parameters
-    ----------
-    found : Diagnosis
-        Of the session.
-    session : Session[Diagnosis]
-        The tests and what was added.
-    heard : callable
-        Is told the share that is done, and of which candidate.
-    overlays : bool
-        Whether a page follows that draws candidates over runs; without, candidates of records have
-        no share either, which is told by their paths.
-
-    Returns
-    -------
-    dict
-        ``verdict``, ``sentence``, ``remarks``, ``candidates`` (the best first), ``sets`` (the named
-        set and its rivals), ``hidden``, ``covered`` (size that could hide of each, the smallest
-        first), ``overlays`` by effect, of records also ``base``: their paths without any;
-        ``unasked``: effects of one's own that take no part, and why.
-    """
+    """A diagnosis with what each candidate would do, before anything is added."""
     own = {item.name: item for item in session.evidence.own}
     named = {name for names, _ in found.group for name in names}
     findings = {item.effect: item for item in found.findings}

@@ -41,21 +41,7 @@ def with_runs(
     *,
     share: float = 1.0,
 ) -> Answers:
-    """The answers with runs and their histories, as finely as there is room for.
-
-    Parameters
-    ----------
-    answers : dict
-        What is known besides.
-    rows : iterable of str
-        Runs, the worst first.
-    give : callable
-        The page of a run, by its name and the pieces of its record.
-    asked : callable
-        The words by which the page asks for a run.
-    share : float
-        Of the room that is left.
-    """
+    """The answers with runs and their histories, as finely as there is room for."""
     runs = list(rows)
     room = share * (MOST - size_of(answers))
     fits = (x for x in BUCKETS if runs and size_of(give(runs[0], x)) * len(runs) <= room)
@@ -116,14 +102,7 @@ def _size(row: Mapping[str, Any]) -> float:
 
 
 def fitted(answers: Answers) -> Answers:
-    """The answers, without what a file of 3 MB has no room for; each place says what it lacks.
-
-    Parameters
-    ----------
-    answers : dict
-        Maps and candidates keep the runs with the largest errors, and pictures go, the largest
-        first.
-    """
+    """The answers, without what a file of 3 MB has no room for; each place says what it lacks."""
     own = {
         name: _shorter(page) if name.startswith("misfit ") else page
         for name, page in answers.items()

@@ -85,20 +85,6 @@ def _describes(record: FreeRun) -> Array:
 def run_page(comparison: Comparison, name: str, buckets: int = BUCKETS) -> dict[str, Any]:
     """What is drawn of one run: of captive tests (see `history_page`) or of a record that runs free
     (see `record_page`).
-
-    Parameters
-    ----------
-    comparison : Comparison
-        That holds it.
-    name : str
-        Of a run that was compared.
-    buckets : int
-        As for `thinned`.
-
-    Raises
-    ------
-    KeyError
-        If it was not compared.
     """
     for record in comparison.free:
         if record.name == name:

@@ -37,32 +37,7 @@ def runs_page(
     first: int = 0,
     run: str | None = None,
 ) -> dict[str, Any]:
-    """Some of the runs of a campaign, or one in full, to look at and to draw its window.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        The tests.
-    findings : sequence of dict
-        What the checks said.
-    first : int
-        Place of the first run.
-    run : str, optional
-        Id of the one that is shown in full.
-
-    Returns
-    -------
-    dict
-        ``total``, ``first``, ``excluded`` (run and reason), and ``runs``: title, settings, source,
-        what the checks say of it, ``channels`` with unit and picture, ``window`` of the record
-        that counts, or the ``error`` for which it cannot be read; of a large file its ``large``
-        size [bytes] alone. One run has all channels more finely, and ``edges`` of cycles.
-
-    Raises
-    ------
-    DataError
-        If there is no such run.
-    """
+    """Some of the runs of a campaign, or one in full, to look at and to draw its window."""
     if run is not None:
         found = next((x for x in campaign.runs if x.id == run), None)
         if found is None:

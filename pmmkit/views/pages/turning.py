@@ -55,27 +55,7 @@ def sailed_page(
 ) -> dict[str, Any]:
     """A manoeuvre as the page draws it.
 
-    Parameters
-    ----------
-    model : Model
-        Complete.
-    manoeuvre : str
-        ``turning``, ``zigzag`` and so on.
-    speed : float
-        Of the approach [m/s].
-    band : bool
-        Whether the central 95 % of ships drawn from the model's covariance is asked for.
-    rivals : sequence of Rival
-        Ships of which the band is drawn instead, each with its covariance.
-    **settings
-        As for `simulate`.
-
-    Returns
-    -------
-    dict
-        ``x``, ``y`` [ship lengths], ``t`` [s], ``psi``, ``delta`` [deg], ``speed`` [m/s], ``r``
-        [deg/s], ``metrics``, ``verdicts``, ``notes``, ``unsettled`` (why nothing is met or failed)
-        and, where it was asked for and can be told, ``band``; of a spiral as `spiral_page`.
+    speed [m/s].
     """
     if manoeuvre == "spiral":
         return spiral_page(model, speed=speed)

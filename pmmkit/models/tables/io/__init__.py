@@ -34,11 +34,6 @@ _READERS: Final[dict[str, Callable[..., DerivativeTable]]] = {
 def is_table(path: str | Path) -> bool:
     """Whether a path has the ending of a table that can be read; other words name a model.
 
-    Parameters
-    ----------
-    path : str or path
-        Of a file, or the name of a ship.
-
     Examples
     --------
     >>> is_table("out/derivatives.csv"), is_table("kvlcc2")

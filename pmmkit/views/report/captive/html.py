@@ -103,12 +103,6 @@ def write_document(document: Document, target: Path, *, template: str | Path | N
     """Write a report, all or nothing; the ending of the name says how.
 
     template: the laboratory's own document (``.docx``), which is filled.
-
-    Raises
-    ------
-    DataError
-        If the ending is another, a template is given for HTML, is not there or cannot be filled,
-        or what writes Word is not installed.
     """
     if check_target(target, template) == "html":
         write_text(target, html_of(document))
