@@ -30,7 +30,6 @@ REGISTRIES: Mapping[str, tuple[Collection[str], Mapping[str, str]]] = {
             "effects/propeller.py": OF_ROLES,
             "effects/tanker.py": OF_ROLES,
             "effects/waterjet.py": OF_ROLES,
-            "models/provenance.py": OF_ROLES,
             "testing/effects.py": OF_ROLES,
         },
     ),
@@ -42,7 +41,6 @@ REGISTRIES: Mapping[str, tuple[Collection[str], Mapping[str, str]]] = {
                 for name in ("add", "estimate", "simulate", "sweep", "uncertainty")
             },
             "effects/waterjet.py": "a parameter of that name",
-            "views/figures/__init__.py": "functions of these names",
             "conventions/metrics.py": "manoeuvres by which the IMO judges",
             "plotting/time_series.py": "ways to draw a manoeuvre",
             "simulation/bands.py": OF_MANOEUVRES,
@@ -118,6 +116,65 @@ REGISTRIES = {
     ),
 }
 """Names of a registry, and the files of the package in which they may stand, with the reason."""
+BY_REGISTRY: Mapping[str, Collection[str]] = {
+    "captive kinds of test": (
+        "diagnosis/captive/signature.py",
+        "intake/checks/motion.py",
+        "intake/checks/scales.py",
+        "intake/checks/signs.py",
+        "intake/checks/stated.py",
+        "intake/checks/untold.py",
+        "intake/drafts/draft.py",
+        "intake/drafts/motion.py",
+        "models/model.py",
+        "models/revise.py",
+        "views/report/pictures.py",
+    ),
+    "free-running kinds of test": (
+        "identification/trials/drawing.py",
+        "identification/trials/evaluate.py",
+        "identification/trials/loading.py",
+        "identification/trials/table.py",
+        "identification/trials/verdicts.py",
+        "intake/drafts/motion.py",
+        "intake/drafts/names.py",
+        "views/figures/comparison.py",
+        "views/report/imo_form/filled.py",
+    ),
+    "effects and faults that a diagnosis asks for": (
+        "diagnosis/captive/system.py",
+        "diagnosis/planning/planned_records.py",
+        "models/build.py",
+        "seakeeping/second_order/in_manoeuvre.py",
+        "simulation/equations/following.py",
+        "simulation/equations/prepared.py",
+    ),
+    "parts of models": (
+        "actions/jobs/add.py",
+        "api.py",
+        "diagnosis/captive/refit.py",
+        "identification/roll.py",
+        "models/astern.py",
+        "models/build.py",
+        "models/estimates.py",
+        "models/model.py",
+        "models/particulars.py",
+        "models/provenance.py",
+        "models/revise.py",
+        "models/stated_parts.py",
+        "models/straight.py",
+        "simulation/equations/prepared.py",
+        "simulation/equations/structure.py",
+        "simulation/machinery.py",
+    ),
+}
+"""Files that ask a registry for an entry by its name, or compare with it: the doors of rooms give
+no constant for each entry. A name that is not there is an error when it is asked. This list only
+shrinks: what is asked is better a property of the entry."""
+REGISTRIES = {
+    name: (names, {**allowed, **dict.fromkeys(BY_REGISTRY[name], "asked by its name")})
+    for name, (names, allowed) in REGISTRIES.items()
+}
 
 
 @cache
