@@ -11,32 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from pmmkit.files import atomic_path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-
-# Figures that a notebook shows where they are the last word of a cell.
-
-
-DOTS: Final = 130
-"""Dots per inch in a notebook."""
-
-
-class Shown(Figure):
-    """A figure that shows itself in a notebook.
-
-    Notebooks know by themselves only figures of pyplot, whose state is global.
-    """
-
-    def _repr_png_(self) -> bytes:
-        buffer = io.BytesIO()
-        self.savefig(buffer, format="png", dpi=DOTS)
-        return buffer.getvalue()
 
 
 WIDTH: Final = 9.0
@@ -133,6 +113,7 @@ def _families() -> list[str]:
 
 def canvas(height: float, width: float = WIDTH) -> Figure:
     """An empty figure of a `height` and `width` [inch] that lays itself out, without pyplot."""
+    from pmmkit.plotting.shown import Shown
 
     return Shown(figsize=(width, height), layout="constrained")
 

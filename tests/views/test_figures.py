@@ -337,8 +337,8 @@ def test_the_same_figure_gives_the_same_bytes(table, tmp_path):
 @pytest.mark.slow
 def test_figures_do_without_pyplot():
     code = (
-        "import sys, pmmkit as pk\nfrom pmmkit.views import figures\n"
-        "figures.svg(figures.trajectory([pk.simulate('s175-3dof', speed=9.0, compiled=False)]))\n"
+        "import sys, pmmkit as pk\nfrom pmmkit.plotting import svg, trajectory\n"
+        "svg(trajectory([pk.simulate('s175-3dof', speed=9.0, compiled=False)]))\n"
         "assert 'matplotlib' in sys.modules and 'matplotlib.pyplot' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from pmmkit.actions.outcome import Outcome
 from pmmkit.actions.places import results_folder
 from pmmkit.actions.setting import setting, settings
 from pmmkit.actions.shared import Out
 from pmmkit.actions.speeds import WAYS, TypedSpeed, typed
-from pmmkit.conventions import Ship
-from pmmkit.models import HullEstimate
 from pmmkit.presentation import ABSENT, WIDE, aligned, fixed, plus_minus
+
+if TYPE_CHECKING:
+    from pmmkit.conventions import Ship
+    from pmmkit.models import HullEstimate
+
 
 EXAMPLE: Final = (
     "pmmkit estimate --length 320 --breadth 58 --draught 20.8 --block 0.81 --speed 8 "
