@@ -13,6 +13,7 @@ from pmmkit.base import ModelError, NotUsableError
 from pmmkit.inference import RunEffects
 from pmmkit.models import from_values, read_table, write_table
 from pmmkit.reduction import reduce_campaign
+from pmmkit.reduction.between_runs import BetweenRuns
 from pmmkit.reduction.verdict import _far, _massless, _scattered
 from pmmkit.simulation import imo_turning
 from tests.support.small_campaign import write_campaign
@@ -142,7 +143,8 @@ def test_scatter_beyond_any_laboratory_is_a_fault(sizes, beyond):
         scale={"Y": 10.0},
         informed={"Y": RunEffects.KINDS},
     )
-    found = list(_scattered(SimpleNamespace(between=SimpleNamespace(scatter=scatter))))
+    between = BetweenRuns(drift=(), readings=(), scatter=scatter)
+    found = list(_scattered(SimpleNamespace(between=between)))
     assert bool(found) == beyond
 
 
