@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import importlib.abc
-import importlib.util
 import sys
 
 
@@ -42,7 +41,7 @@ def lazy(room: str) -> None:
 
 def _places(room: str) -> dict[str, tuple[str, str]]:
     """The module and the name there of each name that a door lists."""
-    spec = importlib.util.find_spec(room)
+    spec = sys.modules[room].__spec__
     assert spec is not None
     assert isinstance(spec.loader, importlib.abc.InspectLoader)
     source = spec.loader.get_source(room)

@@ -43,8 +43,6 @@ def _known_format(name: Any) -> Any:
 
 Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(ge=0)]
-Degrees = Annotated[float, Field(ge=-180, le=180)]
-Steep = Annotated[float, Field(gt=-90, lt=90)]
 Axis = Literal["x", "-x", "+x", "y", "-y", "+y", "z", "-z", "+z"]
 Listed = Annotated[list[str], BeforeValidator(lambda it: [it] if isinstance(it, str) else it)]
 Widths = Annotated[
