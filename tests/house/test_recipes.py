@@ -17,10 +17,11 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 RECIPES = dict(re.findall(r"^## (Add .*?)\n(.*?)(?=^## |\Z)", PAGE, re.S | re.M))
 FILE = re.compile(r"^```\w+ file=(\S+)[^\n]*\n(.*?)^```", re.S | re.M)
-OWN = re.compile(r"^```python file=\S+ own=(\S+)\n(.*?)^```", re.S | re.M)
+OWN = re.compile(r"^```python (?:file=\S+ )?own=(\S+)\n(.*?)^```", re.S | re.M)
+CHANGE = re.compile(r"^```diff change=(\S+)\n(.*?)^```", re.S | re.M)
 END = re.compile(r"^```python own-end\n(.*?)^```", re.S | re.M)
 TEST = re.compile(r"^```python test=(\S+)\n(.*?)^```", re.S | re.M)
-CHANGES = re.compile(r"It changes\s+`(docs/[a-z_.]+)`")
+PAGES_CHANGED = re.compile(r"It changes\s+`(docs/[a-z_.]+)`")
 CODE = re.compile(r"^```python\n(.*?)^```", re.S | re.M)
 COMMAND = re.compile(r"^    pmmkit (.*)$", re.M)
 TYPED = """
@@ -84,7 +85,7 @@ def follow(text: str, folder: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("recipe", RECIPES)
+@pytest.mark.parametrize("recipe", [name for name, text in RECIPES.items() if FILE.search(text)])
 def test_a_recipe_works(recipe, folder):
     follow(RECIPES[recipe], folder)
 
@@ -133,6 +134,15 @@ ADDED = {
         "campaigns/test_settings_in_words.py",
         "campaigns/test_repeats.py",
     ),
+    "Add a check": ("intake/test_checks_ship.py",),
+    "Add a statistic of the comparison": (
+        "validation/test_statistics.py",
+        "workbench/test_pages.py::test_console_file_and_page_tell_the_same_statistics",
+    ),
+    "Add a setting of a command": (
+        "actions/test_settings.py",
+        "cli/test_help_and_examples.py::test_a_shell_completes_commands_and_options",
+    ),
 }
 """Tests over the registry of each recipe, which must hold with the entry in it."""
 OF_ALL = (
@@ -156,6 +166,9 @@ def copy(tmp_path_factory):
         for name, content in own_files(RECIPES[recipe]).items():
             assert not (place / name).exists()
             (place / name).write_text(content, encoding="utf-8")
+        for name, lines in CHANGE.findall(RECIPES[recipe]):
+            text = (place / name).read_text(encoding="utf-8")
+            (place / name).write_text(changed_by(lines, text), encoding="utf-8")
     run(place, "-c", PAGES)
     after = digests(place)
     return place, {name for name, digest in after.items() if before.get(name) != digest}
@@ -170,10 +183,16 @@ for name, text in pages().items():
 
 def own_files(text: str) -> dict[str, str]:
     """The files that a recipe adds to pmmkit itself: its own, and its test where it shows one."""
-    ((name, content),) = OWN.findall(text)
-    return {name: content + "".join(f"\n\n{end}" for end in END.findall(text))} | dict(
-        TEST.findall(text)
-    )
+    end = "".join(f"\n\n{end}" for end in END.findall(text))
+    return {name: content + end for name, content in OWN.findall(text)} | dict(TEST.findall(text))
+
+
+def changed_by(lines: str, text: str) -> str:
+    """A text after a change, of which each line begins with a blank, ``-`` or ``+``."""
+    listed = lines.splitlines(keepends=True)
+    before, after = ("".join(x[1:] for x in listed if x[0] in kept) for kept in (" -", " +"))
+    assert text.count(before) == 1, before
+    return text.replace(before, after)
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -201,8 +220,8 @@ def run(place: Path, *command: str) -> None:
 def test_an_entry_of_pmmkit_is_one_file(copy):
     _, changed = copy
     followed = [RECIPES[recipe] for recipe in ADDED]
-    files = {name for text in followed for name in own_files(text)}
-    assert changed == files | {page for text in followed for page in CHANGES.findall(text)}
+    files = {name for text in followed for name in (*own_files(text), *dict(CHANGE.findall(text)))}
+    assert changed == files | {page for text in followed for page in PAGES_CHANGED.findall(text)}
 
 
 @pytest.mark.slow
@@ -211,3 +230,16 @@ def test_the_contracts_hold_with_the_entries_of_all_recipes(copy):
     chosen = dict.fromkeys(name for names in (*ADDED.values(), OF_ALL) for name in names)
     quiet = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--tb=short")
     run(place, "-m", "pytest", *quiet, *(f"tests/{name}" for name in chosen))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "recipe", [name for name, text in RECIPES.items() if not FILE.search(text)]
+)
+def test_a_change_of_pmmkit_itself_shows_where_its_recipe_says(recipe, copy):
+    place, _ = copy
+    code = CODE.findall(RECIPES[recipe])
+    assert code
+    run(place, "-c", "\n".join(code))
+    for typed in COMMAND.findall(RECIPES[recipe]):
+        run(place, "-c", TYPED, *typed.split())
