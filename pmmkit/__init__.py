@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         free_records,
         identify,
     )
+    from pmmkit.imo import imo_turning, imo_verdicts
     from pmmkit.intake import examine, refuse
     from pmmkit.models import (
         DerivativeTable,
@@ -80,8 +81,6 @@ if TYPE_CHECKING:
         Ensemble,
         Track,
         froude_sweep,
-        imo_turning,
-        imo_verdicts,
         monte_carlo,
         sensitivities,
         simulate,

@@ -14,6 +14,7 @@ from pmmkit.presentation import aligned, number, plus_minus
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
     from pmmkit.actions.speeds import TypedSpeed
     from pmmkit.campaigns import Campaign
@@ -26,6 +27,8 @@ SQUAT: Final = "squat_by_depth.csv"
 GROWTH: Final = "growth"
 FEW: Final = 3
 """Metrics on the screen: each takes two columns."""
+MOST: Final = 5
+"""Metrics of a sweep on the screen."""
 FOLDER: Final = "depth-"
 """What the name of a depth's folder begins with; its depth over the draught follows."""
 
@@ -190,7 +193,7 @@ def swept_over_depth(
     from pmmkit.base import PmmkitError
     from pmmkit.models import TablesByDepth, carried_by_formulas, model_at_depth
     from pmmkit.plotting import save
-    from pmmkit.simulation import metrics_over, sweep, told_metric, told_metrics
+    from pmmkit.simulation import metrics_over, sweep
 
     models = _models(folder)
     asked = sorted(ratios, reverse=True)
@@ -262,3 +265,21 @@ def _models(folder: Path) -> dict[float, Model]:
             )
         )
     return models
+
+
+def told_metrics(sweep: xr.Dataset) -> list[str]:
+    """The metrics worth a column: in ship lengths where they are, without those that stay empty."""
+    from pmmkit.conventions import in_lengths
+    from pmmkit.simulation import SHARES
+
+    names = [str(name) for name in sweep.data_vars if not str(name).endswith(("_low", "_high"))]
+    metrics = [name for name in in_lengths(names) if name not in SHARES]
+    return [name for name in metrics if sweep[name].notnull().any()][:MOST]
+
+
+def told_metric(row: Mapping[str, Any], name: str) -> str:
+    """A metric of a row of a sweep, with its interval where it has one."""
+    text = f"{row[name]:.4g}"
+    if f"{name}_low" not in row:
+        return text
+    return f"{text} ({row[f'{name}_low']:.4g} to {row[f'{name}_high']:.4g})"

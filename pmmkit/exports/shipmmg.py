@@ -7,9 +7,10 @@ from typing import Any, Final
 
 from pmmkit.base import ModelError, TableError
 from pmmkit.effects import CATALOGUE, HULL, INERTIA
+from pmmkit.equations import prepare
 from pmmkit.exports.text import WHICH_SPEED, written_by
 from pmmkit.models import Model, converted, from_values
-from pmmkit.simulation import prepare, stability, steering
+from pmmkit.simulation import stability
 from pmmkit.syntax import comment, plain
 
 _FIRST: Final = "# -*- coding: ascii -*-"
@@ -68,7 +69,7 @@ def model_to_shipmmg(model: Model, *, speed: float | None = None) -> str:
         for effect in (HULL, "propeller", "rudder_mmg")
     )
     mmg = _as_mmg(model, {**hull, **_derivatives(model, INERTIA, Fn)})
-    limits = steering(model)
+    limits = model.steering
     lines = [
         _FIRST,
         *written_by("#"),

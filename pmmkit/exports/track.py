@@ -13,7 +13,7 @@ from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.files import atomic_path
 from pmmkit.presentation import printable
 from pmmkit.readers import Options, Request
-from pmmkit.simulation import CHANNELS
+from pmmkit.simulation import Track
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,7 +58,7 @@ def _dataset(values: dict[str, Any], attributes: dict[str, Any]) -> xr.Dataset:
     import xarray as xr
 
     def described(name: str) -> dict[str, str]:
-        unit, text = CHANNELS.get(name, (CHANNEL_UNITS[name], name))
+        unit, text = Track.CHANNELS.get(name, (CHANNEL_UNITS[name], name))
         return {"units": unit, "long_name": text}
 
     times = values.pop("t")

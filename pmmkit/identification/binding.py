@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from pmmkit.base import DataError, UnknownNameError
 from pmmkit.effects import CURRENT
+from pmmkit.equations import Conditions, Prepared, prepare
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import Conditions, Prepared, prepare
 
 # Values of a model as a flat list of numbers, by name, and back.
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError, Progress
+from pmmkit.equations import Conditions, Prepared, prepare
 from pmmkit.identification.binding import (
     Binding,
     PartValues,
@@ -26,7 +27,6 @@ from pmmkit.identification.prior import Prior
 from pmmkit.inference import LeastSquares
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import Conditions, Prepared, prepare
 
 STEP: Final = 1e-6
 """Step of the differences over the size of a parameter."""

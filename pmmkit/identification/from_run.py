@@ -15,7 +15,6 @@ from pmmkit.identification.local_fits import half_window, true_wind, velocity
 from pmmkit.identification.record import FreeRecord, rate_limited
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import steering
 
 # The measured heel as an input: what is left of it and of its rates without the noise.
 
@@ -178,7 +177,7 @@ def _record(
             if name in measured:
                 measured[name][stale] = np.nan
     delta = _filled(t, columns["delta"], Fixes.GAP)
-    rate = math.radians(steering(model).get("rate_deg_s", math.inf))
+    rate = math.radians(model.steering.get("rate_deg_s", math.inf))
     if rudder == "ordered" or (rudder == "auto" and _steps(t, delta, rate)):
         delta = rate_limited(t, delta, rate)
     blowing = _true_wind(run, model, t, columns) if wind else None

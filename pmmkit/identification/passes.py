@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError, SimulationError
+from pmmkit.equations import Status
 from pmmkit.identification.binding import Binding
 from pmmkit.identification.record import KINDS, FreeRecord
 from pmmkit.inference import Innovations
 from pmmkit.numerics import Array
-from pmmkit.simulation import Status
 
 LOST: Final = {
     Status.mass: "Record {}: the filter makes the mass matrix indefinite. Give a narrower prior "

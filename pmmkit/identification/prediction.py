@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError
+from pmmkit.equations import State
 from pmmkit.identification.binding import Binding, driven
 from pmmkit.identification.prior import stated_covariance
 from pmmkit.identification.record import FreeRecord
@@ -18,7 +19,6 @@ from pmmkit.identification.smoother import Smoothed
 from pmmkit.inference import Stencil, root
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import State
 
 if TYPE_CHECKING:
     import pandas as pd

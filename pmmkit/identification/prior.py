@@ -13,7 +13,7 @@ from pmmkit.effects import CURRENT, HULL
 from pmmkit.identification.binding import places
 from pmmkit.models import Model
 from pmmkit.numerics import Array, precision_over
-from pmmkit.simulation import is_uncertain, spread_of
+from pmmkit.simulation import Spread
 
 SPREAD: Final = 0.3
 """Relative standard deviation of a derivative of which nothing else is known."""
@@ -149,9 +149,9 @@ def stated_covariance(
 
     speed [m/s].
     """
-    if not is_uncertain(model):
+    if not model.is_uncertain:
         return {}
-    known = spread_of(model, speed, extrapolate=extrapolate)
+    known = Spread.of(model, speed, extrapolate=extrapolate)
     C = known.covariance
     return {
         (a, b): float(C[i, j])

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from pmmkit.base import DataError, Problem, Remedy, Way
 from pmmkit.campaigns import Attitude
 from pmmkit.conventions import Convention
+from pmmkit.equations import Conditions, InputField, OverGround, State
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.signals import white_noise
-from pmmkit.simulation import NO_SEA, Conditions, InputField, OverGround, State
 
 KINDS: Final[Mapping[str, OverGround]] = {
     "xdot": OverGround.north,
@@ -145,7 +145,7 @@ class FreeRecord:
             InputField[name]: values for name, values in self._optional.items()
         }
         found = np.zeros((len(self), len(InputField)))
-        found[:, InputField.wave_height] = NO_SEA
+        found[:, InputField.wave_height] = Conditions.NO_SEA
         for place, values in columns.items():
             if values is not None:
                 found[:, place] = values

@@ -13,11 +13,11 @@ import numpy as np
 from pmmkit.base import DataError, ModelError, Problem, Remedy, Way
 from pmmkit.conventions import Ship, parse_derivative
 from pmmkit.effects import HULL, INERTIA, AddedMass
+from pmmkit.equations import prepare
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
 from pmmkit.models import Model, Part, Step, before_of
 from pmmkit.numerics import Array
-from pmmkit.simulation import prepare
 
 ADDED_INERTIA: Final = 0.2
 """Roll inertia of the water over that of the ship; S175 of the library: 0.19."""

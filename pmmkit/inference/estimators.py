@@ -3,7 +3,7 @@
 The state of a filter is ``z``: NS states x of the system, whose rates are known, then m values θ,
 which may wander and may forget (an Ornstein-Uhlenbeck process each). What is a system stands in
 five functions that whoever makes a module of this file gives (`pmmkit.inference.system`); what they
-need comes through `system`, which nothing here looks into. `pmmkit.simulation.equations` writes
+need comes through `system`, which nothing here looks into. `pmmkit.equations` writes
 this file below the equations of a ship, where it runs compiled; taken as it is, with functions of
 Python, it runs as Python. The theory stands in docs/theory/filters.md.
 """

@@ -1,7 +1,7 @@
 """What a filter asks of a system, as its functions see it.
 
 Whoever compiles `pmmkit.inference.estimators` writes those of a system in their place
-(`pmmkit.simulation.equations.code_generation`); what stands here is for those who read the filters,
+(`pmmkit.equations.code_generation`); what stands here is for those who read the filters,
 and for the checker of types.
 """
 

@@ -370,6 +370,33 @@ class Model(Described):
         return "roll" in self.parts
 
     @property
+    def is_uncertain(self) -> bool:
+        """Whether it says anything of the uncertainty of its values."""
+        return self.covariance is not None or any(part.std for part in self.parts.values())
+
+    def known_speeds(self, speed: float) -> tuple[float, ...]:
+        """Speeds [m/s] between which the values lie on lines, ascending.
+
+        Those of the Froude numbers, and the approach speed [m/s] where it is slower or faster than
+        all of them: then the values of the approach hold at the edge, whether they were carried on
+        there or are those next to it. Fewer than two where nothing follows the speed.
+        """
+        if len(self.Fn) < 2:
+            return ()
+        tested = tuple(self.ship.speed(Fn, self.water.g) for Fn in self.Fn)
+        return tuple(sorted({*tested, min(speed, tested[0]), max(speed, tested[-1])}))
+
+    @property
+    def steering(self) -> Mapping[str, float]:
+        """Rate [deg/s] and largest angle [deg] of what steers, where the model states them."""
+        found: dict[str, float] = {}
+        for name, part in self.parts.items():
+            if part.known.parameter("rate_deg_s") is not None:
+                values = self.values(name, self.Fn[0] if self.Fn else None)
+                found |= {key: values[key] for key in ("rate_deg_s", "max_deg") if key in values}
+        return found
+
+    @property
     def heeled(self) -> tuple[str, ...]:
         """Derivatives of heel and roll rate in a model that does not roll.
 

@@ -48,7 +48,7 @@ def trajectory(
     names : sequence of str, optional
         Their names in the legend; Froude number and rudder angle by default.
     band : Bands, optional
-        Where ships with other derivatives lie, as `bands_of` gives it; with one track the
+        Where ships with other derivatives lie, as `Bands.of` gives it; with one track the
         intervals of the measures stand beside them.
 
     Returns

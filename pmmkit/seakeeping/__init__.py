@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 from pmmkit.base import lazy
 
 if TYPE_CHECKING:
-    from pmmkit.seakeeping.answers import Place, Response
     from pmmkit.seakeeping.hull_forms.hull import Hull
     from pmmkit.seakeeping.hull_forms.offsets import read_hull
     from pmmkit.seakeeping.hull_forms.particulars import hull_from_particulars, load_hull
@@ -13,8 +12,8 @@ if TYPE_CHECKING:
     from pmmkit.seakeeping.loading import Loading
     from pmmkit.seakeeping.motions import frequencies, rao
     from pmmkit.seakeeping.operating_limits import Operability
-    from pmmkit.seakeeping.records_beside import beside_records, read_records
-    from pmmkit.seakeeping.responses import response
+    from pmmkit.seakeeping.records import beside_records, read_records
+    from pmmkit.seakeeping.responses import Place, Response, response
     from pmmkit.seakeeping.seas import Sea, sea, sea_states
     from pmmkit.seakeeping.second_order.added_resistance import AddedResistance, added_resistance
     from pmmkit.seakeeping.second_order.in_manoeuvre import drift_part, in_waves, motions_in

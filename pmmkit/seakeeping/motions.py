@@ -79,8 +79,8 @@ def rao(
         strips = strips_of(hull, highest, g=g)
     slow = np.abs(encounter) < SLOW * math.sqrt(g / hull.L)
     safe = np.where(slow, SLOW * math.sqrt(g / hull.L), encounter)
-    excited = excitation(strips, U, beta, w, safe)
-    force = (rho * np.where(slow, excited.froude_krylov, excited.total)).astype(np.complex128)
+    froude_krylov, total = excitation(strips, U, beta, w, safe)
+    force = (rho * np.where(slow, froude_krylov, total)).astype(np.complex128)
     added = rho * coefficients(strips, U[:, None, None], safe)
     inertia, stiffness = _mass(strips, mass, rho), rho * _stiffness(strips, mass)
     inertia_rolled = inertia[3, 3] + added[3, 3].real

@@ -13,9 +13,8 @@ import numpy as np
 from pmmkit.base import DataError, UnknownNameError
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section
-from pmmkit.seakeeping.answers import Place, Response
 from pmmkit.seakeeping.figures import polar
-from pmmkit.seakeeping.responses import response
+from pmmkit.seakeeping.responses import Place, Response, response
 from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.transfer import MODES, Rao
 

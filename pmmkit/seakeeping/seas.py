@@ -18,10 +18,6 @@ from pmmkit.presentation import Described, Grid, Group, Section
 
 FORMS: Final = ("ittc", "bretschneider", "pierson_moskowitz", "jonswap")
 """Forms of a spectrum by name."""
-MEAN_OVER_PEAK: Final = 2**-0.5 * 5**0.25 / math.gamma(0.75)
-"""Mean period 2π m₀/m₁ over the peak period, of a spectrum in ω⁻⁵ exp(-5/4 (ω_p/ω)⁴)."""
-CROSSING_OVER_PEAK: Final = (0.8 / math.pi) ** 0.25
-"""Zero-crossing period 2π √(m₀/m₂) over the peak period, of the same."""
 JONSWAP_GAMMA: Final = 3.3
 
 _LOWEST: Final = 0.25  # over the peak: below it the spectrum is e^-320 of itself

@@ -136,24 +136,13 @@ def coefficients(strips: Strips, speed: Array, omega: Array) -> Complex:
     return found
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Excitation:
-    """What waves of unit amplitude do to a hull, over ρ.
-
-    `froude_krylov, total (6, speeds, headings, frequencies)`: by the pressure of the wave
-    alone, and with what the hull diffracts [m³/s²; m⁴/s²].
-    """
-
-    froude_krylov: Complex
-    total: Complex
-
-
 def excitation(
     strips: Strips, speed: Array, heading: Array, omega: Array, encounter: Array
-) -> Excitation:
-    """Forces of waves: pressure of the wave, and diffraction by Haskind's relation.
+) -> tuple[Complex, Complex]:
+    """Forces over ρ of waves of unit amplitude: by their pressure alone, and with diffraction.
 
-    Diffraction is that of sections at the frequency of encounter, in two dimensions.
+    Diffraction is by Haskind's relation, that of sections at the frequency of encounter, in two
+    dimensions. Forces (6, speeds, headings, frequencies) [m³/s²; m⁴/s²].
 
     encounter (speeds, headings, frequencies); encounter [rad/s].
     """
@@ -186,7 +175,7 @@ def excitation(
         if mode != 3:
             turning = force[1] + drift * (force[0] + strips.x[0] * aft)
             total[4 if mode == 2 else 5] += -turning if mode == 2 else turning
-    return Excitation(froude_krylov=incident, total=total)
+    return incident, total
 
 
 def _over_sections(potentials: Complex, shape: Complex, encounter: Array) -> list[Complex]:

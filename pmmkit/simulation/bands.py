@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
 
 import numpy as np
 
@@ -15,9 +15,8 @@ from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array, turned
 from pmmkit.simulation.ensemble import Batch, shared_out, strata, unstated
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
-from pmmkit.simulation.run import DenseHistory, run_plan
 from pmmkit.simulation.single import simulate, track_of
-from pmmkit.simulation.spread import Draws, is_uncertain, spread_of
+from pmmkit.simulation.spread import Draws, drawn_of
 from pmmkit.simulation.track import Track
 
 if TYPE_CHECKING:
@@ -27,8 +26,6 @@ DRAWN: Final = ("psi", "delta", "r", "u", "v")
 """Channels that have a band over time."""
 PLACES: Final = 121
 """Headings of a circle at which its path has a band."""
-SHIPS: Final = 200
-"""Ships behind a band where their number is not given."""
 LEAST: Final = 0.5
 """Share of the ships that must still be under way where a band is told."""
 
@@ -60,6 +57,94 @@ class Bands:
     outer: Array
     measures: Mapping[str, tuple[float, float]]
     ships: int
+    SHIPS: ClassVar[int] = 200
+    """Ships behind a band where their number is not given."""
+
+    @classmethod
+    def of(
+        cls,
+        model: Model | str | Path,
+        manoeuvre: str = "turning",
+        *,
+        speed: float,
+        n: int = SHIPS,
+        spread: float | Draws | None = None,
+        seed: int = 0,
+        compiled: bool | None = None,
+        extrapolate: bool = False,
+        among: Sequence[tuple[Model, float]] = (),
+        **settings: Any,
+    ) -> Self:
+        """Bands of a manoeuvre from ships drawn as for `monte_carlo`, the same by the same seed.
+
+        Parameters
+        ----------
+        model, manoeuvre, speed, spread, seed, extrapolate, **settings
+            As for `monte_carlo`.
+        n : int
+            Number of ships; each is kept in full, so some hundred.
+        compiled : bool, optional
+            As for `simulate`.
+        among : sequence of (Model, float)
+            Models that may each be the ship, with their odds: as many ships of each are drawn,
+            about the track of `model`; one without covariance stands for all of its ships.
+
+        Raises
+        ------
+        ModelError
+            If the model has no covariance and `spread` is not given.
+        DataError
+            If an argument makes no sense, or no ship can be simulated.
+
+        Examples
+        --------
+        >>> found = Bands.of("kvlcc2", rudder_deg=35, speed=7.97, n=20, spread=0.05)
+        >>> low, high = found.measures["advance_L"]
+        >>> low < found.track.metrics["advance_L"] < high
+        True
+        """
+        if not (isinstance(n, int) and n > 1):
+            raise DataError(f"n = {n} must be a whole number above 1.")
+        loaded = model if isinstance(model, Model) else load_model(model)
+        own: dict[str, Any] = {"speed": speed, "extrapolate": extrapolate, **settings}
+        track = simulate(loaded, manoeuvre, compiled=compiled, **own)
+        total = sum(odds for _, odds in among) or 1.0
+        tracks: list[Track] = []
+        for other, odds in among or ((loaded, 1.0),):
+            count = max(round(n * odds / total), 1)
+            differ = [item.name for item in unstated(manoeuvre_of(manoeuvre), settings)]
+            if among and spread is None and not (differ or other.is_uncertain):
+                tracks += [simulate(other, manoeuvre, compiled=compiled, **own)] * count
+                continue
+            batches = strata(other, manoeuvre, **own)
+            batch = batches[0]
+            drawn = drawn_of(
+                batch.model, speed, spread, extrapolate=extrapolate, fn=batch.fn, beside=differ
+            )
+            tracks += [
+                found
+                for one, first, ships in shared_out(batches, count)
+                for values in (drawn.draw(seed, first, ships) if ships else ())
+                if (found := _sailed(one, drawn.names, values, settings, compiled=compiled))
+            ]
+        if not tracks:
+            raise DataError("None of the ships can be simulated: give a smaller spread.")
+        low, high = _over_time(track, tracks)
+        inner, outer = _about(track, tracks)
+        return cls(
+            track=track,
+            low=MappingProxyType(low),
+            high=MappingProxyType(high),
+            inner=inner,
+            outer=outer,
+            measures=MappingProxyType(
+                {
+                    name: _central(np.array([other.metrics[name] for other in tracks]))
+                    for name in track.metrics
+                }
+            ),
+            ships=len(tracks),
+        )
 
     def figures(self) -> dict[str, Figure]:
         """The path of a turning circle with its band; every manoeuvre over time with its bands."""
@@ -69,91 +154,6 @@ class Bands:
         if len(self.inner):
             found["trajectory"] = trajectory([self.track], band=self)
         return found | {"histories": band_histories(self)}
-
-
-def bands_of(
-    model: Model | str | Path,
-    manoeuvre: str = "turning",
-    *,
-    speed: float,
-    n: int = SHIPS,
-    spread: float | Draws | None = None,
-    seed: int = 0,
-    compiled: bool | None = None,
-    extrapolate: bool = False,
-    among: Sequence[tuple[Model, float]] = (),
-    **settings: Any,
-) -> Bands:
-    """Bands of a manoeuvre from ships drawn as for `monte_carlo`: the same seed, the same ships.
-
-    Parameters
-    ----------
-    model, manoeuvre, speed, spread, seed, extrapolate, **settings
-        As for `monte_carlo`.
-    n : int
-        Number of ships; each is kept in full, so some hundred.
-    compiled : bool, optional
-        As for `simulate`.
-    among : sequence of (Model, float)
-        Models that may each be the ship, with their odds: as many ships of each are drawn, about
-        the track of `model`; one without covariance stands for all of its ships.
-
-    Raises
-    ------
-    ModelError
-        If the model has no covariance and `spread` is not given.
-    DataError
-        If an argument makes no sense, or no ship can be simulated.
-
-    Examples
-    --------
-    >>> found = bands_of("kvlcc2", rudder_deg=35, speed=7.97, n=20, spread=0.05)
-    >>> low, high = found.measures["advance_L"]
-    >>> low < found.track.metrics["advance_L"] < high
-    True
-    """
-    if not (isinstance(n, int) and n > 1):
-        raise DataError(f"n = {n} must be a whole number above 1.")
-    loaded = model if isinstance(model, Model) else load_model(model)
-    own: dict[str, Any] = {"speed": speed, "extrapolate": extrapolate, **settings}
-    track = simulate(loaded, manoeuvre, compiled=compiled, **own)
-    total = sum(odds for _, odds in among) or 1.0
-    tracks: list[Track] = []
-    for other, odds in among or ((loaded, 1.0),):
-        count = max(round(n * odds / total), 1)
-        differ = [item.name for item in unstated(manoeuvre_of(manoeuvre), settings)]
-        if among and spread is None and not (differ or is_uncertain(other)):
-            tracks += [simulate(other, manoeuvre, compiled=compiled, **own)] * count
-            continue
-        batches = strata(other, manoeuvre, **own)
-        batch = batches[0]
-        drawn = spread_of(
-            batch.model, speed, spread, extrapolate=extrapolate, fn=batch.fn, beside=differ
-        )
-        tracks += [
-            found
-            for one, first, ships in shared_out(batches, count)
-            for values in (drawn.draw(seed, first, ships) if ships else ())
-            if (found := _sailed(one, drawn.names, values, settings, compiled=compiled))
-        ]
-    if not tracks:
-        raise DataError("None of the ships can be simulated: give a smaller spread.")
-    low, high = _over_time(track, tracks)
-    inner, outer = _about(track, tracks)
-    return Bands(
-        track=track,
-        low=MappingProxyType(low),
-        high=MappingProxyType(high),
-        inner=inner,
-        outer=outer,
-        measures=MappingProxyType(
-            {
-                name: _central(np.array([other.metrics[name] for other in tracks]))
-                for name in track.metrics
-            }
-        ),
-        ships=len(tracks),
-    )
 
 
 def _sailed(
@@ -167,14 +167,7 @@ def _sailed(
     """The track of one ship; None where its motion grows without bound."""
     ready = batch.ship(names, values)
     try:
-        history: DenseHistory = run_plan(
-            ready,
-            batch.plan,
-            batch.gear,
-            rtol=batch.rtol,
-            fast=compiled,
-            revolutions=batch.revolutions,
-        )
+        history = batch.history(ready, fast=compiled)
     except (SimulationError, ModelError):
         return None
     return track_of(batch.model, history, None, settings)

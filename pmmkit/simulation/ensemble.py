@@ -10,27 +10,32 @@ from itertools import pairwise, product
 from pathlib import Path
 from statistics import NormalDist
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
 from pmmkit.base import DataError, Progress, Workers, each, opened
 from pmmkit.conventions import in_lengths, main_of, metric_of
+from pmmkit.equations import (
+    Conditions,
+    DenseHistory,
+    EquationStructure,
+    Gear,
+    Plan,
+    Prepared,
+    Status,
+    packed_following,
+    run_plan,
+    run_ships,
+)
 from pmmkit.models import Model, Standing, load_model, with_open_couplings
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
-from pmmkit.simulation.equations.following import known_speeds, packed_following
-from pmmkit.simulation.equations.layouts import Status
-from pmmkit.simulation.equations.prepared import Conditions, Prepared, packed, stacked
-from pmmkit.simulation.equations.structure import EquationStructure
 from pmmkit.simulation.froude import Follow, FroudeRange, froude_range, prepared
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting
-from pmmkit.simulation.plan import Plan
-from pmmkit.simulation.run import Gear, run_plan, run_ships, settings_for
-from pmmkit.simulation.single import ENVIRONMENT, RTOL, RudderLaw, check_request, gear_of, ship_for
-from pmmkit.simulation.spread import CHUNK, Draws, in_kind, spread_of
-from pmmkit.simulation.spread import Spread as Drawn
+from pmmkit.simulation.single import ENVIRONMENT, RudderLaw, check_request, gear_of, ship_for
+from pmmkit.simulation.spread import CHUNK, Draws, Spread, drawn_of, in_kind
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,8 +49,6 @@ STRATA: Final = 10
 """Equal shares of the ships, each with one value of a setting that nobody states."""
 ROUNDING: Final = 1e-12
 """Differences of a metric, in whatever unit, below which they are of arithmetic."""
-SHOWN: Final = 3
-"""Metrics that are drawn as distributions where none are named."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -92,6 +95,8 @@ class Ensemble(Described):
     units: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     tested: FroudeRange | None = None
     standing: Standing = field(default_factory=Standing)
+    SHOWN: ClassVar[int] = 3
+    """Metrics that are drawn as distributions where none are named."""
 
     def __len__(self) -> int:
         return len(next(iter(self.metrics.values())))
@@ -145,7 +150,7 @@ class Ensemble(Described):
         """
         from pmmkit.simulation.figures import distributions
 
-        chosen = list(metrics or self.varying()[:SHOWN])
+        chosen = list(metrics or self.varying()[: self.SHOWN])
         return distributions(
             {name: self.metrics[name] for name in chosen},
             self.nominal,
@@ -206,7 +211,7 @@ class Batch:
     plan: Plan
     gear: Gear
     speed: float
-    rtol: float = RTOL
+    rtol: float = Prepared.RTOL
     conditions: Conditions = field(default_factory=Conditions)
     revolutions: float | None = None
     extrapolate: bool = False
@@ -223,7 +228,7 @@ class Batch:
         """Metrics (n,) by name, and the status of each ship.
 
         For values (n, len(names)) at the approach; where derivatives follow the speed, for those
-        at all `known_speeds`, (n, speeds len(names)). A number of threads, or an executor as
+        at all `Model.known_speeds`, (n, speeds len(names)). A number of threads, or an executor as
         `opened` gives it.
         """
         if isinstance(executor, Executor):
@@ -235,11 +240,17 @@ class Batch:
             joined = {x: np.concatenate([own[x] for own, _ in parts]) for x in parts[0][0]}
             return joined, np.concatenate([status for _, status in parts])
         structure, k = self._packed(names, values)
-        settings = settings_for(
-            self.model.ship.L, self.speed, self.gear, self.rtol, self.revolutions
-        )
         results, status = run_ships(
-            structure, stacked(k, len(values)), self.plan, settings, jobs=executor, advance=advance
+            structure,
+            k,
+            len(values),
+            self.plan,
+            self.gear,
+            speed=self.speed,
+            rtol=self.rtol,
+            revolutions=self.revolutions,
+            jobs=executor,
+            advance=advance,
         )
         with np.errstate(all="ignore"):
             metrics = {
@@ -258,10 +269,13 @@ class Batch:
             conditions=self.conditions,
             extrapolate=self.extrapolate,
         )
-        history = run_plan(
-            ready, self.plan, self.gear, rtol=self.rtol, fast=True, revolutions=self.revolutions
+        return froude_range(self.model, self.history(ready, fast=True))
+
+    def history(self, ready: Prepared, *, fast: bool | None) -> DenseHistory:
+        """One ship of it, sailed."""
+        return run_plan(
+            ready, self.plan, self.gear, rtol=self.rtol, fast=fast, revolutions=self.revolutions
         )
-        return froude_range(self.model, history)
 
     def ship(self, names: Sequence[str], values: Array) -> Prepared:
         """One ship with values of its own, as of one row of `run`, ready to be integrated."""
@@ -274,10 +288,10 @@ class Batch:
         )
 
     def _packed(self, names: Sequence[str], values: Array) -> tuple[EquationStructure, list[Any]]:
-        speeds = known_speeds(self.model, self.speed) if self.fn == "instant" else ()
+        speeds = self.model.known_speeds(self.speed) if self.fn == "instant" else ()
         if not speeds:
             given = self._given(self.speed, names, values)
-            return packed(self.model, given, self.speed, self.conditions)
+            return packed_following(self.model, given, (), (), self.speed, self.conditions)
         by_speed = values.reshape(len(values), len(speeds), len(names))
         share = [np.interp(self.speed, speeds, row) for row in np.eye(len(speeds))]
         at_approach = np.einsum("isj,s->ij", by_speed, share)
@@ -310,7 +324,7 @@ def batch_of(
     *,
     speed: float,
     fn: Follow = "approach",
-    rtol: float = RTOL,
+    rtol: float = Prepared.RTOL,
     rudder_rate_deg: float | None = None,
     rudder_law: RudderLaw = "ramp",
     rudder_lag: float = 1.0,
@@ -418,7 +432,7 @@ def monte_carlo(
     loaded = batch.model
     differ = tuple(item.name for item in unstated(manoeuvre_of(manoeuvre), settings))
     batches = strata(model, manoeuvre, speed=speed, **settings) if differ else [batch]
-    drawn = spread_of(
+    drawn = drawn_of(
         loaded, speed, spread, extrapolate=batch.extrapolate, fn=batch.fn, beside=differ
     )
     nominal, _ = batch.run(drawn.names, drawn.mean[None], executor=1)
@@ -502,7 +516,7 @@ def shared_out(batches: Sequence[Batch], n: int) -> list[tuple[Batch, int, int]]
     ]
 
 
-def _drawn(drawn: Drawn | Draws, seed: int, piece: tuple[Batch, int, int], **how: Any) -> Sailed:
+def _drawn(drawn: Spread | Draws, seed: int, piece: tuple[Batch, int, int], **how: Any) -> Sailed:
     """The ships of a batch from some number on, so many."""
     batch, first, count = piece
     return batch.run(drawn.names, drawn.draw(seed, first, count), **how)

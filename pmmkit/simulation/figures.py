@@ -21,6 +21,8 @@ _LIMITS: Final = {
     for metric, item in criteria()
     if metric.length and not callable(item.limit)
 }
+MOST: Final = 12
+"""Values of which it is drawn how much they decide."""
 _SEEN: Final = 0.02
 """Share of a metric below which no trial could tell a change."""
 
@@ -137,12 +139,10 @@ def distributions(
     return figure
 
 
-def importance(
-    names: Sequence[str], values: Array, metric: str, *, shares: bool, most: int = 12
-) -> Figure:
+def importance(names: Sequence[str], values: Array, metric: str, *, shares: bool) -> Figure:
     """Which values decide a metric."""
-    shown = list(names[:most])[::-1]
-    lengths = (100.0 if shares else 1.0) * values[:most][::-1]
+    shown = list(names[:MOST])[::-1]
+    lengths = (100.0 if shares else 1.0) * values[:MOST][::-1]
     with styled():
         figure = canvas(0.6 + 0.28 * len(shown), 5.6)
         axis = figure.subplots()

@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 
 import numpy as np
 
+from pmmkit.equations import Prepared, prepare, prepare_following
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Section
-from pmmkit.simulation.equations.following import prepare_following
-from pmmkit.simulation.equations.layouts import State
-from pmmkit.simulation.equations.prepared import Prepared, prepare
 
 if TYPE_CHECKING:
-    from pmmkit.simulation.run import DenseHistory
+    from pmmkit.equations import DenseHistory
 
 Follow = Literal["approach", "instant"]
 """Derivatives at the Froude number of the approach throughout, or at that of each instant."""
@@ -117,8 +115,8 @@ def froude_range(model: Model, history: DenseHistory) -> FroudeRange | None:
     ready = history.ready
     count = max(round(history.end * ready.speed / ready.L / FINENESS), 1) + 1
     t = np.linspace(0.0, history.end, count)
-    rows = history.sampled(t)
-    froude = np.hypot(rows[State.u], rows[State.v]) * model.ship.froude(1.0, model.water.g)
+    channels = history.channels(t)
+    froude = np.hypot(channels["u"], channels["v"]) * model.ship.froude(1.0, model.water.g)
     low, high = model.Fn[0], model.Fn[-1]
     return FroudeRange(
         low=low,

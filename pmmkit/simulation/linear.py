@@ -10,11 +10,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.equations import Conditions, prepare
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, number
-from pmmkit.simulation.equations.layouts import Constant
-from pmmkit.simulation.equations.prepared import Conditions, Prepared, prepare
 
 Complex = NDArray[np.complex128]
 STEP: Final = 1e-5
@@ -131,7 +130,7 @@ def stability(
         return change
 
     columns, side = _least_stable({turn: slopes(turn) for turn in (-1.0, 1.0)}, slopes(0.0), rolls)
-    mass = _mass(ready)
+    mass = ready.mass_matrix
     degrees = 3 if rolls else 2
     forces = mass @ columns[:degrees]
     upright = np.linalg.inv(mass[:2, :2])
@@ -176,31 +175,3 @@ def _eigenvalues(columns: Array, rolls: bool) -> Complex:
         return np.linalg.eigvals(columns[:2, :2]).astype(complex)
     whole = np.vstack([columns[:3, :4], [0.0, 0.0, 1.0, 0.0]])
     return np.linalg.eigvals(whole).astype(complex)
-
-
-def _mass(ready: Prepared) -> Array:
-    """Mass matrix of sway and yaw, and roll if the ship rolls, in the prime system."""
-    k, L, rho = ready.k, ready.L, ready.k[Constant.rho]
-    mass, xG, zG = k[Constant.mass], k[Constant.xG], k[Constant.zG]
-    matrix = np.array(
-        [
-            [
-                mass - k[Constant.Yvdot],
-                mass * xG - k[Constant.Yrdot],
-                -mass * zG - k[Constant.Ypdot],
-            ],
-            [
-                mass * xG - k[Constant.Nvdot],
-                k[Constant.Izz] - k[Constant.Nrdot],
-                -k[Constant.Npdot],
-            ],
-            [
-                -mass * zG - k[Constant.Kvdot],
-                -k[Constant.Krdot],
-                k[Constant.Ixx] - k[Constant.Kpdot],
-            ],
-        ]
-    )
-    arm = np.array([1.0, L, L])
-    primed: Array = matrix / (0.5 * rho * L**3 * np.outer(arm, arm))
-    return primed if ready.rolls else primed[:2, :2]

@@ -7,21 +7,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any, Final, Self
-
-import numpy as np
+from typing import Any, Final
 
 from pmmkit.base import DataError
 from pmmkit.effects import CATALOGUE
+from pmmkit.equations import State, prepare
 from pmmkit.models import Model, Part, as_it_stops
-from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, number
-from pmmkit.simulation.equations.layouts import State
-from pmmkit.simulation.equations.prepared import prepare
 from pmmkit.simulation.kinds.manoeuvre import Setting
 
-THERE: Final = 0.02
-"""Revolutions this near those ordered, as a share of the approach's, count as reached."""
 SPIN: Final = 0.05
 """Time in which the torque of the approach would bring the shaft of an assumed engine from rest to
 the revolutions of the approach, in ship lengths over the speed: 1 to 2 s of a large ship. Half or
@@ -84,111 +78,6 @@ ENGINE: Final[Mapping[str, Assumption]] = MappingProxyType(
 None of these is fitted to the stops of docs/stops.md."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class FullAstern:
-    """The engine in a full astern stop, which the standard does not say.
-
-    Parameters
-    ----------
-    turns : float
-        Revolutions astern over those of the approach, negative: as ordered, or as measured.
-    reversal_s : float
-        Time from the order until they are reached, or the bucket is down [s]; NaN where they
-        never are.
-    most : float
-        The farthest astern that the revolutions went, over those of the approach.
-    torque : float, optional
-        Largest torque astern over that of the approach, where somebody states it.
-    measured : bool
-        Whether a trial shows it; else it is stated or assumed.
-    assumed : str
-        What is assumed of the engine and of the propeller astern, in sentences.
-    low, high : float
-        95 % band of the track reach [L] of ships that differ as far as is known; NaN where it was
-        not asked for.
-    bucket : bool
-        Whether a bucket turns the thrust: then the size of the revolutions counts.
-    """
-
-    turns: float
-    reversal_s: float
-    most: float = math.nan
-    torque: float | None = None
-    measured: bool = False
-    assumed: str = ""
-    low: float = math.nan
-    high: float = math.nan
-    bucket: bool = False
-
-    @classmethod
-    def of_a_stop(cls, t: Array, n: Array, ahead: float) -> Self | None:
-        """What the engine did in a measured stop; None where the propeller never turns astern.
-
-        Parameters
-        ----------
-        t, n, ahead
-            As for `reached`, until the ship stops.
-
-        Notes
-        -----
-        The revolutions are the median of the second half of the time in which they are astern.
-        """
-        astern = np.flatnonzero(n < 0.0)
-        if not len(astern):
-            return None
-        turns = float(np.median(n[astern[len(astern) // 2 :]])) / ahead
-        return cls(turns=turns, reversal_s=reached(t, n, ahead, turns), measured=True)
-
-    @property
-    def words(self) -> str:
-        """What the engine did, what of it is assumed, and what that leaves open.
-
-        Examples
-        --------
-        >>> print(FullAstern(turns=-0.62, reversal_s=44.6, measured=True).words)
-        Full astern was -0.62 of the approach's revolutions, reached 45 s after the order.
-        """
-        when = (
-            f"reached {self.reversal_s:.0f} s after the order"
-            if math.isfinite(self.reversal_s)
-            else f"never reached (at most {self.most:.2g})"
-        )
-        if self.measured:
-            return f"Full astern was {self.turns:.2g} of the approach's revolutions, {when}."
-        done = (
-            f"the bucket down, {self.reversal_s:.0f} s after the order, and pumps at "
-            f"{abs(self.turns):g} of the approach's revolutions"
-            if self.bucket
-            else f"{self.turns:g} of the approach's revolutions, {when}"
-        )
-        said = [f"Full astern is {done}; the standard does not say it.", self.assumed, self._band]
-        return " ".join(text for text in said if text)
-
-    @property
-    def _band(self) -> str:
-        """The track reach of ships that differ as far as is known."""
-        if math.isnan(self.low):
-            return ""
-        return (
-            f"Track reach of 95 % of such ships: {number(self.low, 3)} to {number(self.high, 3)} L."
-        )
-
-
-def reached(t: Array, n: Array, ahead: float, turns: float) -> float:
-    """When revolutions astern are reached [s]; NaN where they never are.
-
-    t, n (m,); t, n [s]; ahead [1/s].
-
-    Examples
-    --------
-    >>> t = np.arange(0.0, 200.0)
-    >>> reached(t, np.clip(1.5 - 0.05 * t, -0.9, 1.5), 1.5, -0.6)
-    48.0
-    """
-    there = n <= (turns + THERE) * ahead
-    return float(t[int(np.argmax(there))]) if there.any() else math.nan
-
-
 def as_it_reverses(
     model: Model,
     speed: float,
@@ -240,11 +129,15 @@ def _with_engine(
 ) -> Model:
     """A model with an assumed engine; its torque may be stated, and it may be reversed at once. The
     model itself where nothing is stated and nothing says the torque."""
-    approach = _torque(model, speed, extrapolate=extrapolate)
+    approach = torque_of(model, speed, extrapolate=extrapolate)
     if not approach > 0.0:
         if torque is None:
             return model
-        raise _unknown_torque(model)
+        knowing = [item.name for item in CATALOGUE.values() if "torque" in item.outputs]
+        raise DataError(
+            f"Model {model.name!r} does not know the torque of its propulsion, so it cannot be "
+            f"limited. Leave the limit out, or give a part {' or '.join(knowing)} with its torque."
+        )
     n = prepare(model, speed, extrapolate=extrapolate).self_propulsion()
     over = {"astern_share": 1.0, "reverse_below": n, "friction": approach}
     stated = {"astern_share": torque, "reverse_below": at_once}
@@ -310,30 +203,10 @@ def _told(text: str, mean: float, std: float, of: str) -> str:
 
 
 def torque_of(model: Model, speed: float, **settings: Any) -> float:
-    """Torque at the propeller in the approach [N m].
+    """Torque at the propeller in the approach [N m]; none where nothing says it.
 
-    speed [m/s].
-
-    Notes
-    -----
     An engine that gives nothing loses 2π I dn/dt = -Q.
     """
-    torque = _torque(model, speed, **settings)
-    if not torque > 0.0:
-        raise _unknown_torque(model)
-    return torque
-
-
-def _unknown_torque(model: Model) -> DataError:
-    knowing = [item.name for item in CATALOGUE.values() if "torque" in item.outputs]
-    return DataError(
-        f"Model {model.name!r} does not know the torque of its propulsion, so it cannot be "
-        f"limited. Leave the limit out, or give a part {' or '.join(knowing)} with its torque."
-    )
-
-
-def _torque(model: Model, speed: float, **settings: Any) -> float:
-    """Torque at the propeller in the approach [N m]; none where nothing says it."""
     if not any("torque" in part.known.outputs for part in model.parts.values()):
         return 0.0
     free = _with_shaft(model, {"inertia": 1.0 / (2.0 * math.pi), "torque_max": 0.0}, {})

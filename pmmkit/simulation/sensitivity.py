@@ -28,7 +28,7 @@ from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.simulation.ensemble import Batch, batch_of, unstated
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting
-from pmmkit.simulation.spread import in_kind, is_uncertain, spread_of
+from pmmkit.simulation.spread import Spread, in_kind
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -237,8 +237,8 @@ def sensitivities(
     batch = _of_the_approach(batch_of(model, manoeuvre, speed=speed, **settings))
     loaded = batch.model
     free = unstated(manoeuvre_of(manoeuvre), settings) if names is None else []
-    spreads = spread is not None or is_uncertain(loaded) or bool(free)
-    drawn = spread_of(
+    spreads = spread is not None or loaded.is_uncertain or bool(free)
+    drawn = Spread.of(
         loaded,
         speed,
         spread if spreads else 0.5,
@@ -419,7 +419,7 @@ def sobol(
     if n < 2 or n & (n - 1):
         raise DataError(f"n = {n} must be a power of two.")
     batch = _of_the_approach(batch_of(model, manoeuvre, speed=speed, **settings))
-    drawn = spread_of(batch.model, speed, spread, extrapolate=batch.extrapolate)
+    drawn = Spread.of(batch.model, speed, spread, extrapolate=batch.extrapolate)
     count = len(drawn.names)
     sequence = qmc.Sobol(2 * count, scramble=True, rng=np.random.default_rng(seed))
     normal = ndtri(np.clip(sequence.random(n), 1e-12, 1 - 1e-12))

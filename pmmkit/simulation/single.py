@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import fields, replace
-from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal
@@ -13,38 +12,25 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from pmmkit.base import DataError, Problem, SimulationError
+from pmmkit.equations import Conditions, DenseHistory, End, Gear, Plan, Prepared, run_plan
 from pmmkit.models import Model, Standing, held_straight, load_model, of_a_model
-from pmmkit.simulation.equations.layouts import Control, End, State
-from pmmkit.simulation.equations.prepared import Conditions
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre
-from pmmkit.simulation.machinery import as_it_reverses
-from pmmkit.simulation.plan import Plan
-from pmmkit.simulation.run import INSTANT, DenseHistory, Gear, run_plan
+from pmmkit.simulation.machinery import as_it_reverses, assumed
 from pmmkit.simulation.track import Track
 
 RudderLaw = Literal["ramp", "lag"]
-RTOL: Final = 1e-8
 ENVIRONMENT: Final = tuple(item.name for item in fields(Conditions))
 """Settings that say what is around the ship."""
 ACROSS: Final = ("wind_speed", "wave_height")
 """Of these what turns a ship out of a straight run."""
-NO_BOTTOM: Final = (
-    "The model does not feel the bottom: the depth changes nothing without a part shallow_water."
-)
-NO_WAVES: Final = (
-    "The model does not feel the waves: they change nothing without a part wave_drift."
-)
 LINEAR: Final = (
     "The hull's side force and moment are linear in v and r, which holds for small rudder angles "
     "alone: larger turns come out too tight. Here the drift reaches {drift:.0f}° and r' {rate:.1f}."
 )
 NO_TURN: Final = "In the end the ship does not turn to the side of its rudder: no steady diameter."
 ONE_SET: Final = "The model has one set of values for all speeds: nothing follows the moment's."
-REVERSAL: Final = 2.0
-"""Time in ship lengths over the approach speed in which revolutions fall to zero, in a model
-without a shaft, and in which the bucket of a waterjet goes down."""
 
 
 def simulate(
@@ -65,7 +51,7 @@ def simulate(
     waves_from_deg: float = 0.0,
     revolutions: float | None = None,
     dt: float | None = None,
-    rtol: float = RTOL,
+    rtol: float = Prepared.RTOL,
     extrapolate: bool = False,
     compiled: bool | None = None,
     **settings: Any,
@@ -179,9 +165,9 @@ def simulate(
     gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
     track = track_of(loaded, history, dt, settings)
-    more = [NO_BOTTOM] if depth is not None and not loaded.feels("depth") else []
+    more = [Track.NO_BOTTOM] if depth is not None and not loaded.feels("depth") else []
     if wave_height is not None and not loaded.feels("wave_height"):
-        more.append(NO_WAVES)
+        more.append(Track.NO_WAVES)
     if fn == "instant":
         track = replace(track, tested=froude_range(loaded, history))
         more.append(track.tested.words if track.tested else ONE_SET)
@@ -224,6 +210,38 @@ def ship_for(
     return model
 
 
+def stopping_ship(
+    manoeuvre: Manoeuvre,
+    model: Model,
+    speed: float,
+    settings: Mapping[str, Any],
+    *,
+    extrapolate: bool = False,
+) -> tuple[Model, str]:
+    """The ship that `simulate` stops, and what is assumed of her engine in sentences.
+
+    Parameters
+    ----------
+    manoeuvre : Manoeuvre
+        A stop.
+    model : Model
+        As it is stated.
+    speed : float
+        Approach speed [m/s].
+    settings : mapping
+        Of the stop, those that are given.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+
+    Returns
+    -------
+    Model, str
+    """
+    ship = ship_for(manoeuvre, model, speed, settings, extrapolate=extrapolate)
+    turns = next(item for item in manoeuvre.settings if item.name == "turns")
+    return ship, assumed(ship, None if turns.name in settings else turns)
+
+
 def has_linear_hull(model: Model) -> bool:
     """Whether nothing but terms linear in v and r gives the hull's side force and moment.
 
@@ -243,7 +261,7 @@ def check_request(
     *,
     fn: str = "approach",
     rudder_law: str = "ramp",
-    rtol: float = RTOL,
+    rtol: float = Prepared.RTOL,
     **positive: float | None,
 ) -> None:
     """Refuse a request that makes no sense."""
@@ -284,7 +302,7 @@ def _environment_problems(environment: Mapping[str, float | None]) -> list[str]:
 
 def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: float) -> Gear:
     """How the controls of a model follow their orders."""
-    limits = steering(model)
+    limits = model.steering
     largest = limits.get("max_deg", 90.0)
     most = plan.most_rudder
     if math.degrees(most) > largest * (1 + 1e-12):
@@ -298,24 +316,13 @@ def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: 
             f"Model {model.name!r} states no rate of the steering gear; give rudder_rate_deg."
         )
     shaft = any("n" in part.known.states for part in model.parts.values())
-    usual = INSTANT if shaft else pace / REVERSAL
+    usual = Gear.INSTANT if shaft else pace / Gear.REVERSAL
     return Gear(
-        rudder_rate=math.radians(rate) if rate is not None else INSTANT,
+        rudder_rate=math.radians(rate) if rate is not None else Gear.INSTANT,
         rudder_lag=lag,
         revolutions_rate=usual if plan.revolutions_rate is None else plan.revolutions_rate,
-        bucket_rate=pace / REVERSAL if plan.bucket_rate is None else plan.bucket_rate,
+        bucket_rate=pace / Gear.REVERSAL if plan.bucket_rate is None else plan.bucket_rate,
     )
-
-
-@lru_cache(maxsize=64)
-def steering(model: Model) -> Mapping[str, float]:
-    """Rate [deg/s] and largest angle [deg] of what steers a model, where it states them."""
-    found: dict[str, float] = {}
-    for name, part in model.parts.items():
-        if part.known.parameter("rate_deg_s") is not None:
-            values = model.values(name, model.Fn[0] if model.Fn else None)
-            found |= {key: values[key] for key in ("rate_deg_s", "max_deg") if key in values}
-    return found
 
 
 def track_of(
@@ -324,26 +331,16 @@ def track_of(
     """The track of a history: samples, metrics and notes."""
     ready, plan = history.ready, history.plan
     t = samples(history.end, dt or interval(ready.L / ready.speed))
-    rows = history.sampled(t)
-    states = ready.structure.states
-    channels = dict(zip(states, rows, strict=False))
+    channels = history.channels(t)
     still = np.zeros(len(t))
+    columns: dict[str, Any] = {name: channels.get(name, still) for name in Track.CHANNELS}
     metrics = {name: float(value) for name, value in plan.metrics_of(history.results).items()}
     notes = _notes(history)
     if "steady_diameter" in metrics and metrics["speed_ratio"] > 0.0:
         notes += [NO_TURN] if math.isnan(metrics["steady_diameter"]) else []
     return Track(
         t=t,
-        x=rows[State.x],
-        y=rows[State.y],
-        psi=rows[State.psi],
-        u=rows[State.u],
-        v=rows[State.v],
-        r=rows[State.r],
-        p=channels.get("p", still),
-        phi=channels.get("phi", still),
-        delta=rows[len(states) + Control.rudder],
-        n=channels.get("n", rows[len(states) + Control.revolutions]),
+        **columns,
         name=model.name,
         manoeuvre=plan.name,
         L=ready.L,

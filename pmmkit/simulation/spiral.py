@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import SimulationError
+from pmmkit.equations import Conditions, State, prepare
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section
-from pmmkit.simulation.equations.layouts import State
-from pmmkit.simulation.equations.prepared import Conditions, prepare
 
 if TYPE_CHECKING:
     import pandas as pd

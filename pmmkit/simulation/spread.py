@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, overload
+from typing import Any, Final
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from pmmkit.inference import root
 from pmmkit.models import TOGETHER, Model
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
-from pmmkit.simulation.equations.following import known_speeds
 from pmmkit.simulation.froude import Follow
 
 CHUNK: Final = 10_000
@@ -49,6 +48,129 @@ class Spread:
     root: Array
     origin: str
     speeds: int = 1
+
+    @classmethod
+    def of(
+        cls,
+        model: Model,
+        speed: float,
+        spread: float | None = None,
+        *,
+        extrapolate: bool = False,
+        fn: Follow = "approach",
+        beside: Sequence[str] = (),
+    ) -> Spread:
+        """How the derivatives of a model differ between ships at a speed.
+
+        Parameters
+        ----------
+        model : Model
+            With a covariance, or without.
+        speed : float
+            Approach speed [m/s].
+        spread : float, optional
+            Relative standard deviation of each derivative of hull and added mass, independent; by
+            default the covariance of the model counts. Values of other parts with an uncertainty
+            of their own differ by that.
+        extrapolate : bool
+            Allow a speed outside the range of the model's values.
+        fn : {"approach", "instant"}
+            At the approach speed, or at all speeds that the model has values at: a relative
+            standard deviation is then the same share at each, a covariance ties them together as
+            it states.
+        beside : sequence of str
+            What ships differ in beside the values of the model, such as settings of a stop that
+            nobody states: with them a model that says nothing of its uncertainty is one ship.
+
+        Returns
+        -------
+        Spread
+
+        Raises
+        ------
+        ModelError
+            If the model has no covariance and `spread` is not given.
+        """
+        speeds = (model.known_speeds(speed) if fn == "instant" else ()) or (speed,)
+        values = [model.values_at(each, extrapolate=extrapolate) for each in speeds]
+        given = [
+            {
+                model.parts[effect].place(name): x
+                for effect, held in own.items()
+                for name, x in held.items()
+            }
+            for own in values
+        ]
+        alone = _of_estimates(model, values)
+        if spread is not None:
+            if not 0.0 < spread < 1.0:
+                raise DataError(f"spread = {spread} must lie between 0 and 1.")
+            names = tuple(
+                name
+                for effect in model.derivative_parts
+                for name in values[0].get(effect, {})
+                if CATALOGUE[effect].parameter(name) is None
+            )
+            means = np.array([[own[name] for name in names] for own in given])
+            asked = Spread(
+                names=names,
+                mean=means.ravel(),
+                root=_alike(means, spread * np.abs(means)),
+                origin=f"{100 * spread:g} % of each derivative, independent",
+                speeds=len(speeds),
+            )
+            return asked if alone is None else asked.beside(alone)
+        if model.covariance is None:
+            if alone is None and beside:
+                nothing = np.zeros((0, 0))
+                return Spread(
+                    names=(),
+                    mean=np.zeros(0),
+                    root=nothing,
+                    origin=listed(beside),
+                    speeds=len(speeds),
+                )
+            if alone is None:
+                raise ModelError(
+                    Problem(
+                        message=f"Model {model.name!r} carries no covariance.",
+                        remedy=Remedy(
+                            "Give the relative standard deviation of its derivatives ({}), or "
+                            "reduce tests to a model.",
+                            (setting("spread", 0.05),),
+                        ),
+                    )
+                )
+            return alone
+        froude = [model.ship.froude(each, model.water.g) for each in speeds]
+        weights = [
+            np.array(model.weights(each, extrapolate=extrapolate) if model.Fn else (1.0,))
+            for each in froude
+        ]
+        size, rows = len(model.covariance_names), len(weights[0])
+        full = model.covariance.reshape(rows, size, rows, size)
+        measured = np.nan_to_num(full)
+        covariance = np.block(
+            [[np.einsum("a,aibj,b->ij", one, measured, two) for two in weights] for one in weights]
+        )
+        positive = (np.diagonal(covariance) > 0).reshape(-1, size).all(axis=0)
+        counts = np.any(weights, axis=0)  # what is not known elsewhere does not matter here
+        known = np.isfinite(np.einsum("aiai->ai", full)[counts]).all(axis=0) & positive
+        known &= np.array([name in given[0] for name in model.covariance_names])
+        names = tuple(
+            name for name, there in zip(model.covariance_names, known, strict=True) if there
+        )
+        places = np.tile(known, len(speeds))
+        unknown = size - len(names)
+        tested = Spread(
+            names=names,
+            mean=np.array([float(own[name]) for own in given for name in names]),
+            root=root(covariance[np.ix_(places, places)]),
+            origin="the covariance of the model"
+            + (f"; {unknown} derivatives without one do not differ" if unknown else ""),
+            speeds=len(speeds),
+        )
+        return tested if alone is None else tested.beside(alone)
 
     @property
     def covariance(self) -> Array:
@@ -157,152 +279,6 @@ class Draws:
         return rows
 
 
-@overload
-def spread_of(
-    model: Model,
-    speed: float,
-    spread: float | None = None,
-    *,
-    extrapolate: bool = False,
-    fn: Follow = "approach",
-    beside: Sequence[str] = (),
-) -> Spread: ...
-
-
-@overload
-def spread_of(
-    model: Model,
-    speed: float,
-    spread: float | Draws | None,
-    *,
-    extrapolate: bool = False,
-    fn: Follow = "approach",
-    beside: Sequence[str] = (),
-) -> Spread | Draws: ...
-
-
-def spread_of(
-    model: Model,
-    speed: float,
-    spread: float | Draws | None = None,
-    *,
-    extrapolate: bool = False,
-    fn: Follow = "approach",
-    beside: Sequence[str] = (),
-) -> Spread | Draws:
-    """How the derivatives of a model differ between ships at a speed.
-
-    Parameters
-    ----------
-    model : Model
-        With a covariance, or without.
-    speed : float
-        Approach speed [m/s].
-    spread : float or Draws, optional
-        Relative standard deviation of each derivative of hull and added mass, independent, or
-        draws of values; by default the covariance of the model counts. Values of other parts with
-        an uncertainty of their own differ by that, but for draws.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-    fn : {"approach", "instant"}
-        At the approach speed, or at all speeds that the model has values at: a relative standard
-        deviation is then the same share at each, a covariance ties them together as it states.
-    beside : sequence of str
-        What ships differ in beside the values of the model, such as settings of a stop that nobody
-        states: with them a model that says nothing of its uncertainty is one ship.
-
-    Returns
-    -------
-    Spread or Draws
-
-    Raises
-    ------
-    ModelError
-        If the model has no covariance and `spread` is not given, or lacks what was drawn.
-    """
-    if isinstance(spread, Draws):
-        return _fitting(spread, model, speed, extrapolate=extrapolate, fn=fn)
-    speeds = (known_speeds(model, speed) if fn == "instant" else ()) or (speed,)
-    values = [model.values_at(each, extrapolate=extrapolate) for each in speeds]
-    given = [
-        {
-            model.parts[effect].place(name): x
-            for effect, held in own.items()
-            for name, x in held.items()
-        }
-        for own in values
-    ]
-    alone = _of_estimates(model, values)
-    if spread is not None:
-        if not 0.0 < spread < 1.0:
-            raise DataError(f"spread = {spread} must lie between 0 and 1.")
-        names = tuple(
-            name
-            for effect in model.derivative_parts
-            for name in values[0].get(effect, {})
-            if CATALOGUE[effect].parameter(name) is None
-        )
-        means = np.array([[own[name] for name in names] for own in given])
-        asked = Spread(
-            names=names,
-            mean=means.ravel(),
-            root=_alike(means, spread * np.abs(means)),
-            origin=f"{100 * spread:g} % of each derivative, independent",
-            speeds=len(speeds),
-        )
-        return asked if alone is None else asked.beside(alone)
-    if model.covariance is None:
-        if alone is None and beside:
-            nothing = np.zeros((0, 0))
-            return Spread(
-                names=(), mean=np.zeros(0), root=nothing, origin=listed(beside), speeds=len(speeds)
-            )
-        if alone is None:
-            raise ModelError(
-                Problem(
-                    message=f"Model {model.name!r} carries no covariance.",
-                    remedy=Remedy(
-                        "Give the relative standard deviation of its derivatives ({}), or reduce "
-                        "tests to a model.",
-                        (setting("spread", 0.05),),
-                    ),
-                )
-            )
-        return alone
-    froude = [model.ship.froude(each, model.water.g) for each in speeds]
-    weights = [
-        np.array(model.weights(each, extrapolate=extrapolate) if model.Fn else (1.0,))
-        for each in froude
-    ]
-    size, rows = len(model.covariance_names), len(weights[0])
-    full = model.covariance.reshape(rows, size, rows, size)
-    measured = np.nan_to_num(full)
-    covariance = np.block(
-        [[np.einsum("a,aibj,b->ij", one, measured, two) for two in weights] for one in weights]
-    )
-    positive = (np.diagonal(covariance) > 0).reshape(-1, size).all(axis=0)
-    counts = np.any(weights, axis=0)  # what is not known elsewhere does not matter here
-    known = np.isfinite(np.einsum("aiai->ai", full)[counts]).all(axis=0) & positive
-    known &= np.array([name in given[0] for name in model.covariance_names])
-    names = tuple(name for name, there in zip(model.covariance_names, known, strict=True) if there)
-    places = np.tile(known, len(speeds))
-    unknown = size - len(names)
-    tested = Spread(
-        names=names,
-        mean=np.array([float(own[name]) for own in given for name in names]),
-        root=root(covariance[np.ix_(places, places)]),
-        origin="the covariance of the model"
-        + (f"; {unknown} derivatives without one do not differ" if unknown else ""),
-        speeds=len(speeds),
-    )
-    return tested if alone is None else tested.beside(alone)
-
-
-def is_uncertain(model: Model) -> bool:
-    """Whether a model says anything of the uncertainty of its values."""
-    return model.covariance is not None or any(part.std for part in model.parts.values())
-
-
 def in_kind(names: Sequence[str]) -> str:
     """What names are of, in a word: derivatives, or values of a ship where there are others.
 
@@ -314,9 +290,18 @@ def in_kind(names: Sequence[str]) -> str:
     return "derivative" if all(name[0] in "XYNK" for name in names) else "value"
 
 
+def drawn_of(
+    model: Model, speed: float, spread: float | Draws | None = None, **how: Any
+) -> Spread | Draws:
+    """How ships differ: as `Spread.of` says, or by draws that were made."""
+    if isinstance(spread, Draws):
+        return _fitting(spread, model, speed, extrapolate=how["extrapolate"], fn=how["fn"])
+    return Spread.of(model, speed, spread, **how)
+
+
 def _fitting(draws: Draws, model: Model, speed: float, *, extrapolate: bool, fn: Follow) -> Draws:
     """The draws, if the model has all that they are of."""
-    if fn == "instant" and known_speeds(model, speed):
+    if fn == "instant" and model.known_speeds(speed):
         raise DataError("Draws are of one speed: let the derivatives be those of the approach.")
     values = model.values_at(speed, extrapolate=extrapolate)
     there = {model.parts[effect].place(name) for effect, own in values.items() for name in own}

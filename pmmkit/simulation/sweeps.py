@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
@@ -12,14 +12,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.base import DataError, Problem, Remedy, Way, Workers, each, opened
-from pmmkit.conventions import in_lengths, metric_of
+from pmmkit.conventions import metric_of
 from pmmkit.models import Model, load_model
 from pmmkit.simulation.ensemble import monte_carlo
-from pmmkit.simulation.imo.judged import imo_turning
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre
 from pmmkit.simulation.single import simulate
-from pmmkit.simulation.track import Track
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -262,57 +260,3 @@ def _with_unit(over: str, manoeuvre: Manoeuvre) -> dict[str, str]:
         return {}
     units = _UNITS | {setting.name: setting.unit for setting in manoeuvre.settings}
     return {"units": units.get(over, "m/s" if "speed" in over else "deg")}
-
-
-# What is kept of simulated manoeuvres: tables and numbers for files and programs.
-
-
-MOST: Final = 5
-"""Metrics in a table for the screen."""
-
-
-def track_files(track: Track, ending: str = "") -> Iterator[tuple[str, Any]]:
-    """Samples and metrics of a track with the names of their files."""
-    yield f"track{ending}.csv", track.to_csv()
-    yield f"metrics{ending}.json", metrics_of(track)
-
-
-def metrics_of(track: Track) -> dict[str, Any]:
-    """The numbers of a manoeuvre, what they belong to, and the IMO limits beside them.
-
-    Parameters
-    ----------
-    track : Track
-        The manoeuvre.
-    """
-    return {
-        **track.metrics,
-        "name": track.name,
-        "manoeuvre": track.manoeuvre,
-        "rudder_deg": track.rudder_deg,
-        "speed": track.speed,
-        "Fn": track.Fn,
-        "L": track.L,
-        "scale": track.scale,
-        "notes": list(track.notes),
-        "standing": track.standing.to_dict(),
-        "tested_range": track.tested.numbers if track.tested else None,
-        "imo": [verdict.to_dict() for verdict in imo_turning(track)]
-        if track.manoeuvre == "turning"
-        else [],
-    }
-
-
-def told_metrics(sweep: xr.Dataset) -> list[str]:
-    """The metrics worth a column: in ship lengths where they are, without those that stay empty."""
-    names = [str(name) for name in sweep.data_vars if not str(name).endswith(("_low", "_high"))]
-    metrics = [name for name in in_lengths(names) if name not in SHARES]
-    return [name for name in metrics if sweep[name].notnull().any()][:MOST]
-
-
-def told_metric(row: Mapping[str, Any], name: str) -> str:
-    """A metric of a row of a sweep, with its interval where it has one."""
-    text = f"{row[name]:.4g}"
-    if f"{name}_low" not in row:
-        return text
-    return f"{text} ({row[f'{name}_low']:.4g} to {row[f'{name}_high']:.4g})"

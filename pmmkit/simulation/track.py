@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from pmmkit.conventions import IN_LENGTHS, METRICS, Metric, in_lengths, metric_o
 from pmmkit.models import Standing
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, number
+from pmmkit.simulation.kinds.turning import LENGTHS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,21 +24,6 @@ if TYPE_CHECKING:
 
     from pmmkit.simulation.froude import FroudeRange
     from pmmkit.simulation.kinds.manoeuvre import Manoeuvre
-
-CHANNELS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
-    {
-        "x": ("m", "path in the direction of the approach"),
-        "y": ("m", "path to starboard of the approach"),
-        "psi": ("rad", "heading, positive to starboard"),
-        "u": ("m/s", "surge velocity"),
-        "v": ("m/s", "sway velocity, positive to starboard"),
-        "r": ("rad/s", "yaw rate, positive to starboard"),
-        "p": ("rad/s", "roll rate, positive to starboard down"),
-        "phi": ("rad", "heel, positive to starboard down"),
-        "delta": ("rad", "rudder angle, positive turns the ship to starboard"),
-        "n": ("1/s", "propeller revolutions per second"),
-    }
-)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -102,6 +88,28 @@ class Track(Described):
     settings: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     tested: FroudeRange | None = None
     standing: Standing = field(default_factory=Standing)
+    CHANNELS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
+        {
+            "x": ("m", "path in the direction of the approach"),
+            "y": ("m", "path to starboard of the approach"),
+            "psi": ("rad", "heading, positive to starboard"),
+            "u": ("m/s", "surge velocity"),
+            "v": ("m/s", "sway velocity, positive to starboard"),
+            "r": ("rad/s", "yaw rate, positive to starboard"),
+            "p": ("rad/s", "roll rate, positive to starboard down"),
+            "phi": ("rad", "heel, positive to starboard down"),
+            "delta": ("rad", "rudder angle, positive turns the ship to starboard"),
+            "n": ("1/s", "propeller revolutions per second"),
+        }
+    )
+    """Unit of each channel, and what it is."""
+    NO_BOTTOM: ClassVar[str] = (
+        "The model does not feel the bottom: the depth changes nothing without a part "
+        "shallow_water."
+    )
+    NO_WAVES: ClassVar[str] = (
+        "The model does not feel the waves: they change nothing without a part wave_drift."
+    )
 
     def __len__(self) -> int:
         return len(self.t)
@@ -146,8 +154,33 @@ class Track(Described):
             p=self.p / time,
             n=self.n / time,
             orders=tuple(t * time for t in self.orders),
-            metrics=scaled(self.metrics, length, pace),
+            metrics=self.scaled(self.metrics, length, pace),
         )
+
+    @staticmethod
+    def scaled(values: Mapping[str, float], length: float, pace: float) -> Mapping[str, float]:
+        """Numbers of a manoeuvre of which lengths and speeds are so many times as large.
+
+        Examples
+        --------
+        >>> Track.scaled({"advance": 3.0, "advance_L": 3.0, "time_90": 1.0}, 4.0, 2.0)
+        {'advance': 12.0, 'advance_L': 3.0, 'time_90': 2.0}
+        """
+        time = length / pace
+        factors = {"m": length, "s": time, "deg/s": 1.0 / time, "m/s": pace}
+        return {
+            name: x * factors.get(metric_of(name).unit_of(name), 1.0) for name, x in values.items()
+        }
+
+    @property
+    def circle(self) -> dict[str, float]:
+        """The measures of a turning circle in ship lengths, those that there are."""
+        return {name: self.metrics[name] for name in LENGTHS if name in self.metrics}
+
+    @property
+    def unfelt(self) -> tuple[str, ...]:
+        """What of the water was asked for, and changes nothing of such a model."""
+        return tuple(note for note in self.notes if note in (self.NO_BOTTOM, self.NO_WAVES))
 
     def to_xarray(self) -> xr.Dataset:
         """The channels over t, with units, and the metrics as attributes."""
@@ -166,7 +199,7 @@ class Track(Described):
         return xr.Dataset(
             {
                 name: ("t", getattr(self, name), {"units": unit, "long_name": text})
-                for name, (unit, text) in CHANNELS.items()
+                for name, (unit, text) in self.CHANNELS.items()
             },
             coords={"t": ("t", self.t, {"units": "s", "long_name": "time from the rudder order"})},
             attrs=attributes,
@@ -176,12 +209,12 @@ class Track(Described):
         """The channels in columns, t first."""
         import pandas as pd
 
-        return pd.DataFrame({"t": self.t, **{name: getattr(self, name) for name in CHANNELS}})
+        return pd.DataFrame({"t": self.t, **{name: getattr(self, name) for name in self.CHANNELS}})
 
     def to_csv(self) -> str:
         """The channels in columns, t first, with the fewest digits that give the same floats."""
-        columns = [self.t.tolist(), *(getattr(self, name).tolist() for name in CHANNELS)]
-        head = ",".join(["t", *CHANNELS])
+        columns = [self.t.tolist(), *(getattr(self, name).tolist() for name in self.CHANNELS)]
+        head = ",".join(["t", *self.CHANNELS])
         lines = [",".join(map(repr, row)) for row in zip(*columns, strict=True)]
         return "\n".join([head, *lines]) + "\n"
 
@@ -237,7 +270,7 @@ class Track(Described):
 
     def _channels(self) -> Grid:
         rows = []
-        for name, (unit, text) in CHANNELS.items():
+        for name, (unit, text) in self.CHANNELS.items():
             values = getattr(self, name)
             ends = (values[0], values.min(), values.max(), values[-1])
             rows.append([name, unit, *(number(x) for x in ends), text])
@@ -252,19 +285,6 @@ class Track(Described):
             return manoeuvre_of(self.manoeuvre)
         except UnknownNameError:
             return None
-
-
-def scaled(values: Mapping[str, float], length: float, pace: float) -> Mapping[str, float]:
-    """Numbers of a manoeuvre of which lengths and speeds are so many times as large.
-
-    Examples
-    --------
-    >>> scaled({"advance": 3.0, "advance_L": 3.0, "time_90": 1.0}, 4.0, 2.0)
-    {'advance': 12.0, 'advance_L': 3.0, 'time_90': 2.0}
-    """
-    time = length / pace
-    factors = {"m": length, "s": time, "deg/s": 1.0 / time, "m/s": pace}
-    return {name: x * factors.get(metric_of(name).unit_of(name), 1.0) for name, x in values.items()}
 
 
 def _unit(name: str, known: tuple[Metric, ...]) -> str:

@@ -18,6 +18,7 @@ from pmmkit.diagnosis import candidate_of as captive_candidate
 from pmmkit.diagnosis import free_candidate_of as free_candidate
 from pmmkit.diagnosis import standard_tests
 from pmmkit.effects import BY_SPEED, CATALOGUE, EXCITES, OUTSIDE, Effect, over_arrays
+from pmmkit.equations import ACCELERATIONS, GIVEN, Conditions, Prepared, prepare
 from pmmkit.models import (
     Model,
     Part,
@@ -28,7 +29,6 @@ from pmmkit.models import (
     with_effect,
     without_effect,
 )
-from pmmkit.simulation import ACCELERATIONS, GIVEN, Conditions, Prepared, prepare
 from pmmkit.testing.faults import acts_on_records, declared_fault
 
 _FROUDE: Final = 0.142

@@ -11,7 +11,7 @@ import numpy as np
 
 from pmmkit.base import DataError, PmmkitError
 from pmmkit.conventions import IN_LENGTHS, METRICS, Metric, metric_of
-from pmmkit.simulation import CHANNELS, MANOEUVRES, Manoeuvre, Setting, Track, simulate
+from pmmkit.simulation import MANOEUVRES, Manoeuvre, Setting, Track, simulate
 
 UNITS: Final = {"m": "", "s": "", "-": "", "m/s": "", "deg": "_deg", "deg/s": "_deg_s"}
 """Units of metrics, and what then stands in their names."""
@@ -79,8 +79,8 @@ def check_manoeuvre(
 
     Examples
     --------
-    >>> from pmmkit.simulation import manoeuvre_of
-    >>> check_manoeuvre(manoeuvre_of("initial_turning"))
+    >>> from pmmkit.simulation import MANOEUVRES
+    >>> check_manoeuvre(MANOEUVRES["initial_turning"])
     """
     named = f"Manoeuvre {manoeuvre.name!r}"
     _hold(named, [*_faults_of_entry(manoeuvre)])
@@ -221,7 +221,7 @@ def _faults_of_run(
 
     twice = again()
     if dict(twice.metrics) != dict(track.metrics) or not all(
-        np.array_equal(getattr(twice, name), getattr(track, name)) for name in CHANNELS
+        np.array_equal(getattr(twice, name), getattr(track, name)) for name in Track.CHANNELS
     ):
         yield "it is not the same when it is run again"
     yield from _differ(track.metrics, again(compiled=True).metrics, "compiled")

@@ -8,8 +8,7 @@ if TYPE_CHECKING:
     from pmmkit.validation.captive import CaptiveRun, observed
     from pmmkit.validation.comparison import Comparison, compare
     from pmmkit.validation.dataset import errors_in_percent, measures_in_percent
-    from pmmkit.validation.free_running import FreeRun, as_tested
-    from pmmkit.validation.manoeuvre import ManoeuvreComparison
+    from pmmkit.validation.free_running import FreeRun, ManoeuvreComparison, as_tested
     from pmmkit.validation.submission import compare_submission
 
 __all__ = [

@@ -105,13 +105,14 @@ class CaptiveRun:
 
     def uncertainty(self, channel: str) -> Array:
         """Expanded validation uncertainty of each harmonic (k = 2) [N, N m]."""
-        squares = [self.shares[name][channel] ** 2 for name in SHARES]
-        found: Array = COVERAGE * np.sqrt(np.sum(squares, axis=0))
-        return found
+        return self._expanded(channel, SHARES)
 
     def measurement_uncertainty(self, channel: str) -> Array:
         """The measurement's own part of it, U_D: noise, scatter, stated, numerical [N, N m]."""
-        squares = [self.shares[name][channel] ** 2 for name in OF_MEASUREMENT]
+        return self._expanded(channel, OF_MEASUREMENT)
+
+    def _expanded(self, channel: str, shares: Sequence[str]) -> Array:
+        squares = [self.shares[name][channel] ** 2 for name in shares]
         found: Array = COVERAGE * np.sqrt(np.sum(squares, axis=0))
         return found
 

@@ -19,8 +19,7 @@ from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.reduction import FLOOR, View
 from pmmkit.validation.captive import CaptiveRun, compare_captive
 from pmmkit.validation.dataset import of_harmonics, of_samples, rows_of
-from pmmkit.validation.free_running import MOTIONS, FreeRun, compare_free
-from pmmkit.validation.manoeuvre import ManoeuvreComparison
+from pmmkit.validation.free_running import MOTIONS, FreeRun, ManoeuvreComparison, compare_free
 from pmmkit.validation.misfit import (
     STANDS_OUT,
     MisfitCell,
@@ -138,9 +137,7 @@ class Comparison(Described):
             names = (f"{item.trial.run}, measured", f"{item.trial.run}, submitted")
             return trajectory([item.trial.ordered, item.track.ordered], names)
         if self.captive:
-            found = self.cells()
-            titles = {cell.test: TEST_KINDS[cell.test].title for cell in found}
-            return misfit_map(found, titles, order_words)
+            return misfit_map(self.cells())
         worst = self.worst_record()
         title = f"{worst.run.kind_of_test.title} {worst.name}"
         return sailed(title, worst.t, worst.measured, worst.predicted, worst.delta)

@@ -10,8 +10,7 @@ import numpy as np
 from pmmkit.conventions import CHANNEL_UNITS, in_lengths
 from pmmkit.inference import COVERAGE
 from pmmkit.validation.captive import CaptiveRun
-from pmmkit.validation.free_running import FreeRun
-from pmmkit.validation.manoeuvre import ManoeuvreComparison
+from pmmkit.validation.free_running import FreeRun, ManoeuvreComparison
 from pmmkit.validation.uncertainty import OF_MEASUREMENT, SHARES
 
 if TYPE_CHECKING:

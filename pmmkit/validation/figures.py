@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from pmmkit.campaigns import TEST_KINDS
 from pmmkit.numerics import Array
 from pmmkit.plotting import INK, canvas, colour, styled
 from pmmkit.presentation import figure_text
+from pmmkit.validation.misfit import MisfitCell, order_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,33 +25,7 @@ SHADES: Final = ("#f4f4f4", "#e2e6ea", "#fbe3bd", "#f5b971", "#e3871c", "#c0501f
 ENDINGS: Final = {1: "st", 2: "nd", 3: "rd"}
 
 
-class MapCell(Protocol):
-    """What is drawn of a cell of the map."""
-
-    @property
-    def channel(self) -> str:
-        """Force or moment."""
-
-    @property
-    def test(self) -> str:
-        """Kind of test."""
-
-    @property
-    def harmonic(self) -> int:
-        """Order; 0 is the mean."""
-
-    @property
-    def speed(self) -> float:
-        """Of the runs [m/s]."""
-
-    @property
-    def ratio(self) -> float:
-        """Error over its uncertainty."""
-
-
-def misfit_map(
-    cells: Sequence[MapCell], titles: Mapping[str, str], words: Callable[[int], str]
-) -> Figure:
+def misfit_map(cells: Sequence[MisfitCell]) -> Figure:
     """The map of misfit: a panel a channel, test types down, harmonics and speeds across."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
@@ -83,11 +59,11 @@ def misfit_map(
             _write_numbers(axis, values)
             axis.grid(False)
             axis.invert_yaxis()
-            axis.set_yticks(np.arange(len(tests)) + 0.5, [titles[test] for test in tests])
+            axis.set_yticks(np.arange(len(tests)) + 0.5, [TEST_KINDS[test].title for test in tests])
             axis.tick_params(length=0)
             axis.spines[:].set_visible(False)
             axis.set_ylabel(channel, rotation=0, fontsize=13, fontweight="bold", labelpad=12)
-        _name_harmonics(axes[0], [harmonic for harmonic, _ in columns], words)
+        _name_harmonics(axes[0], [harmonic for harmonic, _ in columns])
         for axis in axes:
             _part_harmonics(axis, [harmonic for harmonic, _ in columns])
         axes[-1].set_xticks(
@@ -105,7 +81,7 @@ def misfit_map(
     return figure
 
 
-def _column(cell: MapCell) -> tuple[int, float]:
+def _column(cell: MisfitCell) -> tuple[int, float]:
     """Harmonic and speed to three digits."""
     return cell.harmonic, float(f"{cell.speed:.3g}")
 
@@ -125,10 +101,11 @@ def _write_numbers(axis: Axes, values: Array) -> None:
         )
 
 
-def _name_harmonics(axis: Axes, harmonics: Sequence[int], words: Callable[[int], str]) -> None:
+def _name_harmonics(axis: Axes, harmonics: Sequence[int]) -> None:
     for harmonic in dict.fromkeys(harmonics):
         at = [place for place, other in enumerate(harmonics) if other == harmonic]
-        told = words(harmonic) if len(at) > 4 else words(harmonic).split()[0]
+        words = order_words(harmonic)
+        told = words if len(at) > 4 else words.split()[0]
         if len(at) < 2 < len(harmonics):
             told = f"{harmonic}{ENDINGS.get(harmonic, 'th')}" if harmonic else told
         axis.text(float(np.mean(at)) + 0.5, -0.25, told, ha="center", va="bottom", fontsize=9)

@@ -12,6 +12,7 @@ import numpy as np
 
 from pmmkit.base import DataError, PmmkitError, Progress
 from pmmkit.campaigns import Campaign, Run
+from pmmkit.conventions import metric_of
 from pmmkit.identification import (
     Binding,
     FreeRecord,
@@ -30,10 +31,73 @@ from pmmkit.numerics import Array, rms
 from pmmkit.presentation import WIDE, counted
 from pmmkit.reduction import idle
 from pmmkit.simulation import Manoeuvre as Orders
-from pmmkit.simulation import Track, executed_at, simulate, steering
-from pmmkit.validation.manoeuvre import ManoeuvreComparison
+from pmmkit.simulation import Track, executed_at, simulate
 from pmmkit.validation.prediction import at_the_scale_of
 from pmmkit.validation.statistics import ChannelError
+
+# Manoeuvres beside measured ones: turning circles, zigzags, stops.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ManoeuvreComparison:
+    """One manoeuvre of a trial beside the same one predicted.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    trial : Trial
+        Measured.
+    track : Track
+        Predicted: simulated by a model with the ship's own steering, or the trial of a submission.
+    executed : Track, optional
+        Simulated with each execute of a zigzag at the heading of the run, late as it was.
+    """
+
+    run: Run
+    trial: Trial
+    track: Track
+    executed: Track | None = None
+
+    @property
+    def submitted_run(self) -> str:
+        """Id of the run of a submission; empty of a model."""
+        return self.track.run if isinstance(self.track, Trial) else ""
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row a measure that both have: measured, predicted, error (predicted less measured),
+        expanded uncertainty (of the measured, and of what is submitted)."""
+        found = []
+        for name, measured in self.trial.metrics.items():
+            predicted = self.track.metrics.get(name, math.nan)
+            if math.isnan(measured) or math.isnan(predicted):
+                continue
+            doubt = COVERAGE * math.hypot(self.trial.std.get(name, math.nan), self._std(name))
+            error = predicted - measured
+            late = math.nan if self.executed is None else self.executed.metrics.get(name, math.nan)
+            found.append(
+                {
+                    "run": self.run.id,
+                    "test": self.run.test,
+                    "speed": self.run.settings.speed,
+                    "measure": name,
+                    "unit": metric_of(name).unit_of(name),
+                    "measured": measured,
+                    "predicted": predicted,
+                    "error": error,
+                    "relative": error / measured if measured else math.nan,
+                    "uncertainty": doubt,
+                    "ratio": abs(error) / doubt if doubt else math.nan,
+                    "as_executed": late,
+                    "error_as_executed": late - measured,
+                }
+            )
+        return found
+
+    def _std(self, name: str) -> float:
+        """Standard uncertainty of a predicted measure: a model states none."""
+        return self.track.std.get(name, math.nan) if isinstance(self.track, Trial) else 0.0
+
 
 GEAR: Final = 0.1
 """Share by which a steering gear may differ from the model's before it is said."""
@@ -218,7 +282,7 @@ def _steering_gear(model: Model, manoeuvres: Sequence[ManoeuvreComparison]) -> l
     """What is to be said where the rudder of the records is not as fast as the model's."""
     rates = [item.trial.rudder_rate_deg for item in manoeuvres]
     measured = float(np.median([rate for rate in rates if math.isfinite(rate)] or [math.nan]))
-    own = float(steering(model).get("rate_deg_s", math.nan))
+    own = float(model.steering.get("rate_deg_s", math.nan))
     if not abs(measured / own - 1.0) > GEAR:
         return []
     return [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final
@@ -13,10 +13,10 @@ from pmmkit.base import ModelError
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Ship, Water
 from pmmkit.effects import State
+from pmmkit.equations import prepare
 from pmmkit.models import Model, Part, scaled
 from pmmkit.numerics import Array
 from pmmkit.reduction import View
-from pmmkit.simulation import prepare
 
 Forces = Callable[[State, Array], dict[str, Array]]
 """From the motion of midship and its instants [s] to forces of the water by channel [N, N m]."""
@@ -67,7 +67,7 @@ class Predictor:
         if turning or len(hull) == len(self.model.parts):
             return self._of(set(self.model.parts), speed)
         towed = {name for name in hull if not parts[name].known.steers}
-        if not _asks_for_propeller(parts[name] for name in hull):
+        if not any("n" in parts[x].known.needs for x in hull if parts[x].known.steers):
             return self._of(hull, speed)
         whole, still, bare = (
             self._of(set(self.model.parts), speed),
@@ -102,11 +102,6 @@ def history_of(motion: State) -> dict[str, Array]:
         name: getattr(motion, name)
         for name in ("u", "v", "r", "p", "phi", "udot", "vdot", "rdot", "pdot", "delta")
     } | {"n": motion.rps}
-
-
-def _asks_for_propeller(parts: Iterable[Part]) -> bool:
-    """Whether one of the parts needs the flow behind a propeller."""
-    return any("n" in part.known.needs for part in parts if part.known.steers)
 
 
 def _in_the_air(part: Part) -> bool:

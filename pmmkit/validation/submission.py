@@ -4,22 +4,90 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.base import DataError
-from pmmkit.campaigns import Campaign, Run, TypeB
+from pmmkit.base import DataError, PmmkitError
+from pmmkit.campaigns import TEST_KINDS, Campaign, Run, TypeB
 from pmmkit.conventions import Convention
+from pmmkit.identification import Trial, evaluate_trials
 from pmmkit.numerics import Array
 from pmmkit.reduction import FLOOR, View
 from pmmkit.validation.captive import CaptiveRun, measured_shares, observed
 from pmmkit.validation.comparison import Comparison
-from pmmkit.validation.manoeuvre import ManoeuvreComparison
-from pmmkit.validation.submitted_trials import compare_trials
+from pmmkit.validation.free_running import ManoeuvreComparison
 from pmmkit.validation.uncertainty import Share, scales, sources_of
+
+# Turning circles, zigzags and stops of a submission beside the measured ones.
+
+
+_FROUDE: Final = 0.05
+"""Share by which Froude numbers of the same manoeuvre may differ: approaches are never alike."""
+_ORDER: Final = math.radians(1.0)
+"""Rudder and heading of execute may differ by this."""
+
+
+def compare_trials(
+    submission: Campaign, campaign: Campaign
+) -> tuple[tuple[ManoeuvreComparison, ...], tuple[str, ...]]:
+    """Free-running manoeuvres of one campaign beside those of another, the measurement."""
+    found: list[ManoeuvreComparison] = []
+    alone: list[str] = []
+    notes: list[str] = []
+    for run in campaign:
+        if run.test not in Trial.TESTS:
+            continue
+        other = _same_given(run, campaign, submission)
+        if other is None:
+            alone.append(run.id)
+            continue
+        try:
+            (measured,) = evaluate_trials(campaign, runs=[run.id])
+            (theirs,) = evaluate_trials(submission, runs=[other.id])
+        except PmmkitError as error:
+            notes.append(f"{run.id} is left out: {error}")
+            continue
+        there = theirs.resized(measured.L, measured.speed)
+        found.append(ManoeuvreComparison(run=run, trial=measured, track=there))
+    if not found:
+        raise DataError(
+            [
+                f"No turning circle, zigzag or stop of {submission.title!r} has the orders of one "
+                f"of {campaign.title!r}: nothing can be compared.",
+                *notes,
+            ]
+        )
+    if alone:
+        notes.append(f"Without a counterpart in the submission: {', '.join(alone)}.")
+    return tuple(found), tuple(notes)
+
+
+def _same_given(run: Run, ours: Campaign, theirs: Campaign) -> Run | None:
+    """The run of the submission with the same orders, nearest in speed, of the same id first."""
+    Fn = ours.froude(run)
+    near = [
+        other
+        for other in theirs
+        if other.test == run.test
+        and abs(theirs.froude(other) / Fn - 1.0) <= _FROUDE
+        and all(abs(a - b) <= _ORDER for a, b in zip(_given(run), _given(other), strict=True))
+    ]
+    near.sort(key=lambda other: (other.id != run.id, abs(theirs.froude(other) / Fn - 1.0)))
+    return next(iter(near), None)
+
+
+def _given(run: Run) -> tuple[float, float]:
+    """Rudder and heading of execute [rad], 0 where a test has none."""
+    given = run.settings
+    if not TEST_KINDS[run.test].turns_rudder:
+        return 0.0, 0.0
+    rudder = given.rudder
+    switch = abs(rudder) if given.switch is None else abs(given.switch)
+    return rudder, switch if TEST_KINDS[run.test].switches else 0.0
+
 
 _SAME: Final = 0.01
 """Share by which speeds, frequencies and amplitudes of the same condition may differ."""
@@ -114,16 +182,16 @@ def _compare_runs(
     submission: Campaign, campaign: Campaign, floor: float
 ) -> tuple[tuple[CaptiveRun, ...], tuple[str, ...]]:
     """Captive runs that both have, and what a reader must know."""
-    theirs, ours = _Side.of(submission), _Side.of(campaign)
-    scale = scales(list(ours.views))
+    theirs, ours = observed(submission), observed(campaign)
+    scale = scales(ours)
     found: list[CaptiveRun] = []
     alone: list[str] = []
-    for view in ours.views:
-        other = _counterpart(view, ours, theirs)
+    for view in ours:
+        other = _counterpart(view, campaign, submission, theirs)
         if other is None:
             alone.append(view.run.id)
             continue
-        run = _beside(view, other, ours, theirs, scale, floor)
+        run = _beside(view, other, campaign, submission, scale, floor)
         if run.channels:
             found.append(run)
     if not found:
@@ -134,49 +202,37 @@ def _compare_runs(
     return tuple(found), tuple(_notes(found, alone, submission, campaign))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Side:
-    """A campaign with what its runs say."""
+def _unit(campaign: Campaign, channel: str, view: View) -> float:
+    """½ρL²U² of a run, ½ρL³U² of moments."""
+    return Convention(system="prime").force_unit(
+        channel, ship=campaign.ship, water=campaign.water, U=view.speed
+    )
 
-    campaign: Campaign
-    views: tuple[View, ...]
 
-    @classmethod
-    def of(cls, campaign: Campaign) -> _Side:
-        return cls(campaign=campaign, views=observed(campaign))
+def _condition(campaign: Campaign, run: Run) -> tuple[dict[str, float], dict[str, float]]:
+    """What a run was set to without dimension: sizes, and angles [rad]."""
+    given, ship = run.settings, campaign.ship
+    turned = given.speed / given.radius if given.radius else (given.yaw_rate or 0.0)
+    sizes = {
+        "Fn": campaign.froude(run),
+        "omega": ((given.omega or 0.0) if run.dynamic else 0.0) * ship.L / given.speed,
+        "amplitude": (given.amplitude or 0.0) / ship.L,
+        "yaw rate": turned * ship.L / given.speed,
+    }
+    angles = {name: getattr(given, name) for name in ("drift", "rudder", "heel")}
+    return sizes, {
+        **angles,
+        "yaw": given.yaw_amplitude or 0.0,
+        "rudder swing": given.rudder_amplitude or 0.0,
+    }
 
-    def unit(self, channel: str, view: View) -> float:
-        """½ρL²U² of a run, ½ρL³U² of moments."""
-        own = self.campaign
-        return Convention(system="prime").force_unit(
-            channel, ship=own.ship, water=own.water, U=view.speed
-        )
 
-    def condition(self, run: Run) -> tuple[Mapping[str, float], Mapping[str, float]]:
-        """What a run was set to without dimension: sizes, and angles [rad]."""
-        given, ship = run.settings, self.campaign.ship
-        turned = given.speed / given.radius if given.radius else (given.yaw_rate or 0.0)
-        sizes = {
-            "Fn": self.campaign.froude(run),
-            "omega": ((given.omega or 0.0) if run.dynamic else 0.0) * ship.L / given.speed,
-            "amplitude": (given.amplitude or 0.0) / ship.L,
-            "yaw rate": turned * ship.L / given.speed,
-        }
-        angles = {name: getattr(given, name) for name in ("drift", "rudder", "heel")}
-        return sizes, {
-            **angles,
-            "yaw": given.yaw_amplitude or 0.0,
-            "rudder swing": given.rudder_amplitude or 0.0,
-        }
-
-    def doubts(self, view: View) -> Mapping[str, Share]:
-        """Standard uncertainties of a run's harmonics, from what is known without a model."""
-        sources = [
-            item
-            for item in sources_of(self.campaign, repeated=bool(view.repeated))
-            if _acts_alone(item)
-        ]
-        return measured_shares(view, self.campaign, self.campaign.rig, sources, _still, view.force)
+def _doubts(campaign: Campaign, view: View) -> Mapping[str, Share]:
+    """Standard uncertainties of a run's harmonics, from what is known without a model."""
+    sources = [
+        item for item in sources_of(campaign, repeated=bool(view.repeated)) if _acts_alone(item)
+    ]
+    return measured_shares(view, campaign, campaign.rig, sources, _still, view.force)
 
 
 def _acts_alone(source: TypeB) -> bool:
@@ -189,14 +245,16 @@ def _still(*_: object) -> dict[str, Array]:
     return {}
 
 
-def _counterpart(view: View, ours: _Side, theirs: _Side) -> View | None:
+def _counterpart(
+    view: View, campaign: Campaign, submission: Campaign, theirs: Sequence[View]
+) -> View | None:
     """The run of the submission that a measured run is compared with."""
-    sizes, angles = ours.condition(view.run)
+    sizes, angles = _condition(campaign, view.run)
     near = []
-    for other in theirs.views:
+    for other in theirs:
         if other.run.test != view.run.test:
             continue
-        other_sizes, other_angles = theirs.condition(other.run)
+        other_sizes, other_angles = _condition(submission, other.run)
         if all(
             math.isclose(size, other_sizes[name], rel_tol=_SAME, abs_tol=1e-9)
             for name, size in sizes.items()
@@ -207,15 +265,22 @@ def _counterpart(view: View, ours: _Side, theirs: _Side) -> View | None:
 
 
 def _beside(
-    view: View, other: View, ours: _Side, theirs: _Side, scale: Mapping[str, float], floor: float
+    view: View,
+    other: View,
+    campaign: Campaign,
+    submission: Campaign,
+    scale: Mapping[str, float],
+    floor: float,
 ) -> CaptiveRun:
     """A measured run with the submission's harmonics for its prediction."""
     channels = [name for name in view.force if name in other.force]
     cut = _cut(view, [label in other.labels for label in view.labels], channels)
     places = [other.labels.index(label) for label in cut.labels]
-    factor = {name: ours.unit(name, view) / theirs.unit(name, other) for name in channels}
+    factor = {
+        name: _unit(campaign, name, view) / _unit(submission, name, other) for name in channels
+    }
     predicted = {name: factor[name] * other.force[name][places] for name in channels}
-    own, beside = ours.doubts(cut), theirs.doubts(other)
+    own, beside = _doubts(campaign, cut), _doubts(submission, other)
     submitted = {
         name: factor[name]
         * np.sqrt(np.sum([share[name][places] ** 2 for share in beside.values()], axis=0))
@@ -225,7 +290,7 @@ def _beside(
     basis = cut.basis if cut.kept is None else cut.basis[:, cut.kept]
     return CaptiveRun(
         view=cut,
-        Fn=ours.campaign.froude(view.run),
+        Fn=campaign.froude(view.run),
         predicted=predicted,
         history={name: basis @ x for name, x in predicted.items()},
         shares={**own, "model": submitted, "floor": least},

@@ -18,7 +18,7 @@ from pmmkit.effects import Regressors
 from pmmkit.inference import Propagated, Stencil, std_along
 from pmmkit.numerics import Array
 from pmmkit.reduction import View, altered
-from pmmkit.simulation import Spread, is_uncertain, spread_of
+from pmmkit.simulation import Spread
 from pmmkit.validation.prediction import Forces, Predictor
 from pmmkit.validation.statistics import squares_of
 
@@ -98,9 +98,9 @@ def _less(first: Share, second: Share) -> dict[str, Array]:
 
 def stated_spread(predictor: Predictor, speed: float) -> Spread | None:
     """How the values of a model differ by what it states, at a speed [m/s]; None of nothing."""
-    if not is_uncertain(predictor.model):
+    if not predictor.model.is_uncertain:
         return None
-    return spread_of(predictor.model, speed, extrapolate=predictor.extrapolate)
+    return Spread.of(predictor.model, speed, extrapolate=predictor.extrapolate)
 
 
 def model_share(view: View, predictor: Predictor, known: Spread | None) -> dict[str, Array]:

@@ -26,9 +26,9 @@ from pathlib import Path
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.simulation import Prepared, prepare
-from pmmkit.simulation.equations.layouts import Constant
-from pmmkit.simulation.equations.monomials import FACTOR_PLACES
+from pmmkit.equations import Prepared, prepare
+from pmmkit.equations.layouts import Constant
+from pmmkit.equations.structure import FACTOR_PLACES
 
 SHIP, SPEED, RTOL = "kvlcc2-l7", 1.179, 1e-6
 SOURCE = Path(__file__).with_name("benchmark_turn.c")

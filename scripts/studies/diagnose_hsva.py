@@ -24,11 +24,11 @@ import numpy as np
 import pmmkit as pk
 from pmmkit.campaigns import Run
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
+from pmmkit.equations import prepare, run_plan
 from pmmkit.identification import Prediction, Smoothed, free_records
 from pmmkit.models import Model
 from pmmkit.plotting import style
-from pmmkit.simulation import RTOL, manoeuvre_of, prepare
-from pmmkit.simulation.run import run_plan
+from pmmkit.simulation import MANOEUVRES
 from pmmkit.simulation.single import gear_of, track_of
 from scripts.studies.diagnose_esso_osaka import told
 from scripts.studies.identify_hsva import overshoot_errors
@@ -77,7 +77,7 @@ def as_executed(run: Run, model: Model) -> list[float]:
     count = min(len(levels), 3)
     speed = run.settings.speed
     ready = prepare(model, speed)
-    plan = manoeuvre_of("zigzag").plan(
+    plan = MANOEUVRES["zigzag"].plan(
         speed / ready.L,
         rudder_deg=math.degrees(run.settings.rudder),
         switch_deg=abs(math.degrees(run.settings.switch or 0.0)),
@@ -89,7 +89,7 @@ def as_executed(run: Run, model: Model) -> list[float]:
     )
     plan = replace(plan, phases=phases)
     gear = gear_of(model, plan, speed / ready.L, None, 0.0)
-    track = track_of(model, run_plan(ready, plan, gear, rtol=RTOL, fast=False), None, {})
+    track = track_of(model, run_plan(ready, plan, gear, rtol=ready.RTOL, fast=False), None, {})
     switch = abs(math.degrees(run.settings.switch or 0.0))
     found = [track.metrics[f"overshoot_{i + 1}_deg"] + switch for i in range(count)]
     return [a - math.degrees(b) for a, b in zip(found, peaks, strict=False)]

@@ -12,7 +12,7 @@ import argparse
 import math
 
 import pmmkit as pk
-from pmmkit.simulation import Verdict
+from pmmkit.imo import Verdict
 
 SHIPS = {
     "s175": (11.3, None),

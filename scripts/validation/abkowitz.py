@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from functools import cache
 
+from pmmkit.equations import prepare
 from pmmkit.models import load_model
-from pmmkit.simulation import prepare, stability
+from pmmkit.simulation import stability
 from scripts.validation.published import Published, Values, table
 from scripts.validation.sailed import turns
 

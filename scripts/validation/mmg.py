@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 
+from pmmkit.equations import prepare
 from pmmkit.models import load_model
-from pmmkit.simulation import prepare
 from scripts.validation import measurements
 from scripts.validation.forces import polynomial
 from scripts.validation.published import Published, Values, table

@@ -8,7 +8,7 @@ import pytest
 
 from pmmkit.cli import main
 from pmmkit.conventions import METRICS, in_lengths, metric_of
-from pmmkit.simulation import MANOEUVRES, manoeuvre_of
+from pmmkit.simulation import MANOEUVRES
 
 CASES = {"turning": (), "zigzag": ("--rudder-deg", "10"), "pull_out": ("--rudder-deg", "20")}
 
@@ -22,7 +22,7 @@ def test_a_sweep_has_units_over_its_columns(manoeuvre, tmp_path, capsys):
     columns = dict(re.findall(r"(\w+) \[([^\]]+)\]", head))
     assert columns.pop("speed") == "m/s"
     assert re.sub(r"\w+ \[[^\]]+\]", "", head).split() == ["Fn"]
-    known = manoeuvre_of(manoeuvre).metrics
+    known = MANOEUVRES[manoeuvre].metrics
     assert columns == {name: metric_of(name, known).unit_of(name) for name in columns}
     assert columns
 
@@ -40,7 +40,7 @@ def test_a_simulation_prints_a_unit_with_every_metric(manoeuvre, tmp_path, capsy
     lines = capsys.readouterr().out.splitlines()
     start = lines.index("Metrics") + 2
     rows = [line.split() for line in lines[start : lines.index("", start)]]
-    known = manoeuvre_of(manoeuvre).metrics
+    known = MANOEUVRES[manoeuvre].metrics
     assert {row[0]: row[2] for row in rows} == {
         row[0]: metric_of(row[0], known).unit_of(row[0]) for row in rows
     }

@@ -19,8 +19,8 @@ from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.diagnose import diagnose_captive
 from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.effects import BY_SPEED, Regressors, State
+from pmmkit.equations import prepare
 from pmmkit.models import load_model, model_text
-from pmmkit.simulation import prepare
 
 FROUDE = tuple(speed / (WATER.g * SHIP.L) ** 0.5 for speed in (1.0, 1.5, 2.0))
 PHYSICS = [item for item in captive_candidates((1.0,)) if item.kind == "physics"]

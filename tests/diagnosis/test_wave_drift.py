@@ -18,12 +18,12 @@ from pmmkit.diagnosis.free_running.base import movable
 from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.question import records_of
+from pmmkit.equations import State
 from pmmkit.identification import Binding
 from pmmkit.identification.binding import driven
 from pmmkit.models import Model, Part
 from pmmkit.seakeeping import frequencies
 from pmmkit.seakeeping.second_order.mean_drift import drift_table
-from pmmkit.simulation import State
 from tests.support.few_stations import thinned
 from tests.support.free_tank.campaigns import Setup, write
 from tests.support.free_tank.cases import FLEETS

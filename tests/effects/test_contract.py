@@ -13,8 +13,8 @@ from pmmkit import Effect, Parameter, catalogue, effect, own_effect, register_ef
 from pmmkit.effects import CATALOGUE, Move, Suspect
 from pmmkit.effects.entries import GROUP
 from pmmkit.effects.primitives import fabs, maximum
+from pmmkit.equations import Prepared
 from pmmkit.models import Part, load_model
-from pmmkit.simulation import Prepared
 from pmmkit.testing import effects as contract
 from pmmkit.testing.effects import check_effect
 

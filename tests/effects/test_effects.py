@@ -370,7 +370,7 @@ def test_one_instant_and_whole_histories_have_the_same_forces(effect, data):
 
 @pytest.mark.parametrize("effect", FORCES, ids=lambda effect: effect.name)
 def test_an_effect_gives_what_it_says_and_asks_for_what_is_there(effect):
-    from pmmkit.simulation import GIVEN
+    from pmmkit.equations import GIVEN
 
     signals = {output for other in FORCES for output in other.outputs}
     own = {item.name for item in effect.parameters} | set(effect.options) | set(effect.states)

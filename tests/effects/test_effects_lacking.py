@@ -13,9 +13,9 @@ from scipy.integrate import quad, solve_ivp
 import pmmkit as pk
 from pmmkit.effects.cross_flow import force as crossflow
 from pmmkit.effects.memory import late_cross_flow_force, late_sway_force
+from pmmkit.equations import prepare
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import load_model
-from pmmkit.simulation import prepare
 
 L, U, RHO = 4.0, 1.5, 1000.0
 

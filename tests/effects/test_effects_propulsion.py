@@ -17,8 +17,8 @@ from pmmkit.effects import CATALOGUE, four_quadrant, over_arrays, shaft, waterje
 from pmmkit.effects.cross_flow import strip
 from pmmkit.effects.four_quadrant import b4_70, estimate
 from pmmkit.effects.primitives import interpolate
+from pmmkit.equations import prepare
 from pmmkit.models import Part, load_model
-from pmmkit.simulation import prepare
 
 TIP = 0.7 * math.pi
 SHIP = {"L": 175.0, "B": 25.4, "d": 8.5, "rho": 1025.0}

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from pmmkit.base import DataError
 from pmmkit.effects.shallow_water import factors
 from pmmkit.effects.wind import force
+from pmmkit.equations import prepare
 from pmmkit.models import Part, load_model
-from pmmkit.simulation import prepare, simulate
+from pmmkit.simulation import simulate
 
 CONTAINER = load_model("s175-3dof")
 AREAS = {"AF": 600.0, "AL": 3000.0}

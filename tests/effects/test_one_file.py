@@ -18,10 +18,10 @@ from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.captive.signature import signatures
 from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.effects import CATALOGUE
+from pmmkit.equations import prepare
 from pmmkit.identification import fit_to_forces
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import load_model, scaled
-from pmmkit.simulation import prepare
 from pmmkit.testing.effects import check_effect
 from scripts.documentation.make_docs import effect_page
 

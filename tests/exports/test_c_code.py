@@ -16,7 +16,7 @@ import pytest
 import pmmkit as pk
 from pmmkit import catalogue
 from pmmkit.effects import primitives
-from pmmkit.simulation import prepare
+from pmmkit.equations import prepare
 from pmmkit.syntax import CProgram, Unwritable
 
 COMPILER = shutil.which("cc")

@@ -20,10 +20,10 @@ from small_campaign import write_campaign
 
 import pmmkit as pk
 from pmmkit.base import ModelError, PmmkitError
+from pmmkit.equations import prepare
 from pmmkit.exports.matlab.model import model_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
 from pmmkit.models import Part, Step
-from pmmkit.simulation import prepare
 from pmmkit.syntax import is_matlab_name, matlab_name, plain
 
 SPEEDS = {

@@ -26,11 +26,11 @@ from pmmkit import Effect, Parameter, register_effect
 from pmmkit.base import DataError, ModelError
 from pmmkit.cli import main
 from pmmkit.effects import CATALOGUE
+from pmmkit.equations import prepare
+from pmmkit.equations.layouts import Constant
 from pmmkit.exports.fmu.unit import model_to_fmu
 from pmmkit.exports.fmu.variables import LAG, table_of
 from pmmkit.models import Part, ships
-from pmmkit.simulation import prepare
-from pmmkit.simulation.equations.layouts import Constant
 
 SPEEDS = {"s175": 8.0, "kvlcc2": 7.974, "kvlcc2-l7": 1.179, "mariner": 7.7175, "esso190k": 8.0}
 STATES = ("x", "y", "psi", "u", "v", "r")

@@ -181,7 +181,7 @@ def test_c_gives_what_python_gives(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda x: x.__name__)
 def test_numba_gives_what_python_gives(function):
-    from pmmkit.simulation.equations.compiled_effects import inner, use
+    from pmmkit.equations.compiled_effects import inner, use
 
     made = use(function)
     run = inner(lambda a, b, c: made(a, b, c)[0])

@@ -28,7 +28,7 @@ from pmmkit.reduction import Parts
 from pmmkit.seakeeping import Loading, Operability, RollDamping, superposed
 from pmmkit.seakeeping.explanation import explained
 from pmmkit.seakeeping.measured import MeasuredTransfer, beside
-from pmmkit.simulation import CHANNELS
+from pmmkit.simulation import Track
 from pmmkit.views import form_of_model
 from pmmkit.views.report.captive.document import Chapter, Document, Item
 
@@ -136,7 +136,7 @@ def trial():
         verdicts=(pk.imo_turning(track())[0],),
         wind=Wind(speed=5.0, direction_deg=270.0, spread=1.2),
         notes=("fixes jump",),
-        **dict.fromkeys(("t", *CHANNELS, "x_ground", "y_ground"), path),
+        **dict.fromkeys(("t", *Track.CHANNELS, "x_ground", "y_ground"), path),
     )
 
 

@@ -40,7 +40,9 @@ def write(file, lines):
 def test_the_commands_lead_from_the_files_to_a_turn(
     section, tmp_path, monkeypatch, capsys, undrawn
 ):
-    monkeypatch.setattr("pmmkit.simulation.bands.SHIPS", 8)  # of those drawn: each kept in full
+    monkeypatch.setattr(
+        "pmmkit.simulation.bands.Bands.SHIPS", 8
+    )  # of those drawn: each kept in full
     title = section.partition("\n")[0]
     folder, make = FILES[title]
     make(tmp_path / folder)

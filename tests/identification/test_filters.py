@@ -13,15 +13,15 @@ from scipy.integrate import solve_ivp
 import pmmkit as pk
 from pmmkit import FreeRecord, identify
 from pmmkit.base import DataError, SimulationError
+from pmmkit.equations import InputField, prepare
+from pmmkit.equations.code_generation import ESTIMATING
+from pmmkit.equations.compilation import compiled
+from pmmkit.equations.layouts import Constant
 from pmmkit.identification import Binding, Prior
 from pmmkit.identification.filters import kalman
 from pmmkit.identification.record import sensors_of
 from pmmkit.models import Part, load_model
 from pmmkit.signals import white_noise
-from pmmkit.simulation import InputField, prepare
-from pmmkit.simulation.equations.code_generation import ESTIMATING
-from pmmkit.simulation.equations.compilation import compiled
-from pmmkit.simulation.equations.layouts import Constant
 
 TANKER, SPEED = load_model("kvlcc2-l7"), 1.179
 LINER = load_model("s175")

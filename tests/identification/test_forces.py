@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from pmmkit.base import DataError, UnknownNameError
+from pmmkit.equations import prepare
 from pmmkit.identification import fit_to_forces
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import load_model
-from pmmkit.simulation import prepare
 
 SHIPS = [
     ("s175", 9.0),

@@ -10,11 +10,11 @@ from scipy.linalg import expm
 from scipy.stats import multivariate_normal
 from test_filters import BY_WATER, SPEED
 
+from pmmkit.equations import InputField, prepare
 from pmmkit.identification import Binding
 from pmmkit.identification.filters import process
 from pmmkit.identification.passes import Process, RecordView, passed, state_steps
 from pmmkit.models import load_model
-from pmmkit.simulation import InputField, prepare
 
 STATES = ("x", "y", "psi", "u", "v", "r")
 EVEN = load_model("kvlcc2-l7").with_values("rudder_mmg", gamma_positive=0.5, gamma_negative=0.5)

@@ -11,9 +11,9 @@ from test_filters import FAST, LINER, SENSORS, SPEED, TANKER, sailed
 import pmmkit as pk
 from pmmkit import fit_to_forces
 from pmmkit.base import DataError, SimulationError
+from pmmkit.equations import prepare
 from pmmkit.identification import Prior, Smoothed
 from pmmkit.identification import smoother as smoother_module
-from pmmkit.simulation import prepare
 
 LACKING = TANKER.with_values("hull_polynomial", Yvvv=0.0, Nvvr=0.0, Xuu=-0.012, Xvr=0.0)
 """The tanker with half its resistance and without three terms; the added mass is the same."""

@@ -11,12 +11,13 @@ import pytest
 
 from pmmkit.base import PmmkitError
 from pmmkit.effects import Regressors, State
+from pmmkit.equations import prepare
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.sparse.regression import look_for_collinearity, sparse_regression
 from pmmkit.identification.sparse.request import physics_groups
 from pmmkit.identification.sparse.rows import averaged, equations
 from pmmkit.models import load_model
-from pmmkit.simulation import prepare, simulate
+from pmmkit.simulation import simulate
 
 RHO, L, D = 1000.0, 7.0, 0.46
 AH, XH, XR, LR = 0.312, -0.464, -0.5, -0.71

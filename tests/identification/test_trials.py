@@ -20,7 +20,7 @@ from pmmkit.identification import evaluate_trials
 from pmmkit.identification.trials.circle import fit_circle
 from pmmkit.identification.trials.current import Current, mean_current
 from pmmkit.identification.trials.orders import rudder_orders
-from pmmkit.simulation.machinery import reached
+from pmmkit.imo.verdict import reached
 
 
 def evaluate(run, campaign, *, order=None, current=None):

@@ -7,7 +7,7 @@ import pytest
 import pmmkit as pk
 from pmmkit.models import estimated_model
 from pmmkit.models.particulars import parts_from_particulars
-from pmmkit.simulation import spread_of
+from pmmkit.simulation import Spread
 from scripts.studies.leave_one_ship_out import (
     PARTS,
     RULES,
@@ -60,13 +60,13 @@ def test_a_drawn_propeller_and_rudder_do_not_vary():
     assert not {"area", "eta", "xR"} & set(blade.std)
     whole = {"speed": 9.0, "propeller_diameter": 6.5, "rudder_area": 33.0}
     drawn = estimated_model(SHIP.ship, rudder_aspect=1.8, **whole)
-    names = spread_of(drawn, 9.0).names
+    names = Spread.of(drawn, 9.0).names
     assert not {"propeller.D", "rudder_mmg.area", "rudder_mmg.eta"} & set(names)
-    assert "rudder_mmg.eta" in spread_of(estimated_model(SHIP.ship, **whole), 9.0).names
+    assert "rudder_mmg.eta" in Spread.of(estimated_model(SHIP.ship, **whole), 9.0).names
 
 
 def test_what_nobody_measured_varies():
-    names = set(spread_of(hidden("s175-3dof", PARTS), 9.0).names)
+    names = set(Spread.of(hidden("s175-3dof", PARTS), 9.0).names)
     screw = {"D", "t", "wp", "kt0", "kt1", "C2_positive", "C2_negative"}
     blade = {"area", "lift_slope", "epsilon", "kappa", "gamma_positive", "lR", "tR", "aH", "xH"}
     assert {f"propeller.{name}" for name in screw} <= names
@@ -74,7 +74,7 @@ def test_what_nobody_measured_varies():
 
 
 def test_the_share_of_the_slipstream_and_the_wake_at_the_rudder_make_up_for_each_other():
-    found = spread_of(hidden("s175-3dof", PARTS), 9.0)
+    found = Spread.of(hidden("s175-3dof", PARTS), 9.0)
     one, other = (found.names.index(f"rudder_mmg.{name}") for name in ("epsilon", "kappa"))
     C = found.covariance
     assert C[one, other] / (C[one, one] * C[other, other]) ** 0.5 == pytest.approx(-0.4)

@@ -13,7 +13,7 @@ from pmmkit.models import model_text, with_part_of, with_stated
 from pmmkit.models.particulars import parts_from_particulars
 from pmmkit.models.store import model_from
 from pmmkit.presentation import WIDE
-from pmmkit.simulation import spread_of
+from pmmkit.simulation import Spread
 
 
 def test_a_stated_derivative_leaves_the_covariance():
@@ -96,7 +96,7 @@ def test_the_covariance_holds_values_of_any_part(tmp_path):
     twice = pk.scaled(model, 2.0 * ship.ship.L)
     assert twice.std["rudder_mmg.area"] == (pytest.approx(4e-3),)
     assert twice.std["rudder_mmg.aH"] == (pytest.approx(0.1),)
-    drawn = spread_of(model, 1.179)
+    drawn = Spread.of(model, 1.179)
     assert drawn.names == names
     assert drawn.mean[1] == ship.parts["rudder_mmg"].values["aH"]
     np.testing.assert_allclose(drawn.covariance, model.covariance, atol=1e-12)

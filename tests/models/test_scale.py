@@ -8,9 +8,10 @@ import pytest
 
 from pmmkit.base import MissingPartError, ModelError
 from pmmkit.conventions import Water
+from pmmkit.imo import imo_verdicts
 from pmmkit.models import full_scale, load_model, save_model, scaled
 from pmmkit.models.empirical import form_factor, wetted_surface
-from pmmkit.simulation import imo_verdicts, simulate
+from pmmkit.simulation import simulate
 
 MODEL = load_model("kvlcc2-l7")
 SPEED, LENGTH, WETTED, K = 7.97, 320.0, 27194.0, 0.2

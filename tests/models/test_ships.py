@@ -5,10 +5,11 @@ from __future__ import annotations
 import pytest
 
 from pmmkit.base import ModelError, UnknownNameError
+from pmmkit.equations import prepare
 from pmmkit.files import read_toml
 from pmmkit.models import load_model, load_ship, model_text, ships
 from pmmkit.models.library import SHIPS
-from pmmkit.simulation import prepare, simulate
+from pmmkit.simulation import simulate
 
 RHO, L = 1025.0, 175.0
 

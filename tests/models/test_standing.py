@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 import pmmkit as pk
 from pmmkit.cli import main
+from pmmkit.imo import imo_turning, metrics_of
 from pmmkit.models import Standing, with_part_of
 from pmmkit.models.estimates import COUPLINGS
 from pmmkit.models.particulars import parts_from_particulars
-from pmmkit.simulation import imo_turning, metrics_of
 
 SHIP = pk.load_model("s175-3dof")
 

@@ -10,12 +10,12 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.base import ModelError, NotUsableError
+from pmmkit.imo import imo_turning
 from pmmkit.inference import RunEffects
 from pmmkit.models import from_values, read_table, write_table
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.between_runs import BetweenRuns
 from pmmkit.reduction.verdict import _far, _massless, _scattered
-from pmmkit.simulation import imo_turning
 from tests.support.small_campaign import write_campaign
 
 ODD = "PS_U1_a0.3"

@@ -24,11 +24,7 @@ from pmmkit.seakeeping import (
 )
 from pmmkit.seakeeping.operating_limits import LIMITS
 from pmmkit.seakeeping.responses import incidence_in_waves, moments
-from pmmkit.seakeeping.second_order.empirical_resistance import (
-    ResistanceParticulars,
-    snnm,
-    stawave2,
-)
+from pmmkit.seakeeping.second_order.added_resistance import ResistanceParticulars, snnm, stawave2
 from pmmkit.seakeeping.second_order.mean_drift import (
     drift,
     drift_table,

@@ -9,8 +9,8 @@ import pytest
 import pmmkit as pk
 from pmmkit.base import DataError, ModelError
 from pmmkit.conventions import Convention, Ship, Water
+from pmmkit.equations import prepare
 from pmmkit.models import Model, Part, held_straight
-from pmmkit.simulation import prepare
 from pmmkit.simulation.ensemble import batch_of
 
 L, MASS, RHO = 50.0, 4.0e5, 1025.0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pmmkit.models import load_model
-from pmmkit.simulation import bands_of, monte_carlo, sensitivities, simulate, spread_of
+from pmmkit.simulation import Bands, Spread, monte_carlo, sensitivities, simulate
 
 SHIP = load_model("s175-3dof")
 RUDDER = SHIP.parts["rudder_mmg"]
@@ -69,7 +69,7 @@ def test_revolutions_astern_that_nobody_states_are_a_cause_of_a_stop():
 def test_the_ships_of_a_band_are_those_of_monte_carlo_in_a_stop_too():
     """Same seed, same ships: they differ in the revolutions astern as well as in what is drawn."""
     n = {"n": 20, "seed": 3, **STOP}
-    band, many = bands_of("kvlcc2", "stopping", **n), monte_carlo("kvlcc2", "stopping", **n)
+    band, many = Bands.of("kvlcc2", "stopping", **n), monte_carlo("kvlcc2", "stopping", **n)
     for name, ends in band.measures.items():
         assert ends == pytest.approx(many.interval(name), rel=1e-5, abs=1e-9), name
 
@@ -80,7 +80,7 @@ def test_a_derivative_is_drawn_where_it_is_known_whatever_is_not_known_at_other_
         covariance=np.diag([1e-4, 4e-4, 1e-4, np.nan]) ** 2,
         covariance_names=("Nr", "Nv"),
     )
-    names = {Fn: spread_of(two, two.ship.speed(Fn, two.water.g)).names for Fn in (0.15, 0.2)}
+    names = {Fn: Spread.of(two, two.ship.speed(Fn, two.water.g)).names for Fn in (0.15, 0.2)}
     assert names == {0.15: ("Nr", "Nv"), 0.2: ("Nr",)}
 
 
@@ -88,7 +88,7 @@ def test_values_of_parts_keep_their_sign_in_all_that_is_drawn():
     wide = MEASURED.with_(
         parts={**SHIP.parts, "rudder_mmg": replace(RUDDER, std={"aH": 0.8 * RUDDER.values["aH"]})}
     )
-    drawn = spread_of(wide, 9.0)
+    drawn = Spread.of(wide, 9.0)
     for law in (drawn, drawn.independent):
         values = law.of_normal(np.linspace(-4, 4, 9)[:, None] * np.ones(3))
         assert (values[:, 2] > 0.0).all()

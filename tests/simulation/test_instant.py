@@ -15,18 +15,10 @@ from support.commands import said
 
 from pmmkit.base import DataError, ModelError
 from pmmkit.conventions import Convention
+from pmmkit.equations import prepare, prepare_following
+from pmmkit.imo import imo_verdicts
 from pmmkit.models import Model, Part, from_values, interpolate, load_model, save_model
-from pmmkit.simulation import (
-    froude_sweep,
-    imo_verdicts,
-    monte_carlo,
-    prepare,
-    sensitivities,
-    simulate,
-    sobol,
-    spread_of,
-)
-from pmmkit.simulation.equations.following import prepare_following
+from pmmkit.simulation import Spread, froude_sweep, monte_carlo, sensitivities, simulate, sobol
 
 BASE = load_model("s175-3dof")
 FN = (0.12, 0.16, 0.22)
@@ -315,7 +307,7 @@ TWO = with_rows(1.1, 0.85).with_(
 
 
 def test_ships_that_follow_are_drawn_with_the_covariance_between_froude_numbers():
-    drawn = spread_of(TWO, 6.0, fn="instant")
+    drawn = Spread.of(TWO, 6.0, fn="instant")
     assert (drawn.names, drawn.speeds) == (("Yv", "Nr"), 2)
     np.testing.assert_allclose(drawn.covariance, TWO.covariance, rtol=1e-12, atol=1e-22)
     hull = TWO.parts["hull_polynomial"].values
@@ -324,11 +316,11 @@ def test_ships_that_follow_are_drawn_with_the_covariance_between_froude_numbers(
     )
     weights = np.array(TWO.weights(TWO.ship.froude(6.0)))
     at_approach = np.einsum("a,aibj,b", weights, TWO.covariance.reshape(2, 2, 2, 2), weights)
-    np.testing.assert_allclose(spread_of(TWO, 6.0).covariance, at_approach, rtol=1e-12)
+    np.testing.assert_allclose(Spread.of(TWO, 6.0).covariance, at_approach, rtol=1e-12)
 
 
 def test_a_relative_spread_is_the_same_share_at_every_speed():
-    drawn = spread_of(THREE, 7.0, 0.05, fn="instant")
+    drawn = Spread.of(THREE, 7.0, 0.05, fn="instant")
     ships = drawn.draw(1, 0, 5).reshape(5, 3, len(drawn.names))
     share = ships / drawn.mean.reshape(3, -1)
     np.testing.assert_allclose(share, np.broadcast_to(share[:, :1], share.shape), rtol=1e-12)
@@ -338,7 +330,7 @@ def test_a_relative_spread_is_the_same_share_at_every_speed():
 def test_the_estimates_of_other_parts_stand_beside_the_covariance_at_every_speed():
     propeller = replace(TWO.parts["propeller"], std={"wp": 0.02, "kt0": 0.01})
     model = TWO.with_(parts={**TWO.parts, "propeller": propeller})
-    drawn = spread_of(model, 6.0, fn="instant")
+    drawn = Spread.of(model, 6.0, fn="instant")
     assert drawn.names == ("Yv", "Nr", "propeller.wp", "propeller.kt0")
     means = drawn.mean.reshape(2, 4)
     np.testing.assert_allclose(means[:, 2], propeller.values["wp"])
@@ -355,7 +347,7 @@ def test_a_drawn_ship_is_the_model_with_its_values():
     nominal = sail(TWO, speed=speed, fn="instant")
     assert many.tested.below == pytest.approx(nominal.tested.below)
     assert many.tested.words in str(many)
-    drawn = spread_of(TWO, speed, fn="instant").draw(4, 0, 8).reshape(8, 2, 2)
+    drawn = Spread.of(TWO, speed, fn="instant").draw(4, 0, 8).reshape(8, 2, 2)
     for metric, value in nominal.metrics.items():
         assert many.nominal[metric] == pytest.approx(value, rel=1e-9)
     for ship in (0, 5):
@@ -381,7 +373,7 @@ def test_a_ship_without_a_positive_mass_matrix_below_is_counted_as_failed():
     assert monte_carlo(loose, speed=6.2, n=40, fn="instant").failed == 0
     wild = loose.with_(covariance=(1e3 * std) ** 2)
     many = monte_carlo(wild, speed=6.2, n=40, fn="instant")
-    drawn = spread_of(wild, 6.2, fn="instant").draw(0, 0, 40)[:, 0]
+    drawn = Spread.of(wild, 6.2, fn="instant").draw(0, 0, 40)[:, 0]
     unit = 0.5 * TWO.water.rho * TWO.ship.L**5
     hopeless = TWO.ship.Izz - drawn * unit < 0.0
     assert np.isnan(many.metrics["steady_diameter"][hopeless]).all()

@@ -15,10 +15,11 @@ import pmmkit as pk
 from pmmkit.base import DataError
 from pmmkit.conventions import criteria
 from pmmkit.effects.four_quadrant import b4_70
+from pmmkit.imo import FullAstern, judged
+from pmmkit.imo.verdict import reached
 from pmmkit.models import Part, of_a_model
 from pmmkit.simulation import machinery
-from pmmkit.simulation.imo import judged
-from pmmkit.simulation.machinery import ENGINE, FullAstern, as_it_reverses, reached, torque_of
+from pmmkit.simulation.machinery import ENGINE, as_it_reverses, torque_of
 
 SPEED = 7.97
 PITCH = 0.721
@@ -156,7 +157,7 @@ def test_a_torque_that_is_not_known_cannot_be_limited():
     with pytest.raises(DataError, match=r"has a part shaft_lag, which says how its engine"):
         stop("esso190k", torque=0.8)
     with pytest.raises(DataError, match="does not know the torque"):
-        torque_of(pk.load_model("kvlcc2"), SPEED)
+        machinery._with_engine(pk.load_model("kvlcc2"), SPEED, 0.8, False, False)
 
 
 # An engine that nobody states

@@ -14,19 +14,17 @@ import pytest
 
 from pmmkit.base import DataError, UnknownNameError
 from pmmkit.conventions import METRICS, Criterion, Metric, criteria, metric_of, metrics_named
+from pmmkit.equations import Ask, End, Phase, Plan, Probe
 from pmmkit.simulation import (
     MANOEUVRES,
     Manoeuvre,
     Setting,
-    manoeuvre_of,
     monte_carlo,
     sensitivities,
     simulate,
     sweep,
 )
-from pmmkit.simulation.equations.layouts import Ask, End
 from pmmkit.simulation.kinds.manoeuvre import rudder_setting
-from pmmkit.simulation.plan import Phase, Plan, Probe
 from pmmkit.testing.manoeuvres import check_manoeuvre, check_metric
 
 SMALLER = {"spiral": {"rudder_deg": 10.0, "step_deg": 5.0}}
@@ -36,7 +34,7 @@ SMALLER = {"spiral": {"rudder_deg": 10.0, "step_deg": 5.0}}
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MANOEUVRES)
 def test_every_manoeuvre_holds_its_contract(name):
-    check_manoeuvre(manoeuvre_of(name), **SMALLER.get(name, {}))
+    check_manoeuvre(MANOEUVRES[name], **SMALLER.get(name, {}))
 
 
 @pytest.mark.parametrize("metric", METRICS.values(), ids=lambda metric: metric.name)

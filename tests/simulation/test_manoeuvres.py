@@ -10,8 +10,9 @@ from scipy.integrate import quad, solve_ivp
 from scipy.interpolate import CubicSpline
 
 from pmmkit.base import DataError, PmmkitError, UnknownNameError
+from pmmkit.equations import prepare
 from pmmkit.models import Part, load_model, scaled
-from pmmkit.simulation import MANOEUVRES, prepare, simulate, spiral_curve, stability
+from pmmkit.simulation import MANOEUVRES, simulate, spiral_curve, stability
 from pmmkit.simulation.machinery import as_it_reverses
 
 SHIP = load_model("s175-3dof")

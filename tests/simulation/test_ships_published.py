@@ -12,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit import stability
+from pmmkit.equations import Conditions, prepare
 from pmmkit.models import load_model
-from pmmkit.simulation import Conditions, prepare, simulate
+from pmmkit.simulation import simulate
 
 MARINER_SPEED, TANKER_SPEED = 7.7175, 8.23
 

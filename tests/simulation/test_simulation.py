@@ -20,11 +20,11 @@ from pmmkit.base import (
     UnknownNameError,
 )
 from pmmkit.conventions import Convention
+from pmmkit.equations import Gear, ProbeResults, prepare, run_plan
+from pmmkit.equations.integrator import control, corner
+from pmmkit.imo import imo_turning
 from pmmkit.models import from_values, load_model, scaled, to_model
-from pmmkit.simulation import froude_sweep, imo_turning, manoeuvre_of, prepare, simulate
-from pmmkit.simulation.equations.integrator import control, corner
-from pmmkit.simulation.plan import ProbeResults
-from pmmkit.simulation.run import Gear, run_plan
+from pmmkit.simulation import MANOEUVRES, froude_sweep, simulate
 
 THREE, FOUR = load_model("s175-3dof"), load_model("s175")
 LENGTHS = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
@@ -271,7 +271,7 @@ def test_metrics_of_a_true_circle(monkeypatch, side):
         out[:] = [speed * math.cos(way), speed * math.sin(way), side * turn, 0.0, 0.0, 0.0]
 
     monkeypatch.setattr(ready.functions(), "rates", rates)
-    plan = manoeuvre_of("turning").plan(speed / ready.L, rudder_deg=side * 35.0)
+    plan = MANOEUVRES["turning"].plan(speed / ready.L, rudder_deg=side * 35.0)
     found = plan.metrics_of(
         run_plan(
             ready, plan, Gear(rudder_rate=0.1), rtol=1e-11, fast=False, revolutions=1.0
@@ -289,7 +289,7 @@ def test_metrics_of_a_true_circle(monkeypatch, side):
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_metrics_of_a_steady_turn(side):
     drift, turn = 0.2, 0.02
-    plan = manoeuvre_of("turning").plan(0.05, rudder_deg=side * 35.0)
+    plan = MANOEUVRES["turning"].plan(0.05, rudder_deg=side * 35.0)
     state = [0.0, 0.0, 0.0, 8 * math.cos(drift), -side * 8 * math.sin(drift), side * turn]
     results = ProbeResults(
         places=plan.places,

@@ -10,8 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
+from pmmkit.equations import prepare
 from pmmkit.models import load_model
-from pmmkit.simulation import prepare, simulate, spiral_curve, stability
+from pmmkit.simulation import simulate, spiral_curve, stability
 
 SMOOTH = {"s175-3dof": 7.0, "s175": 9.0, "mariner": 7.7175, "esso190k": 8.23}
 """Ships whose equations have derivatives at straight running."""

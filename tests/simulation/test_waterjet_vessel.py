@@ -7,8 +7,8 @@ import math
 import pytest
 
 import pmmkit as pk
+from pmmkit.equations import prepare
 from pmmkit.models.provenance import GUESSED
-from pmmkit.simulation import prepare
 from scripts.studies.patrol_vessel import NAME, STOPPING_SPEED, TURNING_SPEED
 
 VESSEL = pk.load_model(NAME)

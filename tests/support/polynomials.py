@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from pmmkit.simulation.equations.monomials import FACTOR_PLACES, polynomial
+from pmmkit.equations.structure import FACTOR_PLACES, polynomial
 
 
 def polynomial_forces(values, motion, *, ship, water, convention, approach):

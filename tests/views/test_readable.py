@@ -22,7 +22,7 @@ from pmmkit.plotting.time_series import histories, zigzag
 from pmmkit.plotting.turns import turn_histories
 from pmmkit.presentation import Section
 from pmmkit.reduction.figures import left_by_the_fit
-from pmmkit.simulation import bands_of
+from pmmkit.simulation import Bands
 from pmmkit.simulation.figures import importance
 from pmmkit.views import window_figure
 from pmmkit.views.figures.captions import seen
@@ -311,7 +311,7 @@ def test_who_is_farthest_in_a_forest_is_said(table):
 
 @pytest.fixture(scope="module")
 def bands():
-    return bands_of(
+    return Bands.of(
         "kvlcc2-l7", speed=1.179, rudder_deg=35, n=40, spread=0.05, seed=1, compiled=False
     )
 
@@ -337,11 +337,11 @@ def test_the_band_of_the_path_is_as_wide_as_the_measures_spread(bands):
 
 @pytest.mark.slow
 def test_wider_spread_gives_a_wider_band_and_the_same_seed_the_same(bands):
-    again = bands_of(
+    again = Bands.of(
         "kvlcc2-l7", speed=1.179, rudder_deg=35, n=40, spread=0.05, seed=1, compiled=False
     )
     np.testing.assert_array_equal(again.inner, bands.inner)
-    narrow = bands_of(
+    narrow = Bands.of(
         "kvlcc2-l7", speed=1.179, rudder_deg=35, n=40, spread=0.01, seed=1, compiled=False
     )
     size = [np.linalg.norm(item.outer - item.inner, axis=1).mean() for item in (narrow, bands)]

@@ -12,7 +12,7 @@ import pmmkit as pk
 from pmmkit import Run
 from pmmkit.campaigns import Settings
 from pmmkit.identification import Prior
-from pmmkit.simulation import bands_of
+from pmmkit.simulation import Bands
 from pmmkit.validation import FreeRun
 from pmmkit.views import page_of
 from pmmkit.views.pages.records import record_page
@@ -103,7 +103,7 @@ def test_the_ships_that_records_accept_are_the_sets_that_were_named(session, fou
     for part, own in found.model.parts.items():
         assert ship.parts[part].values == pytest.approx(own.values), part
     assert {"Y0", "N0"} <= set(ship.covariance_names)
-    band = bands_of(SHIP, rudder_deg=35, speed=SPEED, n=8, compiled=False, among=[(ship, odds)])
+    band = Bands.of(SHIP, rudder_deg=35, speed=SPEED, n=8, compiled=False, among=[(ship, odds)])
     there = pk.simulate(ship, rudder_deg=35, speed=SPEED, compiled=False)
     low, high = band.measures["tactical_diameter_L"]
     assert low < there.metrics["tactical_diameter_L"] < high

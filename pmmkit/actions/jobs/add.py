@@ -113,7 +113,7 @@ def add(job: AddSettings) -> Outcome:
         "errors": fall.to_pandas().to_dict("records") if fall else [],
         "held_out": {name: dict(row) for name, row in held_out.items()},
         "useless": list(fall.useless) if fall else [],
-        "turning": {name: _lengths(track) for name, track in turns.items()},
+        "turning": {name: track.circle for name, track in turns.items()},
         "standing": turns["after"].standing.to_dict() if turns else None,
         "notes": list(after.notes),
         "history": list(after.history),
@@ -183,13 +183,6 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, Track]:
     return found
 
 
-def _lengths(track: Track) -> dict[str, float]:
-    """The measures of a turning circle in ship lengths."""
-    from pmmkit.simulation import LENGTHS
-
-    return {key: track.metrics[key] for key in LENGTHS if key in track.metrics}
-
-
 def _words(
     fall: Fall | None, taken: str, rolled: Sequence[str], turns: Mapping[str, Track]
 ) -> list[str]:
@@ -200,7 +193,7 @@ def _words(
     lines += [str(fall)] if fall else []
     if turns:
         lines += ["", f"Turning circle, rudder {HARD_OVER:g}°, in ship lengths:"]
-        measured = {name: _lengths(track) for name, track in turns.items()}
+        measured = {name: track.circle for name, track in turns.items()}
         names = list(measured["after"])
         lines.append(
             aligned(

@@ -16,7 +16,7 @@ from pmmkit.presentation import counted, text_of
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pmmkit.simulation import Verdict
+    from pmmkit.imo import Verdict
 
 EXAMPLE: Final = "pmmkit imo kvlcc2 --speed 8 --spread 0.05"
 
@@ -57,8 +57,8 @@ class ImoSettings:
 
 def imo(job: ImoSettings) -> Outcome:
     """Do what is asked."""
+    from pmmkit.imo import imo_verdicts, verdict_sections
     from pmmkit.models import load_model
-    from pmmkit.simulation import imo_verdicts, verdict_sections
     from pmmkit.views import form_of_model, read_stated
 
     folder = results_folder(job.out, f"{stem(job.model)}-imo")

@@ -343,7 +343,6 @@ def headline(table: DerivativeTable, beside: ReferenceTable | None) -> str:
 def turn_table(turns: Turns) -> str:
     """The measures of the turning circle in plain text."""
     from pmmkit.presentation import fixed, percent
-    from pmmkit.simulation import LENGTHS
 
     moved = turns.changes
     rows = [
@@ -352,7 +351,7 @@ def turn_table(turns: Turns) -> str:
             *(fixed(track.metrics[name], 3) for track in turns.tracks),
             *([percent(moved[name])] if moved else []),
         ]
-        for name in LENGTHS
+        for name in turns.tracks[0].circle
     ]
     head = ["", *(f"Fn {track.Fn:.3f}" for track in turns.tracks)]
     return aligned([*head, "change"] if moved else head, rows)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 from pmmkit.actions.outcome import Outcome, marked, written
 from pmmkit.actions.places import figure_files, results_folder
@@ -93,8 +93,9 @@ class SimulateSettings:
 
 def simulate(job: SimulateSettings) -> Outcome:
     """Do what is asked."""
+    from pmmkit.imo import imo_turning, metrics_of, verdict_sections
     from pmmkit.models import load_model
-    from pmmkit.simulation import imo_turning, metrics_of, simulate, track_files, verdict_sections
+    from pmmkit.simulation import simulate
 
     folder = results_folder(job.out, f"{stem(job.model)}-{job.manoeuvre}")
     loaded = load_model(job.model)
@@ -112,7 +113,8 @@ def simulate(job: SimulateSettings) -> Outcome:
         **vars(job.conditions),
         **job.orders.given(),
     )
-    results, drawn = list(track_files(track)), track.figures() if job.figures else {}
+    metrics, drawn = metrics_of(track), track.figures() if job.figures else {}
+    results: list[tuple[str, Any]] = [("track.csv", track.to_csv()), ("metrics.json", metrics)]
     moved = None
     if job.waves.wave_motion and sea is not None:
         moved = first_order(track, rough, sea, job.model, job.waves.waves_from_deg, job.waves.seed)
@@ -126,4 +128,4 @@ def simulate(job: SimulateSettings) -> Outcome:
         judged.append("note: The standard asks for a calm; these numbers are those in waves.")
     told = [*new_notes(rough, loaded), "", *([str(moved), ""] if moved else [])]
     lines = [str(track), "", *(told if sea else []), *judged]
-    return marked(written(folder, results, metrics_of(track), lines), loaded)
+    return marked(written(folder, results, metrics, lines), loaded)

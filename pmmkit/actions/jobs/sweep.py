@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.actions.depths import swept_over_depth
+from pmmkit.actions.depths import swept_over_depth, told_metric, told_metrics
 from pmmkit.actions.outcome import Outcome, marked, written
 from pmmkit.actions.places import results_folder
 from pmmkit.actions.setting import SettingError, setting, settings
@@ -66,7 +66,7 @@ def sweep(job: SweepSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.models import Standing, load_model
     from pmmkit.plotting import save
-    from pmmkit.simulation import SHARES, froude_sweep, metrics_over, told_metric, told_metrics
+    from pmmkit.simulation import SHARES, froude_sweep, metrics_over
     from pmmkit.simulation import sweep as sweep_sweeps
 
     typed = None if job.speeds is None else typed_list(job.speeds)
@@ -124,9 +124,9 @@ def _heads(
 ) -> list[str]:
     """Names of the columns, with their units."""
     from pmmkit.conventions import metric_of
-    from pmmkit.simulation import manoeuvre_of
+    from pmmkit.simulation import MANOEUVRES
 
-    known = manoeuvre_of(manoeuvre).metrics
+    known = MANOEUVRES[manoeuvre].metrics
     units = {name: found[name].attrs.get("units", "") for name in coordinates}
     units |= {name: metric_of(name, known).unit_of(name) for name in metrics}
     return [f"{name} [{unit}]" if unit else name for name, unit in units.items()]

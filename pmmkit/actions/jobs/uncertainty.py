@@ -54,7 +54,7 @@ def uncertainty(job: UncertaintySettings) -> Outcome:
     from pmmkit.conventions import main_of
     from pmmkit.models import load_model
     from pmmkit.plotting import save
-    from pmmkit.simulation import SHIPS, SHOWN, bands_of, monte_carlo, sensitivities
+    from pmmkit.simulation import Bands, monte_carlo, sensitivities
 
     folder = results_folder(job.out, f"{stem(job.model)}-uncertainty")
     loaded = load_model(job.model)
@@ -84,7 +84,7 @@ def uncertainty(job: UncertaintySettings) -> Outcome:
         )
     found = sensitivities(loaded, job.manoeuvre, **settings)
     bands = replace(
-        bands_of(loaded, job.manoeuvre, n=min(job.ships, SHIPS), seed=job.seed, **settings),
+        Bands.of(loaded, job.manoeuvre, n=min(job.ships, Bands.SHIPS), seed=job.seed, **settings),
         measures={name: many.interval(name) for name in many.metrics},
     )
     summary, causes = many.summary(), found.table(chosen)
@@ -92,7 +92,7 @@ def uncertainty(job: UncertaintySettings) -> Outcome:
     results = [
         ("metrics.csv", summary.to_csv),
         ("causes.csv", causes.to_csv),
-        ("distributions.svg", partial(save, many.plot(drawn[:SHOWN]))),
+        ("distributions.svg", partial(save, many.plot(drawn[: many.SHOWN]))),
         ("causes.svg", partial(save, found.plot(chosen))),
         *figure_files(bands.figures()),
     ]

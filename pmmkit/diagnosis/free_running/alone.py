@@ -13,8 +13,8 @@ from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import probable
 from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted, unimportant
 from pmmkit.diagnosis.free_running.windows import joined, sailed, shown
+from pmmkit.equations import State
 from pmmkit.numerics import Array
-from pmmkit.simulation import State
 
 MOTION: Final = ("x", "y", "psi", "u", "v", "r")
 """What is told of a path: places [m], heading [rad], velocities [m/s], yaw rate [rad/s]."""

@@ -26,10 +26,10 @@ from pmmkit.diagnosis.free_running.windows import (
     sailed,
     stretches_of,
 )
+from pmmkit.equations import State
 from pmmkit.identification import FreeRecord, free_records
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import State
 
 PACE: Final = 0.04
 """Time between the instants of a record in ship lengths over the speed; finer ones are averaged."""

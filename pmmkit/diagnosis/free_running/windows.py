@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.effects import CURRENT, OUTSIDE
+from pmmkit.equations import InputField, State
 from pmmkit.identification import Binding, FreeRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import InputField, State
 
 WINDOW: Final = 5.0
 """Length of a window in ship lengths over the speed."""

@@ -13,7 +13,6 @@ from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, Run, Settings, TestKind, brought
 from pmmkit.conventions import Ship, Water
 from pmmkit.models import Model
-from pmmkit.simulation import steering
 
 if TYPE_CHECKING:
     from pmmkit.identification import FreeRecord
@@ -276,7 +275,7 @@ class Limits:
         covered = len(model.Fn) < 2 or model.ship.froude(slow, model.water.g) >= min(model.Fn)
         if len(speeds) == 1 and covered:
             speeds = [slow, *speeds]
-        largest = min(steering(model).get("max_deg", RUDDER), RUDDER)
+        largest = min(model.steering.get("max_deg", RUDDER), RUDDER)
         return cls(speeds=tuple(speeds), rudder=math.radians(largest))
 
     def with_(self, **changes: Any) -> Limits:

@@ -10,9 +10,9 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.base import __version__
+from pmmkit.equations import Prepared
 from pmmkit.exports.fmu.variables import FmuVariable, Table
 from pmmkit.models import Model
-from pmmkit.simulation import RTOL
 from pmmkit.syntax import plain
 
 # Units as powers of the base units.
@@ -118,7 +118,7 @@ def description_text(
         "DefaultExperiment",
         startTime="0",
         stopTime=f"{LENGTHS / pace:.0f}",
-        tolerance=f"{RTOL:g}",
+        tolerance=f"{Prepared.RTOL:g}",
         stepSize=f"{0.05 / pace:.1g}",
     )
     variables = ET.SubElement(root, "ModelVariables")

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 from pmmkit.base import ModelError, Problem
+from pmmkit.equations import Prepared
 from pmmkit.exports.fmu.variables import BEGIN, GEAR, Table
 from pmmkit.exports.text import written_by
 from pmmkit.models import Model
-from pmmkit.simulation import RTOL, Prepared
 from pmmkit.syntax import CProgram, Unwritable, c_number, comment
 
 _MOMENT: Final = ("list", "double", "double", "double", "list", "list")
@@ -118,7 +118,7 @@ def _defined(ready: Prepared, table: Table, token: str) -> Iterator[str]:
     places, states = table.places, table.states
     known = {
         "TOKEN": f'"{token}"',
-        "TOLERANCE": c_number(RTOL),
+        "TOLERANCE": c_number(Prepared.RTOL),
         "CLOSEST": c_number(_CLOSEST),
         "LONGEST_STEP": c_number(ready.longest_step),
         "VARIABLES": len(table.variables),

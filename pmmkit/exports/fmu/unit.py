@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Final, Literal
 
 from pmmkit.base import DataError, ModelError, Remedy, setting
+from pmmkit.equations import prepare
 from pmmkit.exports.archive import write_archive
 from pmmkit.exports.fmu.compiler import library
 from pmmkit.exports.fmu.description import build_text, description_text
@@ -17,7 +18,6 @@ from pmmkit.exports.fmu.equations import equations_text
 from pmmkit.exports.fmu.variables import table_of
 from pmmkit.exports.text import WHICH_SPEED
 from pmmkit.models import Model
-from pmmkit.simulation import prepare
 from pmmkit.syntax import matlab_name
 
 Version = Literal[2, 3]

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from pmmkit.effects import CATALOGUE, INERTIA
+from pmmkit.equations import POLYNOMIALS, Prepared, prepare
 from pmmkit.exports.matlab.hull import variable as spelled
 from pmmkit.models import Model
-from pmmkit.simulation import POLYNOMIALS, Prepared, prepare, steering
 
 Causality = Literal["independent", "input", "output", "local", "parameter", "calculatedParameter"]
 GEAR: Final = "delta_gear"
@@ -195,7 +195,7 @@ def _inputs(ready: Prepared, n: float) -> list[FmuVariable]:
 
 
 def _steering(model: Model) -> list[FmuVariable]:
-    limits = steering(model)
+    limits = model.steering
     rate = limits.get("rate_deg_s")
     return [
         FmuVariable(

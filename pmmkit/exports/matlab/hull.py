@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from pmmkit.conventions import CHANNELS, Convention, Derivative, parse_derivative
 from pmmkit.effects import CATALOGUE
-from pmmkit.simulation import POLYNOMIALS
+from pmmkit.equations import POLYNOMIALS
 from pmmkit.syntax import MatlabLine
 
 Values = Mapping[str, Mapping[str, Any]]

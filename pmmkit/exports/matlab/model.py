@@ -10,11 +10,11 @@ from typing import Any, Final
 from pmmkit.base import ModelError, Problem
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import CATALOGUE, INERTIA, function_of_text
+from pmmkit.equations import ACCELERATIONS, POLYNOMIALS, Prepared, Used, prepare
 from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
 from pmmkit.exports.matlab.words import heading, meaning
 from pmmkit.exports.text import WHICH_SPEED
 from pmmkit.models import Model
-from pmmkit.simulation import ACCELERATIONS, POLYNOMIALS, Prepared, Used, prepare, steering
 from pmmkit.syntax import (
     Binary,
     MatlabLine,
@@ -314,7 +314,7 @@ def _levers(added: Mapping[str, float]) -> list[MatlabLine]:
 
 
 def _steering(model: Model) -> _Section:
-    limits = steering(model)
+    limits = model.steering
     lines = [
         MatlabLine(
             "delta_max",

@@ -105,7 +105,7 @@ class Posterior:
 
     @property
     def draws(self) -> Draws:
-        """For `monte_carlo` and `bands_of`, in place of a spread."""
+        """For `monte_carlo` and `Bands.of`, in place of a spread."""
         return draws_of(self.tree)
 
     def write(self, path: str | Path) -> None:

@@ -132,7 +132,7 @@ def _measured(records: Sequence[FreeRecord], what: Any) -> xr.Dataset:
 
 
 def draws_of(tree: xr.DataTree) -> Draws:
-    """The parameters' draws, for `monte_carlo` and `bands_of` in place of a spread."""
+    """The parameters' draws, for `monte_carlo` and `Bands.of` in place of a spread."""
     beside = (PROCESS_NOISE, SENSOR_SCALE, *CURRENT)
     data = tree["posterior"].to_dataset()
     names = tuple(str(name) for name in data.data_vars if name not in beside)

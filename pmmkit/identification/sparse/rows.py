@@ -12,11 +12,11 @@ import numpy as np
 from pmmkit.base import DataError
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects import HULL, INERTIA
+from pmmkit.equations import Conditions, Prepared, prepare
 from pmmkit.identification.binding import PartValues, Place, replaced
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.simulation import Conditions, Prepared, prepare
 
 WEAK_SHARE: Final = 20
 """A test function spans this part of a run where its length is not stated."""

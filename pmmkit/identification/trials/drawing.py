@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pmmkit.identification.trials.current import Current
+    from pmmkit.imo import Verdict
     from pmmkit.numerics import Array
-    from pmmkit.simulation import Verdict
 
 _FORE: Final = 1.5
 """Ship lengths of the approach that are shown."""

@@ -22,10 +22,10 @@ from pmmkit.identification.trials.path import path_of
 from pmmkit.identification.trials.record import Record, read_record
 from pmmkit.identification.trials.table import Trial, Wind
 from pmmkit.identification.trials.verdicts import verdicts_of
+from pmmkit.imo import Condition, FullAstern
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
 from pmmkit.signals import white_noise
-from pmmkit.simulation import Condition, FullAstern
 
 # What is around a trial: the wind, and the noise of the fixes where no circle shows it.
 

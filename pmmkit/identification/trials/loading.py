@@ -13,9 +13,10 @@ from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Criterion, criteria
 from pmmkit.identification.trials.evaluate import evaluate_trials
 from pmmkit.identification.trials.table import Trial
+from pmmkit.imo import LOADED, Verdict
 from pmmkit.models import Model, Standing, as_it_stops, load_model
 from pmmkit.presentation import Grid, Group, percent
-from pmmkit.simulation import LOADED, Verdict, simulate, steering
+from pmmkit.simulation import simulate
 
 SAME_LENGTH: Final = 0.01
 """Share by which the lengths of trial and models may differ."""
@@ -255,7 +256,7 @@ def _sailed(model: Model, trial: Trial, criterion: Criterion) -> dict[str, Any]:
     """Settings of the manoeuvre, with the rudder that was laid as far as the model has it."""
     given = dict(criterion.settings)
     if "rudder_deg" in given:
-        most = steering(model).get("max_deg", math.inf)
+        most = model.steering.get("max_deg", math.inf)
         given["rudder_deg"] = math.copysign(min(abs(trial.rudder_deg), most), trial.rudder_deg)
     return given
 

@@ -12,9 +12,10 @@ from pmmkit.campaigns import STOPPING, TURNING, ZIGZAG
 from pmmkit.conventions import IN_LENGTHS, in_words, metric_of, told
 from pmmkit.identification.trials.current import Current, mean_current
 from pmmkit.identification.trials.noise import PositionNoise
+from pmmkit.imo import Condition, Verdict
 from pmmkit.numerics import Array
 from pmmkit.presentation import ABSENT, WIDE, Grid, Group, Section, number, plus_minus
-from pmmkit.simulation import Condition, Track, Verdict, scaled
+from pmmkit.simulation import Track
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -131,7 +132,7 @@ class Trial(Track):
             speed_std=self.speed_std * pace,
             order=self.order * time,
             rudder_rate_deg=self.rudder_rate_deg / time,
-            std=scaled(self.std, length, pace),
+            std=self.scaled(self.std, length, pace),
             x_ground=self.x_ground * length,
             y_ground=self.y_ground * length,
         )

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from pmmkit.campaigns import TEST_KINDS
 from pmmkit.conventions import Criterion, criteria
-from pmmkit.simulation import FullAstern, Verdict, judge
+from pmmkit.imo import FullAstern, Verdict, judge
 
 
 def verdicts_of(

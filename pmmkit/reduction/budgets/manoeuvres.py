@@ -11,12 +11,13 @@ import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.conventions import in_lengths, main_of
+from pmmkit.imo import sided_tests
 from pmmkit.inference import root
 from pmmkit.models import DerivativeTable, Model, load_model
 from pmmkit.numerics import Array
 from pmmkit.reduction.budgets.budget import Budget, BudgetResult, Source, beside
 from pmmkit.reduction.budgets.derivatives import derivative_budget
-from pmmkit.simulation import Sensitivities, sensitivities, sided_tests
+from pmmkit.simulation import Sensitivities, sensitivities
 
 if TYPE_CHECKING:
     from pmmkit.reduction.reduce import Reduction

@@ -18,17 +18,170 @@ from pmmkit.presentation import Described, Grid, Group, Section, number
 from pmmkit.seakeeping.figures import over_wave_length
 from pmmkit.seakeeping.hull_forms.hull import Hull
 from pmmkit.seakeeping.seas import Sea
-from pmmkit.seakeeping.second_order.empirical_resistance import (
-    ResistanceParticulars,
-    snnm,
-    stawave2,
-)
 from pmmkit.seakeeping.second_order.mean_drift import drift, mean_force, radiated_force
 from pmmkit.seakeeping.transfer import Rao, between, nearest
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
+
+
+# Added resistance by formulas: STAWAVE-2 and SNNM.
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResistanceParticulars:
+    """Particulars of a ship that formulas ask.
+
+    `L, B, d`: length between perpendiculars, breadth, draught [m]. `kyy`: radius of gyration in
+    pitch over the length [-]. `entrance, run`: lengths of entrance and run of the waterline
+    [m]. `trim`: draught aft less that forward [m].
+    """
+
+    L: float
+    B: float
+    d: float
+    block: float
+    kyy: float
+    entrance: float
+    run: float
+    trim: float = 0.0
+
+
+def _peak(ratio: Array, rising: float, falling: float, low: Array, high: Array) -> Array:
+    """ω̄ᵇ exp(b/d (1 - ω̄ᵈ)), with one pair of exponents below the peak and one above."""
+    b = np.where(ratio < 1, rising, falling)
+    d = np.where(ratio < 1, low, high)
+    return np.asarray(ratio**b * np.exp(b / d * (1 - ratio**d)))
+
+
+def stawave2(
+    form: ResistanceParticulars, speed: Array, heading: Array, omega: Array, rho: float, g: float
+) -> Array:
+    """STAWAVE-2 (ITTC 2014) over the square of the amplitude [N/m²], NaN out of its range.
+
+    rho, g [kg/m³].
+    """
+    from scipy.special import i1, k1
+
+    froude = (speed / math.sqrt(g * form.L))[:, None]
+    held = np.maximum(froude, 0.05)
+    ratio = math.sqrt(form.L / g) * form.kyy ** (1 / 3) / (1.17 * held**-0.143) * omega
+    slender = -566 * (form.L / form.B) ** -2.66
+    shape = _peak(ratio, 11.0, -8.5, np.array(14.0), np.array(slender))
+    strength = 60.3 * form.block**1.34 * held**1.5 * np.exp(-3.5 * held)
+    moving = 4 * rho * g * form.B**2 / form.L * strength * shape
+    depth = np.minimum(1.5 * omega**2 / g * form.d, 300.0)
+    bow = 0.692 * (froude * math.sqrt(form.L / form.d)) ** 0.769 + 1.81 * form.block**6.95
+    share = (math.pi * i1(depth)) ** 2
+    reflected = 0.5 * rho * g * form.B * share / (share + k1(depth) ** 2) * bow
+    off = np.abs(heading % (2 * math.pi) - math.pi)
+    ahead = off <= math.radians(45.0) + 1e-9
+    sized = (
+        75 < form.L < 350
+        and 4 < form.L / form.B < 9
+        and 2.2 < form.B / form.d < 9
+        and 0.39 < form.block < 0.9
+    )
+    fast = (froude > 0.1) & (froude < 0.3)
+    holds = (fast & sized)[:, None, :] & ahead[None, :, None]
+    return np.asarray(np.where(holds, (moving + reflected)[:, None, :], np.nan))
+
+
+def snnm(
+    form: ResistanceParticulars, speed: Array, heading: Array, omega: Array, rho: float, g: float
+) -> Array:
+    """SNNM (Liu and Papanikolaou 2020) over the square of the amplitude [N/m²].
+
+    rho, g [kg/m³].
+    """
+    angle = np.abs((heading + math.pi) % (2 * math.pi) - math.pi)[None, :, None]
+    U, w = speed[:, None, None], omega[None, None, :]
+    scale = rho * g * form.B**2 / form.L
+    return np.asarray(scale * (_motion(form, U, angle, w, g) + _reflection(form, U, angle, w, g)))
+
+
+def _motion(form: ResistanceParticulars, U: Array, angle: Array, omega: Array, g: float) -> Array:
+    froude = U / math.sqrt(g * form.L)
+    length = 2 * math.pi * g / omega**2
+    slender = math.log(form.B / form.d)
+
+    def strength(course: Array | float, fn: Array, power: Array) -> Array:
+        full = (0.87 / form.block) ** (-(1 + power) * np.cos(course))
+        size = 60.3 * form.block**1.34 * (4 * form.kyy) ** 2 * full / slender
+        fast = np.where(fn < 0.12, 0.0072 + 0.1676 * fn, fn**1.5 * np.exp(-3.5 * fn))
+        return np.asarray(size * (1 - 2 * np.cos(course)) / 3 * fast)
+
+    ahead = strength(np.maximum(angle, math.pi / 2), froude, froude)
+    share = np.minimum(angle / (math.pi / 2), 1.0)
+    astern = _following(form, U, omega, g, strength)
+    strong = share * ahead + (1 - share) * astern
+    trimmed = math.atan(abs(form.trim) / form.L)
+    ratio = (
+        2.142
+        * form.kyy ** (1 / 3)
+        * np.sqrt(form.L / length)
+        * (1 - 0.111 / form.block * (slender - math.log(2.75)))
+        * (form.block / 0.65) ** 0.17
+        * (
+            (-1.377 * froude**2 + 1.157 * froude) * np.abs(np.cos(angle))
+            + 0.618 * (13 + np.cos(2 * angle)) / 14
+        )
+    )
+    low = np.array(566 * (form.L * form.block / form.B) ** -2.66)
+    high = np.array(-566 * (form.L / form.B) ** -2.66 * (4 - 125 * trimmed))
+    return 4 * strong * (1 + 28.7 * trimmed) * _peak(ratio, 11.0, -8.5, low, high)
+
+
+def _following(
+    form: ResistanceParticulars, U: Array, omega: Array, g: float, strength: Callable[..., Array]
+) -> Array:
+    """Strength in following seas: none at a quarter of the speed of the waves."""
+    wave = g / omega
+    slow = np.zeros_like(wave)
+    still = strength(0.0, slow, slow)
+    back = strength(math.pi, slow, slow)
+    fast = np.maximum((U - wave / 2) / math.sqrt(g * form.L), 0.0)
+    beyond = strength(math.pi, fast, fast)
+    part = np.clip(4 * U / wave, 0.0, 2.0)  # 1 where the ship has a quarter of the wave's speed
+    low = still * (1 - part)
+    middle = back * (part - 1)
+    return np.asarray(np.where(part < 1, low, np.where(part < 2, middle, beyond)))
+
+
+def _reflection(
+    form: ResistanceParticulars, U: Array, angle: Array, omega: Array, g: float
+) -> Array:
+    """Reflection at the bow and at the stern, over ρgB²/L."""
+    froude = U / math.sqrt(g * form.L)
+    length = 2 * math.pi * g / omega**2
+    bow, stern = math.atan(0.495 * form.B / form.entrance), math.atan(0.495 * form.B / form.run)
+    course = 2 * omega * U / g
+    near = np.where(angle >= math.pi - bow, -np.cos(angle), 0.0)
+    full = (0.87 / form.block) ** ((1 + 4 * np.sqrt(froude)) * near)
+
+    def depth_share(draught: Array | float) -> Array:
+        deep = 1 - np.exp(-4 * math.pi * draught * (1 / length - 1 / (2.5 * form.L)))
+        return np.asarray(np.where(length <= 2.5 * form.L, deep, 0.0))
+
+    def side(entry: float, sign: int) -> Array:
+        """A straight piece of waterline at an angle to the middle line, of port or starboard."""
+        met = entry + sign * angle
+        return np.asarray(
+            np.sin(met) ** 2 + course * (math.cos(entry) * np.cos(met) - np.cos(angle))
+        )
+
+    lean = np.sqrt(np.abs(np.cos(angle)))
+    aft = form.d * np.where(form.block <= 0.75, (4 + lean) / 5, (2 + lean) / 3)
+    fore_share, aft_share = depth_share(form.d), depth_share(aft)
+    pieces = (
+        np.where(angle >= bow, fore_share * side(bow, -1) * full, 0.0)
+        + np.where(angle >= math.pi - bow, fore_share * side(bow, 1) * full, 0.0)
+        - np.where(angle <= math.pi - stern, aft_share * side(stern, 1), 0.0)
+        - np.where(angle <= stern, aft_share * side(stern, -1), 0.0)
+    )
+    return 2.25 / 4 * form.L / form.B * pieces
+
 
 _PANELS: Final = 4
 LEAVES_OUT: Final[Mapping[str, str]] = MappingProxyType(

@@ -7,10 +7,8 @@ from dataclasses import replace
 from typing import Any, Final
 
 from pmmkit.conventions import metrics_named
-from pmmkit.simulation.equations.layouts import Ask, End
-from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, rudder_setting
-from pmmkit.simulation.plan import LONGEST, Phase, Plan, Probe, ProbeResults
-from pmmkit.simulation.scalars import degrees
+from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults
+from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, degrees, rudder_setting
 
 
 def course_change(
@@ -27,7 +25,7 @@ def course_change(
             until=End.heading,
             level=side * math.radians(abs(heading_deg)),
             side=side,
-            longest=LONGEST / pace,
+            longest=Phase.LONGEST / pace,
         ),
         Phase(
             rudder=-side * counter, until=End.yaw_rate, level=0.0, side=-side, longest=100.0 / pace
@@ -63,14 +61,14 @@ def williamson(pace: float, *, rudder_deg: float, shift_deg: float, ease_deg: fl
             until=End.heading,
             level=side * math.radians(shift_deg),
             side=side,
-            longest=LONGEST / pace,
+            longest=Phase.LONGEST / pace,
         ),
         Phase(
             rudder=-rudder,
             until=End.heading,
             level=-side * opposite,
             side=-side,
-            longest=LONGEST / pace,
+            longest=Phase.LONGEST / pace,
         ),
         Phase(
             rudder=0.0, until=End.heading, level=-side * math.pi, side=-side, longest=30.0 / pace

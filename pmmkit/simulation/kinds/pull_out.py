@@ -6,10 +6,8 @@ import math
 from typing import Any, Final
 
 from pmmkit.conventions import metrics_named
-from pmmkit.simulation.equations.layouts import Ask, End
-from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, rudder_setting
-from pmmkit.simulation.plan import STEADY, Phase, Plan, Probe, ProbeResults
-from pmmkit.simulation.scalars import degrees
+from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults
+from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, degrees, rudder_setting
 
 
 def pull_out(pace: float, *, rudder_deg: float) -> Plan:
@@ -18,10 +16,18 @@ def pull_out(pace: float, *, rudder_deg: float) -> Plan:
     side = math.copysign(1.0, rudder)
     phases = (
         Phase(
-            rudder=rudder, until=End.steady, level=STEADY, shortest=5.0 / pace, longest=100.0 / pace
+            rudder=rudder,
+            until=End.steady,
+            level=Phase.STEADY,
+            shortest=5.0 / pace,
+            longest=100.0 / pace,
         ),
         Phase(
-            rudder=0.0, until=End.steady, level=STEADY, shortest=10.0 / pace, longest=150.0 / pace
+            rudder=0.0,
+            until=End.steady,
+            level=Phase.STEADY,
+            shortest=10.0 / pace,
+            longest=150.0 / pace,
         ),
     )
     probes = {

@@ -7,10 +7,8 @@ from dataclasses import replace
 from typing import Any, Final
 
 from pmmkit.conventions import metrics_named
-from pmmkit.simulation.equations.layouts import Ask, End
-from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, rudder_setting
-from pmmkit.simulation.plan import Phase, Plan, Probe, ProbeResults
-from pmmkit.simulation.scalars import chosen, degrees
+from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults
+from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, chosen, degrees, rudder_setting
 
 TURNS: Final = Setting(
     name="turns",

@@ -9,10 +9,8 @@ import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.conventions import metrics_named
-from pmmkit.simulation.equations.layouts import Ask, End
-from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, rudder_setting
-from pmmkit.simulation.plan import STEADY, Phase, Plan, Probe, ProbeResults
-from pmmkit.simulation.scalars import degrees
+from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults
+from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, degrees, rudder_setting
 
 
 def spiral(pace: float, *, rudder_deg: float, step_deg: float) -> Plan:
@@ -29,7 +27,7 @@ def spiral(pace: float, *, rudder_deg: float, step_deg: float) -> Plan:
         Phase(
             rudder=math.radians(angle),
             until=End.steady,
-            level=STEADY,
+            level=Phase.STEADY,
             shortest=5.0 / pace,
             longest=200.0 / pace,
         )

@@ -6,10 +6,18 @@ import math
 from typing import Any, Final
 
 from pmmkit.conventions import IN_LENGTHS, metrics_named
-from pmmkit.simulation.equations.layouts import Ask, End, State
-from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, rudder_setting
-from pmmkit.simulation.plan import LONGEST, Phase, Plan, Probe, ProbeResults
-from pmmkit.simulation.scalars import arctan2, chosen, cos, degrees, hypot, larger
+from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults, State
+from pmmkit.simulation.kinds.manoeuvre import (
+    Manoeuvre,
+    Setting,
+    arctan2,
+    chosen,
+    cos,
+    degrees,
+    hypot,
+    larger,
+    rudder_setting,
+)
 
 HALF: Final = math.pi / 2
 CIRCLES: Final = 3 * math.pi
@@ -24,7 +32,7 @@ def turning_circle(pace: float, *, rudder_deg: float, duration: float | None, wi
     """Turning circle: one order, until 540° of heading and the turn is steady."""
     rudder = math.radians(rudder_deg)
     side = math.copysign(1.0, rudder)
-    longest = LONGEST / pace if duration is None else duration
+    longest = Phase.LONGEST / pace if duration is None else duration
     phase = Phase(
         rudder=rudder,
         until=End.time if duration else End.heading if wind else End.steady_turn,

@@ -7,10 +7,8 @@ from dataclasses import replace
 from typing import Any, Final
 
 from pmmkit.conventions import metrics_named
-from pmmkit.simulation.equations.layouts import Ask
-from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, rudder_setting
-from pmmkit.simulation.plan import Phase, Plan, Probe, ProbeResults
-from pmmkit.simulation.scalars import degrees
+from pmmkit.equations import Ask, Phase, Plan, Probe, ProbeResults
+from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, degrees, rudder_setting
 
 LENGTHS: Final = 20.0
 """Ship lengths of a straight run."""

@@ -9,10 +9,15 @@ from typing import Any, Final
 
 from pmmkit.base import DataError
 from pmmkit.conventions import metrics_named
-from pmmkit.simulation.equations.layouts import Ask, End, State
-from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, rudder_setting
-from pmmkit.simulation.plan import Phase, Plan, Probe, ProbeResults
-from pmmkit.simulation.scalars import chosen, degrees, hypot
+from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults, State
+from pmmkit.simulation.kinds.manoeuvre import (
+    Manoeuvre,
+    Setting,
+    chosen,
+    degrees,
+    hypot,
+    rudder_setting,
+)
 
 
 def zigzag(pace: float, *, rudder_deg: float, switch_deg: float, executes: int) -> Plan:

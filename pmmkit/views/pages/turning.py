@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from pmmkit.base import PmmkitError
 from pmmkit.conventions import metric_of, told
+from pmmkit.imo import imo_turning
 from pmmkit.models import Model
-from pmmkit.simulation import Bands, Track, bands_of, imo_turning, simulate, spiral_curve
+from pmmkit.simulation import Bands, Track, simulate, spiral_curve
 from pmmkit.validation import ManoeuvreComparison
 from pmmkit.views.pages.numbers import short
 
@@ -65,7 +66,7 @@ def sailed_page(
         among = [(item.model, item.odds) for item in rivals]
         how = {"speed": speed, "n": SHIPS, **settings}
         try:
-            found = bands_of(model, manoeuvre, among=among, **how)
+            found = Bands.of(model, manoeuvre, among=among, **how)
             page["band"] = {**_band(found), "rivals": [list(item.effects) for item in rivals]}
         except PmmkitError as error:
             page["notes"] = [*page["notes"], str(error)]

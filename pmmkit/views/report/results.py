@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pmmkit.files import MODEL, write_results
+from pmmkit.imo import metrics_of
 from pmmkit.models import Model, ReferenceTable, compare, save_model, write_table
 from pmmkit.reduction import Reduction
-from pmmkit.simulation import track_files
 from pmmkit.views.pages.page_file import page_file
 from pmmkit.views.report.build import report_answers, report_places
 from pmmkit.views.report.loop import Loop
@@ -86,7 +86,8 @@ def _tables(reduction: Reduction, beside: ReferenceTable | None) -> Iterator[tup
 
 def _turns(turns: Turns) -> Iterator[tuple[str, Any]]:
     for track in turns.tracks:
-        yield from track_files(track, f"_Fn{track.Fn:.3f}")
+        yield f"track_Fn{track.Fn:.3f}.csv", track.to_csv()
+        yield f"metrics_Fn{track.Fn:.3f}.json", metrics_of(track)
     for name, sweep in turns.sweeps.items():
         plain = "".join(letter if letter.isalnum() else "_" for letter in name.lower())
         yield f"sweep_{plain}.csv", sweep.to_dataframe().reset_index()

@@ -10,17 +10,11 @@ import numpy as np
 
 from pmmkit.base import PmmkitError, SimulationError
 from pmmkit.conventions import HARD_OVER, metric_of, told
+from pmmkit.imo import Verdict, imo_turning
 from pmmkit.models import Model, ReferenceTable
 from pmmkit.plotting import manoeuvre
 from pmmkit.presentation import Cell, Grid, Group, Section, fixed, number, percent
-from pmmkit.simulation import (
-    LENGTHS,
-    Verdict,
-    froude_sweep,
-    imo_turning,
-    measures_over_froude,
-    simulate,
-)
+from pmmkit.simulation import froude_sweep, measures_over_froude, simulate
 from pmmkit.views.report.drawn import drawn
 
 if TYPE_CHECKING:
@@ -97,7 +91,7 @@ class Turns:
             return {}
         ordered = sorted(self.tracks, key=lambda item: item.Fn)
         first, last = ordered[0].metrics, ordered[-1].metrics
-        return {name: last[name] / first[name] - 1 for name in reversed(LENGTHS)}
+        return {name: last[name] / first[name] - 1 for name in reversed(ordered[0].circle)}
 
 
 def _told(turns: Turns) -> list[str]:

@@ -10,7 +10,7 @@ from typing import Any, Final
 from pmmkit.base import DataError
 from pmmkit.conventions import Ship
 from pmmkit.identification import mean_draught
-from pmmkit.simulation import Condition
+from pmmkit.imo import Condition
 from pmmkit.views.report.imo_form.form import FormField
 
 TABLE: Final = "imo"

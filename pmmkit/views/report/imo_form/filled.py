@@ -9,9 +9,10 @@ from typing import Any, Final
 
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import HARD_OVER
+from pmmkit.equations import prepare
 from pmmkit.identification import Corrected, Trial, mean_draught
+from pmmkit.imo import Condition, Verdict, simulated_conditions
 from pmmkit.models import Model
-from pmmkit.simulation import Condition, Verdict, prepare, simulated_conditions, steering
 from pmmkit.views.report.imo_form.fields import (
     head_entries,
     loading_entries,
@@ -59,7 +60,7 @@ def form_of_model(
     conditions = simulated_conditions(
         ship, speed, depth=depth, full_speed=said.get("speed_85"), full_draught=full
     )
-    rudder = min(HARD_OVER, steering(model).get("max_deg", HARD_OVER))
+    rudder = min(HARD_OVER, model.steering.get("max_deg", HARD_OVER))
     revolutions = prepare(model, speed, extrapolate=True).self_propulsion()
     loading = loading_words(ship.d, full, corrected=False)
     groups: Groups = (

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
 from pmmkit.conventions import Criterion, Metric, cite, criteria
+from pmmkit.imo import Condition, Verdict
 from pmmkit.presentation import Described, Grid, Group, Section, counted, fixed, number
-from pmmkit.simulation import Condition, Verdict, manoeuvre_of
+from pmmkit.simulation import MANOEUVRES
 from pmmkit.views.report.bare_page import bare_page
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ class CriterionLine:
         asked = self.criterion
         angles = [f"{x:g}°" for name, x in asked.settings.items() if name.endswith("_deg")]
         counted = f"{ORDINALS[asked.number - 1]} " if "{}" in self.metric.name else ""
-        sailed = " ".join([manoeuvre_of(asked.manoeuvre).title, "/".join(angles)]).strip()
+        sailed = " ".join([MANOEUVRES[asked.manoeuvre].title, "/".join(angles)]).strip()
         told = f"{sailed}: {counted}{self.metric.title}"
         return f"{told}, as tried" if self.tried else told
 
