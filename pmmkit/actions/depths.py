@@ -269,11 +269,11 @@ def _models(folder: Path) -> dict[float, Model]:
 
 def told_metrics(sweep: xr.Dataset) -> list[str]:
     """The metrics worth a column: in ship lengths where they are, without those that stay empty."""
-    from pmmkit.conventions import in_lengths
+    from pmmkit.conventions import METRICS
     from pmmkit.simulation import SHARES
 
     names = [str(name) for name in sweep.data_vars if not str(name).endswith(("_low", "_high"))]
-    metrics = [name for name in in_lengths(names) if name not in SHARES]
+    metrics = [name for name in METRICS.in_lengths(names) if name not in SHARES]
     return [name for name in metrics if sweep[name].notnull().any()][:MOST]
 
 

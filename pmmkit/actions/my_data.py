@@ -193,17 +193,17 @@ def _reduced(
 
 def _turned(way: DraftProgress, model: Model) -> DraftProgress:
     """The tactical diameter at the middle of the speeds, with its interval."""
-    from pmmkit.conventions import HARD_OVER
+    from pmmkit.conventions import Criterion
     from pmmkit.simulation import monte_carlo
 
     froude = model.Fn[len(model.Fn) // 2]
     speed = froude * math.sqrt(model.water.g * model.ship.L)
-    many = monte_carlo(model, speed=speed, rudder_deg=HARD_OVER, n=_SHIPS)
+    many = monte_carlo(model, speed=speed, rudder_deg=Criterion.HARD_OVER, n=_SHIPS)
     low, high = many.interval("tactical_diameter_L")
     return replace(way, interval=(low, high)).after(
         "turn",
-        f"{HARD_OVER:g}° of rudder at Fn {froude:.3f}: tactical diameter {low:.2g} to {high:.2g} L "
-        "with 95 %, estimates included",
+        f"{Criterion.HARD_OVER:g}° of rudder at Fn {froude:.3f}: tactical diameter {low:.2g} to "
+        f"{high:.2g} L with 95 %, estimates included",
     )
 
 

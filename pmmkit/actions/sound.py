@@ -29,7 +29,7 @@ def sound_campaigns(
     paths: Sequence[Path], data: Path | None
 ) -> dict[str, tuple[Campaign, tuple[CheckFinding, ...]]]:
     """The same of several campaigns, by their titles as a session knows them."""
-    from pmmkit.campaigns import by_title
+    from pmmkit.campaigns import Campaign
 
     sound = [sound_campaign(path, data) for path in paths]
-    return dict(zip(by_title([campaign for campaign, _ in sound]), sound, strict=True))
+    return dict(zip(Campaign.by_title([campaign for campaign, _ in sound]), sound, strict=True))

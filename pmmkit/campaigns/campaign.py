@@ -17,7 +17,7 @@ from pmmkit.campaigns.motion.inertia import Rig
 from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.setting import LENGTH
 from pmmkit.campaigns.stated_run import FORCES
-from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
+from pmmkit.campaigns.test_kinds.kind import TEST_KINDS
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Ship, Water
 from pmmkit.files import sha256
@@ -447,6 +447,21 @@ class Campaign(Described):
             raise CampaignError(problems)
         return hashes
 
+    @staticmethod
+    def by_title(campaigns: Sequence[Campaign]) -> dict[str, Campaign]:
+        """Campaigns by their titles, numbered where two have the same.
+
+        Parameters
+        ----------
+        campaigns : sequence of Campaign
+            One without a title goes by its ship.
+        """
+        found: dict[str, Campaign] = {}
+        for place, item in enumerate(campaigns, 1):
+            name = item.title or item.ship.name
+            found[f"{name} ({place})" if name in found else name] = item
+        return found
+
     def to_xarray(self) -> xr.DataTree:
         """All runs as one DataTree, a node a run (reads everything)."""
         import xarray as xr
@@ -462,18 +477,3 @@ def _one_depth(one: float | None, other: float | None) -> bool:
     if one is None or other is None:
         return one is other
     return abs(one - other) <= LENGTH[0]
-
-
-def by_title(campaigns: Sequence[Campaign]) -> dict[str, Campaign]:
-    """Campaigns by their titles, numbered where two have the same.
-
-    Parameters
-    ----------
-    campaigns : sequence of Campaign
-        One without a title goes by its ship.
-    """
-    found: dict[str, Campaign] = {}
-    for place, item in enumerate(campaigns, 1):
-        name = item.title or item.ship.name
-        found[f"{name} ({place})" if name in found else name] = item
-    return found

@@ -8,9 +8,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Final
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from pmmkit.base import DataError
+from pmmkit.campaigns.run_settings import RUN_SETTINGS
+from pmmkit.campaigns.setting import ANGLE
+from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.stated_run import StatedRun
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.effects import State
@@ -43,28 +47,6 @@ def at_hand(request: Request, *, proven: bool = True) -> Request:
         ) from error
     withheld = request.withheld and recognise(path) is None
     return replace(request, path=path, origin=None, withheld=withheld)
-
-
-def bring(requests: Sequence[Request]) -> None:
-    """Fetch several files side by side; what cannot be fetched is told when it is read.
-
-    Parameters
-    ----------
-    requests : sequence of Request
-        The files; those of this machine are left alone.
-    """
-    afar = {request.origin for request in requests if request.origin is not None}
-    if not afar:
-        return
-
-    def fetch(origin: Origin) -> None:
-        try:
-            local_copy(origin)
-        except DataError:
-            return
-
-    with ThreadPoolExecutor(min(AT_ONCE, len(afar))) as pool:
-        list(pool.map(fetch, afar))
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -140,6 +122,65 @@ class Run(StatedRun, Described):
             for path in reader_for(request).files(request)
         }
 
+    @staticmethod
+    def fetch(runs: Sequence[Run]) -> None:
+        """Fetch files behind URLs side by side; what cannot be fetched is told when it is read.
+
+        Parameters
+        ----------
+        runs : sequence of Run
+            The runs; files of this machine are left alone.
+        """
+        requests = [request for run in runs for request in run.requests]
+        afar = {request.origin for request in requests if request.origin is not None}
+        if not afar:
+            return
+
+        def fetch(origin: Origin) -> None:
+            try:
+                local_copy(origin)
+            except DataError:
+                return
+
+        with ThreadPoolExecutor(min(AT_ONCE, len(afar))) as pool:
+            list(pool.map(fetch, afar))
+
+    @staticmethod
+    def repeats(runs: Sequence[Run]) -> tuple[tuple[Run, ...], ...]:
+        """Runs in groups that repeat each other.
+
+        A run that states `repeat_of` belongs to that run, whatever its settings are; any other to
+        the first run of the same test that was set like it, within `RUN_SETTINGS.resolution`. A
+        setting that one of them does not state is another setting.
+
+        Parameters
+        ----------
+        runs : sequence of Run
+            In any order.
+
+        Returns
+        -------
+        tuple of tuple of Run
+            Each run in one group, alone where nothing repeats it. Groups, and the runs in a group,
+            in the order in which they came.
+
+        Examples
+        --------
+        >>> runs = [Run(id=name, test="static_drift", kind="means", loader=None,
+        ...             settings=Settings(speed=speed, drift=drift))
+        ...         for name, speed, drift in (("a", 1.0, 0.1), ("b", 1.0, 0.2), ("c", 1.001, 0.1))]
+        >>> [[run.id for run in group] for group in Run.repeats(runs)]
+        [['a', 'c'], ['b']]
+        """
+        origin = _stated(runs)
+        free = [run for run in runs if origin[run.id] == run.id]
+        leader = _set_alike(free)
+        groups: dict[str, list[Run]] = {}
+        for run in runs:
+            first = origin[run.id]
+            groups.setdefault(leader.get(first, first), []).append(run)
+        return tuple(tuple(group) for group in groups.values())
+
     def measured_motion(
         self,
         data: xr.Dataset,
@@ -189,9 +230,7 @@ class Run(StatedRun, Described):
 
         Examples
         --------
-        >>> import numpy as np
         >>> import xarray as xr
-        >>> from pmmkit.campaigns.settings import Settings
         >>> run = Run(id="PS", test="pure_sway", kind="history", loader=None,
         ...           settings=Settings(speed=1.5, period=8.0, amplitude=0.2))
         >>> t = np.arange(0.0, 8.0, 0.5)
@@ -280,3 +319,58 @@ class Run(StatedRun, Described):
             Section(title="Corrections", points=done),
         ]
         return [Section(paragraphs=told), *(section for section in lists if section.points)]
+
+
+def _stated(runs: Sequence[Run]) -> dict[str, str]:
+    """The run at the end of the chain of `repeat_of`; one that is not among `runs` counts too."""
+    named = {run.id: run.settings.repeat_of or run.id for run in runs}
+    found = {}
+    for start in named:
+        seen = [start]
+        while (following := named.get(seen[-1], seen[-1])) not in seen:
+            seen.append(following)
+        # where runs name each other in a circle, the one that comes first in `runs` is the origin
+        circle = seen[seen.index(following) :]
+        found[start] = next((x for x in named if x in circle), following)
+    return found
+
+
+def _set_alike(runs: Sequence[Run]) -> dict[str, str]:
+    """The first run of the same test that was set like each, by id."""
+    equal: dict[tuple[str, Settings], list[str]] = {}
+    for run in runs:
+        key = (run.test, replace(run.settings, repeat_of=None))
+        equal.setdefault(key, []).append(run.id)
+    kinds: dict[tuple[object, ...], list[tuple[str, Settings]]] = {}
+    for test, settings in equal:
+        unstated = tuple(settings.value(name) is None for name in RUN_SETTINGS.resolution)
+        kinds.setdefault((test, unstated), []).append((test, settings))
+    found = {}
+    for keys in kinds.values():
+        for key, first in zip(keys, _first_alike([item[1] for item in keys]), strict=True):
+            found.update(dict.fromkeys(equal[key], equal[keys[first]][0]))
+    return found
+
+
+def _first_alike(settings: Sequence[Settings]) -> list[int]:
+    """Place of the first of settings that each is alike; all state the same ones."""
+    limits = RUN_SETTINGS.resolution
+    values = np.array([[s.value(name) or 0.0 for name in limits] for s in settings])
+    allowed = np.array(list(limits.values()))
+    angular = np.array([limit is ANGLE for limit in limits.values()])
+    first = np.full(len(settings), -1)
+    for place in range(len(settings)):
+        if first[place] < 0:
+            later = np.flatnonzero(first < 0)
+            first[later[_alike(values[later], values[place], allowed, angular)]] = place
+    return [int(place) for place in first]
+
+
+def _alike(values: Array, one: Array, allowed: Array, angular: Array) -> Array:
+    """Whether rows of values are as one of them; 180° is -180°."""
+    apart = np.abs(values - one)
+    apart = np.where(angular, np.abs(np.remainder(apart + np.pi, 2 * np.pi) - np.pi), apart)
+    # the last digits of numbers that were converted may differ
+    limit = np.maximum(allowed[:, 0], allowed[:, 1] * np.abs(one)) * (1 + 1e-9)
+    alike: Array = np.all(apart <= limit, axis=1)
+    return alike

@@ -21,6 +21,7 @@ from pmmkit.campaigns.setting import (
     SWING,
     TURN,
     Bounds,
+    Resolution,
     RunSetting,
     Sensor,
     Told,
@@ -431,11 +432,70 @@ _OURS: Final = (
         header="rdot|r dot",
     ),
 )
-OURS: Final = frozenset(item.name for item in _OURS if item.kept)
+_PLACED: Final = frozenset(item.name for item in _OURS if item.kept)
 """Settings that `Settings` has a place of its own for."""
 _TABLE_CHANNELS: Final = (*FORCE_CHANNELS, "n", "sinkage", "trim")
+_BESIDE: Final = {"turn_rate": RATE, "strut_spacing": LENGTH, "strut_centre": LENGTH}
+"""The same of what no key of a file states."""
 
-RUN_SETTINGS: Final = Registry(
+
+class RunSettings(Registry[RunSetting]):
+    """The settings of a run by name, and how campaign files state them."""
+
+    @property
+    def brought(self) -> tuple[RunSetting, ...]:
+        """Settings that kinds of test bring along, which `Settings` keeps in `further`."""
+        return self.derived(_brought)
+
+    @property
+    def told(self) -> tuple[RunSetting, ...]:
+        """Settings that are told, in their order."""
+        return self.derived(_told)
+
+    @property
+    def by_key(self) -> Mapping[str, RunSetting]:
+        """All settings by their keys in files."""
+        return self.derived(_by_key)
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Unit of each as the campaign file states it, by key."""
+        return self.derived(_units)
+
+    @property
+    def resolution(self) -> Mapping[str, Resolution]:
+        """How far two values of a setting may differ and still be the same one.
+
+        Absolute (SI, radians) and relative. The phase is not among them: it says when a record
+        begins, not what was tested.
+        """
+        return self.derived(_resolution)
+
+    def key_of(self, name: str) -> str:
+        """Key of a campaign file that states a setting; a name that is none of one as it is.
+
+        Examples
+        --------
+        >>> RUN_SETTINGS.key_of("drift"), RUN_SETTINGS.key_of("period")
+        ('drift_deg', 'period')
+        """
+        known = self.get(name)
+        return name if known is None else known.in_file
+
+    def ways_to_state(self, name: str) -> frozenset[str]:
+        """Keys of a campaign file any of which states a setting.
+
+        Examples
+        --------
+        >>> [sorted(RUN_SETTINGS.ways_to_state(name)) for name in ("period", "yaw_rate")]
+        [['frequency_hz', 'period'], ['radius', 'yaw_rate']]
+        """
+        return frozenset(
+            item.in_file for item in self.values() if name in (item.name, *item.states)
+        )
+
+
+RUN_SETTINGS: Final = RunSettings(
     RunSetting,
     lambda: (*_OURS, *listed_in("pmmkit.campaigns.test_kinds", "SETTINGS")()),
     what="setting",
@@ -446,68 +506,28 @@ RUN_SETTINGS: Final = Registry(
 kinds of test bring along."""
 
 
-def brought() -> tuple[RunSetting, ...]:
-    """Settings that kinds of test bring along, which `Settings` keeps in `further`."""
-    return RUN_SETTINGS.derived(_brought)
-
-
 def _brought(settings: Iterable[RunSetting]) -> tuple[RunSetting, ...]:
-    return tuple(item for item in settings if item.kept and item.name not in OURS)
-
-
-def ways_to_state(name: str) -> frozenset[str]:
-    """Keys of a campaign file any of which states a setting.
-
-    Examples
-    --------
-    >>> sorted(ways_to_state("period")), sorted(ways_to_state("yaw_rate"))
-    (['frequency_hz', 'period'], ['radius', 'yaw_rate'])
-    """
-    return frozenset(
-        item.in_file for item in RUN_SETTINGS.values() if name in (item.name, *item.states)
-    )
-
-
-def settings_by_key() -> Mapping[str, RunSetting]:
-    """All settings by their keys in files."""
-    return RUN_SETTINGS.derived(_by_key)
-
-
-def _by_key(settings: Iterable[RunSetting]) -> Mapping[str, RunSetting]:
-    return MappingProxyType({item.in_file: item for item in settings})
-
-
-def setting_units() -> Mapping[str, str]:
-    """Unit of each numeric setting of a run, as the campaign file states it, by key."""
-    return RUN_SETTINGS.derived(_units)
-
-
-def _units(settings: Iterable[RunSetting]) -> Mapping[str, str]:
-    return MappingProxyType({item.in_file: item.unit for item in settings})
-
-
-def told_settings() -> tuple[RunSetting, ...]:
-    """Settings that are told, in their order."""
-    return RUN_SETTINGS.derived(_told)
+    return tuple(item for item in settings if item.kept and item.name not in _PLACED)
 
 
 def _told(settings: Iterable[RunSetting]) -> tuple[RunSetting, ...]:
     return tuple(sorted((item for item in settings if item.told), key=lambda item: item.place))
 
 
-def setting_key(name: str) -> str:
-    """Key of a campaign file that states a setting; a name that is none of one as it is.
-
-    Examples
-    --------
-    >>> setting_key("drift"), setting_key("period")
-    ('drift_deg', 'period')
-    """
-    known = RUN_SETTINGS.get(name)
-    return name if known is None else known.in_file
+def _by_key(settings: Iterable[RunSetting]) -> Mapping[str, RunSetting]:
+    return MappingProxyType({item.in_file: item for item in settings})
 
 
-def unit_of(name: str, *, table: bool) -> str | None:
+def _units(settings: Iterable[RunSetting]) -> Mapping[str, str]:
+    return MappingProxyType({item.in_file: item.unit for item in settings})
+
+
+def _resolution(settings: Iterable[RunSetting]) -> Mapping[str, Resolution]:
+    found = {item.name: item.resolution for item in settings if item.resolution is not None}
+    return MappingProxyType(found | _BESIDE)
+
+
+def unit_of(name: str, *, table: bool, unasked: bool = False) -> str | None:
     """SI unit, or the one in the name, of a column of that name; None if the name is not known.
 
     Parameters
@@ -516,23 +536,20 @@ def unit_of(name: str, *, table: bool) -> str | None:
         Name of a channel, and for tables of a setting, of a mean or of a harmonic.
     table : bool
         Whether the file is a table whose rows are runs.
+    unasked : bool
+        Whether only names count that are taken without being mapped. In a table a column ``r`` or
+        ``v`` is too often a non-dimensional amplitude: velocities are taken there only where the
+        campaign file maps them.
     """
     if table:
-        if name in setting_units():
-            return setting_units()[name]
+        if name in RUN_SETTINGS.units:
+            return RUN_SETTINGS.units[name]
         part = harmonic_part(name)
         if part is not None:
             return CHANNEL_UNITS[part[0]]
+        if unasked and name not in _TABLE_CHANNELS:
+            return None
     if name in CHANNEL_UNITS:
         return CHANNEL_UNITS[name]
     found = unit_in_name(name)
     return None if found is None else found[1]
-
-
-def names_taken_unasked(*, table: bool) -> frozenset[str] | None:
-    """Header names that are taken without being mapped; None stands for every known name.
-
-    In a table a column ``r`` or ``v`` is too often a non-dimensional amplitude: velocities are
-    taken there only where the campaign file maps them.
-    """
-    return frozenset((*_TABLE_CHANNELS, *setting_units())) if table else None

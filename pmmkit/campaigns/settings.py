@@ -4,20 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Final, NamedTuple
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any, Final
 
-from pmmkit.campaigns.run_settings import OURS, RUN_SETTINGS, told_settings
-
-
-class SettingInWords(NamedTuple):
-    """A setting as people read it."""
-
-    symbol: str
-    word: str
-    value: float
-    unit: str
-    form: str
+from pmmkit.campaigns.run_settings import RUN_SETTINGS
+from pmmkit.campaigns.setting import Told
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,17 +125,15 @@ class Settings:
     @property
     def words(self) -> tuple[str, ...]:
         """What is set besides the speed, with units."""
-        return tuple(f"{item.symbol} {item.value:{item.form}}{item.unit}" for item in self.told)
+        return tuple(f"{told.symbol} {value:{told.form}}{told.unit}" for told, value in self.told)
 
     @property
-    def told(self) -> tuple[SettingInWords, ...]:
+    def told(self) -> tuple[tuple[Told, float], ...]:
         """What is set besides the speed and is not zero; a circle by its rate."""
         angles = {"°": math.degrees, "°/s": math.degrees}
         return tuple(
-            SettingInWords(
-                told.symbol, told.word, angles.get(told.unit, float)(value), told.unit, told.form
-            )
-            for item in told_settings()
+            (told, angles.get(told.unit, float)(value))
+            for item in RUN_SETTINGS.told
             if (told := item.told) and (value := self.value(told.shown or item.name))
         )
 
@@ -154,5 +143,5 @@ class Settings:
         return None if self.period is None else 2 * math.pi / (self.period or math.inf)
 
 
-_OWN: Final = OURS | {"strut_spacing", "strut_centre", "repeat_of"}
+_OWN: Final = frozenset(item.name for item in fields(Settings)) - {"further"}
 """Names of fields of `Settings`; the others stand in `further`."""

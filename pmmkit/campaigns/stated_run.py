@@ -15,9 +15,7 @@ from numpy.typing import ArrayLike
 
 from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.test_kinds.kind import TestKind
-from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
-from pmmkit.campaigns.test_kinds.struts import Struts
+from pmmkit.campaigns.test_kinds.kind import TEST_KINDS, Struts, TestKind
 from pmmkit.effects import State
 from pmmkit.numerics import Array
 
@@ -99,8 +97,8 @@ class StatedRun:
         """What it was set to, with the speed, without the kind of test."""
         surges = self.kind_of_test.surges
         parts = [
-            f"{'surge' if surges and item.symbol == 'a' else item.word} {item.value:.3g}{item.unit}"
-            for item in self.settings.told
+            f"{'surge' if surges and told.symbol == 'a' else told.word} {value:.3g}{told.unit}"
+            for told, value in self.settings.told
         ]
         return ", ".join([f"{self.settings.speed:.3g} m/s", *parts])
 

@@ -19,7 +19,7 @@ from typing import Any, Final, TypeVar, cast
 from pmmkit.base import CampaignError, DataError, Problem, __version__
 from pmmkit.campaigns.campaign import Campaign
 from pmmkit.campaigns.run import Run
-from pmmkit.campaigns.run_settings import brought
+from pmmkit.campaigns.run_settings import RUN_SETTINGS
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.stated_run import Correction
 from pmmkit.campaigns.uncertainty import TypeB
@@ -159,7 +159,7 @@ def _build(cls: type[T], entry: Mapping[str, Any], convert: Convert | None = Non
 
 def _settings(value: Mapping[str, Any]) -> Settings:
     """Settings, those that kinds of test bring along among them."""
-    more = {item.name for item in brought()}
+    more = {item.name for item in RUN_SETTINGS.brought}
     further = tuple((name, float(number)) for name, number in value.items() if name in more)
     plain = {name: number for name, number in value.items() if name not in more}
     return replace(_build(Settings, plain), further=further)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Final, Literal
 
 from pmmkit.base import DataError, Registry, did_you_mean
-from pmmkit.campaigns.run_settings import RUN_SETTINGS, setting_key
+from pmmkit.campaigns.run_settings import RUN_SETTINGS
 
 Of = Literal["gauge", "cross-talk", "water", "rig", "hull", "setting"]
 
@@ -31,7 +31,7 @@ class Statable:
     @property
     def key(self) -> str:
         """Key under ``[uncertainty]``."""
-        return setting_key(self.name)
+        return RUN_SETTINGS.key_of(self.name)
 
     @property
     def channel(self) -> str | None:

@@ -24,21 +24,8 @@ if TYPE_CHECKING:
         parse_derivative,
         unit_factor,
     )
-    from pmmkit.conventions.metrics import (
-        HARD_OVER,
-        IN_LENGTHS,
-        METRICS,
-        Criterion,
-        Metric,
-        criteria,
-        in_lengths,
-        in_words,
-        main_of,
-        metric_of,
-        metrics_named,
-        told,
-    )
-    from pmmkit.conventions.named_structures import STRUCTURES, Structure, structure_of
+    from pmmkit.conventions.metrics import METRICS, Criterion, Metric
+    from pmmkit.conventions.named_structures import STRUCTURES, Structure
     from pmmkit.conventions.ship import Ship, Water
     from pmmkit.conventions.sources import bibliography, bibtex, cite
 
@@ -47,8 +34,6 @@ __all__ = [
     "CHANNEL_UNITS",
     "DEGREE_CHANNELS",
     "FORCE_CHANNELS",
-    "HARD_OVER",
-    "IN_LENGTHS",
     "METRICS",
     "STRUCTURES",
     "Convention",
@@ -63,19 +48,11 @@ __all__ = [
     "bibtex",
     "channel_of",
     "cite",
-    "criteria",
     "factor_to",
     "harmonic_part",
-    "in_lengths",
-    "in_words",
     "is_unit",
-    "main_of",
-    "metric_of",
-    "metrics_named",
     "parse_derivative",
     "split_unit",
-    "structure_of",
-    "told",
     "unit_factor",
     "unit_in_name",
 ]

@@ -78,6 +78,11 @@ _WITH_UNIT: Final = re.compile(
 def harmonic_part(name: str) -> tuple[str, str, int] | None:
     """Channel, part (``mean``, ``std``, ``sin``, ``cos``, ``in``, ``out``) and harmonic.
 
+    Parameters
+    ----------
+    name : str
+        Of a column of a table; any other gives None.
+
     Examples
     --------
     >>> harmonic_part("FX_rudder_cos3")
@@ -96,6 +101,11 @@ def split_unit(header: str) -> tuple[str, str | None]:
     """Name and unit of a column header written ``name [unit]`` or ``name (unit)``.
 
     Round brackets count as a unit only where they hold one that is known.
+
+    Parameters
+    ----------
+    header : str
+        What stands over the column.
 
     Examples
     --------
@@ -143,6 +153,11 @@ def unit_in_name(name: str) -> tuple[str, str] | None:
 def channel_of(name: str) -> str:
     """The channel that a column of that name becomes; any other name as it is.
 
+    Parameters
+    ----------
+    name : str
+        Of a column, with its unit or without.
+
     Examples
     --------
     >>> channel_of("heel_deg"), channel_of("p_deg_s"), channel_of("drift_deg")
@@ -154,6 +169,11 @@ def channel_of(name: str) -> str:
 
 def factor_to(unit: str, target: str) -> float | None:
     """Factor from a unit to a target unit; None if they measure different things.
+
+    Parameters
+    ----------
+    unit, target : str
+        Such as ``kN`` and ``N``.
 
     Raises
     ------

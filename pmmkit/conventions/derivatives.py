@@ -420,6 +420,11 @@ _CASED: Final = {
 def is_unit(text: str) -> bool:
     """Whether a text is a unit that is known; an empty one is, without dimension.
 
+    Parameters
+    ----------
+    text : str
+        What may be one.
+
     Examples
     --------
     >>> is_unit("kN"), is_unit("Fx")
@@ -437,6 +442,11 @@ def unit_factor(unit: str) -> tuple[str, float]:
 
     Case matters only where it decides: ``kN`` is a force and ``kn`` a speed, ``Nm`` a moment and
     ``nm`` a nautical mile.
+
+    Parameters
+    ----------
+    unit : str
+        As a file states it.
 
     Raises
     ------

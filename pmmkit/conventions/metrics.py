@@ -6,14 +6,10 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import ClassVar, Final, Literal
 
 from pmmkit.base import Registry, UnknownNameError
 
-HARD_OVER: Final = 35.0
-"""Rudder of the turning circle of the standard, where the ship permits as much [deg]."""
-IN_LENGTHS: Final = "_L"
-"""Ending of the name of a length that is given in ship lengths."""
 Place = Literal["turn", "comparison", "trial"]
 """Where some metrics stand, of all that there are: the turning circle of a reduction's report, a
 model beside measured manoeuvres, a sea trial."""
@@ -43,6 +39,9 @@ class Criterion:
     number : int
         Which of several, of a metric that is counted.
     """
+
+    HARD_OVER: ClassVar[float] = 35.0
+    """Rudder of the turning circle of the standard, where the ship permits as much [deg]."""
 
     name: str
     paragraph: str
@@ -85,10 +84,13 @@ class Metric:
 
     Examples
     --------
-    >>> advance = metric_of("advance")
+    >>> advance = Metric.of("advance")
     >>> advance.symbol, advance.unit, advance.criteria[0].limit, advance.criteria[0].paragraph
     ('x090', 'm', 4.5, '5.3.1')
     """
+
+    IN_LENGTHS: ClassVar[str] = "_L"
+    """Ending of the name of a length that is given in ship lengths."""
 
     name: str
     symbol: str
@@ -98,6 +100,45 @@ class Metric:
     starboard: bool = False
     criteria: tuple[Criterion, ...] = ()
     told: tuple[Place, ...] = ()
+
+    @staticmethod
+    def of(name: str, known: tuple[Metric, ...] | None = None) -> Metric:
+        """The metric of a number, by the name that the number has.
+
+        Parameters
+        ----------
+        name : str
+            As in ``metrics.json``; with ``_L`` for a length in ship lengths.
+        known : tuple of Metric, optional
+            Among which it is looked for; by default pmmkit's own.
+
+        Raises
+        ------
+        UnknownNameError
+            With the nearest name there is.
+
+        Examples
+        --------
+        >>> Metric.of("tactical_diameter_L").name, Metric.of("overshoot_3_deg").title
+        ('tactical_diameter', 'overshoot angle')
+        """
+        return _metric_of(name, _METRICS if known is None else known)
+
+    @staticmethod
+    def in_words(name: str) -> str:
+        """What a number is called where its unit stands beside it.
+
+        Parameters
+        ----------
+        name : str
+            The name that the number has.
+
+        Examples
+        --------
+        >>> Metric.in_words("overshoot_1_deg"), Metric.in_words("tactical_diameter_L")
+        ('overshoot 1', 'tactical diameter')
+        """
+        return name.removesuffix("_deg").removesuffix(Metric.IN_LENGTHS).replace("_", " ")
 
     @property
     def length(self) -> bool:
@@ -109,7 +150,7 @@ class Metric:
 
         Examples
         --------
-        >>> metric_of("overshoot_2_deg").count("overshoot_2_deg"), metric_of("reach").count("reach")
+        >>> Metric.of("overshoot_2_deg").count("overshoot_2_deg"), Metric.of("reach").count("reach")
         ('2', '')
         """
         head, _, tail = self.name.partition("{}")
@@ -123,14 +164,14 @@ class Metric:
 
         Examples
         --------
-        >>> [metric_of(name).unit_of(name) for name in ("advance", "advance_L", "time_90")]
+        >>> [Metric.of(name).unit_of(name) for name in ("advance", "advance_L", "time_90")]
         ['m', 'L', 's']
         """
-        return lengths if self.length and name.endswith(IN_LENGTHS) else self.unit
+        return lengths if self.length and name.endswith(self.IN_LENGTHS) else self.unit
 
     def judged(self, criterion: Criterion) -> str:
         """Name of the number that a criterion is about, in ship lengths where that is the limit."""
-        return self.name.format(criterion.number) + (IN_LENGTHS if self.length else "")
+        return self.name.format(criterion.number) + (self.IN_LENGTHS if self.length else "")
 
 
 def first_overshoot_limit(time: float) -> float:
@@ -144,7 +185,7 @@ def second_overshoot_limit(time: float) -> float:
 
 
 def _turning(name: str, limit: float) -> tuple[Criterion, ...]:
-    settings = MappingProxyType({"rudder_deg": HARD_OVER})
+    settings = MappingProxyType({"rudder_deg": Criterion.HARD_OVER})
     return (
         Criterion(
             name=name, paragraph="5.3.1", limit=limit, manoeuvre="turning", settings=settings
@@ -302,121 +343,96 @@ _METRICS: Final = (
     _metric("time_shift", "t", "time of the shift of the rudder", "s"),
     _metric("time_ease", "t", "time of rudder amidships", "s"),
 )
-METRICS: Final = Registry(
+
+
+class Metrics(Registry[Metric]):
+    """All metrics by name, and what is told of the numbers of a manoeuvre."""
+
+    @property
+    def criteria(self) -> tuple[tuple[Metric, Criterion], ...]:
+        """All that the IMO asks for, with the metric it is asked of.
+
+        Examples
+        --------
+        >>> [criterion.name for _, criterion in METRICS.criteria][:3]
+        ['advance', 'tactical_diameter', 'initial_turning']
+        """
+        return tuple((metric, item) for metric in self.values() for item in metric.criteria)
+
+    def named(self, *names: str) -> tuple[Metric, ...]:
+        """Metrics by their names.
+
+        Examples
+        --------
+        >>> [metric.unit for metric in METRICS.named("advance", "time_90")]
+        ['m', 's']
+        """
+        return tuple(self[name] for name in names)
+
+    @staticmethod
+    def in_lengths(names: Iterable[str]) -> list[str]:
+        """Names of numbers, without those that are given in ship lengths as well.
+
+        Examples
+        --------
+        >>> METRICS.in_lengths(["advance", "advance_L", "time_90"])
+        ['advance_L', 'time_90']
+        """
+        given = list(names)
+        return [name for name in given if name + Metric.IN_LENGTHS not in given]
+
+    def main(self, names: Iterable[str]) -> str:
+        """The number that is told first: the tactical diameter where there is one.
+
+        Examples
+        --------
+        >>> METRICS.main(["advance_L", "tactical_diameter_L"])
+        'tactical_diameter_L'
+        >>> METRICS.main(["overshoot_1_deg", "reach"])
+        'overshoot_1_deg'
+        """
+        given = self.in_lengths(names)
+        turning = f"tactical_diameter{Metric.IN_LENGTHS}"
+        return turning if turning in given else given[0]
+
+    def told(self, place: Place, names: Iterable[str], *, counted: int = COUNTED) -> list[str]:
+        """Names of numbers that are told in a place.
+
+        Parameters
+        ----------
+        place : {"turn", "comparison", "trial"}
+            Where.
+        names : iterable of str
+            Of all numbers there are; lengths are told in ship lengths of a turn, else in metres.
+        counted : int
+            How many are told of a metric that is counted.
+
+        Examples
+        --------
+        >>> METRICS.told("trial", ["advance", "speed_ratio", "overshoot_1_deg", "overshoot_4_deg"])
+        ['advance', 'overshoot_1_deg']
+        """
+        chosen = self.in_lengths(names) if place == "turn" else names
+        return [
+            name
+            for name in chosen
+            for metric in [Metric.of(name)]
+            if (place == "turn" or not name.endswith(Metric.IN_LENGTHS))
+            and place in metric.told
+            and int(metric.count(name.removesuffix(Metric.IN_LENGTHS)) or 1) <= counted
+        ]
+
+
+METRICS: Final = Metrics(
     Metric, lambda: _METRICS, what="metric", contract="pmmkit.testing.manoeuvres:check_metric"
 )
-"""All metrics by name; one of which there are several has a number in it, see `metric_of`."""
+"""All metrics by name; one of which there are several has a number in it, see `Metric.of`."""
 
 
 @cache
-def metric_of(name: str, known: tuple[Metric, ...] = _METRICS) -> Metric:
-    """The metric of a number, by the name that the number has.
-
-    Parameters
-    ----------
-    name : str
-        As in ``metrics.json``; with ``_L`` for a length in ship lengths.
-    known : tuple of Metric
-        Among which it is looked for.
-
-    Raises
-    ------
-    UnknownNameError
-        With the nearest name there is.
-
-    Examples
-    --------
-    >>> metric_of("tactical_diameter_L").name, metric_of("overshoot_3_deg").title
-    ('tactical_diameter', 'overshoot angle')
-    """
-    bare = name.removesuffix(IN_LENGTHS)
+def _metric_of(name: str, known: tuple[Metric, ...]) -> Metric:
+    bare = name.removesuffix(Metric.IN_LENGTHS)
     for metric in known:
         if metric.count(bare) is not None and (bare == name or metric.length):
             return metric
     raise UnknownNameError(Registry(Metric, lambda: known, what="metric").unknown(name))
-
-
-def metrics_named(*names: str) -> tuple[Metric, ...]:
-    """Metrics of the table.
-
-    Examples
-    --------
-    >>> [metric.unit for metric in metrics_named("advance", "time_90")]
-    ['m', 's']
-    """
-    return tuple(METRICS[name] for name in names)
-
-
-def in_lengths(names: Iterable[str]) -> list[str]:
-    """Names of numbers, without those that are given in ship lengths as well.
-
-    Examples
-    --------
-    >>> in_lengths(["advance", "advance_L", "time_90"])
-    ['advance_L', 'time_90']
-    """
-    given = list(names)
-    return [name for name in given if name + IN_LENGTHS not in given]
-
-
-def told(place: Place, names: Iterable[str], *, counted: int = COUNTED) -> list[str]:
-    """Names of numbers that are told in a place.
-
-    Parameters
-    ----------
-    place : {"turn", "comparison", "trial"}
-        Where.
-    names : iterable of str
-        Of all numbers there are; lengths are told in ship lengths of a turn, else in metres.
-    counted : int
-        How many are told of a metric that is counted.
-
-    Examples
-    --------
-    >>> told("trial", ["advance", "speed_ratio", "overshoot_1_deg", "overshoot_4_deg"])
-    ['advance', 'overshoot_1_deg']
-    """
-    chosen = in_lengths(names) if place == "turn" else names
-    return [
-        name
-        for name in chosen
-        for metric in [metric_of(name)]
-        if (place == "turn" or not name.endswith(IN_LENGTHS))
-        and place in metric.told
-        and int(metric.count(name.removesuffix(IN_LENGTHS)) or 1) <= counted
-    ]
-
-
-def in_words(name: str) -> str:
-    """What a number is called where its unit stands beside it.
-
-    Examples
-    --------
-    >>> in_words("overshoot_1_deg"), in_words("tactical_diameter_L")
-    ('overshoot 1', 'tactical diameter')
-    """
-    return name.removesuffix("_deg").removesuffix(IN_LENGTHS).replace("_", " ")
-
-
-def main_of(names: Iterable[str]) -> str:
-    """The number that is told first: the tactical diameter where there is one.
-
-    Examples
-    --------
-    >>> main_of(["advance_L", "tactical_diameter_L"]), main_of(["overshoot_1_deg", "reach"])
-    ('tactical_diameter_L', 'overshoot_1_deg')
-    """
-    given = in_lengths(names)
-    turning = f"tactical_diameter{IN_LENGTHS}"
-    return turning if turning in given else given[0]
-
-
-def criteria() -> tuple[tuple[Metric, Criterion], ...]:
-    """All that the IMO asks for, with the metric it is asked of.
-
-    Examples
-    --------
-    >>> [criterion.name for _, criterion in criteria()][:3]
-    ['advance', 'tactical_diameter', 'initial_turning']
-    """
-    return tuple((metric, item) for metric in METRICS.values() for item in metric.criteria)

@@ -41,6 +41,45 @@ class Structure:
     sources: tuple[str, ...] = ()
     remark: str = ""
 
+    @staticmethod
+    def meant_by(choice: str | Iterable[str] | Structure) -> Structure:
+        """A structure by name, or from a list of derivatives.
+
+        Parameters
+        ----------
+        choice : str, iterable of str or Structure
+            A name (``abkowitz3``), derivatives in one text separated by commas or blanks
+            (``"Yv Yr Nv Nr"``), or a list of them.
+
+        Raises
+        ------
+        UnknownNameError
+            If neither a structure nor derivatives are meant.
+
+        Examples
+        --------
+        >>> Structure.meant_by("linear").of("Y")
+        ('Yv', 'Yr', 'Yvdot', 'Yrdot')
+        >>> Structure.meant_by("Yv, Yv|v|, Nv").derivatives
+        ('Yv', 'Yv|v|', 'Nv')
+        """
+        if isinstance(choice, Structure):
+            return choice
+        if isinstance(choice, str) and choice in STRUCTURES:
+            return STRUCTURES[choice]
+        names = choice.replace(",", " ").split() if isinstance(choice, str) else list(choice)
+        try:
+            if not names:
+                raise UnknownNameError("the list is empty.")
+            return Structure(name="custom", derivatives=_ordered(names))
+        except UnknownNameError as error:
+            known = ", ".join(STRUCTURES)
+            guess = did_you_mean(choice, STRUCTURES) if isinstance(choice, str) else ""
+            raise UnknownNameError(
+                f"{choice!r} is neither a structure ({known}) nor a list of "
+                f"derivatives{guess or ':'} {error}"
+            ) from error
+
     @property
     def source(self) -> str:
         """Where the form comes from, in words."""
@@ -131,47 +170,3 @@ STRUCTURES: Final = Registry(
     contract="pmmkit.testing.structures:check_structure",
 )
 """All structures by name: pmmkit's, then those of other installed packages."""
-
-
-def structure_of(choice: str | Iterable[str] | Structure) -> Structure:
-    """A structure by name, or from a list of derivatives.
-
-    Parameters
-    ----------
-    choice : str, iterable of str or Structure
-        A name (``abkowitz3``), derivatives in one text separated by commas or blanks
-        (``"Yv Yr Nv Nr"``), or a list of them.
-
-    Raises
-    ------
-    UnknownNameError
-        If neither a structure nor derivatives are meant.
-
-    Examples
-    --------
-    >>> structure_of("linear").of("Y")
-    ('Yv', 'Yr', 'Yvdot', 'Yrdot')
-    >>> structure_of("Yv, Yv|v|, Nv").derivatives
-    ('Yv', 'Yv|v|', 'Nv')
-    """
-    if isinstance(choice, Structure):
-        return choice
-    if isinstance(choice, str) and choice in STRUCTURES:
-        return STRUCTURES[choice]
-    names = choice.replace(",", " ").split() if isinstance(choice, str) else list(choice)
-    try:
-        if not names:
-            raise UnknownNameError("the list is empty.")
-        return Structure(name="custom", derivatives=_ordered(names))
-    except UnknownNameError as error:
-        known = ", ".join(STRUCTURES)
-        guess = did_you_mean(choice, STRUCTURES) if isinstance(choice, str) else ""
-        raise UnknownNameError(
-            f"{choice!r} is neither a structure ({known}) nor a list of derivatives{guess or ':'} "
-            f"{error}"
-        ) from error
-
-
-def terms(names: Iterable[str]) -> tuple[tuple[str, ...], ...]:
-    """The factors of each derivative."""
-    return tuple(parse_derivative(name).factors for name in names)

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from pmmkit.conventions import IN_LENGTHS, METRICS, Metric, metric_of
+from pmmkit.conventions import METRICS, Metric
 from pmmkit.equations.layouts import Ask, End, PhaseField, ProbeField, State
 from pmmkit.numerics import Array
 
@@ -197,6 +197,6 @@ def _in_both(L: float, values: Mapping[str, float], known: tuple[Metric, ...]) -
     found: dict[str, float] = {}
     for name, value in values.items():
         found[name] = value
-        if metric_of(name, known).length:
-            found[name + IN_LENGTHS] = value / L
+        if Metric.of(name, known).length:
+            found[name + Metric.IN_LENGTHS] = value / L
     return found

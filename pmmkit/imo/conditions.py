@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Final, Self
 
-from pmmkit.conventions import HARD_OVER, Ship
+from pmmkit.conventions import Criterion, Ship
 
 SHORTEST: Final = 100.0
 """Length from which on the standard applies [m]: MSC.137(76)."""
@@ -203,14 +203,13 @@ class Condition:
         return cls(
             name="rudder",
             title="rudder of the turning circle",
-            standard=f"{HARD_OVER:g}° or the largest permissible",
+            standard=f"{Criterion.HARD_OVER:g}° or the largest permissible",
             value=size,
             shown=f"{size:.1f}°",
             excess=-size,
-            met=True if size > HARD_OVER - 0.5 else None,
-            words=f"The standard asks for {HARD_OVER:g}° of rudder or the largest permissible; "
-            "this is "
-            f"{size:.1f}°.",
+            met=True if size > Criterion.HARD_OVER - 0.5 else None,
+            words=f"The standard asks for {Criterion.HARD_OVER:g}° of rudder or the largest "
+            f"permissible; this is {size:.1f}°.",
         )
 
 

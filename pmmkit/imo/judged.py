@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import DataError
-from pmmkit.conventions import HARD_OVER, Criterion, Metric, criteria
+from pmmkit.conventions import METRICS, Criterion, Metric
 from pmmkit.effects import CATALOGUE
 from pmmkit.equations import Gear
 from pmmkit.imo.conditions import Condition, simulated_conditions
@@ -58,7 +58,7 @@ def imo_turning(track: Track) -> list[Verdict]:
         raise DataError(f"The criteria are for a turning circle, not for {track.manoeuvre!r}.")
     return [
         verdict_of(metric, item, track, track_conditions(track), alone=True)
-        for metric, item in criteria()
+        for metric, item in METRICS.criteria
         if item.manoeuvre == track.manoeuvre
     ]
 
@@ -175,7 +175,7 @@ def imo_verdicts(
                     verdict = replace(verdict, probability=probability)
                 found.append(verdict)
     sided = {item.name for _, _, pairs in tests for _, item in pairs}
-    alone = [(metric, item) for metric, item in criteria() if item.name not in sided]
+    alone = [(metric, item) for metric, item in METRICS.criteria if item.name not in sided]
     stated = {"turns": astern, "reversal_s": reversal, "torque": torque}
     given = {name: x for name, x in stated.items() if x is not None}
     if astern is not None and not astern < 0.0:
@@ -204,13 +204,13 @@ def sided_tests(
     list of (str, dict, tuple)
         Settings to starboard; limited are pairs of metric and criterion.
     """
-    hard = min(HARD_OVER, model.steering.get("max_deg", HARD_OVER))
-    sided = [(metric, item) for metric, item in criteria() if "rudder_deg" in item.settings]
+    hard = min(Criterion.HARD_OVER, model.steering.get("max_deg", Criterion.HARD_OVER))
+    sided = [(metric, item) for metric, item in METRICS.criteria if "rudder_deg" in item.settings]
     tests = groupby(sided, key=lambda pair: (pair[1].manoeuvre, dict(pair[1].settings)))
     found = []
     for (manoeuvre, given), pairs in tests:
         rudder = given["rudder_deg"]
-        asked = given | {"rudder_deg": hard if rudder == HARD_OVER else rudder}
+        asked = given | {"rudder_deg": hard if rudder == Criterion.HARD_OVER else rudder}
         found.append((manoeuvre, asked, tuple(pairs)))
     return found
 

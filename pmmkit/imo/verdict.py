@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Final, Literal, Self
 
 import numpy as np
 
-from pmmkit.conventions import HARD_OVER, Criterion, Metric, cite, criteria
+from pmmkit.conventions import METRICS, Criterion, Metric, cite
 from pmmkit.imo.conditions import Condition
 from pmmkit.numerics import Array
 from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, fixed, number
@@ -241,7 +241,7 @@ class Verdict(Described):
     @property
     def metric(self) -> str:
         """Name of the number that is judged."""
-        return next(m.judged(item) for m, item in criteria() if item.name == self.criterion)
+        return next(m.judged(item) for m, item in METRICS.criteria if item.name == self.criterion)
 
     def row(self) -> list[str]:
         """Criterion, manoeuvre, value, limit, margin, what follows, and how probable that is."""
@@ -370,12 +370,12 @@ def judge(
 def _turning_conditions(rudder_deg: float, others: tuple[str, ...], digits: str) -> tuple[str, ...]:
     """What one turning circle does not show of the two that the standard asks for."""
     rudder = (
-        f"The standard asks for {HARD_OVER:g}° of rudder or the largest permissible; this is "
-        f"{abs(rudder_deg):{digits}}°."
+        f"The standard asks for {Criterion.HARD_OVER:g}° of rudder or the largest permissible; "
+        f"this is {abs(rudder_deg):{digits}}°."
     )
     side = "starboard" if rudder_deg > 0 else "port"
     return (
-        *([rudder] if abs(abs(rudder_deg) - HARD_OVER) > 0.5 else []),
+        *([rudder] if abs(abs(rudder_deg) - Criterion.HARD_OVER) > 0.5 else []),
         *others,
         f"The standard asks for turns to both sides; this is the one to {side}.",
     )

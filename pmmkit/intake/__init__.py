@@ -6,14 +6,13 @@ from pmmkit.base import lazy
 
 if TYPE_CHECKING:
     from pmmkit.intake.checks import examine
-    from pmmkit.intake.checks.finding import CheckFinding, name_runs, refuse
+    from pmmkit.intake.checks.finding import CheckFinding, Summary, name_runs, refuse
     from pmmkit.intake.checks.positions import digits, position_jumps
     from pmmkit.intake.checks.reading import KnownHistory, summarise
     from pmmkit.intake.checks.record import FLAT_SAMPLES
-    from pmmkit.intake.checks.summary import Summary
     from pmmkit.intake.checks.untold import untold
     from pmmkit.intake.drafting import DraftAnswers, Drafted
-    from pmmkit.intake.drafts.choosing import ColumnChoice
+    from pmmkit.intake.drafts.columns import ColumnChoice
     from pmmkit.intake.drafts.propose import campaign_draft
     from pmmkit.intake.drafts.questions import Question, questions_of
     from pmmkit.intake.drafts.write import written

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import TEST_KINDS, TestKind, setting_units
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, TestKind
 from pmmkit.conventions import CHANNEL_UNITS, factor_to
 from pmmkit.intake.seen import Blocks, ColumnLook, SheetBlock, What
 from pmmkit.numerics import Array
@@ -191,8 +191,8 @@ def _values(cells: Cells, rows: Sequence[int], column: ColumnLook | None) -> Arr
     if column is None or column.suggestion is None:
         return np.zeros(0)
     name = column.suggestion.name
-    unit = column.suggestion.unit or column.unit or setting_units().get(name)
-    target = "rad" if name in setting_units() else CHANNEL_UNITS.get(name, "")
+    unit = column.suggestion.unit or column.unit or RUN_SETTINGS.units.get(name)
+    target = "rad" if name in RUN_SETTINGS.units else CHANNEL_UNITS.get(name, "")
     try:
         factor = (factor_to(unit, target) if unit else 1.0) or 1.0
     except DataError:

@@ -13,10 +13,9 @@ from types import MappingProxyType
 from typing import Any, Final, get_args
 
 from pmmkit.base import CampaignError, DataError, Problem
-from pmmkit.campaigns import TEST_KINDS, CampaignFile, campaign_of, keys_of
+from pmmkit.campaigns import TEST_KINDS, CampaignFile, campaign_of
 from pmmkit.files import CAMPAIGN, toml_string
-from pmmkit.intake.drafts.choosing import ColumnChoice, signed, with_choices
-from pmmkit.intake.drafts.columns import their_column
+from pmmkit.intake.drafts.columns import ColumnChoice, signed, their_column, with_choices
 from pmmkit.intake.drafts.propose import campaign_draft
 from pmmkit.intake.drafts.questions import questions_of, with_answer
 from pmmkit.intake.drafts.write import written
@@ -350,7 +349,7 @@ def _options(table: str, key: str, text: str) -> tuple[str, ...]:
     if key == "test" and table in ("runs", "tables"):
         free = 'kind = "free-running"' in text
         return tuple(name for name, kind in TEST_KINDS.items() if kind.free_running == free)
-    known = keys_of(table).get(key)
+    known = CampaignFile.keys_of(table).get(key)
     options = () if known is None else get_args(known.annotation)
     return tuple(options) if options and all(isinstance(x, str) for x in options) else ()
 

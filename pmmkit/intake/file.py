@@ -4,19 +4,256 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from pmmkit.base import CampaignError, Problem
 from pmmkit.intake.blocks import blocks_of
-from pmmkit.intake.columns import judged
-from pmmkit.intake.guessing import bare_header
-from pmmkit.intake.seen import ColumnLook, FileLook
-from pmmkit.intake.values import Values, values_of
-from pmmkit.readers import READERS, Options, Request, TextLayout, head_of, recognise, text_of
+from pmmkit.intake.guessing import Suggestion, bare_header, rates_of, suggest, wrong_unit
+from pmmkit.intake.seen import Clock, ColumnLook, FileLook, concerns, doubt_in, without_doubt
+from pmmkit.numerics import ABSURD, Array
+from pmmkit.readers import (
+    READERS,
+    Options,
+    Request,
+    TextLayout,
+    head_of,
+    recognise,
+    text_of,
+    to_number,
+)
+
+# What the columns of a file probably are, and of what kind the file is.
+
+
+def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = ()) -> FileLook:
+    """A look with what the columns probably are, their numbers, the clock and the kind of file."""
+    headers = [without_doubt(column.header) for column in look.columns]
+    units = [column.unit for column in look.columns]
+    usual = READERS[look.format].usual(headers)
+    found = suggest(headers, units, values, usual=usual)
+    kind = _kind(headers, found, values, look.columns)
+    if kind in ("table", "open water"):
+        found = suggest(headers, units, values, table=True)
+    columns = tuple(
+        _seen(_doubted(replace(column, suggestion=item), kind), values.get(column.position))
+        for column, item in zip(look.columns, found, strict=True)
+    )
+    look = replace(look, kind=kind, columns=columns)
+    time = look.known.get("t") if kind == "history" else None
+    if time is None or time.position not in values:
+        return look
+    look = replace(look, clock=clock_of(values[time.position], seams))
+    return look if seams else _with_rates(look, values, time.position)
+
+
+def _with_rates(look: FileLook, values: Mapping[int, Array], clock: int) -> FileLook:
+    """With a remark at columns that are the rate of another one."""
+    others = {
+        place: numbers
+        for place, numbers in values.items()
+        if place != clock and np.all(np.isfinite(numbers))
+    }
+    rates = rates_of(values[clock], others)
+    columns = []
+    for column in look.columns:
+        other, factor = rates.get(column.position, (None, 1.0))
+        if other is not None:
+            times = "" if factor == 1.0 else f", times {factor:g}"
+            said = f"the rate of {look.columns[other].label}{times}"
+            column = replace(column, remark=_also(column, said))
+        columns.append(column)
+    return replace(look, columns=tuple(columns))
+
+
+def _kind(
+    headers: Sequence[str],
+    found: Sequence[Suggestion | None],
+    values: Mapping[int, Array],
+    columns: Sequence[ColumnLook],
+) -> str:
+    folded = {header.lower().lstrip("10") for header in headers}
+    if {"j", "kt", "kq"} <= folded:
+        return "open water"
+    names = {item.name for item in found if item}
+    if "t" in names:
+        return "history"
+    rows = max((len(numbers) for numbers in values.values()), default=0)
+    units = [column.unit for column in columns]
+    as_table = {item.name for item in suggest(headers, units, values, table=True) if item}
+    forces = {name.partition("_")[0] for name in as_table} & {"X", "Y", "N", "K"}
+    settings = as_table & {"speed", "drift_deg", "rudder_deg", "heel_deg", "yaw_rate"}
+    return "table" if forces and settings and rows < 5000 else "unknown"
+
+
+def _doubted(column: ColumnLook, kind: str) -> ColumnLook:
+    """Without what its header doubts, with a remark; also where name and unit do not agree."""
+    said = doubt_in(column.title)
+    if concerns(said, column.unit):
+        remark = f"its header says {said!r}: left out unless you name it under [columns]"
+        return replace(column, suggestion=None, remark=remark)
+    if column.suggestion is not None:
+        return column
+    said = wrong_unit(column.header, column.unit, table=kind == "table")
+    return replace(column, remark=said) if said else column
+
+
+def _seen(column: ColumnLook, numbers: Array | None) -> ColumnLook:
+    finite = None if numbers is None else numbers[np.isfinite(numbers)]
+    if finite is None or not len(finite):
+        return column if numbers is None else replace(column, remark=_also(column, "no numbers"))
+    missing = len(numbers) - len(finite) if numbers is not None else 0
+    return replace(
+        column,
+        numbers=True,
+        low=float(finite.min()),
+        high=float(finite.max()),
+        mean=float(finite.mean()),
+        first=float(finite[0]),
+        remark=_also(column, f"{missing} without a number" if missing else ""),
+    )
+
+
+def _also(column: ColumnLook, said: str) -> str:
+    """The remark on a column with another one."""
+    return "; ".join(filter(None, (column.remark, said)))
+
+
+def clock_of(time: Array, seams: Sequence[int] = ()) -> Clock | None:
+    """Facts about a column of times; None for fewer than three.
+
+    Examples
+    --------
+    >>> found = clock_of(np.array([0.0, 0.1, 0.2, 0.5, 0.5, 0.6]))
+    >>> round(found.interval, 9), found.gaps, found.repeated, found.even
+    (0.1, 1, 1, False)
+    """
+    finite = np.isfinite(time)
+    if np.count_nonzero(finite) < 3:
+        return None
+    steps = np.diff(time)
+    steps[[row - 1 for row in seams if 0 < row <= len(steps)]] = np.nan
+    steps = steps[np.isfinite(steps)]
+    forward = steps[steps > 0]
+    interval = float(np.median(forward)) if len(forward) else 0.0
+    gaps = steps > 1.5 * interval
+    usual = steps[~gaps]
+    return Clock(
+        interval=interval,
+        duration=float(np.ptp(time[finite])),
+        even=bool(interval > 0 and np.all(np.abs(usual - interval) < 0.02 * interval)),
+        gaps=int(np.count_nonzero(gaps)),
+        repeated=int(np.count_nonzero(steps == 0)),
+        backward=int(np.count_nonzero(steps < 0)),
+        longest=float(steps.max()),
+    )
+
+
+# The numbers of a file that was looked at, as far as it can be read.
+
+
+@dataclass(frozen=True, kw_only=True)
+class Values:
+    """Numbers of a file by position, how many rows there are, and what was wrong."""
+
+    numbers: Mapping[int, Array] = field(default_factory=dict)
+    problems: tuple[Problem, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def values_of(look: FileLook, positions: Sequence[int] | None = None) -> Values:
+    """Numbers of the columns of a file, NaN where they are damaged, and the problems."""
+    wanted = tuple(positions if positions is not None else _numeric(look))
+    request = look.request
+    reader = READERS[look.format]
+    if look.blocks.mixed:
+        return _of_runs(look, wanted)
+    try:
+        read = reader.columns(request, lambda _, width: [p for p in wanted if p < width])
+    except CampaignError as error:
+        return Values(numbers=_lenient(look, wanted), problems=_few(error.problems, request))
+    return Values(numbers=dict(zip(read.positions, read.values, strict=True)), notes=read.notes)
+
+
+def _of_runs(look: FileLook, positions: Sequence[int]) -> Values:
+    """The numbers of the rows that are runs or samples of them; the others are no damage."""
+    cells = READERS[look.format].cells(look.request)
+    taken = {line for block in look.blocks.runs for line in block.lines}
+    kept = [place for place, line in enumerate(cells.lines) if line in taken]
+    own = replace(
+        cells,
+        rows=tuple(cells.rows[place] for place in kept),
+        lines=tuple(cells.lines[place] for place in kept),
+    )
+    _, _, problems = own.numbers(positions, look.request)
+    numbers = {
+        place: np.array([to_number(row[place], cells.decimal) for row in own.rows], dtype=float)
+        for place in positions
+    }
+    return Values(numbers=numbers, problems=_few(problems, look.request), notes=cells.notes)
+
+
+def _numeric(look: FileLook) -> list[int]:
+    if look.layout is not None:
+        return [place for place, numeric in enumerate(look.layout.numeric) if numeric]
+    return [column.position for column in look.columns if column.numbers]
+
+
+def _few(problems: Sequence[Problem], request: Request) -> tuple[Problem, ...]:
+    """The first problems of a file, and how many more there are."""
+    if len(problems) <= 3:
+        return tuple(problems)
+    return (*problems[:2], request.problem(f"and {len(problems) - 2} more problems."))
+
+
+def _lenient(look: FileLook, positions: Sequence[int]) -> dict[int, Array]:
+    """Columns of a damaged text file or sheet, NaN where there is no number; else nothing."""
+    if look.has_sheets:
+        cells = READERS[look.format].cells(look.request)
+        found = {
+            place: np.array([to_number(row[place]) for row in cells.rows], dtype=float)
+            for place in positions
+        }
+    elif look.layout is not None:
+        found = _lenient_text(look, look.layout, positions)
+    else:
+        return {}
+    return {
+        place: np.where(np.abs(numbers) < ABSURD, numbers, np.nan)
+        for place, numbers in found.items()
+    }
+
+
+def _lenient_text(look: FileLook, layout: TextLayout, positions: Sequence[int]) -> dict[int, Array]:
+    import pandas as pd
+
+    try:
+        table = pd.read_csv(
+            look.path,
+            header=None,
+            names=list(range(len(layout.headers))),
+            skiprows=layout.first_row - 1,
+            sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
+            encoding=layout.encoding,
+            encoding_errors="replace",
+            on_bad_lines="skip",
+            dtype=str,
+        )
+    except (ValueError, OSError, pd.errors.ParserError):
+        return {}
+    found = {}
+    for place in positions:
+        cells = table[place].astype(str)
+        if layout.decimal != ".":
+            cells = cells.str.replace(layout.decimal, ".", regex=False)
+        found[place] = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float)
+    return found
+
 
 # Parts of a text file that is too large to be read whole.
 

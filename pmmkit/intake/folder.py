@@ -15,12 +15,12 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import CampaignError, DataError, Problem
-from pmmkit.campaigns import is_packed_campaign, open_campaign
+from pmmkit.campaigns import open_campaign
 from pmmkit.files import CAMPAIGN, Url
 from pmmkit.intake.file import look_at, with_numbers
 from pmmkit.intake.seen import ColumnLook, FileLook, SheetBlock
 from pmmkit.presentation import counted, safe_cell
-from pmmkit.readers import READERS, recognise
+from pmmkit.readers import READERS, Contents, Request, recognise
 
 MOST_FILES: Final = 2000
 """Files of a folder that are looked at; of more it is only said how many there are."""
@@ -282,7 +282,7 @@ def look(path: str | Path) -> Look:
         return _look_folder(place)
     if not (place.is_file() or place.is_dir()):
         raise CampaignError(Problem(message="this is neither file nor folder.", file=str(place)))
-    if place.suffix == ".toml" or is_packed_campaign(place):
+    if place.suffix == ".toml" or _is_packed(place):
         return Look(path=place, campaigns=(_campaign(place, place.name),))
     looks = look_at(place, place.name, numbers=False)
     if looks[0].is_campaign:
@@ -292,6 +292,16 @@ def look(path: str | Path) -> Look:
     if not found:
         raise CampaignError(problems)
     return Look(path=place, groups=found, problems=tuple(problems))
+
+
+def _is_packed(path: Path) -> bool:
+    """Whether a file is an archive that holds a campaign file; a damaged one does not."""
+    if path.suffix.lower() != ".zip":
+        return False
+    try:
+        return bool(Contents.of(Request(path=path, shown=path.name)).named(CAMPAIGN.file))
+    except CampaignError:
+        return False
 
 
 def _look_folder(folder: Path) -> Look:

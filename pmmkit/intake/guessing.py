@@ -13,14 +13,7 @@ from typing import Final, Literal
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import (
-    RUN_SETTINGS,
-    RunSetting,
-    brought,
-    names_taken_unasked,
-    setting_units,
-    unit_of,
-)
+from pmmkit.campaigns import RUN_SETTINGS, RunSetting, unit_of
 from pmmkit.conventions import (
     CHANNEL_UNITS,
     DEGREE_CHANNELS,
@@ -160,7 +153,7 @@ def _each_once(found: Sequence[Suggestion | None], *, table: bool) -> tuple[Sugg
         if item is None:
             continue
         # what a table says was set stands beside what was measured
-        name = item.name if table and item.name in setting_units() else channel_of(item.name)
+        name = item.name if table and item.name in RUN_SETTINGS.units else channel_of(item.name)
         holder = found[best[name]] if name in best else None
         if holder is None or _RANK[item.certainty] < _RANK[holder.certainty]:
             best[name] = position
@@ -230,7 +223,7 @@ def _by_name(
 
 def _in_other_words(header: str, unit: str | None, *, table: bool) -> Suggestion | None:
     """By a word of another language; surer where it is all of the header."""
-    more = {item.in_file: item.words for item in brought() if item.words}
+    more = {item.in_file: item.words for item in RUN_SETTINGS.brought if item.words}
     found = [*meanings("setting", header, more)] if table else []
     for channel, word, alone in meanings("channel", header):
         held = _SETTINGS_OF.get(channel) if table else None
@@ -248,10 +241,9 @@ def _in_other_words(header: str, unit: str | None, *, table: bool) -> Suggestion
 
 def _known(name: str, *, table: bool) -> bool:
     """Whether it is a name of ours that a file of that kind is read by without being mapped."""
-    allowed = names_taken_unasked(table=table)
-    if allowed is None:
-        return name in CHANNEL_UNITS or name in DEGREE_CHANNELS
-    return name in allowed or harmonic_part(name) is not None
+    if table:
+        return unit_of(name, table=True, unasked=True) is not None
+    return name in CHANNEL_UNITS or name in DEGREE_CHANNELS
 
 
 def _by_unit(header: str, unit: str | None, known: set[str]) -> Suggestion | None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError
-from pmmkit.conventions import HARD_OVER, metrics_named
+from pmmkit.conventions import METRICS, Criterion
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 from pmmkit.plotting.marks import open_mark, path_axes
@@ -99,7 +99,7 @@ def spiral(track: TrackLike) -> Figure:
         figure = style.canvas(4.2, 5.6)
         axis = figure.subplots()
         for number, (way, text) in enumerate((("first", "first way"), ("back", "way back"))):
-            (rates_at,) = metrics_named(f"yaw_rate_deg_s_at_{{}}_{way}")
+            (rates_at,) = METRICS.named(f"yaw_rate_deg_s_at_{{}}_{way}")
             points = sorted(
                 (float(angle), value)
                 for name, value in track.metrics.items()
@@ -150,7 +150,7 @@ def steady_turns(
     with style.styled():
         figure = style.canvas(4.2, 5.6)
         axis = figure.subplots()
-        near = np.abs(rudder_deg) <= HARD_OVER
+        near = np.abs(rudder_deg) <= Criterion.HARD_OVER
         rudder, rate = rudder_deg[near], yaw_rate_deg_s[near]
         for kind, dash, text in ((True, "-", "stays"), (False, "--", "leaves by itself")):
             kept = np.where(stays[near] == kind, rate, np.nan)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.conventions import IN_LENGTHS, in_words
+from pmmkit.conventions import Metric
 from pmmkit.numerics import Array, turned
 from pmmkit.plotting import style
 from pmmkit.plotting.bands import PALE, Band
@@ -181,7 +181,7 @@ def _outline(heading: float) -> Array:
 def _measures(axis: Axes, track: TrackLike, intervals: Mapping[str, tuple[float, float]]) -> None:
     """Advance, transfer and tactical diameter as dimension lines, clear of the ship's outlines."""
     names = ("advance", "transfer", "tactical_diameter")
-    found = {name: track.metrics.get(name + IN_LENGTHS, np.nan) for name in names}
+    found = {name: track.metrics.get(name + Metric.IN_LENGTHS, np.nan) for name in names}
     if not np.isfinite(list(found.values())).all():
         return
     ahead, reached = track.x / track.L, turned(track.psi)
@@ -197,9 +197,9 @@ def _measures(axis: Axes, track: TrackLike, intervals: Mapping[str, tuple[float,
         ("tactical_diameter", (0.0, below), (half[0], below), ((0.0, 0.0), half)),
     )
     for name, start, end, (from_start, from_end) in lines:
-        low, high = intervals.get(name + IN_LENGTHS, (np.nan, np.nan))
+        low, high = intervals.get(name + Metric.IN_LENGTHS, (np.nan, np.nan))
         around = f" ({low:.2f} to {high:.2f})" if np.isfinite(low) else ""
-        text = f"{in_words(name)} {found[name]:.2f} L{around}"
+        text = f"{Metric.in_words(name)} {found[name]:.2f} L{around}"
         upright = name == "advance"
         guides = [(from_start, start), (from_end, end)]
         dimension(

@@ -16,16 +16,15 @@ if TYPE_CHECKING:
         Choose,
         Columns,
         Options,
+        Reader,
         Request,
         as_text,
         head_of,
         to_number,
     )
     from pmmkit.readers.hdf5.datasets import SIGNATURE, declared_bytes, open_hdf5
-    from pmmkit.readers.reader import Reader
     from pmmkit.readers.registry import READERS, reader_for, recognise
-    from pmmkit.readers.saved.file import CampaignWriter, saved_index
-    from pmmkit.readers.saved.group import safe_names
+    from pmmkit.readers.saved.file import CampaignWriter, safe_names, saved_index
     from pmmkit.readers.text.layout import TextLayout, text_of
 
 __all__ = [

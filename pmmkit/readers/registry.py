@@ -14,8 +14,16 @@ from pathlib import Path, PurePath
 from typing import Final, Literal
 
 from pmmkit.base import Registry
-from pmmkit.readers.base import Cells, Choose, Columns, Options, Request, columns_of, head_of
-from pmmkit.readers.reader import Reader
+from pmmkit.readers.base import (
+    Cells,
+    Choose,
+    Columns,
+    Options,
+    Reader,
+    Request,
+    columns_of,
+    head_of,
+)
 
 __all__ = [
     "GROUP",

@@ -19,8 +19,7 @@ import numpy as np
 
 from pmmkit.base import CampaignError, Problem
 from pmmkit.numerics import ABSURD, Array
-from pmmkit.readers.base import LISTED, Cell, Cells, Choose, Columns, Request, fault
-from pmmkit.readers.reader import Reader
+from pmmkit.readers.base import LISTED, Cell, Cells, Choose, Columns, Reader, Request, fault
 
 WIDEST: Final = 200
 """Matrices with more columns than this are not columns of channels."""

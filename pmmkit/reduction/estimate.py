@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import CampaignError, Problem
-from pmmkit.campaigns import Settings, repeats
+from pmmkit.campaigns import Run, Settings
 from pmmkit.inference import LeastSquares
 from pmmkit.numerics import Array
 from pmmkit.presentation import at_froude
@@ -152,7 +152,7 @@ class ChannelFit:
 def origins_of(rows: Sequence[Rows]) -> list[str]:
     """The first of the runs that each run repeats, itself among them (`repeats`)."""
     runs = [item.result.run for item in rows]
-    first = {run.id: group[0].id for group in repeats(runs) for run in group}
+    first = {run.id: group[0].id for group in Run.repeats(runs) for run in group}
     return [first[run.id] for run in runs]
 
 

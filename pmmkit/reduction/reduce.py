@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pmmkit.base import CampaignError, ContradictionError, Problem, Workers, __version__
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, Structure, structure_of
+from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, Structure
 from pmmkit.intake import CheckFinding, examine, refuse, untold
 from pmmkit.models import DerivativeTable, TableVerdict
 from pmmkit.presentation import Described, Section, counted
@@ -280,7 +280,7 @@ def reduce_campaign(
     """
     campaign = campaign.at_one_depth().within_reach()
     free = structure == "auto"
-    wanted = all_terms() if free else structure_of(structure)
+    wanted = all_terms() if free else Structure.meant_by(structure)
     convention = Convention(
         system=wanted.system,
         surge=wanted.surge,

@@ -11,15 +11,20 @@ if TYPE_CHECKING:
         FourierBasis,
         Harmonics,
         design_matrix,
+        fitted_order,
         harmonics,
         trapezoid_projector,
     )
     from pmmkit.signals.frequency import estimate_frequency
-    from pmmkit.signals.noise import autoregressive_noise, steady_mean, white_noise
+    from pmmkit.signals.noise import (
+        FEWEST,
+        autoregressive_noise,
+        head_rest,
+        steady_mean,
+        time_weights,
+        white_noise,
+    )
     from pmmkit.signals.periodic import between_harmonics, fit_noise, phase_cells
-    from pmmkit.signals.record import FEWEST, time_weights
-    from pmmkit.signals.rest import head_rest
-    from pmmkit.signals.smoothing import fitted_order
     from pmmkit.signals.steady import Window, steady_window
     from pmmkit.signals.travel import Travel, at_speed, in_step
 

@@ -19,8 +19,8 @@ from pmmkit.signals.fourier import (
     cycle_edges,
     design_matrix,
 )
+from pmmkit.signals.noise import as_record
 from pmmkit.signals.periodic import TURN, fit_noise, phase_cells, weighted_covariance
-from pmmkit.signals.record import as_record
 
 Ints = NDArray[np.intp]
 

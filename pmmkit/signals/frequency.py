@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike
 from pmmkit.base import DataError
 from pmmkit.numerics import Array
 from pmmkit.signals.fourier import design_matrix
-from pmmkit.signals.noise import mean_noise
+from pmmkit.signals.noise import as_record, mean_noise
 from pmmkit.signals.periodic import TURN
-from pmmkit.signals.record import as_record
 
 ORDER: Final = 3
 A_CYCLE: Final = 64

@@ -105,8 +105,9 @@ def fit_noise(rest: Array, count: int, order: int, lags: int) -> tuple[Array, Ar
     innovation = np.zeros(c)
     orders = np.zeros(c, dtype=int)
     for p in range(1, waves.order + 1):
-        found = _expect_and_fit(observed, waves, expected, covariance, p)
-        expected, covariance = found.expected, found.covariance
+        fitted, unexplained, expected, covariance = _expect_and_fit(
+            observed, waves, expected, covariance, p
+        )
         ratio = observed[:, noise] / np.maximum(expected[:, noise], TINY)
         scale = ratio.mean(axis=-1)
         misfit = 2.0 * np.sum(
@@ -115,8 +116,8 @@ def fit_noise(rest: Array, count: int, order: int, lags: int) -> tuple[Array, Ar
         score = misfit + PENALTY * p * bins / max(bins - p - 2, 1)
         better = score < best
         best[better], orders[better] = score[better], p
-        filters[better, : p + 1] = found.filters[better]
-        innovation[better] = (scale * found.unexplained * covariance[:, 0])[better]
+        filters[better, : p + 1] = fitted[better]
+        innovation[better] = (scale * unexplained * covariance[:, 0])[better]
     dof = np.zeros((c, order + 1))
     for p in set(orders.tolist()) - {0}:
         own = orders == p
@@ -166,20 +167,11 @@ def _turns(length: int, order: int) -> NDArray[np.complex128]:
     return np.cumprod([np.ones_like(once), *[once] * order], axis=0)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Fitted:
-    """Autoregressions of records, with the share of the variance that is innovation, and what they
-    lead to expect: periodogram and autocovariances."""
-
-    filters: Array
-    unexplained: Array
-    expected: Array
-    covariance: Array
-
-
 def _expect_and_fit(
     observed: Array, waves: _Waves, expected: Array, covariance: Array, p: int
-) -> _Fitted:
+) -> tuple[Array, Array, Array, Array]:
+    """Autoregressions of records, with the share of the variance that is innovation, and what they
+    lead to expect: periodogram and autocovariances."""
     m = covariance.shape[-1]
     share = np.arange(m) / m
     rest = 1.0 - share
@@ -202,9 +194,7 @@ def _expect_and_fit(
         expected = np.maximum(np.fft.rfft(folded, axis=-1).real, 1e-9 * lagged[:, :1])
         if np.all(np.abs(expected - before) <= 0.01 * before):
             break
-    return _Fitted(
-        filters=filters, unexplained=unexplained, expected=expected, covariance=covariance
-    )
+    return filters, unexplained, expected, covariance
 
 
 def _degrees(filters: Array, m: int, noise: NDArray[np.bool_], at: Ints) -> Array:

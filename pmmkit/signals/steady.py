@@ -9,8 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmmkit.numerics import Array
-from pmmkit.signals.noise import autoregressive_noise, mean_variance
-from pmmkit.signals.record import FEWEST, as_record, cell_means, time_weights
+from pmmkit.signals.noise import (
+    FEWEST,
+    as_record,
+    autoregressive_noise,
+    cell_means,
+    mean_variance,
+    time_weights,
+)
 
 CELLS: Final = 128
 CORE: Final = 0.3

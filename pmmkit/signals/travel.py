@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmmkit.numerics import Array
+from pmmkit.signals.noise import FEWEST, as_record
 from pmmkit.signals.periodic import TURN
-from pmmkit.signals.record import FEWEST, as_record
 from pmmkit.signals.steady import calmest_part
 
 BLOCKS: Final = 256

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import numpy as np
 
 from pmmkit.base import DataError, Progress, Workers, each, opened
-from pmmkit.conventions import in_lengths, main_of, metric_of
+from pmmkit.conventions import METRICS, Metric
 from pmmkit.equations import (
     Conditions,
     DenseHistory,
@@ -160,8 +160,8 @@ class Ensemble(Described):
 
     def varying(self) -> list[str]:
         """The metrics that differ between the ships, the main one first."""
-        first = main_of(self.metrics)
-        names = [first, *(name for name in in_lengths(self.metrics) if name != first)]
+        first = METRICS.main(self.metrics)
+        names = [first, *(name for name in METRICS.in_lengths(self.metrics) if name != first)]
         return [name for name in names if name == first or _differs(self.metrics[name])]
 
     def _headline(self) -> str:
@@ -172,7 +172,7 @@ class Ensemble(Described):
 
     def _sections(self) -> Sequence[Section]:
         rows = []
-        for name in in_lengths(self.metrics):
+        for name in METRICS.in_lengths(self.metrics):
             values = self.metrics[name][np.isfinite(self.metrics[name])]
             std = float(values.std(ddof=1)) if len(values) > 1 else np.nan
             numbers = (self.nominal[name], std, *self.interval(name))
@@ -480,7 +480,7 @@ def monte_carlo(
         manoeuvre=batch.plan.name,
         scale=loaded.scale,
         units=MappingProxyType(
-            {name: metric_of(name, batch.plan.metrics).unit_of(name) for name in nominal}
+            {name: Metric.of(name, batch.plan.metrics).unit_of(name) for name in nominal}
         ),
         tested=batch.nominal_range(),
         standing=Standing.of(loaded, speed),

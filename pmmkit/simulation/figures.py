@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.conventions import IN_LENGTHS, criteria, metric_of
+from pmmkit.conventions import METRICS, Metric
 from pmmkit.numerics import Array
 from pmmkit.plotting import LIMIT, REFERENCE, canvas, colour, legend_below, marker, styled, widened
 from pmmkit.presentation import figure_text
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _LIMITS: Final = {
     metric.judged(item): item.limit
-    for metric, item in criteria()
+    for metric, item in METRICS.criteria
     if metric.length and not callable(item.limit)
 }
 MOST: Final = 12
@@ -90,7 +90,9 @@ def measures_over_froude(sweeps: Mapping[str, xr.Dataset]) -> Figure:
     """
     with styled():
         figure = canvas(3.2)
-        lengths = [x for x in map(str, next(iter(sweeps.values()))) if x.endswith(IN_LENGTHS)]
+        lengths = [
+            x for x in map(str, next(iter(sweeps.values()))) if x.endswith(Metric.IN_LENGTHS)
+        ]
         axes = figure.subplots(1, len(lengths))
         for axis, measure in zip(axes, lengths, strict=True):
             for number, (name, sweep) in enumerate(sweeps.items()):
@@ -106,7 +108,7 @@ def measures_over_froude(sweeps: Mapping[str, xr.Dataset]) -> Figure:
             if measure in _LIMITS:
                 axis.axhline(_LIMITS[measure], color=LIMIT, lw=1.2, label="IMO limit")
             axis.set_ylim(0, 1.08 * axis.get_ylim()[1])
-            axis.set_title(f"{metric_of(measure).title} / L [-]")
+            axis.set_title(f"{Metric.of(measure).title} / L [-]")
             axis.set_xlabel("Froude number [-]")
         legend_below(figure, list(axes))
     return figure

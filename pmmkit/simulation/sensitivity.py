@@ -20,7 +20,7 @@ from pmmkit.base import (
     opened,
     setting,
 )
-from pmmkit.conventions import in_lengths, main_of, metric_of
+from pmmkit.conventions import METRICS, Metric
 from pmmkit.inference import Propagated, Stencil
 from pmmkit.models import Model
 from pmmkit.numerics import Array
@@ -117,7 +117,7 @@ class Sensitivities(Described):
         """Which derivatives decide a metric, the main one by default."""
         from pmmkit.simulation.figures import importance
 
-        chosen = metric or main_of(self.slopes)
+        chosen = metric or METRICS.main(self.slopes)
         shares = self.covariance is not None
         table = self.table(chosen)
         column = "share_of_variance" if shares else "per_cent_per_per_cent"
@@ -162,8 +162,8 @@ class Sensitivities(Described):
 
     def _sections(self) -> Sequence[Section]:
         return [
-            self.describe(main_of(self.slopes)),
-            Section(title="Metrics", paragraphs=[", ".join(in_lengths(self.slopes))]),
+            self.describe(METRICS.main(self.slopes)),
+            Section(title="Metrics", paragraphs=[", ".join(METRICS.in_lengths(self.slopes))]),
         ]
 
     def _slopes(self, metric: str) -> Array:
@@ -278,7 +278,7 @@ def sensitivities(
         nominal=MappingProxyType({name: float(x[-1]) for name, x in metrics.items()}),
         covariance=covariance,
         units=MappingProxyType(
-            {name: metric_of(name, batch.plan.metrics).unit_of(name) for name in slopes}
+            {name: Metric.of(name, batch.plan.metrics).unit_of(name) for name in slopes}
         ),
         settings=tuple(item.name for item in free),
     )
@@ -353,7 +353,7 @@ class SobolIndices(Described):
         )
 
     def _sections(self) -> Sequence[Section]:
-        metric = main_of(self.total)
+        metric = METRICS.main(self.total)
         rows = [
             [str(name), f"{100 * row['first']:.1f} %", f"{100 * row['total']:.1f} %"]
             for name, row in self.table(metric).head(LISTED).iterrows()
@@ -368,7 +368,7 @@ class SobolIndices(Described):
                     )
                 ],
             ),
-            Section(title="Metrics", paragraphs=[", ".join(in_lengths(self.total))]),
+            Section(title="Metrics", paragraphs=[", ".join(METRICS.in_lengths(self.total))]),
         ]
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.base import DataError, Problem, Remedy, Way, Workers, each, opened
-from pmmkit.conventions import metric_of
+from pmmkit.conventions import Metric
 from pmmkit.models import Model, load_model
 from pmmkit.simulation.ensemble import monte_carlo
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
@@ -247,7 +247,7 @@ def _variables(
         if column in SHARES:
             return "-"
         plain = column.removesuffix("_low").removesuffix("_high")
-        return metric_of(plain, manoeuvre.metrics).unit_of(plain, lengths="-")
+        return Metric.of(plain, manoeuvre.metrics).unit_of(plain, lengths="-")
 
     return {
         name: (over, np.array([row[name] for row in rows]), {"units": unit(name)})

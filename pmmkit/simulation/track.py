@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import UnknownNameError
-from pmmkit.conventions import IN_LENGTHS, METRICS, Metric, in_lengths, metric_of
+from pmmkit.conventions import METRICS, Metric
 from pmmkit.models import Standing
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, number
@@ -169,7 +169,7 @@ class Track(Described):
         time = length / pace
         factors = {"m": length, "s": time, "deg/s": 1.0 / time, "m/s": pace}
         return {
-            name: x * factors.get(metric_of(name).unit_of(name), 1.0) for name, x in values.items()
+            name: x * factors.get(Metric.of(name).unit_of(name), 1.0) for name, x in values.items()
         }
 
     @property
@@ -245,7 +245,9 @@ class Track(Described):
             *(f"{name} = {value}" for name, value in self.settings.items()),
             *self.standing.sentences,
         ]
-        missing = [name for name in in_lengths(self.metrics) if not np.isfinite(self.metrics[name])]
+        missing = [
+            name for name in METRICS.in_lengths(self.metrics) if not np.isfinite(self.metrics[name])
+        ]
         points = [f"The track does not show: {', '.join(missing)}"] if missing else []
         points += self.notes
         return [
@@ -260,10 +262,10 @@ class Track(Described):
         entries = known.metrics if known else tuple(METRICS.values())
         rows = []
         for name, value in self.metrics.items():
-            bare = name.removesuffix(IN_LENGTHS)
+            bare = name.removesuffix(Metric.IN_LENGTHS)
             if bare != name and bare in self.metrics:
                 continue
-            lengths = self.metrics.get(name + IN_LENGTHS)
+            lengths = self.metrics.get(name + Metric.IN_LENGTHS)
             beside = "" if lengths is None else f"{number(lengths)} L"
             rows.append([name, number(value), _unit(name, entries), beside])
         return Grid(head=["", "value", "unit", ""], groups=[Group(rows=rows)], texts=(2,))
@@ -290,6 +292,6 @@ class Track(Described):
 def _unit(name: str, known: tuple[Metric, ...]) -> str:
     """Unit of a number; empty for one that a user brings along."""
     try:
-        return metric_of(name, known).unit_of(name)
+        return Metric.of(name, known).unit_of(name)
     except UnknownNameError:
         return ""

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import DataError, PmmkitError
-from pmmkit.conventions import IN_LENGTHS, METRICS, Metric, metric_of
+from pmmkit.conventions import METRICS, Metric
 from pmmkit.simulation import MANOEUVRES, Manoeuvre, Setting, Track, simulate
 
 UNITS: Final = {"m": "", "s": "", "-": "", "m/s": "", "deg": "_deg", "deg/s": "_deg_s"}
@@ -42,7 +42,7 @@ def check_metric(metric: Metric) -> None:
 
     Examples
     --------
-    >>> check_metric(metric_of("advance"))
+    >>> check_metric(Metric.of("advance"))
     >>> check_metric(Metric(name="Drift", symbol="β", title="drift angle", unit="deg"))
     Traceback (most recent call last):
     AssertionError: Metric 'Drift':
@@ -106,8 +106,9 @@ def _plain(name: str) -> bool:
 def _faults_of_metric(metric: Metric) -> Iterator[str]:
     if not _plain(metric.name):
         yield "its name is not of small letters, digits and underscores"
-    if metric.name.endswith(IN_LENGTHS):
-        yield f"its name ends with {IN_LENGTHS}, which is for the same length in ship lengths"
+    if metric.name.endswith(Metric.IN_LENGTHS):
+        end = Metric.IN_LENGTHS
+        yield f"its name ends with {end}, which is for the same length in ship lengths"
     if metric.unit not in UNITS:
         yield f"its unit is {metric.unit!r}, none of {', '.join(UNITS)}"
     elif UNITS[metric.unit] not in metric.name:
@@ -208,7 +209,7 @@ def _faults_of_run(
 ) -> Iterator[str]:
     given: dict[str, int] = {metric.name: 0 for metric in manoeuvre.metrics}
     for name, value in track.metrics.items():
-        given[metric_of(name, manoeuvre.metrics).name] += 1
+        given[Metric.of(name, manoeuvre.metrics).name] += 1
         if not math.isfinite(value):
             yield f"{name} is {value}"
     for metric in manoeuvre.metrics:
@@ -240,11 +241,11 @@ def _faults_of_run(
 def _mirrored(manoeuvre: Manoeuvre, metrics: Mapping[str, float]) -> Iterator[tuple[str, float]]:
     """The metrics as the mirror image has them, rudder angles in their names mirrored too."""
     for name, value in metrics.items():
-        metric = metric_of(name, manoeuvre.metrics)
+        metric = Metric.of(name, manoeuvre.metrics)
         if not metric.starboard:
             yield name, value
             continue
-        angle = metric.count(name.removesuffix(IN_LENGTHS)) or ""
+        angle = metric.count(name.removesuffix(Metric.IN_LENGTHS)) or ""
         turned = angle.translate(str.maketrans("+-", "-+"))
         yield name.replace(angle, turned) if angle else name, -value
 

@@ -9,7 +9,7 @@ from typing import Final, get_args, get_type_hints
 
 import numpy as np
 
-from pmmkit.campaigns import OURS, RUN_SETTINGS, TEST_KINDS, RunSetting, Settings, TestKind
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, RunSetting, Settings, TestKind
 from pmmkit.conventions import is_unit
 from pmmkit.numerics import Array
 
@@ -115,7 +115,8 @@ def _faults(setting: RunSetting) -> Iterator[str]:
         yield "what its key means is not said"
     if setting.stated_std and not setting.word:
         yield "its uncertainty can be stated, and it has no word"
-    yield from (f"it states {x}, which is no setting" for x in setting.states if x not in OURS)
+    placed = {*RUN_SETTINGS} & {item.name for item in fields(Settings)}
+    yield from (f"it states {x}, which is no setting" for x in setting.states if x not in placed)
     try:
         re.compile(setting.header)
         for pattern, _ in setting.in_names:

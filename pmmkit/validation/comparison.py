@@ -11,7 +11,7 @@ import numpy as np
 
 from pmmkit.base import DataError, Progress, UnknownNameError
 from pmmkit.campaigns import TEST_KINDS, Campaign, Rig, Run
-from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, in_words, told
+from pmmkit.conventions import CHANNEL_UNITS, METRICS, Metric, Ship, Water
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
@@ -229,7 +229,7 @@ class Comparison(Described):
                 if np.isfinite(row["as_executed"]) and row["measure"].startswith("overshoot"):
                     found.setdefault(row["measure"], []).append(row)
         return [
-            f"{in_words(measure)}: off by "
+            f"{Metric.in_words(measure)}: off by "
             f"{rms([row['error'] for row in rows]):.2f}° (rms of {len(rows)}), with each execute "
             f"at the heading of the run by {rms([row['error_as_executed'] for row in rows]):.2f}°"
             for measure, rows in found.items()
@@ -513,7 +513,7 @@ def _record_statements(
     ]
     return [
         Statement(
-            text=f"{in_words(row['channel'])}, {TEST_KINDS[row['test']].title}, "
+            text=f"{Metric.in_words(row['channel'])}, {TEST_KINDS[row['test']].title}, "
             f"{row['speed']:.3g} m/s: {row['ratio']:.1f} times the uncertainty, {_size(row)}",
             channel=row["channel"],
             runs=tuple(
@@ -535,7 +535,7 @@ def _size(row: Mapping[str, Any]) -> str:
 
 def _told(item: ManoeuvreComparison) -> list[dict[str, Any]]:
     """The rows of the measures that a comparison tells."""
-    chosen = told("comparison", item.trial.metrics, counted=OVERSHOOTS)
+    chosen = METRICS.told("comparison", item.trial.metrics, counted=OVERSHOOTS)
     return [row for row in item.rows() if row["measure"] in chosen]
 
 
@@ -554,7 +554,7 @@ def _measure_statements(
             continue
         share = 100.0 * float(np.mean([row["relative"] for row in rows]))
         text = (
-            f"{in_words(measure)}, {TEST_KINDS[test].title}, "
+            f"{Metric.in_words(measure)}, {TEST_KINDS[test].title}, "
             f"{'all' if len(rows) > 1 else 'the'} {len(rows) if len(rows) > 1 else 'one'} "
             f"run{'s' if len(rows) > 1 else ''}: predicted {abs(share):.0f} % "
             f"{'more' if share > 0 else 'less'} than measured"

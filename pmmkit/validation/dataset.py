@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.conventions import CHANNEL_UNITS, in_lengths
+from pmmkit.conventions import CHANNEL_UNITS, METRICS
 from pmmkit.inference import COVERAGE
 from pmmkit.validation.captive import CaptiveRun
 from pmmkit.validation.free_running import FreeRun, ManoeuvreComparison
@@ -200,7 +200,7 @@ def measures_in_percent(manoeuvres: Sequence[ManoeuvreComparison]) -> pd.DataFra
 
     found = []
     for item in manoeuvres:
-        chosen = in_lengths(item.trial.metrics)
+        chosen = METRICS.in_lengths(item.trial.metrics)
         for row in item.rows():
             if row["measure"] in chosen:
                 own = COVERAGE * item.trial.std.get(row["measure"], np.nan)

@@ -12,7 +12,7 @@ import numpy as np
 
 from pmmkit.base import DataError, PmmkitError, Progress
 from pmmkit.campaigns import Campaign, Run
-from pmmkit.conventions import metric_of
+from pmmkit.conventions import Metric
 from pmmkit.identification import (
     Binding,
     FreeRecord,
@@ -81,7 +81,7 @@ class ManoeuvreComparison:
                     "test": self.run.test,
                     "speed": self.run.settings.speed,
                     "measure": name,
-                    "unit": metric_of(name).unit_of(name),
+                    "unit": Metric.of(name).unit_of(name),
                     "measured": measured,
                     "predicted": predicted,
                     "error": error,
@@ -255,7 +255,7 @@ def compare_free(
         except PmmkitError as error:
             reasons.append(f"{run.id} is left out: {error}")
             continue
-        if run.test in Trial.TESTS:
+        if run.kind_of_test.of_standard:
             try:
                 manoeuvres.append(_sailed(made, held, campaign, known, extrapolate))
             except PmmkitError as error:

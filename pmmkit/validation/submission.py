@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pmmkit.base import DataError, PmmkitError
 from pmmkit.campaigns import TEST_KINDS, Campaign, Run, TypeB
 from pmmkit.conventions import Convention
-from pmmkit.identification import Trial, evaluate_trials
+from pmmkit.identification import evaluate_trials
 from pmmkit.numerics import Array
 from pmmkit.reduction import FLOOR, View
 from pmmkit.validation.captive import CaptiveRun, measured_shares, observed
@@ -38,7 +38,7 @@ def compare_trials(
     alone: list[str] = []
     notes: list[str] = []
     for run in campaign:
-        if run.test not in Trial.TESTS:
+        if not run.kind_of_test.of_standard:
             continue
         other = _same_given(run, campaign, submission)
         if other is None:

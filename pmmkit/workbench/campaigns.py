@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import Campaign, by_title, open_campaign
+from pmmkit.campaigns import Campaign, open_campaign
 from pmmkit.models import load_model
 from pmmkit.validation import Comparison, compare, observed
 from pmmkit.workbench.known import AnswerCache
@@ -50,7 +50,7 @@ class OpenCampaigns:
 
     def every(self, state: WorkbenchState) -> dict[str, Campaign]:
         """All campaigns by their titles."""
-        return by_title([self.campaign(state, of) for of in range(len(state.campaigns))])
+        return Campaign.by_title([self.campaign(state, of) for of in range(len(state.campaigns))])
 
     def sailing(self, state: WorkbenchState) -> Campaign:
         """The tests of the ship: the first that let it sail by itself, else the first."""

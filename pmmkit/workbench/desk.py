@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from pmmkit.base import DataError, PmmkitError, __version__
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import HARD_OVER, STRUCTURES
+from pmmkit.conventions import STRUCTURES, Criterion
 from pmmkit.diagnosis import read_session
 from pmmkit.effects import own_effect
 from pmmkit.files import datasets_folder
@@ -559,7 +559,7 @@ class Desk:
     def _turn(self, effects: tuple[str, ...]) -> dict[str, Any]:
         model, reach = self._model(effects), self.range()["speeds"]
         speed = reach[len(reach) // 2]
-        settings: dict[str, Any] = {"rudder_deg": HARD_OVER, "extrapolate": True}
+        settings: dict[str, Any] = {"rudder_deg": Criterion.HARD_OVER, "extrapolate": True}
         return page_of(model, "turning", speed=speed, band=True, **settings)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import Campaign, by_title, open_campaign
+from pmmkit.campaigns import Campaign, open_campaign
 from pmmkit.conventions import STRUCTURES
 from pmmkit.diagnosis import Session, SeveralCampaigns, begin, carried
 from pmmkit.intake import CheckFinding, examine, refuse
@@ -166,7 +166,7 @@ class Tasks:
 
     def _tests(self, work: Work) -> dict[str, Campaign]:
         """The campaigns by their titles."""
-        return by_title([self._campaign(path, work.data) for path in work.campaigns])
+        return Campaign.by_title([self._campaign(path, work.data) for path in work.campaigns])
 
     def _base(self, tests: Mapping[str, Campaign], model: str, parts: str | None) -> Model:
         if model not in STRUCTURES:

@@ -10,8 +10,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from pmmkit.campaigns import TEST_KINDS, TestKind, setting_key
-from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, TestKind
 from pmmkit.campaigns.file.schema import (
     CorrectionEntry,
     DefaultsEntry,
@@ -26,7 +25,9 @@ from pmmkit.campaigns.file.single_tables import (
     CampaignEntry,
     CfdEntry,
     ColumnEntry,
+    GaugeEntry,
     ImoEntry,
+    ReportEntry,
     ShipEntry,
     SourceEntry,
     StrutsEntry,
@@ -49,9 +50,9 @@ LETTERS = {
 
 
 def _row(kind: TestKind) -> tuple[str, ...]:
-    needs = ", ".join(f"`{setting_key(name)}`" for name in kind.needs)
+    needs = ", ".join(f"`{RUN_SETTINGS.key_of(name)}`" for name in kind.needs)
     needs = needs.replace("`yaw_rate`", "`yaw_rate` or `radius`")
-    takes = ", ".join(f"`{setting_key(name)}`" for name in kind.takes)
+    takes = ", ".join(f"`{RUN_SETTINGS.key_of(name)}`" for name in kind.takes)
     settings = "; ".join([*([needs] if needs else []), *([f"may take {takes}"] if takes else [])])
     varies = ", ".join(LETTERS.get(name, name) for name in kind.varies)
     return f"`{kind.name}`", kind.title, kind.family, settings, varies

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pmmkit.conventions import METRICS, Criterion, Metric, criteria
+from pmmkit.conventions import METRICS, Criterion, Metric
 from pmmkit.simulation import MANOEUVRES, Setting
 from scripts.documentation.fences import table
 
@@ -62,7 +62,7 @@ def criterion_table() -> str:
                 f"`{metric.judged(item)}`",
                 limit(metric, item),
             )
-            for metric, item in criteria()
+            for metric, item in METRICS.criteria
         ),
     )
 

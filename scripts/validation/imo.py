@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from pmmkit.conventions import criteria
+from pmmkit.conventions import METRICS
 from pmmkit.identification.trials.verdicts import verdicts_of
 from scripts.validation.published import Published, Values, table
 
@@ -16,7 +16,7 @@ def limits() -> Values:
     """Limits that do not depend on L/V."""
     return {
         item.name.replace("_", " "): item.limit
-        for _, item in criteria()
+        for _, item in METRICS.criteria
         if not callable(item.limit)
     }
 
@@ -26,7 +26,7 @@ def zigzags() -> Values:
     """Limits of the 10/10 zigzag over L/V."""
     found = {}
     for time in (5.0, 20.0, 40.0):
-        for _, item in criteria():
+        for _, item in METRICS.criteria:
             if item.name.endswith("overshoot_10_10"):
                 word = item.name.partition("_")[0]
                 limit = item.limit_for(200.0, 200.0 / time)

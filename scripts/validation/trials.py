@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from pmmkit.campaigns.samples.geodesy import local_metres
+from pmmkit.campaigns.samples.loading import local_metres
 from scripts.studies import bulk_carrier as bulk
 from scripts.studies import patrol_vessel as patrol
 from scripts.validation.published import Published, Values, table

@@ -7,7 +7,7 @@ from small_campaign import write_campaign, write_depths
 
 import pmmkit as pk
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import repeats
+from pmmkit.campaigns import Run
 from pmmkit.intake import examine
 
 
@@ -40,7 +40,7 @@ def test_the_water_of_the_campaign_is_that_of_runs_that_state_none(tmp_path):
 
 
 def test_a_test_over_another_bottom_is_no_repeat(campaign):
-    assert all(len(group) == 1 for group in repeats(campaign.runs))
+    assert all(len(group) == 1 for group in Run.repeats(campaign.runs))
 
 
 def test_a_saved_campaign_keeps_the_depths(campaign, tmp_path):

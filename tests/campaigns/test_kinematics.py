@@ -13,7 +13,7 @@ from scipy.integrate import cumulative_simpson
 
 from pmmkit import Run
 from pmmkit.base import CampaignError
-from pmmkit.campaigns import TEST_KINDS, Settings, brought
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Settings
 from pmmkit.effects import State
 
 UC, PERIOD, SWAY, YAW, RUDDER, DRIFT, PHASE = 1.5, 12.0, 0.35, 0.3, 0.5, 0.12, 0.7
@@ -29,7 +29,7 @@ def run_of(test: str, **changes: object) -> Run:
         "yaw_amplitude": YAW,
         "rudder_amplitude": RUDDER,
         "phase": PHASE,
-        **{item.name: item.typical for item in brought() if item.typical is not None},
+        **{item.name: item.typical for item in RUN_SETTINGS.brought if item.typical is not None},
     } | changes
     settings = Settings.of(given_)
     return Run(id=f"{test}_1", test=test, kind="history", settings=settings, loader=lambda: None)

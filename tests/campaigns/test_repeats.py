@@ -6,8 +6,7 @@ from dataclasses import fields
 
 import pytest
 
-from pmmkit.campaigns import Run, Settings, brought, repeats
-from pmmkit.campaigns.repeated_runs import resolution
+from pmmkit.campaigns import RUN_SETTINGS, Run, Settings
 
 DEG = 0.017453292519943295
 
@@ -19,7 +18,7 @@ def run(name: str, test: str = "static_drift", **settings: float | str | None) -
 
 
 def ids(*runs: Run) -> list[list[str]]:
-    return [[item.id for item in group] for group in repeats(runs)]
+    return [[item.id for item in group] for group in Run.repeats(runs)]
 
 
 def test_runs_set_alike_repeat_each_other_in_the_order_in_which_they_came() -> None:
@@ -121,5 +120,8 @@ def test_small_steps_do_not_make_a_chain() -> None:
 def test_every_setting_is_weighed() -> None:
     """But when the record begins; rate of turn and radius are one."""
     left = {"phase", "repeat_of", "yaw_rate", "radius", "further"}
-    weighed = {*(item.name for item in fields(Settings)), *(item.name for item in brought())}
-    assert set(resolution()) == weighed - left | {"turn_rate"}
+    weighed = {
+        *(item.name for item in fields(Settings)),
+        *(item.name for item in RUN_SETTINGS.brought),
+    }
+    assert set(RUN_SETTINGS.resolution) == weighed - left | {"turn_rate"}

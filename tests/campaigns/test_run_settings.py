@@ -7,15 +7,7 @@ from dataclasses import fields, replace
 import pytest
 
 from pmmkit.base import UnknownNameError
-from pmmkit.campaigns import (
-    OURS,
-    RUN_SETTINGS,
-    Settings,
-    brought,
-    setting_units,
-    unit_of,
-    ways_to_state,
-)
+from pmmkit.campaigns import RUN_SETTINGS, Settings, unit_of
 from pmmkit.campaigns.file.schema import SettingsEntry
 from pmmkit.campaigns.setting import Bounds
 from pmmkit.testing.test_kinds import check_run_setting
@@ -49,8 +41,10 @@ def test_a_setting_that_is_wrong_is_told(change, said):
 
 def test_settings_have_a_field_each_and_a_file_has_all_keys():
     beside = {"strut_spacing", "strut_centre", "repeat_of", "further"}
-    assert {item.name for item in fields(Settings)} == OURS | beside
-    assert list(SettingsEntry.model_fields) == [*setting_units(), "repeat_of"]
+    own = {item.name for item in RUN_SETTINGS.own.values() if item.kept}
+    brought = {item.name for item in RUN_SETTINGS.brought}
+    assert {item.name for item in fields(Settings)} == own - brought | beside
+    assert list(SettingsEntry.model_fields) == [*RUN_SETTINGS.units, "repeat_of"]
 
 
 def test_a_setting_that_nobody_has_is_an_error():
@@ -70,8 +64,8 @@ def test_settings_by_name_are_those_of_the_fields():
 def test_units_of_columns_and_ways_to_state():
     assert unit_of("drift_deg", table=True) == "deg"
     assert unit_of("drift_deg", table=False) is None
-    assert ways_to_state("yaw_amplitude") == {
+    assert RUN_SETTINGS.ways_to_state("yaw_amplitude") == {
         *("yaw_amplitude_deg", "path_amplitude_m", "strut_amplitude_m"),
         *("r_amplitude", "rdot_amplitude"),
     }
-    assert all(item.name not in OURS for item in brought())
+    assert not {item.name for item in RUN_SETTINGS.brought} & {x.name for x in fields(Settings)}

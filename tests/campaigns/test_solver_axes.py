@@ -20,7 +20,7 @@ from scipy.integrate import solve_ivp
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError
 from pmmkit.campaigns import Settings
-from pmmkit.campaigns.motion.solver_axes import Solver, seen_from_hull, without_ramp
+from pmmkit.campaigns.samples.conversions import Solver, seen_from_hull, without_ramp
 from pmmkit.campaigns.stated_run import StatedRun
 from scripts.datasets.campaign_text import S175
 

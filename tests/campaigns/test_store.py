@@ -28,8 +28,7 @@ from pmmkit.base import CampaignError, PmmkitError, Problem
 from pmmkit.campaigns import Correction, Settings, TypeB
 from pmmkit.conventions import CHANNEL_UNITS, Ship, Water
 from pmmkit.files import from_json, to_json
-from pmmkit.readers.saved.file import read_run
-from pmmkit.readers.saved.group import described
+from pmmkit.readers.saved.file import described, read_run
 
 SHIP = Ship(
     name="Modell ü", L=4.861111, B=0.705556, d=0.236111, volume=0.454861, mass=454.476,

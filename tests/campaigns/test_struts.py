@@ -118,7 +118,7 @@ def test_struts_of_pure_yaw_lead_by_twice_the_angle_of_their_way(slides, tmp_pat
 )  # fmt: skip
 def test_rates_are_the_derivatives_of_what_they_are_rates_of(amplitude, phase, centre, aft, turned):
     from pmmkit.campaigns import Settings
-    from pmmkit.campaigns.test_kinds.struts import Struts, swung
+    from pmmkit.campaigns.test_kinds.kind import Struts, swung
 
     struts = Struts(spacing=B, centre_x=centre, slides="aft" if aft else "forward")
     midway, heading = struts.swing(amplitude, phase)

@@ -22,8 +22,7 @@ from pmmkit.conventions import Ship, Water
 from pmmkit.diagnosis import Limits, read_plan_file
 from pmmkit.diagnosis.planning.options import options_of
 from pmmkit.intake.blocks import held_too, kind_with
-from pmmkit.intake.drafts.names import facts_of
-from pmmkit.intake.drafts.settle import asked_of
+from pmmkit.intake.drafts.names import asked_of, facts_of
 from pmmkit.simulation import MANOEUVRES
 from pmmkit.testing.test_kinds import check_test_kind
 

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from pmmkit.cli import main
-from pmmkit.conventions import METRICS, in_lengths, metric_of
+from pmmkit.conventions import METRICS, Metric
 from pmmkit.simulation import MANOEUVRES
 
 CASES = {"turning": (), "zigzag": ("--rudder-deg", "10"), "pull_out": ("--rudder-deg", "20")}
@@ -23,7 +23,7 @@ def test_a_sweep_has_units_over_its_columns(manoeuvre, tmp_path, capsys):
     assert columns.pop("speed") == "m/s"
     assert re.sub(r"\w+ \[[^\]]+\]", "", head).split() == ["Fn"]
     known = MANOEUVRES[manoeuvre].metrics
-    assert columns == {name: metric_of(name, known).unit_of(name) for name in columns}
+    assert columns == {name: Metric.of(name, known).unit_of(name) for name in columns}
     assert columns
 
 
@@ -42,7 +42,7 @@ def test_a_simulation_prints_a_unit_with_every_metric(manoeuvre, tmp_path, capsy
     rows = [line.split() for line in lines[start : lines.index("", start)]]
     known = MANOEUVRES[manoeuvre].metrics
     assert {row[0]: row[2] for row in rows} == {
-        row[0]: metric_of(row[0], known).unit_of(row[0]) for row in rows
+        row[0]: Metric.of(row[0], known).unit_of(row[0]) for row in rows
     }
     assert len(rows) >= 3
 
@@ -59,6 +59,6 @@ def test_what_decides_a_metric_is_said_with_its_unit(tmp_path, capsys):
 
 def test_every_metric_there_is_has_a_unit():
     for manoeuvre in MANOEUVRES.values():
-        names = in_lengths(metric.name for metric in manoeuvre.metrics)
-        assert all(metric_of(name, manoeuvre.metrics).unit_of(name) for name in names)
+        names = METRICS.in_lengths(metric.name for metric in manoeuvre.metrics)
+        assert all(Metric.of(name, manoeuvre.metrics).unit_of(name) for name in names)
     assert all(metric.unit for metric in METRICS.values())

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import pytest
 
 from pmmkit.base import UnknownNameError
-from pmmkit.conventions import STRUCTURES, Structure, parse_derivative, structure_of
-from pmmkit.conventions.named_structures import GROUP, terms
+from pmmkit.conventions import STRUCTURES, Structure, parse_derivative
+from pmmkit.conventions.named_structures import GROUP
 from pmmkit.testing.structures import check_structure
 
 
@@ -61,7 +61,7 @@ def test_another_package_brings_a_structure(monkeypatch):
     try:
         with pytest.warns(UserWarning, match="is left out") as warned:
             assert STRUCTURES["mine"] is mine
-        assert structure_of("mine").of("Y") == ("Yv",)
+        assert Structure.meant_by("mine").of("Y") == ("Yv",)
         assert STRUCTURES["cubic"].of("Y") != ("Yv",)
         assert [str(item.message) for item in warned] == [
             "pmmkit.structures 'b' of a package is left out: the name 'cubic' is taken",
@@ -118,14 +118,13 @@ def test_more_terms_come_into_their_channel_once():
 
 def test_any_list_of_terms():
     expected = ("Xvr", "Yv|v|", "Nv")
-    assert structure_of("Nv, Y|v|v Xrv,Nv").derivatives == expected
-    assert structure_of(["Nv", "Yv|v|", "Xvr"]).derivatives == expected
+    assert Structure.meant_by("Nv, Y|v|v Xrv,Nv").derivatives == expected
+    assert Structure.meant_by(["Nv", "Yv|v|", "Xvr"]).derivatives == expected
     own = Structure(name="own", derivatives=("Yv",))
-    assert structure_of(own) is own
-    assert terms(["Yvvr", "Y0"]) == (("v", "v", "r"), ("0",))
+    assert Structure.meant_by(own) is own
 
 
 @pytest.mark.parametrize("bad", ["abkowitz", "", " , ", [], ["Yv", "Yw"]])
 def test_what_is_no_structure(bad):
     with pytest.raises(UnknownNameError, match="linear, cubic, abkowitz3"):
-        structure_of(bad)
+        Structure.meant_by(bad)

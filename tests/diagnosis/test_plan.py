@@ -406,6 +406,24 @@ def test_a_rudder_that_swings_can_be_planned(tmp_path):
         read_plan_file(file, SHIP, LIMITS)
 
 
+def test_runs_on_a_circle_can_be_planned_and_are_told_apart(tmp_path):
+    file = tmp_path / "plan.toml"
+    head = '[[runs]]\ntest = "circular_motion"\nspeed = 1.0\n'
+    file.write_text(
+        "".join(head + x for x in ("yaw_rate = 0.1\n", "yaw_rate = -0.2\n", "radius = 5.0\n"))
+    )
+    _, found = read_plan_file(file, SHIP, LIMITS)
+    entries = tomllib.loads(entries_text(found))["runs"]
+    assert [(x.get("yaw_rate"), x.get("radius")) for x in entries] == [
+        (0.1, None),
+        (-0.2, None),
+        (None, 5.0),
+    ]
+    assert len({option.id for option in found}) == len({option.words for option in found}) == 3
+    file.write_text(entries_text(found), encoding="utf-8")
+    assert read_plan_file(file, SHIP, LIMITS)[1] == found
+
+
 def test_a_damaged_plan_file_names_everything_at_once(tmp_path):
     file = tmp_path / "plan.toml"
     file.write_text(

@@ -14,7 +14,7 @@ import pytest
 import pmmkit as pk
 from pmmkit import save_campaign
 from pmmkit.base import CampaignError, DataError
-from pmmkit.campaigns.samples.geodesy import geographic, local_metres
+from pmmkit.campaigns.samples.loading import geographic, local_metres
 from pmmkit.cli import main
 from pmmkit.identification import evaluate_trials
 from pmmkit.identification.trials.circle import fit_circle

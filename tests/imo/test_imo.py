@@ -8,6 +8,7 @@ from collections import Counter
 from dataclasses import replace
 from functools import cache
 from statistics import NormalDist
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit.base import DataError
-from pmmkit.conventions import criteria
+from pmmkit.conventions import METRICS
 from pmmkit.imo import imo_turning, imo_verdicts
 from pmmkit.models import load_model
 from pmmkit.simulation import monte_carlo, simulate
@@ -46,7 +47,7 @@ def by_name(verdicts):
 
 def zigzag_limits(L, speed):
     """Of the first and the second overshoot [deg]."""
-    first, second = (x for _, x in criteria() if x.name.endswith("overshoot_10_10"))
+    first, second = (x for _, x in METRICS.criteria if x.name.endswith("overshoot_10_10"))
     return first.limit_for(L, speed), second.limit_for(L, speed)
 
 
@@ -277,8 +278,10 @@ def test_where_the_limit_is_the_median_one_ship_in_two_passes(monkeypatch):
     )
     median = float(np.median(many.metrics["initial_turning_distance_L"]))
     imo = importlib.import_module("pmmkit.imo.judged")
-    asked = [(m, replace(x, limit=median)) for m, x in criteria() if x.name == "initial_turning"]
-    monkeypatch.setattr(imo, "criteria", lambda: tuple(asked))
+    asked = [
+        (m, replace(x, limit=median)) for m, x in METRICS.criteria if x.name == "initial_turning"
+    ]
+    monkeypatch.setattr(imo, "METRICS", SimpleNamespace(criteria=tuple(asked)))
     one = by_name(imo_verdicts("s175-3dof", 9.0, n=1000, spread=0.05, seed=1))
     other = by_name(imo_verdicts("s175-3dof", 9.0, n=1000, spread=0.05, seed=2))
     assert one["initial_turning", "starboard"].probability == pytest.approx(0.5, abs=1e-3)

@@ -14,7 +14,7 @@ from pmmkit.cli import main
 from pmmkit.intake import examine
 from pmmkit.intake.checks.physics import AskedSign, asked_signs
 from pmmkit.intake.drafts.conventions import ranked
-from pmmkit.intake.drafts.trial import summaries_of
+from pmmkit.intake.drafts.propose import summaries_of
 from tests.support.small_campaign import SHIP, write_campaign
 
 ASKED = (

@@ -13,7 +13,7 @@ import openpyxl
 import pytest
 
 from pmmkit import open_campaign
-from pmmkit.campaigns import repeats
+from pmmkit.campaigns import Run
 from pmmkit.cli import main
 from pmmkit.intake import look
 from pmmkit.intake.blocks import statistic_in
@@ -273,7 +273,7 @@ def test_the_repeats_are_grouped(folder: Path, capsys) -> None:
     _, target = drafted(capsys, folder, "--sheet", "A01")
     text = target.read_text(encoding="utf-8").replace("# rho = ...", "rho = 1000.0")
     target.write_text(text, encoding="utf-8")
-    groups = [[run.id for run in group] for group in repeats(open_campaign(target).runs)]
+    groups = [[run.id for run in group] for group in Run.repeats(open_campaign(target).runs)]
     assert [f"A01_R{n}" for n in range(5)] in groups
     assert ["A01_F0", "A01_F1"] in groups
     assert ["A01_G0", "A01_G1"] in groups

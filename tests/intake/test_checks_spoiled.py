@@ -18,8 +18,7 @@ from pmmkit.intake import examine, summarise, untold
 from pmmkit.intake.checks import CHECKS
 from pmmkit.intake.checks.agreement.asking import suspects
 from pmmkit.intake.checks.agreement.posterior import agreement
-from pmmkit.intake.checks.agreement.rows import groups_of
-from pmmkit.intake.checks.agreement.usual import MAIN, SPREAD
+from pmmkit.intake.checks.agreement.rows import MAIN, SPREAD, groups_of
 from pmmkit.intake.checks.gauges import change_facts, hold_facts
 from pmmkit.reduction import reduce_campaign
 from tests.support import spoiled

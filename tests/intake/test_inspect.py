@@ -18,8 +18,7 @@ from installed_readers import installed
 from pmmkit.base import CampaignError, PmmkitError
 from pmmkit.cli import main
 from pmmkit.intake import look
-from pmmkit.intake.columns import clock_of
-from pmmkit.intake.file import look_at
+from pmmkit.intake.file import clock_of, look_at
 from pmmkit.intake.guessing import bare_header, rates_of, suggest
 from pmmkit.readers import Columns, Options, Reader, Request, TextLayout, reader_for, recognise
 from pmmkit.readers.registry import format_of

@@ -11,8 +11,7 @@ import pytest
 from pmmkit import Effect, Parameter, register_effect
 from pmmkit.effects import CATALOGUE, Suspect
 from pmmkit.intake import examine, summarise
-from pmmkit.intake.checks.agreement.asking import suspects
-from pmmkit.intake.checks.agreement.records import Records
+from pmmkit.intake.checks.agreement.asking import Records, suspects
 from pmmkit.intake.checks.agreement.rows import CHANNELS, PHASES, groups_of, phases
 from tests.support import spoiled
 from tests.support.by_hand import (

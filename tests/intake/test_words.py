@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pmmkit.campaigns import TEST_KINDS, setting_units
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS
 from pmmkit.cli import main
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.intake import look
@@ -70,7 +70,7 @@ def test_every_word_tells_its_encoding_where_it_can_be_written(encoding):
 
 def test_words_stand_for_names_that_there_are():
     assert set(vocabulary()["channel"]) <= set(CHANNEL_UNITS)
-    assert set(vocabulary()["setting"]) <= set(setting_units())
+    assert set(vocabulary()["setting"]) <= set(RUN_SETTINGS.units)
     assert set(vocabulary()["test"]) <= set(TEST_KINDS)
     for subject in ("channel", "test"):
         for name, words in vocabulary()[subject].items():

@@ -28,8 +28,8 @@ from pmmkit import open_campaign
 from pmmkit.base import CampaignError
 from pmmkit.intake import examine
 from pmmkit.readers import READERS
-from pmmkit.readers.openfoam.case import density_doubt, entries_of, number_in, parsed
 from pmmkit.readers.openfoam.header import layout_of
+from pmmkit.readers.openfoam.mesh_motion import density_doubt, entries_of, number_in, parsed
 from scripts.datasets.campaign_text import S175
 
 T, PARTS = numbers()

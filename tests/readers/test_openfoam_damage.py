@@ -11,7 +11,7 @@ import pytest
 from foam_texts import esi, every, foundation, notes, numbers, total, written
 
 from pmmkit.base import CampaignError
-from pmmkit.readers.openfoam import numbers as parsing
+from pmmkit.readers.openfoam import header as parsing
 from pmmkit.readers.openfoam.header import layout_of
 
 T, PARTS = numbers()

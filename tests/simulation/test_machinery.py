@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import pmmkit as pk
 from pmmkit.base import DataError
-from pmmkit.conventions import criteria
+from pmmkit.conventions import METRICS
 from pmmkit.effects.four_quadrant import b4_70
 from pmmkit.imo import FullAstern, judged
 from pmmkit.imo.verdict import reached
@@ -221,7 +221,7 @@ def test_what_is_assumed_stands_beside_every_stop():
 
 def test_a_verdict_by_assumptions_is_settled_where_nearly_all_of_them_agree(monkeypatch):
     """The limit is moved through the band of one ship: met, not settled, not met."""
-    (metric, item) = next(pair for pair in criteria() if pair[1].name == "track_reach")
+    (metric, item) = next(pair for pair in METRICS.criteria if pair[1].name == "track_reach")
     many = pk.monte_carlo("s175-3dof", "stopping", speed=9.0, n=200)
     low, high = many.interval("track_reach_L")
     found = []

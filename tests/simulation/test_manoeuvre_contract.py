@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from pmmkit.base import DataError, UnknownNameError
-from pmmkit.conventions import METRICS, Criterion, Metric, criteria, metric_of, metrics_named
+from pmmkit.conventions import METRICS, Criterion, Metric
 from pmmkit.equations import Ask, End, Phase, Plan, Probe
 from pmmkit.simulation import (
     MANOEUVRES,
@@ -46,13 +46,13 @@ def test_no_number_has_two_meanings():
     names = [metric.name for metric in METRICS.values()]
     assert len(set(names)) == len(names)
     for metric in METRICS.values():
-        assert metric_of(metric.name.format(2)) is metric
+        assert Metric.of(metric.name.format(2)) is metric
     ours = {metric.name for item in MANOEUVRES.values() for metric in item.metrics}
     assert set(names) - ours == {"speed_loss"}  # trials alone measure it
 
 
 def test_each_criterion_is_named_once():
-    names = [criterion.name for _, criterion in criteria()]
+    names = [criterion.name for _, criterion in METRICS.criteria]
     assert len(set(names)) == len(names) == 7
 
 
@@ -71,9 +71,9 @@ def test_a_manoeuvre_that_is_near_to_none_is_told_in_two_sentences():
 
 def test_the_metric_that_was_meant_is_named():
     with pytest.raises(UnknownNameError, match="did you mean 'tactical_diameter'"):
-        metric_of("tactical_diametre").unit_of("tactical_diametre")
+        Metric.of("tactical_diametre").unit_of("tactical_diametre")
     with pytest.raises(UnknownNameError):
-        metric_of("time_90_L").unit_of("time_90_L")
+        Metric.of("time_90_L").unit_of("time_90_L")
 
 
 def test_a_sweep_over_a_whole_number_is_one():
@@ -123,7 +123,7 @@ EASING = Manoeuvre(
     ),
     orders=easing,
     metrics=(
-        *metrics_named("time_ease"),
+        *METRICS.named("time_ease"),
         Metric(name="way_eased", symbol="x", title="way with the rudder amidships", unit="m"),
         Metric(name="turned_eased_deg", symbol="ψ", title="turned meanwhile", unit="deg"),
     ),
@@ -252,7 +252,7 @@ WRONG = {
         lambda plan: replace(plan, phases=(replace(plan.phases[0], until="heading"),))
     ),
     "no metric 'speed_lost'": measuring(speed_lost=0.1),
-    "does not give offset": changed(metrics=(*EASING.metrics, *metrics_named("offset"))),
+    "does not give offset": changed(metrics=(*EASING.metrics, *METRICS.named("offset"))),
     "way_eased is nan": measuring(way_eased=math.nan),
     "to the other side turned_eased_deg": changed(orders=one_sided),
     "to the other side way_eased is": measuring(way_eased=lambda found: found.at("end", "y")),

@@ -20,7 +20,7 @@ import pmmkit as pk
 from pmmkit import save_campaign
 from pmmkit.actions.jobs import report as command
 from pmmkit.base import CampaignError, DataError, UnknownNameError
-from pmmkit.campaigns import campaign_of, keys_of
+from pmmkit.campaigns import CampaignFile, campaign_of
 from pmmkit.cli import main
 from pmmkit.exports.campaign_toml import campaign_text
 from pmmkit.presentation import Grid, Group, Section
@@ -120,7 +120,7 @@ class Read(HTMLParser):
 @pytest.mark.slow
 def test_every_key_of_the_table_report_is_printed_in_one_place(told):
     printed = [item.key for item in items_of(told) if item.table == "report"]
-    assert sorted([*printed, "gauges"]) == sorted(keys_of("report"))
+    assert sorted([*printed, "gauges"]) == sorted(CampaignFile.keys_of("report"))
     assert sum(item.table == "report.gauges.NAME" for item in items_of(told)) == 1
 
 

@@ -10,7 +10,7 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.base import DataError
-from pmmkit.campaigns import keys_of
+from pmmkit.campaigns import CampaignFile
 from pmmkit.cli import main
 from pmmkit.views import form_of_model, read_stated
 
@@ -182,7 +182,7 @@ def written(folder, **stated):
 
 def test_a_file_holds_what_it_says_and_its_mistakes_are_all_named(tmp_path):
     assert read_stated(written(tmp_path, **STATED)) == STATED
-    assert set(STATED) < set(keys_of("imo"))
+    assert set(STATED) < set(CampaignFile.keys_of("imo"))
     with pytest.raises(DataError) as caught:
         read_stated(written(tmp_path, sea_state=12, rudders="one", colour="red"))
     assert len(caught.value.problems) == 3

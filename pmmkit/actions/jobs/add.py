@@ -166,7 +166,7 @@ def _files(fall: Fall, drawn: bool) -> list[tuple[str, Any]]:
 def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, Track]:
     """Turning circles with both models at the middle speed of the tests; empty if they cannot."""
     from pmmkit.base import PmmkitError
-    from pmmkit.conventions import HARD_OVER
+    from pmmkit.conventions import Criterion
     from pmmkit.simulation import simulate
 
     speeds = sorted({run.settings.speed for run in campaign.runs})
@@ -176,7 +176,10 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, Track]:
     for name, model in (("before", before), ("after", after)):
         try:
             found[name] = simulate(
-                model, "turning", rudder_deg=HARD_OVER, speed=model.ship.speed(Fn, model.water.g)
+                model,
+                "turning",
+                rudder_deg=Criterion.HARD_OVER,
+                speed=model.ship.speed(Fn, model.water.g),
             )
         except PmmkitError:
             return {}
@@ -186,13 +189,13 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, Track]:
 def _words(
     fall: Fall | None, taken: str, rolled: Sequence[str], turns: Mapping[str, Track]
 ) -> list[str]:
-    from pmmkit.conventions import HARD_OVER
+    from pmmkit.conventions import Criterion
 
     lines = [f"Taken out: {taken}.", ""] if taken else []
     lines += rolled
     lines += [str(fall)] if fall else []
     if turns:
-        lines += ["", f"Turning circle, rudder {HARD_OVER:g}°, in ship lengths:"]
+        lines += ["", f"Turning circle, rudder {Criterion.HARD_OVER:g}°, in ship lengths:"]
         measured = {name: track.circle for name, track in turns.items()}
         names = list(measured["after"])
         lines.append(

@@ -307,7 +307,7 @@ def _side_by_side(found: Reduction) -> list[str]:
 def _words(
     found: Reduction, beside: ReferenceTable | None, turns: Turns | None, why: Sequence[str]
 ) -> list[str]:
-    from pmmkit.conventions import HARD_OVER
+    from pmmkit.conventions import Criterion
 
     reasons = found.verdict.reasons
     doubts = ["Doubts:", *(f"  - {reason}" for reason in reasons), ""] if reasons else []
@@ -325,7 +325,10 @@ def _words(
     lines += [" ".join(filter(None, (str(item), item.remedy))) for item in loud]
     lines += [*_side_by_side(found), *why]
     if turns:
-        lines += ["", f"Turning circle, {HARD_OVER:g}° of rudder, {turns.tracks[0].scale}:"]
+        lines += [
+            "",
+            f"Turning circle, {Criterion.HARD_OVER:g}° of rudder, {turns.tracks[0].scale}:",
+        ]
         lines.append(turn_table(turns))
         stands = [text for track in turns.tracks for text in track.standing.sentences]
         lines += dict.fromkeys(stands)

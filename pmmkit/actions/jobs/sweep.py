@@ -123,10 +123,10 @@ def _heads(
     found: xr.Dataset, coordinates: Sequence[str], metrics: Sequence[str], manoeuvre: str
 ) -> list[str]:
     """Names of the columns, with their units."""
-    from pmmkit.conventions import metric_of
+    from pmmkit.conventions import Metric
     from pmmkit.simulation import MANOEUVRES
 
     known = MANOEUVRES[manoeuvre].metrics
     units = {name: found[name].attrs.get("units", "") for name in coordinates}
-    units |= {name: metric_of(name, known).unit_of(name) for name in metrics}
+    units |= {name: Metric.of(name, known).unit_of(name) for name in metrics}
     return [f"{name} [{unit}]" if unit else name for name, unit in units.items()]

@@ -51,7 +51,7 @@ class UncertaintySettings:
 def uncertainty(job: UncertaintySettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.base import UnknownNameError, shown
-    from pmmkit.conventions import main_of
+    from pmmkit.conventions import METRICS
     from pmmkit.models import load_model
     from pmmkit.plotting import save
     from pmmkit.simulation import Bands, monte_carlo, sensitivities
@@ -76,7 +76,7 @@ def uncertainty(job: UncertaintySettings) -> Outcome:
             executor=job.execution.executor,
             **settings,
         )
-    chosen = job.metric or main_of(many.metrics)
+    chosen = job.metric or METRICS.main(many.metrics)
     if chosen not in many.metrics:
         raise UnknownNameError(
             f"{job.manoeuvre} has no metric {chosen!r}"

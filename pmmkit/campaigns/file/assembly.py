@@ -2,33 +2,98 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.base import DataError
-from pmmkit.campaigns.file.faults import Faults
-from pmmkit.campaigns.file.schema import SettingsEntry
+from pmmkit.base import DataError, Problem
+from pmmkit.campaigns.file.schema import MatrixEntry, SettingsEntry
 from pmmkit.campaigns.file.search import Search
 from pmmkit.campaigns.file.settings import missing_settings, settings_of
-from pmmkit.campaigns.file.struts import on_struts
-from pmmkit.campaigns.motion.solver_axes import Solver
+from pmmkit.campaigns.file.single_tables import Faults
 from pmmkit.campaigns.run import Run, at_hand
-from pmmkit.campaigns.run_settings import setting_units
+from pmmkit.campaigns.run_settings import RUN_SETTINGS
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
-from pmmkit.campaigns.samples.conversions import Frame
+from pmmkit.campaigns.samples.conversions import Frame, Solver
 from pmmkit.campaigns.samples.loading import STRUT_CHANNELS, Context, HistoryLoader
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.stated_run import Correction
-from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
-from pmmkit.campaigns.test_kinds.struts import Struts
+from pmmkit.campaigns.test_kinds.kind import TEST_KINDS, Struts
 from pmmkit.conventions import Ship, Water
-from pmmkit.readers import Cells, Options, Request, reader_for
+from pmmkit.readers import Cells, Options, Request, as_text, reader_for
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.file.schema import FileEntry, RunEntry
+
+
+# Two struts: what a run states of them, as settings of the motion that they make.
+
+
+SWAYS: Final = 0.02
+"""Share of the carriage's speed up to which a test counts as pure yaw."""
+_KEYS: Final = ("strut_amplitude_m", "strut_phase_deg")
+
+
+def on_struts(
+    test: str, given: Mapping[str, Any], settings: Settings, struts: Struts | None, frame: Frame
+) -> tuple[Settings, tuple[str, ...]]:
+    """Settings with the motion of two struts, where a run states it, and that in words.
+
+    Without ``strut_phase_deg`` the struts of pure sway go together, and those of pure yaw lead by
+    2 atan(ωb/2U), at which the hull follows its heading.
+    """
+    stated = [name for name in _KEYS if name in given]
+    if not stated:
+        return settings, ()
+    kind = TEST_KINDS[test]
+    if not (kind.sways or kind.yaws):
+        raise ValueError(f"a {test} test is not made by two struts: leave {stated[0]} out")
+    if struts is None:
+        raise ValueError("strut_amplitude_m needs the distance of the struts: [struts] spacing")
+    if "strut_amplitude_m" not in given:
+        raise ValueError("strut_phase_deg needs strut_amplitude_m, the amplitude of each strut")
+    omega = settings.omega
+    if omega is None:
+        raise ValueError("strut_amplitude_m needs the period")
+    own = struts.of_pure_yaw(omega, settings.speed) if kind.yaws else 0.0
+    phase = own if "strut_phase_deg" not in given else math.radians(given["strut_phase_deg"])
+    midway, heading = struts.swing(given["strut_amplitude_m"], phase)
+    sideways = abs(midway * omega - settings.speed * math.tan(heading))
+    if kind.sways and not kind.yaws and abs(heading) > 0.0:
+        raise ValueError(
+            f"struts {math.degrees(phase):.4g}° apart turn the hull by "
+            f"{math.degrees(heading):.3g}°: a pure_sway test has strut_phase_deg = 0, and this one "
+            "is a sway_yaw test"
+        )
+    if kind.yaws and not kind.sways and sideways > SWAYS * settings.speed:
+        raise ValueError(
+            f"struts {math.degrees(phase):.4g}° apart let the hull sway by {sideways:.3g} m/s: at "
+            f"{settings.speed:g} m/s, T = {settings.period:g} s and {struts.spacing:g} m between "
+            f"them yaw alone has strut_phase_deg = {math.degrees(own):.4g}, and this one is a "
+            "sway_yaw test"
+        )
+    # The heading goes by the y of the struts, whichever way their x axis points.
+    half = math.pi if frame.motion_sign(test) != frame.sign("y") else 0.0
+    both = kind.sways and kind.yaws
+    return (
+        replace(
+            settings,
+            amplitude=midway,
+            yaw_amplitude=(-heading if both else heading) if kind.yaws else None,
+            phase=settings.phase + half,
+            strut_spacing=struts.signed,
+            strut_centre=struts.centre,
+        ),
+        (
+            f"struts {struts.spacing:g} m apart, the forward one leads by "
+            f"{math.degrees(phase):.6g}°: the point midway goes {midway:.6g} m, the heading "
+            f"{math.degrees(heading):.6g}°",
+        ),
+    )
+
 
 Found = tuple[Cells, tuple[Picked, ...]] | None
 
@@ -319,5 +384,95 @@ def said(run: Run, corrections: Sequence[Correction], setup: Setup) -> Run:
 def numbers_in(given: Mapping[str, Any]) -> Mapping[str, float]:
     """The settings of a mapping that are numbers."""
     return MappingProxyType(
-        {name: float(value) for name, value in given.items() if name in setting_units()}
+        {name: float(value) for name, value in given.items() if name in RUN_SETTINGS.units}
+    )
+
+
+# ``[[matrix]]``: a table that says of each run what it was set to and where its history lies.
+
+
+_NOTHING: Final = ("", "-", "–", "—", "/")
+"""Cells that say that a test has no such setting."""
+
+
+def entries_of(
+    matrix: MatrixEntry, label: str, setup: Setup, out: Assembled
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """An entry of ``[[runs]]`` for every row that is not left out, with its place in words."""
+    found = setup.search.find(matrix.file)
+    if found is None:
+        out.problems.append(setup.search.missing(matrix.file, label, out.file))
+        out.incomplete = True
+        return
+    stated = {} if matrix.source is None else matrix.source.model_dump(exclude_unset=True)
+    request = replace(found, options=Options(**stated))
+    try:
+        request = at_hand(request)
+        cells = reader_for(request).cells(request)
+    except DataError as error:
+        out.problems += error.problems
+        out.incomplete = True
+        return
+    specs = {name: ColumnSpec(**item.model_dump()) for name, item in matrix.columns.items()}
+    picked, problems = pick(cells.headers, len(cells.headers), specs, request, table=True)
+    chosen, unfit = cells.matching_rows(matrix.where, request)
+    templates = " ".join((matrix.id, matrix.test, matrix.run, matrix.run_sheet or ""))
+    problems += [
+        *unfit,
+        *(cells.no_column(name, request) for name in cells.filled_in(templates, 0)[1]),
+    ]
+    out.problems += problems
+    if problems:
+        out.incomplete = True
+        return
+    settings = [column for column in picked if column.name in RUN_SETTINGS.units]
+    for index in chosen:
+        line = cells.lines[index]
+        if line not in matrix.skip:
+            place = f"{label}, row {line} of {matrix.file}"
+            yield place, _entry(matrix, cells, settings, index, request, out)
+
+
+def _entry(
+    matrix: MatrixEntry,
+    cells: Cells,
+    settings: list[Picked],
+    index: int,
+    request: Request,
+    out: Assembled,
+) -> dict[str, Any]:
+    """A row as an entry of ``[[runs]]``."""
+
+    def filled(template: str) -> str:
+        return cells.filled_in(template, index)[0].strip()
+
+    line = cells.lines[index]
+    entry: dict[str, Any] = {"id": filled(matrix.id), "file": filled(matrix.run)}
+    word = filled(matrix.test)
+    test = matrix.tests.get(word, word)
+    if test not in TEST_KINDS:
+        out.problems.append(_unknown(word, test, line, request))
+        out.incomplete = True
+    else:
+        entry["test"] = test
+    if matrix.run_sheet is not None:
+        entry["source"] = {"sheet": filled(matrix.run_sheet)}
+    for column in settings:
+        if as_text(cells.rows[index][column.position]) in _NOTHING:
+            continue
+        number, why = cells.number_at(index, column.position)
+        if why is not None or number is None:
+            problem = request.problem(why or "this is no number.", row=line, column=column.title)
+            out.problems.append(problem)
+        else:
+            entry[column.name] = number * column.scale + column.offset
+    return {**matrix.settings(), **entry}
+
+
+def _unknown(word: str, test: str, line: int, request: Request) -> Problem:
+    known = f'tests = {{ "{word}" = "static_drift" }}' if word == test else TEST_KINDS.unknown(test)
+    return request.problem(
+        f"{test!r} is no kind of test.",
+        row=line,
+        remedy=f"Say under [[matrix]] which it is, e.g. {known}.",
     )

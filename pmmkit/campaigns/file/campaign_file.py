@@ -95,7 +95,7 @@ def open_campaign(
         stored = _traced(load_campaign(place), origin)
         return stored if runs else stored.with_(runs=(), excluded=())
     if place.suffix.lower() == PACKED:
-        from pmmkit.campaigns.file.packed import packed_campaign
+        from pmmkit.campaigns.file.search import packed_campaign
 
         packed = packed_campaign(place)
         raw, digest = _content(packed.text(), packed.place)
@@ -320,9 +320,9 @@ def _assemble(
 def _add_all(raw: Mapping[str, Any], setup: Setup, out: Assembled) -> None:
     """Every entry of ``[[runs]]``, ``[[matrix]]`` and ``[[tables]]``."""
     from pmmkit.campaigns.file import schema
-    from pmmkit.campaigns.file.defaults import read_defaults, with_defaults
-    from pmmkit.campaigns.file.entries import add_run, add_table
-    from pmmkit.campaigns.file.matrix import entries_of
+    from pmmkit.campaigns.file.assembly import entries_of
+    from pmmkit.campaigns.file.rows import add_run, add_table
+    from pmmkit.campaigns.file.settings import read_defaults, with_defaults
 
     defaults = read_defaults(raw.get("defaults", {}), out)
     listed = [

@@ -11,17 +11,16 @@ from typing import Any, Final
 from pmmkit.base import DataError, PmmkitError, did_you_mean
 from pmmkit.campaigns.campaign import Campaign
 from pmmkit.campaigns.file.assembly import Setup
-from pmmkit.campaigns.file.faults import Faults
-from pmmkit.campaigns.file.remote_files import names_in
-from pmmkit.campaigns.file.report_entry import ReportEntry
 from pmmkit.campaigns.file.schema import CorrectionEntry, known_columns, read_entry, read_named
-from pmmkit.campaigns.file.search import Search, with_curve
+from pmmkit.campaigns.file.search import Search, names_in, with_curve
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
     CampaignEntry,
     CfdEntry,
     ColumnEntry,
+    Faults,
     ImoEntry,
+    ReportEntry,
     ShipEntry,
     SourceEntry,
     StrictTable,
@@ -30,12 +29,11 @@ from pmmkit.campaigns.file.single_tables import (
     UncertainEntry,
     WaterEntry,
 )
-from pmmkit.campaigns.motion.solver_axes import Solver
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec
-from pmmkit.campaigns.samples.conversions import Frame
-from pmmkit.campaigns.samples.corrections import shift_in_si
+from pmmkit.campaigns.samples.conversions import Frame, Solver
+from pmmkit.campaigns.samples.loading import shift_in_si
 from pmmkit.campaigns.stated_run import Correction
-from pmmkit.campaigns.test_kinds.struts import Struts
+from pmmkit.campaigns.test_kinds.kind import Struts
 from pmmkit.campaigns.uncertainty import CENTRE_STD, Statable, TypeB
 from pmmkit.conventions import CHANNEL_UNITS, Ship, Water, factor_to
 from pmmkit.readers import Options

@@ -6,10 +6,13 @@ import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import DataError
 from pmmkit.files import toml_text
+
+if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
 
 _HEAD: Final = re.compile(r"^\s*\[\[?\s*(?P<name>[^\[\]]+?)\s*\]\]?\s*(#.*)?$")
 _KEY: Final = re.compile(r"^(?P<key>[\w-]+|\"[^\"]*\")(?P<equals>\s*=\s*)(?P<rest>.*)$")
@@ -17,7 +20,7 @@ _KEY: Final = re.compile(r"^(?P<key>[\w-]+|\"[^\"]*\")(?P<equals>\s*=\s*)(?P<res
 
 @dataclass(frozen=True)
 class CampaignFile:
-    """The text of a campaign file, of which single entries are changed.
+    """The text of a campaign file, of which single entries are changed; what its tables may hold.
 
     Parameters
     ----------
@@ -26,6 +29,53 @@ class CampaignFile:
     """
 
     text: str
+
+    @staticmethod
+    def keys_of(table: str) -> Mapping[str, FieldInfo]:
+        """Keys that a table of a campaign file may have, with what each means.
+
+        Parameters
+        ----------
+        table : str
+            Such as ``report``, or ``report.gauges`` of one of the gauges there.
+
+        Returns
+        -------
+        mapping of str to FieldInfo
+            Empty where the keys are names, and where there is no such table.
+        """
+        from pmmkit.campaigns.file.schema import TABLES
+        from pmmkit.campaigns.file.single_tables import GaugeEntry
+
+        model = GaugeEntry if table == "report.gauges" else TABLES.get(table)
+        return {} if model is None else model.model_fields
+
+    @staticmethod
+    def stated(table: str, raw: Any, file: str) -> dict[str, Any]:
+        """What a table states, checked.
+
+        Parameters
+        ----------
+        table : str
+            One whose keys are fixed, such as ``imo``.
+        raw : object
+            What the TOML file holds.
+        file : str
+            Its name, for messages.
+
+        Raises
+        ------
+        DataError
+            With everything that is wrong in it.
+        """
+        from pmmkit.campaigns.file.schema import TABLES, read_entry
+        from pmmkit.campaigns.file.single_tables import Faults, StrictTable
+
+        faults = Faults(file)
+        found = read_entry(TABLES[table] or StrictTable, raw, f"[{table}]", faults)
+        if faults.problems or found is None:
+            raise DataError(faults.problems, title=f"{file} cannot be read")
+        return {name: value for name, value in found if value is not None}
 
     def with_columns(self, columns: Mapping[str, Any]) -> str:
         """The file with other entries of ``[columns]``.

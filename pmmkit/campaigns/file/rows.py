@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -14,31 +15,91 @@ from pmmkit.campaigns.file.assembly import (
     Assembled,
     Found,
     Setup,
+    add_history,
+    computed,
     context_of,
     corrections_of,
     needs,
     numbers_in,
     out_of_range,
+    request_of,
     said,
     set_by,
     settings_in,
+    specs_of,
     windows_fit,
 )
-from pmmkit.campaigns.file.measured import settings_measured, speed_measured
 from pmmkit.campaigns.file.settings import missing_settings
 from pmmkit.campaigns.run import Run, at_hand
-from pmmkit.campaigns.run_settings import setting_units
+from pmmkit.campaigns.run_settings import RUN_SETTINGS
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import in_phase_parts
 from pmmkit.campaigns.samples.loading import RowLoader, check_rows
 from pmmkit.campaigns.stated_run import Kind
-from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
+from pmmkit.campaigns.test_kinds.kind import TEST_KINDS
 from pmmkit.conventions import FORCE_CHANNELS, harmonic_part
 from pmmkit.numerics import Array
 from pmmkit.readers import Cells, Request, reader_for
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.file.schema import FileEntry, TableEntry
+    from pmmkit.campaigns.file.schema import FileEntry, RunEntry, TableEntry
+
+
+# What a test was set to, from the motion that was measured where nobody states it.
+
+
+_PERIOD: Final = ("period", "frequency_hz")
+
+
+def speed_measured(values: Mapping[str, Any]) -> dict[str, float]:
+    """The speed through the water from u and v, where u is there.
+
+    Examples
+    --------
+    >>> speed_measured({"u": 0.6, "v": -0.8, "Y": 3.0}), speed_measured({"Y": 3.0})
+    ({'speed': 1.0}, {})
+    """
+    if "u" not in values:
+        return {}
+    return {"speed": float(np.mean(np.hypot(values["u"], values.get("v", 0.0))))}
+
+
+def settings_measured(
+    test: str, values: Mapping[str, Array], stated: Mapping[str, Any]
+) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Speed, period and amplitudes of one cycle that was sampled evenly, and whence they are.
+
+    The angular frequency is the root mean square of a velocity over that of its displacement,
+    both without their means.
+
+    Examples
+    --------
+    >>> phase = np.arange(24) * 2 * np.pi / 24
+    >>> sway = {"u": np.full(24, 0.6), "y": 0.2 * np.sin(phase), "v": 0.1 * np.cos(phase)}
+    >>> found, notes = settings_measured("pure_sway", sway, {"speed": 0.6})
+    >>> {key: round(value, 3) for key, value in found.items()}, notes
+    ({'period': 12.566, 'amplitude_m': 0.2}, ('period from v over y',))
+    """
+    found = {} if "speed" in stated else speed_measured(values)
+    notes: tuple[str, ...] = ("speed from u and v",) if found else ()
+    for swing in TEST_KINDS[test].swings:
+        size = _rms(values, swing.displacement)
+        rate = _rms(values, swing.velocity)
+        if not size:
+            continue
+        key = RUN_SETTINGS.key_of(swing.amplitude)
+        if key not in stated:
+            found[key] = RUN_SETTINGS[swing.amplitude].to_file(math.sqrt(2.0) * size)  # of a sine
+        if rate and not {*_PERIOD} & {*stated, *found}:
+            found["period"] = 2 * math.pi * size / rate
+            notes = (*notes, f"period from {swing.velocity} over {swing.displacement}")
+    return {key: found[key] for key in ("speed", "period", *found) if key in found}, notes
+
+
+def _rms(values: Mapping[str, Array], name: str) -> float:
+    """Root mean square of a channel about its mean; zero where it is not there."""
+    return float(np.std(values[name])) if name in values else 0.0
+
 
 Table = tuple[Cells, tuple[Picked, ...]]
 FEWEST: Final = 8
@@ -124,7 +185,7 @@ def add_row(
     if numbers is None:
         return
     corrections = corrections_of(run_id, setup)
-    from_cells = {name: value for name, value in numbers.items() if name in setting_units()}
+    from_cells = {name: value for name, value in numbers.items() if name in RUN_SETTINGS.units}
     stated = {**entry.settings(), **from_cells}
     given = {**stated, **set_by(corrections)}
     if given.get("speed") == 0:
@@ -201,7 +262,7 @@ def _contents(
     numbers: Mapping[str, float], picked: Sequence[Picked], phase: str | None
 ) -> tuple[Kind, dict[str, float], frozenset[str]]:
     """Kind of a row, its channels under the names of that kind, and those with a stated unit."""
-    names = [name for name in numbers if name not in setting_units()]
+    names = [name for name in numbers if name not in RUN_SETTINGS.units]
     parts = [found for name in names if (found := harmonic_part(name))]
     harmonics = any(way not in ("mean", "std") for _, way, _ in parts)
     values: dict[str, float] = {}
@@ -241,7 +302,7 @@ def add_samples(
     columns = {
         name: float(np.mean([numbers[name] for numbers in whole]))
         for name in whole[0]
-        if name in setting_units()
+        if name in RUN_SETTINGS.units
     }
     stated = {**columns, **entry.settings()}
     measured, notes = settings_measured(entry.test, kept, stated)
@@ -284,7 +345,7 @@ def _channels(
     rows: Sequence[Mapping[str, float]], picked: Sequence[Picked]
 ) -> tuple[dict[str, Array], frozenset[str]]:
     """The channels of rows that are samples, and those whose unit was stated."""
-    names = [name for name in rows[0] if name not in setting_units()]
+    names = [name for name in rows[0] if name not in RUN_SETTINGS.units]
     values = {
         name.removesuffix("_mean"): np.array([numbers[name] for numbers in rows]) for name in names
     }
@@ -308,3 +369,90 @@ def _not_sampled(
     if not {"period", "frequency_hz"} & set(given):
         return "the samples of a cycle need its period, or displacement and velocity measured."
     return ""
+
+
+# The ``[[runs]]`` and ``[[tables]]`` of a campaign file, one by one.
+
+
+def add_run(entry: RunEntry, label: str, setup: Setup, out: Assembled) -> None:
+    """One entry of ``[[runs]]``: a history, or a row of a table."""
+    out.claim(entry.id, label)
+    setup = computed(setup, entry)
+    request = request_of(entry, label, setup, out)
+    if request is None:
+        return
+    specs = specs_of(entry, setup.columns)
+    if entry.row is None:
+        add_history(entry, label, request, specs, setup, out)
+        return
+    table = table_of(request, specs, entry.rows, out)
+    if table is None:
+        return
+    chosen, problems = table[0].matching_rows(entry.row, request)
+    if not problems and len(chosen) != 1:
+        stated = " and ".join(f"{name} = {value!r}" for name, value in entry.row.items())
+        lines = ", ".join(str(table[0].lines[index]) for index in chosen[:10])
+        problems = [
+            request.problem(
+                f"no row has {stated}."
+                if not chosen
+                else f"{len(chosen)} rows have {stated}: rows {lines}.",
+                remedy="" if not chosen else "Name a further column under row.",
+            )
+        ]
+    out.problems += problems
+    if not problems:
+        add_row(entry, entry.id, label, request, table, chosen[0], setup, out)
+
+
+def add_table(entry: TableEntry, label: str, setup: Setup, out: Assembled) -> None:
+    """One entry of ``[[tables]]``: every row that is not left out becomes a run, or a sample."""
+    setup = computed(setup, entry)
+    request = request_of(entry, label, setup, out)
+    if request is None:
+        return
+    request = replace(request, run=None)
+    table = table_of(request, specs_of(entry, setup.columns), entry.rows, out)
+    if table is None:
+        return
+    cells, _ = table
+    chosen, problems = cells.matching_rows(entry.where, request)
+    unknown = sorted(set(entry.skip) - set(cells.lines))
+    if unknown:
+        problems.append(
+            request.problem(
+                f"skip names row {', '.join(map(str, unknown))}; rows of numbers are "
+                f"{cells.lines[0]} to {cells.lines[-1]}."
+            )
+        )
+    names = cells.filled_in(entry.id, 0)[1]
+    problems += [cells.no_column(name, request) for name in names]
+    if not problems and not chosen:
+        problems.append(request.problem("no row is as stated under where."))
+    if len(chosen) > 1 and "{" not in entry.id and entry.samples is None:
+        problems.append(
+            Problem(
+                message=f"{len(chosen)} rows would all have the id {entry.id!r}.",
+                file=out.file,
+                entry=label,
+                remedy='Put a column of theirs in it, e.g. id = "SD_{Run No.}".',
+            )
+        )
+    out.problems += problems
+    if problems:
+        return
+    kept = [index for index in chosen if cells.lines[index] not in entry.skip]
+    if entry.samples is None:
+        for index in kept:
+            run_id = cells.filled_in(entry.id, index)[0]
+            place = f"{label}, row {cells.lines[index]} of {entry.file}"
+            out.claim(run_id, place)
+            add_row(entry, run_id, place, request, table, index, setup, out)
+        return
+    samples: dict[str, list[int]] = {}
+    for index in kept:
+        samples.setdefault(cells.filled_in(entry.id, index)[0], []).append(index)
+    for run_id, rows in samples.items():
+        place = f"{label}, rows {cells.lines[rows[0]]} to {cells.lines[rows[-1]]} of {entry.file}"
+        out.claim(run_id, place)
+        add_samples(entry, run_id, place, request, table, rows, setup, out)

@@ -18,33 +18,34 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic.fields import FieldInfo
 
 from pmmkit.base import DataError, did_you_mean
-from pmmkit.campaigns.file.faults import Faults, fault_words, shown
-from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
     CampaignEntry,
     CfdEntry,
     ColumnEntry,
     ComputedEntry,
-    EndEntry,
+    Faults,
+    GaugeEntry,
     ImoEntry,
     Listed,
     NumericalEntry,
     Plain,
+    ReportEntry,
     ShipEntry,
     SourceEntry,
     StrictTable,
     StrutsEntry,
     TrialEntry,
     WaterEntry,
+    fault_words,
     said,
+    shown,
 )
-from pmmkit.campaigns.run_settings import setting_units, settings_by_key, unit_of
+from pmmkit.campaigns.run_settings import RUN_SETTINGS, unit_of
 from pmmkit.campaigns.setting import RunSetting
-from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
+from pmmkit.campaigns.test_kinds.kind import TEST_KINDS
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, DEGREE_CHANNELS, FORCE_CHANNELS
 
 ACTIONS: Final = (
@@ -103,7 +104,7 @@ else:
         __doc__=_StatedSettings.__doc__,
         **{
             key: (_number_of(item) | None, said(item.meaning, None))
-            for key, item in settings_by_key().items()
+            for key, item in RUN_SETTINGS.by_key.items()
         },
         repeat_of=(str | None, said("id of the run that this one repeats", None)),
     )
@@ -236,11 +237,11 @@ class MatrixEntry(SettingsEntry):
     @field_validator("columns")
     @classmethod
     def _names(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
-        wrong = [name for name in value if name not in setting_units()]
+        wrong = [name for name in value if name not in RUN_SETTINGS.units]
         if wrong:
             raise ValueError(
                 "; ".join(
-                    f"{name!r} is no setting of a test{did_you_mean(name, setting_units())}"
+                    f"{name!r} is no setting of a test{did_you_mean(name, RUN_SETTINGS.units)}"
                     for name in wrong
                 )
             )
@@ -305,7 +306,7 @@ class CorrectionEntry(SettingsEntry):
 
 def known_columns(value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
     """The ``[columns]`` with only names that a history or a table can have."""
-    known = [*CHANNEL_UNITS, *DEGREE_CHANNELS, *setting_units()]
+    known = [*CHANNEL_UNITS, *DEGREE_CHANNELS, *RUN_SETTINGS.units]
     parts = [
         f"{channel}_{part}"
         for channel in FORCE_CHANNELS
@@ -343,51 +344,9 @@ TABLES: Final[dict[str, type[StrictTable] | None]] = {
     "matrix": MatrixEntry,
     "runs": RunEntry,
     "tables": TableEntry,
-    "end": EndEntry,
+    "end": StrictTable,
 }
 """Top-level tables of a campaign file; None where the keys are names and not fixed."""
-
-
-def keys_of(table: str) -> Mapping[str, FieldInfo]:
-    """Keys that a table of a campaign file may have, with what each means.
-
-    Parameters
-    ----------
-    table : str
-        Such as ``report``, or ``report.gauges`` of one of the gauges there.
-
-    Returns
-    -------
-    mapping of str to FieldInfo
-        Empty where the keys are names, and where there is no such table.
-    """
-    model = GaugeEntry if table == "report.gauges" else TABLES.get(table)
-    return {} if model is None else model.model_fields
-
-
-def read_table(table: str, raw: Any, file: str) -> dict[str, Any]:
-    """What a table states, checked.
-
-    Parameters
-    ----------
-    table : str
-        One whose keys are fixed, such as ``imo``.
-    raw : object
-        What the TOML file holds.
-    file : str
-        Its name, for messages.
-
-    Raises
-    ------
-    DataError
-        With everything that is wrong in it.
-    """
-    faults = Faults(file)
-    model = TABLES[table] or StrictTable
-    found = read_entry(model, raw, f"[{table}]", faults)
-    if faults.problems or found is None:
-        raise DataError(faults.problems, title=f"{file} cannot be read")
-    return {name: value for name, value in found if value is not None}
 
 
 def read_entry(model: type[M], raw: Any, entry: str, out: Faults) -> M | None:

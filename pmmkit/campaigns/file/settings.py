@@ -4,13 +4,129 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Final
 
-from pmmkit.campaigns.run_settings import RUN_SETTINGS, brought, setting_key, ways_to_state
+from pmmkit.campaigns.file.schema import DefaultsEntry, read_entry
+from pmmkit.campaigns.file.single_tables import Faults
+from pmmkit.campaigns.run_settings import RUN_SETTINGS
 from pmmkit.campaigns.samples.conversions import Frame
+from pmmkit.campaigns.setting import ANY
 from pmmkit.campaigns.settings import Settings
-from pmmkit.campaigns.test_kinds.kind import RUDDER
-from pmmkit.campaigns.test_kinds.registry import TEST_KINDS
+from pmmkit.campaigns.test_kinds.kind import RUDDER, TEST_KINDS, TestKind
+
+# What runs have in common, stated once: ``[defaults]`` and a table of it for a kind of test.
+
+
+_NESTED: Final = ("source", "columns", "cfd")
+_NO_KINDS: Final = (*_NESTED, "tare")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Defaults:
+    """Keys of runs that state nothing else.
+
+    `every`: for runs of all kinds. `of_kind`: for runs of one kind, before those for all.
+    """
+
+    every: Mapping[str, Any] = field(default_factory=dict)
+    of_kind: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+
+def read_defaults(raw: Any, out: Faults) -> Defaults:
+    """``[defaults]``, validated; keys that are wrong are left out and added to `out`."""
+    if not isinstance(raw, Mapping):
+        out.report("must be a table.", "[defaults]")
+        return Defaults()
+    tables = {
+        name: item
+        for name, item in raw.items()
+        if isinstance(item, Mapping) and name not in _NO_KINDS
+    }
+    for name in tables:
+        if name not in TEST_KINDS:
+            out.report(TEST_KINDS.unknown(name), f"[defaults.{name}]")
+    return Defaults(
+        every=_valid(
+            {name: item for name, item in raw.items() if name not in tables}, "[defaults]", out
+        ),
+        of_kind={
+            name: _valid(item, f"[defaults.{name}]", out)
+            for name, item in tables.items()
+            if name in TEST_KINDS
+        },
+    )
+
+
+def _valid(raw: Mapping[str, Any], entry: str, out: Faults) -> dict[str, Any]:
+    return {
+        name: item
+        for name, item in raw.items()
+        if read_entry(DefaultsEntry, {name: item}, entry, out)
+    }
+
+
+def with_defaults(
+    raw: Any, defaults: Defaults, mapped: Collection[str] = (), *, histories: bool = True
+) -> Any:
+    """An entry of ``[[runs]]``, ``[[tables]]`` or ``[[matrix]]`` with what it does not state.
+
+    What a run states counts before what its kind has by default, and that before what all have;
+    ``source``, ``columns`` and ``cfd`` are completed key by key. Of what all have a run takes only
+    what its kind of test uses.
+
+    Examples
+    --------
+    >>> common = Defaults(every={"speed": 1.5, "period": 9.0},
+    ...                   of_kind={"pure_yaw": {"period": 12.0}})
+    >>> with_defaults({"test": "pure_yaw"}, common)
+    {'test': 'pure_yaw', 'period': 12.0, 'speed': 1.5}
+    >>> with_defaults({"test": "static_drift", "speed": 1.0}, common)
+    {'test': 'static_drift', 'speed': 1.0}
+    >>> with_defaults({"test": "pure_sway", "frequency_hz": 0.1}, common)
+    {'test': 'pure_sway', 'frequency_hz': 0.1, 'speed': 1.5}
+    """
+    test = raw.get("test") if isinstance(raw, Mapping) else None
+    if not isinstance(test, str) or test not in TEST_KINDS:
+        return raw
+    kind = TEST_KINDS[test]
+    found = dict(raw)
+    rows = "row" in raw or not histories
+    used = {name: item for name, item in defaults.every.items() if _uses(kind, name)}
+    for common in (defaults.of_kind.get(test, {}), used):
+        stated = {*found, *mapped}
+        for name, item in common.items():
+            if name == "tare" and rows:
+                continue
+            if name in _NESTED:
+                own = found.get(name, {})
+                found[name] = {**item, **own} if isinstance(own, Mapping) else own
+            elif name not in found and not _others(name) & stated:
+                found[name] = item
+    return found
+
+
+def _others(name: str) -> frozenset[str]:
+    """Settings of which one stands for the others: a run that states one takes none by default."""
+    item = RUN_SETTINGS.by_key.get(name)
+    if item is None:
+        return frozenset()
+    ways = (RUN_SETTINGS.ways_to_state(stated) for stated in (item.name, *item.states))
+    return frozenset().union(*ways) - {name}
+
+
+def _uses(kind: TestKind, name: str) -> bool:
+    """Whether a setting means anything in tests of a kind."""
+    item = RUN_SETTINGS.by_key.get(name)
+    if item is None:
+        return True
+    if item.of_swing == ANY:
+        return kind.oscillates
+    swung = {swing.velocity or swing.displacement for swing in kind.swings}
+    if item.of_swing:
+        return bool(swung & set(item.of_swing)) and not swung & set(item.without)
+    needed = {item.name, *item.states} & {*kind.needs, *kind.takes}
+    return bool(needed) or not item.where_needed
 
 
 def missing_settings(
@@ -33,7 +149,7 @@ def missing_settings(
         name
         for name in kind.held
         if name != "yaw_rate"
-        and setting_key(name) not in given
+        and RUN_SETTINGS.key_of(name) not in given
         and RUN_SETTINGS[name].measured_by not in measured
     ]
     swings = [swing for swing in kind.swings if swing.velocity not in measured]
@@ -44,7 +160,7 @@ def missing_settings(
         for swing in swings
         # That of a rudder decides which derivatives are asked for, before a record is read.
         if (swing is RUDDER or not kind.places <= set(measured))
-        and not ways_to_state(swing.amplitude) & set(given)
+        and not RUN_SETTINGS.ways_to_state(swing.amplitude) & set(given)
     ]
     words = [RUN_SETTINGS[name].lack for name in missing]
     if kind.sways and kind.yaws and "strut_amplitude_m" in given and "strut_phase_deg" not in given:
@@ -59,7 +175,7 @@ def missing_settings(
 
 
 def _frequency_known(given: Mapping[str, Any]) -> bool:
-    return bool(ways_to_state("period") & set(given)) or any(
+    return bool(RUN_SETTINGS.ways_to_state("period") & set(given)) or any(
         {top, bottom} <= set(given)
         for top, bottom in (("rdot_amplitude", "r_amplitude"), ("vdot_amplitude", "v_amplitude"))
     )
@@ -144,7 +260,7 @@ def settings_of(
             repeat_of=given.get("repeat_of"),
             further=tuple(
                 (item.name, item.to_si(float(given[item.in_file])))
-                for item in brought()
+                for item in RUN_SETTINGS.brought
                 if item.in_file in given
             ),
         ),

@@ -5,6 +5,9 @@ Every key says what it means in its description, from which docs/formats.md is m
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import date
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -18,8 +21,76 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError, PydanticUndefined
 
+from pmmkit.base import Problem, Remedy, did_you_mean
 from pmmkit.conventions import System
 from pmmkit.readers import READERS
+
+# What is wrong with a key of a campaign file, in words.
+
+
+@dataclass
+class Faults:
+    """What is wrong with a file, as it is found.
+
+    `file`: its name, for messages.
+    """
+
+    file: str
+    problems: list[Problem] = field(default_factory=list)
+
+    def report(
+        self, message: str, entry: str | None = None, remedy: str | Remedy | None = None
+    ) -> None:
+        """Note a problem of an entry, such as ``[ship], key 'L'``."""
+        self.problems.append(Problem(message=message, file=self.file, entry=entry, remedy=remedy))
+
+
+def fault_words(found: Mapping[str, Any], key: str, known: Sequence[str]) -> str:
+    """What is wrong with a key, from an error of pydantic."""
+    kind, given, extra = found["type"], found.get("input"), found.get("ctx", {})
+    if kind == "extra_forbidden":
+        return f"not known{did_you_mean(key, known) or '.'}"
+    if kind == "missing":
+        return "is missing."
+    if kind == "literal_error":
+        listed = extra["expected"].replace(" or ", ", ").split(", ")
+        options = [option.strip("'") for option in listed]
+        guess = did_you_mean(given, options) if isinstance(given, str) else ""
+        return f"{shown(given)} is not one of {', '.join(options)}{guess or '.'}"
+    if kind in ("value_error", "assertion_error"):
+        return str(extra.get("error", found["msg"])).rstrip(".") + "."
+    bounds = {
+        "greater_than": "greater than",
+        "greater_than_equal": "at least",
+        "less_than": "less than",
+        "less_than_equal": "at most",
+    }
+    if kind in bounds:
+        limit = next(iter(extra.values()))
+        return f"must be {bounds[kind]} {limit:g}, it is {shown(given)}."
+    plain = {
+        "float_type": "a number",
+        "int_type": "a whole number",
+        "string_type": "text in quotes",
+        "bool_type": "true or false",
+        "list_type": "a list",
+        "dict_type": "a table",
+        "model_type": "a table",
+        "model_attributes_type": "a table",
+        "finite_number": "a finite number",
+        "int_from_float": "a whole number",
+        "string_too_short": "not empty",
+    }
+    if kind in plain:
+        return f"must be {plain[kind]}, it is {shown(given)}."
+    return f"{found['msg'].rstrip('.')}: {shown(given)}."
+
+
+def shown(value: Any) -> str:
+    """A value of a file in a sentence, as TOML writes it, cut where it is long."""
+    text = {True: "true", False: "false"}.get(value, "") if isinstance(value, bool) else ""
+    text = text or repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def said(text: str, default: Any = PydanticUndefined) -> Any:
@@ -43,7 +114,6 @@ def _known_format(name: Any) -> Any:
 
 Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(ge=0)]
-Axis = Literal["x", "-x", "+x", "y", "-y", "+y", "z", "-z", "+z"]
 Listed = Annotated[list[str], BeforeValidator(lambda it: [it] if isinstance(it, str) else it)]
 Widths = Annotated[
     tuple[Annotated[int, Field(ge=1)], ...], Field(min_length=2), BeforeValidator(_as_tuple)
@@ -92,10 +162,6 @@ class CampaignEntry(StrictTable):
     closed: bool = said(
         "the last line of the file is `[end]`, and a file that lost it is refused as cut off", False
     )
-
-
-class EndEntry(StrictTable):
-    """``[end]``, the last line of files that say ``closed = true``."""
 
 
 class ShipEntry(StrictTable):
@@ -326,3 +392,86 @@ class ImoEntry(StrictTable):
     place: str | None = said("of the trial", None)
     date: str | None = said("of the trial", None)
     remarks: Names | None = said("sentences for the form", None)
+
+
+# ``[report]``: what a test report says and no other table of the campaign file holds.
+
+
+def _as_text(value: Any) -> Any:
+    """A date as it is written, in quotes or without."""
+    return value.isoformat() if isinstance(value, date) else value
+
+
+Day = Annotated[str, BeforeValidator(_as_text)]
+
+
+class GaugeEntry(StrictTable):
+    """``[report.gauges.NAME]``: one gauge of the balance, or any other instrument."""
+
+    type: str | None = said("make and type", None)
+    capacity: str | None = said("capacity, with its unit", None)
+    calibrated: Day | None = said("date of the calibration, such as 2026-05-04", None)
+    certificate: str | None = said("its certificate", None)
+
+
+class ReportEntry(StrictTable):
+    """``[report]``; each description is the label in the report."""
+
+    number: str | None = said("number of the report", None)
+    revision: str | None = said("revision", None)
+    issued: Day | None = said("date of issue", None)
+    customer: str | None = said("customer", None)
+    laboratory: str | None = said("laboratory", None)
+    authors: Listed = said("authors", [])
+    approved_by: str | None = said("approved by", None)
+    tested: Day | None = said("when the tests were made", None)
+    purpose: str | None = said("purpose of the tests", None)
+
+    scale: Positive | None = said("scale λ of the model, 36 for 1:36", None)
+    model_number: str | None = said("number of the model", None)
+    model_material: str | None = said("material of the model", None)
+    model_made: str | None = said("maker of the model, and how its shape was checked", None)
+    hull_lines: str | None = said("lines plan or other source of the geometry", None)
+    draught_forward: Positive | None = said("draught at the forward perpendicular [m]", None)
+    draught_aft: Positive | None = said("draught at the aft perpendicular [m]", None)
+    wetted_surface: Positive | None = said("wetted surface at rest [m²]", None)
+    appendages: str | None = said("appendages fitted, or none", None)
+    propeller_fitted: str | None = said("propeller fitted, or none", None)
+    rudder_fitted: str | None = said("rudder fitted, or none", None)
+    turbulence_stimulation: str | None = said("turbulence stimulation", None)
+    loading: str | None = said("how the model was loaded", None)
+    inertia_found: str | None = said(
+        "how mass, centre of gravity and inertia of the model were found", None
+    )
+
+    facility: str | None = said("tank or basin", None)
+    tank_length: Positive | None = said("length of the tank [m]", None)
+    bottom: str | None = said("bottom of the tank, and how level it is", None)
+    wave_absorption: str | None = said("beaches and other means against waves", None)
+    water_temperature: float | None = said("temperature of the water [°C]", None)
+
+    carriage: str | None = said("carriage", None)
+    mechanism: str | None = said("mechanism that moves the model (PMM, arm …), its range", None)
+    mount: str | None = said("how the model is held", None)
+    speed_regulation: str | None = said("how steady the speed of the carriage is", None)
+
+    gauges: dict[str, GaugeEntry] = said("gauges, each a table under its name", {})
+    acquisition: str | None = said("data acquisition", None)
+    sample_rate: Positive | None = said("samples a second as recorded [Hz]", None)
+    analogue_filter: str | None = said("filter before the record was sampled", None)
+
+    waiting_time: Positive | None = said("time of waiting between runs [s]", None)
+    zero_readings: str | None = said("when and how zeros were read", None)
+    run_order: str | None = said("order in which the runs were made", None)
+    revolutions: str | None = said("how the revolutions of the propeller were chosen", None)
+    friction_correction: str | None = said("correction of friction during the tests", None)
+    inspection: str | None = said("what was seen by eye: waves, spray, air, vibration", None)
+
+    geometry_deviations: str | None = said(
+        "deviations of the geometry from that of the benchmark", None
+    )
+    condition_deviations: str | None = said(
+        "deviations of the test conditions from those of the benchmark", None
+    )
+    deviations: str | None = said("deviations from what was agreed", None)
+    remarks: str | None = said("remarks and reservations", None)

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from pmmkit.base import DataError, Problem, did_you_mean
-from pmmkit.campaigns.run_settings import names_taken_unasked, setting_units, unit_of
+from pmmkit.campaigns.run_settings import RUN_SETTINGS, unit_of
 from pmmkit.conventions import (
     CHANNEL_UNITS,
     DEGREE_CHANNELS,
@@ -90,13 +90,12 @@ def pick(
                 _add(picked, name, position, spec, headers, bare, request, problems, table=table)
     claimed = {column.position for column in picked.values()}
     asked = {channel_of(name) for name in specs} | set(specs)
-    allowed = names_taken_unasked(table=table)
     plain = {name for name, _ in bare}
     for position, (name, _) in enumerate(bare):
-        known = unit_of(name, table=table) is not None
+        known = unit_of(name, table=table, unasked=True) is not None
         part = harmonic_part(name) if table else None
-        taken = allowed is None or name in allowed or (part is not None and part[1] != "in")
-        channel = name if table and name in setting_units() else channel_of(name)
+        taken = part is None or part[1] != "in"
+        channel = name if table and name in RUN_SETTINGS.units else channel_of(name)
         doubled = channel != name and name not in DEGREE_CHANNELS and channel in {*plain, *picked}
         free = position not in claimed and not {name, channel} & asked
         if known and taken and free and not doubled:
@@ -167,7 +166,7 @@ def _add(
     table: bool,
 ) -> None:
     title = headers[position] or str(position + 1)
-    channel = name if table and name in setting_units() else channel_of(name)
+    channel = name if table and name in RUN_SETTINGS.units else channel_of(name)
     if channel in picked:
         problems.append(
             request.problem(
@@ -183,7 +182,7 @@ def _add(
         unit = own  # it is stated, whatever the file is without dimension
     part = harmonic_part(channel)
     target = (
-        own if table and name in setting_units() else CHANNEL_UNITS[part[0] if part else channel]
+        own if table and name in RUN_SETTINGS.units else CHANNEL_UNITS[part[0] if part else channel]
     )
     try:
         factor = factor_to(unit if unit is not None else own, target)

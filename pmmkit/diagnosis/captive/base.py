@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns import repeats
+from pmmkit.campaigns import Run
 from pmmkit.conventions import Convention, Ship, Water
 from pmmkit.effects import Regressors, State
 from pmmkit.numerics import Array
@@ -172,7 +172,7 @@ class CaptiveBase:
             for word, there in {
                 "several speeds": len(speeds) > 1,
                 "four speeds": len(speeds) > 3,
-                "repeats": any(len(group) > 1 for group in repeats(runs)),
+                "repeats": any(len(group) > 1 for group in Run.repeats(runs)),
                 "roll": any(np.any(view.motion.phi) or np.any(view.motion.p) for view in views),
                 "rudder": any(np.any(view.motion.delta) for view in views),
                 "large motion": sway > LARGE[0] or yaw > LARGE[1],

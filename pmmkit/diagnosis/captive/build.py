@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns import Run, repeats
+from pmmkit.campaigns import Run
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.drawn import OwnColumns, RunEffectColumns
@@ -175,7 +175,7 @@ def estimated_scatter(
     scatter: of that repeated runs alone are asked.
     """
     scale = {c.name: c.scale * base.reference**2 for c in channels}
-    groups = repeats(tuple({view.run.id: view.run for view in views}.values()))
+    groups = Run.repeats(tuple({view.run.id: view.run for view in views}.values()))
     repeated = {c.name: _repeatability(c, views, own[c.name], groups) for c in channels}
     known = RunEffects.of(repeated, scale).mode
     likelihoods = {}

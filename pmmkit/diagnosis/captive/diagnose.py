@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from pmmkit.base import DataError, Problem, Workers
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import STRUCTURES, Convention, Structure, parse_derivative, structure_of
+from pmmkit.conventions import STRUCTURES, Convention, Structure, parse_derivative
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
@@ -94,7 +94,7 @@ def captive_system(
     campaign = campaign.within_reach()
     usable = _usable(View.of(campaign, unknown_noise=True, executor=executor), noise)
     channels = tuple(dict.fromkeys(name for view in usable for name in view.force))
-    names = columns_of(structure_of(structure), campaign.runs, channels).required
+    names = columns_of(Structure.meant_by(structure), campaign.runs, channels).required
     if "X" in names and any(np.any(view.motion.thrust) for view in usable):
         names = {**names, "X": tuple(dict.fromkeys((*names["X"], "XT")))}
     speeds = sorted({round(view.speed, 6) for view in usable})

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
-from pmmkit.campaigns import Run, repeats
+from pmmkit.campaigns import Run
 from pmmkit.diagnosis.captive.least_squares import Stack, solved, stacked
 from pmmkit.diagnosis.captive.noise_level import LeftOut, expected_errors
 from pmmkit.diagnosis.captive.system import CandidateColumns, System
@@ -251,7 +251,7 @@ def _groups(system: System, stack: Stack) -> dict[str, list[tuple[str, View, Pla
 
 def conditions(runs: Sequence[Run]) -> dict[str, str]:
     """The condition of each run; two that the digits of words do not tell apart by their runs."""
-    groups = repeats(runs)
+    groups = Run.repeats(runs)
     often = Counter(condition(runs_alike[0]) for runs_alike in groups)
     named: dict[str, str] = {}
     for runs_alike in groups:

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import Campaign, by_title
+from pmmkit.campaigns import Campaign
 from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.system import System
@@ -149,7 +149,7 @@ def joint_diagnosis(
     without any effect: by Markov's inequality that is less than one over the odds.
     """
     tell = progress or (lambda _: None)
-    named = campaigns if isinstance(campaigns, Mapping) else by_title(campaigns)
+    named = campaigns if isinstance(campaigns, Mapping) else Campaign.by_title(campaigns)
     if not named:
         raise DataError("There is no campaign: give captive tests or free-running records.")
     notes: list[str] = []

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeGuard, TypeVar, overload
 
 from pmmkit.base import DataError, ModelError, Workers
-from pmmkit.campaigns import Campaign, by_title
+from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Structure
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
 from pmmkit.diagnosis.findings import Diagnosis, Finding
@@ -370,7 +370,7 @@ def _by_name(campaigns: Iterable[Any] | Mapping[str, Tests]) -> Mapping[str, Tes
     found = [item for item in every if isinstance(item, Campaign)]
     if len(found) < len(every):
         raise DataError("Records beside campaigns need a name: give a mapping of names to both.")
-    return by_title(found)
+    return Campaign.by_title(found)
 
 
 @overload

@@ -13,7 +13,7 @@ import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import Structure, structure_of
+from pmmkit.conventions import Structure
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
@@ -145,7 +145,7 @@ def ground_of(
     source, structure, begun = derivatives_of(model)
     if campaign is not None and campaign.runs:
         return _with_tests(
-            structure_of(structure),
+            Structure.meant_by(structure),
             campaign,
             limits or Limits.of(campaign),
             options,
@@ -220,7 +220,7 @@ def _before_tests(
 ) -> Ground:
     base = base_of(model, limits.speeds)
     offered = _offered(options, limits, base)
-    structure = structure_of([name for own in base.names.values() for name in own])
+    structure = Structure.meant_by([name for own in base.names.values() for name in own])
     base = _ruddered(base, structure, offered, CHANNELS)
     rough = _views(offered, base, stated_noise(dict.fromkeys(CHANNELS, 1.0)), 0.0)
     scale = {c.name: c.scale for c in channels_of(rough, base)}

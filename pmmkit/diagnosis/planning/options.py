@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.base import CampaignError, Problem
-from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, Run, Settings, TestKind, brought
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, Run, Settings, TestKind
 from pmmkit.conventions import Ship, Water
 from pmmkit.models import Model
 
@@ -33,8 +33,6 @@ SLOWEST: Final = 0.5
 """Speeds below this share of the median are not those of an approach."""
 SLOWER: Final = 2.0 / 3.0
 """What is offered beside the one speed of records, over it."""
-_UNWRITTEN: Final = ("speed", "yaw_rate", "radius")
-"""Settings that are not among those by which an entry tells a planned run."""
 USUAL: Final = tuple(
     kind.name
     for kind in sorted(TEST_KINDS.own.values(), key=lambda kind: kind.turns_rudder)
@@ -81,6 +79,10 @@ class Option:
         for letter, angle in (("b", s.drift), ("d", s.rudder), ("h", s.heel)):
             if angle:
                 parts.append(f"{letter}{math.degrees(angle):+.3g}")
+        if s.yaw_rate is not None:
+            parts.append(f"r{s.yaw_rate:+.3g}")
+        if s.radius is not None:
+            parts.append(f"R{s.radius:+.4g}")
         if s.switch is not None:
             parts.append(f"s{math.degrees(s.switch):.3g}")
         if s.period is not None:
@@ -91,7 +93,7 @@ class Option:
             parts.append(f"y{math.degrees(s.yaw_amplitude):.3g}")
         if s.rudder_amplitude is not None:
             parts.append(f"da{math.degrees(s.rudder_amplitude):.3g}")
-        for item in brought():
+        for item in RUN_SETTINGS.brought:
             if item.code and (value := s.value(item.name)) is not None:
                 parts.append(f"{item.code}{item.to_file(value):.3g}")
         if s.repeat_of is not None:
@@ -114,9 +116,13 @@ class Option:
         for name, angle in (("drift", s.drift), ("rudder", s.rudder), ("heel", s.heel)):
             if angle:
                 parts.append(f"{name} {math.degrees(angle):+.3g}°")
+        if s.yaw_rate is not None:
+            parts.append(f"yaw rate {s.yaw_rate:+.3g} rad/s")
+        if s.radius is not None:
+            parts.append(f"radius {s.radius:+.4g} m")
         if s.switch is not None:
             parts.append(f"reversed at {math.degrees(s.switch):.3g}°")
-        for item in brought():
+        for item in RUN_SETTINGS.brought:
             if (value := s.value(item.name)) is not None:
                 parts.append(f"{item.word} {item.to_file(value):.3g} {item.unit}".rstrip())
         return ", ".join(parts)
@@ -130,7 +136,7 @@ class Option:
         planned = [
             item
             for item in RUN_SETTINGS.values()
-            if item.kept and not item.surroundings and item.name not in _UNWRITTEN
+            if item.kept and not item.surroundings and item.name != "speed"
         ]
         for item in sorted(planned, key=lambda x: (not x.angle, x.name == "propeller_rps")):
             value = s.value(item.name)

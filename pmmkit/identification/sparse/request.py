@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError, UnknownNameError
-from pmmkit.conventions import Structure, parse_derivative, structure_of
+from pmmkit.conventions import Structure, parse_derivative
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.sparse.collinear import Collinearity
 from pmmkit.identification.sparse.rows import RunRows, check_records, equations, measured
@@ -125,7 +125,7 @@ def request(
             f"Model {model.name!r} has no value of {', '.join(absent)} to hold: give it one, or "
             f"leave the name out of fixed."
         )
-    listed = [name for name in structure_of(library).derivatives if name not in held]
+    listed = [name for name in Structure.meant_by(library).derivatives if name not in held]
     there = {channel for record in records for channel in measured(record)}
     names = [name for name in listed if name[0] in there]
     if not names:

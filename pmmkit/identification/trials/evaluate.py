@@ -240,7 +240,7 @@ def evaluate_trials(
     through the water where the current is known. The order is where the ramp of the rudder (or of
     the revolutions) begins. Places at a heading come from parabolas through the fixes about it.
     """
-    wanted = [run for run in campaign.runs if run.test in Trial.TESTS]
+    wanted = [run for run in campaign.runs if run.kind_of_test.of_standard]
     unknown = sorted(set(runs or ()) - {run.id for run in wanted})
     if unknown or not wanted:
         raise DataError(

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import Criterion, criteria
+from pmmkit.conventions import METRICS, Criterion
 from pmmkit.identification.trials.evaluate import evaluate_trials
 from pmmkit.identification.trials.table import Trial
 from pmmkit.imo import LOADED, Verdict
@@ -236,7 +236,7 @@ class Corrected:
 
 def _simulated(model: Model, trial: Trial, verdict: Verdict, settings: dict[str, Any]) -> float:
     """The measure of a verdict by a model that sails as the trial did; NaN where it cannot."""
-    criterion = next(item for _, item in criteria() if item.name == verdict.criterion)
+    criterion = next(item for _, item in METRICS.criteria if item.name == verdict.criterion)
     given = _sailed(model, trial, criterion)
     if criterion.manoeuvre == "stopping":
         stops = as_it_stops(model)

@@ -8,8 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from pmmkit.campaigns import STOPPING, TURNING, ZIGZAG
-from pmmkit.conventions import IN_LENGTHS, in_words, metric_of, told
+from pmmkit.conventions import METRICS, Metric
 from pmmkit.identification.trials.current import Current, mean_current
 from pmmkit.identification.trials.noise import PositionNoise
 from pmmkit.imo import Condition, Verdict
@@ -95,8 +94,6 @@ class Trial(Track):
         The path as measured [m].
     """
 
-    TESTS: ClassVar[tuple[str, ...]] = (TURNING.name, ZIGZAG.name, STOPPING.name)
-    """What is evaluated."""
     FULL_TURN: ClassVar[float] = 720.0
     """Change of heading of a turning circle that MSC/Circ.1053 asks for [deg]."""
 
@@ -162,7 +159,7 @@ class Trial(Track):
                     "measure": name,
                     "value": value,
                     "std": self.std.get(name, math.nan),
-                    "unit": metric_of(name).unit_of(name),
+                    "unit": Metric.of(name).unit_of(name),
                     "limit": math.nan if verdict is None else verdict.limit,
                     "passed": None if verdict is None else verdict.passed,
                     "probability": None if verdict is None else verdict.probability,
@@ -207,16 +204,16 @@ class Trial(Track):
         limits = {verdict.metric: verdict for verdict in self.verdicts}
         rows = [
             [*self._cells(name), *_limit(limits.get(f"{name}_L", limits.get(name)))]
-            for name in told("trial", self.metrics)
+            for name in METRICS.told("trial", self.metrics)
         ]
         head = ["measure", "value", "std", "in L", "limit", ""]
         return Grid(head=head, groups=[Group(rows=rows)])
 
     def _cells(self, name: str) -> list[str]:
-        value, std, unit = self.metrics[name], self.std[name], metric_of(name).unit_of(name)
+        value, std, unit = self.metrics[name], self.std[name], Metric.of(name).unit_of(name)
         digits = 3 if unit == "-" else 1
         shown = "°" if unit == "deg" else "" if unit == "-" else f" {unit}"
-        label = in_words(name)
+        label = Metric.in_words(name)
         if not math.isfinite(value):
             return [label, ABSENT, ABSENT, ABSENT]
         length = self.metrics.get(f"{name}_L")
@@ -283,9 +280,9 @@ class Measures:
     def add(self, name: str, value: float, std: float) -> None:
         """A number; a length also in ship lengths."""
         self.values[name], self.stds[name] = float(value), float(std)
-        if metric_of(name).length:
-            self.values[name + IN_LENGTHS] = float(value / self.L)
-            self.stds[name + IN_LENGTHS] = float(std / self.L)
+        if Metric.of(name).length:
+            self.values[name + Metric.IN_LENGTHS] = float(value / self.L)
+            self.stds[name + Metric.IN_LENGTHS] = float(std / self.L)
 
     def frozen(self) -> tuple[Mapping[str, float], Mapping[str, float]]:
         """The numbers and their uncertainties, read-only."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from pmmkit.campaigns import TEST_KINDS
-from pmmkit.conventions import Criterion, criteria
+from pmmkit.conventions import METRICS, Criterion
 from pmmkit.imo import FullAstern, Verdict, judge
 
 
@@ -35,7 +35,7 @@ def verdicts_of(
     [('track_reach', 15.0, True, 1.0)]
     """
     size = abs(rudder_deg)
-    asked = [pair for pair in criteria() if _applies(pair[1], test, size, switch_deg)]
+    asked = [pair for pair in METRICS.criteria if _applies(pair[1], test, size, switch_deg)]
     own_first = sorted(asked, key=lambda pair: pair[1].manoeuvre != test)
     kind = TEST_KINDS[test]
     found = [

@@ -20,12 +20,11 @@ from pmmkit.base import (
     listed_in,
     opened,
 )
-from pmmkit.campaigns import Campaign, Run, bring
+from pmmkit.campaigns import Campaign, Run
 from pmmkit.effects import CATALOGUE
 from pmmkit.intake.checks import gauges, particulars, record
-from pmmkit.intake.checks.finding import Check, CheckFinding, accepted, refuse
+from pmmkit.intake.checks.finding import Check, CheckFinding, Summary, accepted, refuse
 from pmmkit.intake.checks.reading import KnownHistory, summarise
-from pmmkit.intake.checks.summary import Summary
 
 __all__ = [
     "CHECKS",
@@ -46,7 +45,7 @@ CHECKS: Final = Registry(
         first=(
             *("inertia", "signs", "reference", "scales", "copies", "motion", "carriage", "stated"),
             *("clock", "gauges", "agreement.examine", "record", "particulars", "frequency"),
-            *("static", "rest", "zeros", "positions", "free_running", "density", "whole_files"),
+            *("static", "rest", "positions", "free_running", "density", "whole_files"),
             "reach",
         ),
     ),
@@ -207,7 +206,7 @@ def _read_all(campaign: Campaign, executor: Workers) -> list[Summary]:
 
     names = [f"run {run.id}" for run in campaign.runs]
     if not isinstance(executor, (str, Executor)):
-        bring([request for run in campaign.runs for request in run.requests])
+        Run.fetch(campaign.runs)
     with opened(executor) as ready, threadpool_limits(1):
         found = dict(each(work, campaign.runs, ready, names=names, here=here))
     summaries: list[Summary] = []

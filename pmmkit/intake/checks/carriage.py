@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pmmkit.campaigns import Campaign, Run
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 AGREES: Final = 0.02
 """Share of the speed within which two speeds are the same."""

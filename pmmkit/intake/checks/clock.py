@@ -12,7 +12,7 @@ from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 RESOLUTIONS: Final = (3600.0, 60.0, 10.0, 5.0, 1.0, 0.5, 0.1, 0.05, 0.02, 0.01, 0.005, 0.001)
 HEAD: Final = 64

@@ -14,7 +14,7 @@ from pmmkit.intake.checks.finding import Check, CheckFinding, figure
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign, Settings
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 NEARLY: Final = 1e-4
 _BLOCK: Final = 256

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 
 def density_facts(data: xr.Dataset) -> Mapping[str, float]:

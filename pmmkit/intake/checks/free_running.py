@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pmmkit.campaigns import Campaign, Run
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 ENOUGH: Final = 50
 HELD_SHARE: Final = 0.002

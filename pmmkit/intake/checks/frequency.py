@@ -13,7 +13,7 @@ from pmmkit.intake.checks.finding import Check, CheckFinding, figure
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 QUARTER: Final = 0.25
 NEAR_QUARTER: Final = 0.2

@@ -15,7 +15,7 @@ from pmmkit.signals import design_matrix
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 CHANNELS: Final = ("X", "Y", "N", "K")
 HOLD: Final = 5

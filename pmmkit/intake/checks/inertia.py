@@ -16,7 +16,7 @@ from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 INSIDE: Final = 0.6
 REMOVED: Final = 0.4

@@ -14,7 +14,7 @@ from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 BLOCK: Final = 0.0075
 BLOCKS: Final = (0.1, 1.05)

@@ -28,7 +28,7 @@ from pmmkit.presentation import counted
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 Motion = Literal["ahead", "drift", "rudder", "sway", "yaw"]
 """What a force answers to; ``ahead`` has no sign of its own."""

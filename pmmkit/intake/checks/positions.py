@@ -14,7 +14,7 @@ from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 NDArrayBool = NDArray[np.bool_]
 

@@ -12,7 +12,7 @@ from pmmkit.presentation import counted
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 
 def examine_reach(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:

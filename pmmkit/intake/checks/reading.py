@@ -18,13 +18,13 @@ from pmmkit.campaigns import Campaign, Counted, Run, TankRecord
 from pmmkit.intake.checks.carriage import carriage_facts
 from pmmkit.intake.checks.clock import clock_facts
 from pmmkit.intake.checks.density import density_facts
+from pmmkit.intake.checks.finding import EMPTY, Summary
 from pmmkit.intake.checks.free_running import record_facts
 from pmmkit.intake.checks.gauges import change_facts, hold_facts
 from pmmkit.intake.checks.record import flat_facts
 from pmmkit.intake.checks.rest import rest_facts
 from pmmkit.intake.checks.signs import axis_facts
 from pmmkit.intake.checks.stated import set_facts
-from pmmkit.intake.checks.summary import EMPTY, Summary
 from pmmkit.intake.checks.track import free_facts, motion_facts
 from pmmkit.numerics import Array
 from pmmkit.signals import CycleSums, FourierBasis, Window

@@ -15,7 +15,7 @@ from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 SIGMAS: Final = 3.0
 ASYMMETRY: Final = 0.02

@@ -15,7 +15,7 @@ from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign, Settings
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 MEAN_LIMIT: Final = 2.5
 ONE_FACTOR: Final = 1.15

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 SIGMAS: Final = 3.0
 DRIFT_LIMIT: Final = math.radians(16)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns import RUN_SETTINGS, RunSetting, Sensor, TestKind, brought
+from pmmkit.campaigns import RUN_SETTINGS, RunSetting, Sensor, TestKind
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure, share_of
 from pmmkit.numerics import Array
 
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pmmkit.campaigns import Campaign, Run
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 SAME: Final = 0.05
 """Share by which a column may be larger than the settings: a gear with play reads so."""
@@ -41,24 +40,6 @@ _SLIPS: Final = {
     60.0: "a minute, and taken for a second",
     1 / 60.0: "a second, and taken for a minute",
 }
-
-
-@dataclass(frozen=True)
-class _Pair:
-    """A setting and a column that measures it."""
-
-    setting: RunSetting
-    sensor: Sensor
-
-    @property
-    def unit(self) -> str:
-        return "°" if self.setting.angle else self.setting.unit
-
-
-def _pairs() -> list[_Pair]:
-    """All pairs, those of angles and revolutions before those of the speed."""
-    ordered = RUN_SETTINGS.ordered("rudder", "rudder_amplitude", "drift", "propeller_rps", "speed")
-    return [_Pair(item, sensor) for item in ordered for sensor in item.sensors]
 
 
 def set_facts(run: Run, data: xr.Dataset) -> dict[str, float]:
@@ -91,7 +72,7 @@ def set_facts(run: Run, data: xr.Dataset) -> dict[str, float]:
 def _brought(kind: TestKind, data: xr.Dataset) -> dict[str, float]:
     """The same of settings that kinds of test bring along: means, and amplitudes of swings."""
     found = {}
-    for item in brought():
+    for item in RUN_SETTINGS.brought:
         for column in (sensor.column for sensor in item.sensors if sensor.column in data):
             values = np.atleast_1d(data[column].values)
             if item.name in (*kind.needs, *kind.takes) and np.all(np.isfinite(values)):
@@ -123,21 +104,23 @@ def examine_set(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[C
     A rudder that swings in a steady test is an error: its forces would count as those of one angle.
     """
     yield from _swung(summaries)
-    for pair in _pairs():
+    # those of angles and revolutions before those of the speed
+    ordered = RUN_SETTINGS.ordered("rudder", "rudder_amplitude", "drift", "propeller_rps", "speed")
+    for setting, sensor in ((item, sensor) for item in ordered for sensor in item.sensors):
         items = [
             item
             for item in summaries
-            if f"set_{pair.sensor.column}" in item.facts
-            and item.run.settings.value(pair.setting.name) is not None
+            if f"set_{sensor.column}" in item.facts
+            and item.run.settings.value(setting.name) is not None
         ]
         if items:
-            stated = np.array([item.run.settings.value(pair.setting.name) for item in items], float)
-            seen = np.array([item.facts[f"set_{pair.sensor.column}"] for item in items])
+            stated = np.array([item.run.settings.value(setting.name) for item in items], float)
+            seen = np.array([item.facts[f"set_{sensor.column}"] for item in items])
             factor = _factor(stated, seen)
             if factor is None:
-                yield from _apart(pair, items, stated, seen)
+                yield from _apart(setting, sensor, items, stated, seen)
             else:
-                yield _slip(pair, items, factor)
+                yield _slip(setting, sensor, items, factor)
 
 
 def _swung(summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
@@ -173,14 +156,16 @@ def _factor(stated: Array, seen: Array) -> float | None:
     return factor
 
 
-def _slip(pair: _Pair, items: Sequence[Summary], factor: float) -> CheckFinding:
+def _slip(
+    setting: RunSetting, sensor: Sensor, items: Sequence[Summary], factor: float
+) -> CheckFinding:
     nearest = min(_SLIPS, key=lambda value: abs(factor / value - 1.0))
     sure = abs(factor / nearest - 1.0) < SAME
     likely = f": one of them is {_SLIPS[nearest]}" if sure else ""
     return CheckFinding(
         check="set and measured",
         severity="warning",
-        message=f"{pair.sensor.column} is {figure(factor)} times {pair.setting.name} in "
+        message=f"{sensor.column} is {figure(factor)} times {setting.name} in "
         f"{len(items)} runs (1 expected){likely}.",
         runs=tuple(item.run.id for item in items),
         remedy="State units and signs of both under [columns].",
@@ -189,27 +174,27 @@ def _slip(pair: _Pair, items: Sequence[Summary], factor: float) -> CheckFinding:
 
 
 def _apart(
-    pair: _Pair, items: Sequence[Summary], stated: Array, seen: Array
+    setting: RunSetting, sensor: Sensor, items: Sequence[Summary], stated: Array, seen: Array
 ) -> Iterator[CheckFinding]:
     """Runs in which setting and column differ; a heading may be counted from anywhere."""
     apart = seen - stated
-    if pair.sensor.column == "psi":
+    if sensor.column == "psi":
         apart = np.remainder(apart - np.median(apart) + np.pi, 2 * np.pi) - np.pi
-    allowed = pair.sensor.allowed + pair.sensor.share * np.abs(stated)
+    allowed = sensor.allowed + sensor.share * np.abs(stated)
     off = np.flatnonzero(np.abs(apart) > allowed)
     if not len(off):
         return
     worst = max(map(int, off), key=lambda place: abs(float(apart[place])))
-    factor = 180 / math.pi if pair.setting.angle else 1.0
+    factor, unit = (180 / math.pi, "°") if setting.angle else (1.0, setting.unit)
     shown = [figure(x[worst] * factor) for x in (stated, stated + apart)]
     yield CheckFinding(
         check="set and measured",
         severity="warning",
-        message=f"{pair.setting.name} is not what {pair.sensor.column} says in {len(off)} of "
-        f"{len(items)} runs: in {items[worst].run.id} {shown[0]} {pair.unit} is stated, {shown[1]} "
-        f"{pair.unit} is measured.",
+        message=f"{setting.name} is not what {sensor.column} says in {len(off)} of "
+        f"{len(items)} runs: in {items[worst].run.id} {shown[0]} {unit} is stated, {shown[1]} "
+        f"{unit} is measured.",
         runs=tuple(items[int(place)].run.id for place in off),
-        remedy=pair.sensor.remedy,
+        remedy=sensor.remedy,
         numbers={"stated": float(stated[worst]), "measured": float(stated[worst] + apart[worst])},
     )
 

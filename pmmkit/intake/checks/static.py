@@ -12,7 +12,7 @@ from pmmkit.intake.checks.finding import Check, CheckFinding, figure
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 ASYMMETRIC: Final = 0.03
 HYSTERESIS: Final = 0.05

@@ -10,7 +10,7 @@ from pmmkit.presentation import listed
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 
 def untold(campaign: Campaign, summaries: Sequence[Summary]) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from pmmkit.readers import Request, reader_for
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign, Run
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 _NAME: Final = "whole files"
 _SERIES: Final = 5

@@ -14,21 +14,17 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import CampaignError, DataError, Problem
-from pmmkit.campaigns import TEST_KINDS, Campaign, open_campaign, setting_key
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, open_campaign
 from pmmkit.conventions import CHANNEL_UNITS, Ship, channel_of, factor_to, unit_factor, unit_in_name
 from pmmkit.intake.blocks import kind_with
-from pmmkit.intake.drafts.choosing import ColumnChoice, with_choices
+from pmmkit.intake.drafts.columns import ColumnChoice, with_choices
 from pmmkit.intake.drafts.conventions import Proposal
-from pmmkit.intake.drafts.drift import drift_column, with_drift
-from pmmkit.intake.drafts.matrix import MatrixDraft, matrix_of
-from pmmkit.intake.drafts.motion import Moved, motion_facts, sharper
-from pmmkit.intake.drafts.names import facts_of
-from pmmkit.intake.drafts.particulars import Found, particulars_of
-from pmmkit.intake.drafts.settle import RunKey, settled
-from pmmkit.intake.drafts.sheets import (
+from pmmkit.intake.drafts.matrix import (
     HEADED,
+    MatrixDraft,
     as_measured,
     left_lines,
+    matrix_of,
     only_sheet,
     shared_names,
     skipped,
@@ -36,10 +32,12 @@ from pmmkit.intake.drafts.sheets import (
     template_of,
     where_of,
 )
-from pmmkit.intake.file import LARGE
+from pmmkit.intake.drafts.motion import RunFacts, drift_column, motion_facts, sharper, with_drift
+from pmmkit.intake.drafts.names import RunKey, facts_of, settled
+from pmmkit.intake.drafts.questions import Found, particulars_of
+from pmmkit.intake.file import LARGE, values_of
 from pmmkit.intake.folder import FileGroup, Look, look
 from pmmkit.intake.seen import ColumnLook, FileLook
-from pmmkit.intake.values import values_of
 from pmmkit.numerics import Array
 from pmmkit.readers import READERS
 
@@ -289,7 +287,7 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
             replace(group.first, path=item.path, shown=item.shown, options=item.options), columns
         )
         time = channels.pop("t", np.zeros(0))
-        moved = motion_facts(time, channels, named.test) if len(time) else Moved()
+        moved = motion_facts(time, channels, named.test) if len(time) else RunFacts()
         told = _told(item, named.test)
         moved = replace(
             moved, test=moved.test or told.test, settings={**moved.settings, **told.settings}
@@ -315,19 +313,19 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
     return drafts
 
 
-def _told(item: FileLook, test: str | None) -> Moved:
+def _told(item: FileLook, test: str | None) -> RunFacts:
     """What the path says that the hull was told to follow, where one lies beside the file."""
     path, _ = READERS[item.format].prescribed(item.request)
     if not path:
-        return Moved()
+        return RunFacts()
     found = motion_facts(path["t"], {name: path[name] for name in ("y", "psi")}, test)
     if _only_turns(path):
-        found = Moved(settings=found.settings)
+        found = RunFacts(settings=found.settings)
     along = np.polyfit(path["t"], path["x"], 1)[0]
     settings = {key: (value, f"told to: {why}") for key, (value, why) in found.settings.items()}
     if abs(along) > _AT_REST:
         settings["speed"] = (float(f"{abs(along):.5g}"), "told to: velocity along x")
-    return Moved(test=found.test, settings=settings)
+    return RunFacts(test=found.test, settings=settings)
 
 
 def _only_turns(path: Mapping[str, Array]) -> bool:
@@ -403,7 +401,7 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
     if known & {"path_amplitude_m", "r_amplitude", "rdot_amplitude"}:
         known |= {"yaw_amplitude_deg"}
     test = named.test or _test_of_table(known)
-    settings = settled(test, named, Moved(), length=length)
+    settings = settled(test, named, RunFacts(), length=length)
     return RunDraft(
         id=f"{PurePosixPath(_stem(file)).name}{'_' + sheet if sheet else ''}",
         file=base + file,
@@ -454,7 +452,7 @@ _IN_A_CYCLE: Final = ("speed", "period", "amplitude_m", "yaw_amplitude_deg")
 def _test_of_table(known: set[str]) -> str | None:
     if "rudder_amplitude_deg" in known:
         return "harmonic_rudder"
-    held = [name for name in ("drift", "rudder") if setting_key(name) in known]
+    held = [name for name in ("drift", "rudder") if RUN_SETTINGS.key_of(name) in known]
     kind = kind_with(held=held) if len(held) == 2 or (held and "period" not in known) else None
     return kind.name if kind else None
 

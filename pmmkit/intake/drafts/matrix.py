@@ -4,16 +4,197 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
-from pmmkit.base import CampaignError
-from pmmkit.campaigns import TEST_KINDS, setting_units
+import numpy as np
+
+from pmmkit.base import CampaignError, Problem
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS
+from pmmkit.intake.blocks import statistic_in
 from pmmkit.intake.drafts.names import test_named
+from pmmkit.intake.file import with_numbers
+from pmmkit.intake.folder import FileGroup, Look, block_words
 from pmmkit.intake.guessing import suggest
-from pmmkit.intake.seen import FileLook
+from pmmkit.intake.seen import Blocks, FileLook, SheetBlock
+from pmmkit.numerics import Array
 from pmmkit.readers import READERS, Cells, as_text, to_number
+
+# A sheet of several blocks as tables of a campaign file: its runs, and what was left.
+
+
+_FORCES: Final = ("X", "Y", "N", "K")
+_LISTED: Final = 8
+
+HEADED: Final = "their drift and sway are 0, their heading is not: the drift is taken from it"
+
+
+def only_sheet(seen: Look, sheet: str) -> Look:
+    """What lies there, of workbooks only one sheet."""
+    groups = []
+    for group in seen.groups:
+        files = [
+            item
+            for item in group.files
+            if item.options.sheet in (None, sheet) or group.first.kind == "unknown"
+        ]
+        if files and files[0] is not group.first:
+            files[0] = with_numbers(files[0])
+        groups += [FileGroup(files=tuple(files))] if files else []
+    if not any(item.options.sheet == sheet for group in groups for item in group.files):
+        there = [item.options.sheet for group in seen.groups for item in group.files]
+        named = ", ".join(repr(name) for name in there if name is not None)
+        raise CampaignError(
+            Problem(
+                message=f"no workbook has a table on a sheet {sheet!r}. There are {named}.",
+                file=str(seen.path),
+            )
+        )
+    return replace(seen, groups=tuple(groups))
+
+
+def where_of(block: SheetBlock, blocks: Blocks) -> dict[str, Any]:
+    """The condition that takes the rows of a block and no others of its sheet."""
+    others = {word for other in blocks.blocks if other is not block for word in other.words}
+    if blocks.word and block.words and not others & set(block.words):
+        return {blocks.word: _one_or_all(block.words)}
+    return {blocks.name: _one_or_all(block.names)} if blocks.name else {}
+
+
+def skipped(block: SheetBlock, blocks: Blocks) -> tuple[int, ...]:
+    """Rows that must be left out where nothing in them tells a block from the others."""
+    if where_of(block, blocks):
+        return ()
+    last = blocks.last_row or max(line for other in blocks.blocks for line in other.lines)
+    apart = (other for other in blocks.blocks if other is not block)
+    return tuple(sorted(line for other in apart for line in other.lines if line <= last))
+
+
+def template_of(block: SheetBlock, blocks: Blocks, sheet: str) -> str:
+    """The id of the runs of a block: their name, and the row where several have one name."""
+    name = f"{{{blocks.name}}}" if blocks.name else ""
+    row = (
+        "" if block.what == "cycle" or (len(block.names) == len(block.lines) and name) else "{row}"
+    )
+    return "_".join(part for part in (sheet, name, row) if part)
+
+
+def as_measured(item: FileLook, block: SheetBlock) -> dict[str, Any]:
+    """Columns of steady rows whose heading alone tells the drift, or whose rudder swings."""
+    known, found = item.known, dict[str, Any]()
+    if block.headed:
+        found = {"drift_deg": known["psi"].title, "psi": False}
+        found |= {"v": False} if "v" in known else {}
+        found |= {"speed": known["u"].title, "u": False} if "u" in known else {}
+    if block.what == "sweep" and "delta" in known:
+        found |= {"rudder_deg": known["delta"].title, "delta": False}
+    return found
+
+
+def shared_names(looks: Sequence[FileLook]) -> bool:
+    """Whether tests on several sheets have the same name."""
+    counted = Counter(
+        name
+        for look in looks
+        for name in {name for block in look.blocks.runs for name in block.names}
+    )
+    return any(count > 1 for count in counted.values())
+
+
+def left_lines(look: FileLook) -> list[str]:
+    """What of a sheet is not taken, and why."""
+    runs = look.blocks.runs
+    left = [block for block in look.blocks.blocks if block not in runs]
+    return [f"{look.shown}, {block.places}: {block_words(block)}" for block in left]
+
+
+def strangers(look: FileLook, sheets: Sequence[str]) -> list[str]:
+    """Tests whose name begins with that of another sheet, as a line; none where all do not."""
+    own = (look.options.sheet if isinstance(look.options.sheet, str) else "").casefold()
+    names = [name for block in look.blocks.blocks for name in block.names]
+    others = [name for name in names if _of_other(name, own, sheets)]
+    mine = sum(name.casefold().startswith(own) for name in names) if own else 0
+    if not others or mine <= len(others):
+        return []
+    more = f" and {len(others) - _LISTED} more" if len(others) > _LISTED else ""
+    listed = ", ".join(others[:_LISTED])
+    return [f"{look.shown}: tests that bear the name of another sheet: {listed}{more}"]
+
+
+def _of_other(name: str, own: str, sheets: Sequence[str]) -> bool:
+    plain = name.casefold()
+    other = any(plain.startswith(sheet.casefold()) for sheet in sheets if sheet.casefold() != own)
+    return other and not plain.startswith(own)
+
+
+def scatter_lines(looks: Sequence[FileLook]) -> list[str]:
+    """The standard deviations of repeats that sheets state, as lines that are off.
+
+    The repeats themselves are among the runs, so that the statistics say nothing new.
+    """
+    found: dict[str, list[float]] = {}
+    units: dict[str, str] = {}
+    said = []
+    for look in looks:
+        deviations, lines = _deviations(look)
+        for name, values in deviations.items():
+            found.setdefault(name, []).extend(map(float, values))
+            units[name] = look.known[name].unit or ("N" if name in "XY" else "N m")
+        if lines:
+            more = f" and {len(lines) - _LISTED} more" if len(lines) > _LISTED else ""
+            said.append(f"{look.shown}, rows {', '.join(map(str, lines[:_LISTED]))}{more}")
+    if not found:
+        return []
+    return [
+        "# Standard deviations of repeats as the laboratory states them, root mean squares of "
+        f"{'; '.join(said)}.",
+        "# The repeats are among the runs and tell it: state it only if they are not.",
+        "# [uncertainty]",
+        *(
+            f"# {name}_gauge = {{ std = {math.sqrt(np.mean(np.square(values))):.3g}, "
+            f'unit = "{units[name]}" }}'
+            for name, values in found.items()
+        ),
+        "",
+    ]
+
+
+def _deviations(look: FileLook) -> tuple[dict[str, Array], list[int]]:
+    """The stated standard deviations of each force, and their rows."""
+    statistics = {line for block in look.blocks.of("statistics") for line in block.lines}
+    if not statistics:
+        return {}, []
+    cells = READERS[look.format].cells(look.request)
+    rows = [
+        index
+        for index, line in enumerate(cells.lines)
+        if line in statistics and any(statistic_in(cell) == "std" for cell in cells.rows[index])
+    ]
+    found = {}
+    for name in _FORCES:
+        if name not in look.known:
+            continue
+        place = look.known[name].position
+        numbers = [to_number(cells.rows[index][place], cells.decimal) for index in rows]
+        values: Array = np.array(numbers, dtype=float)
+        found[name] = values[np.isfinite(values)]
+    return {name: x for name, x in found.items() if len(x)}, [cells.lines[index] for index in rows]
+
+
+def _one_or_all(values: Sequence[str]) -> Any:
+    return values[0] if len(values) == 1 else list(values)
+
+
+def where_line(where: Mapping[str, Any]) -> str:
+    """A condition as TOML."""
+    from pmmkit.files import toml_string
+    from pmmkit.intake.drafts.columns import toml
+
+    inside = ", ".join(f"{toml_string(key)} = {toml(value)}" for key, value in where.items())
+    return f"where = {{ {inside} }}"
+
 
 _MOST_ROWS: Final = 5000
 _TRIED: Final = 5
@@ -94,7 +275,7 @@ def _drafted(
     columns = tuple(
         replace(
             item,
-            suggestion=guess if guess and guess.name in setting_units() else None,
+            suggestion=guess if guess and guess.name in RUN_SETTINGS.units else None,
             numbers=any(_is_number(cells, row, item.position) for row in listed),
         )
         for item, guess in zip(look.columns, known, strict=True)

@@ -5,17 +5,52 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, TestKind, setting_key
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, TestKind
 from pmmkit.intake.blocks import held_too, kind_with
+from pmmkit.intake.folder import FileGroup, Look
+from pmmkit.intake.guessing import suggest
+from pmmkit.intake.seen import ColumnLook, FileLook
 from pmmkit.numerics import Array, unwrapped
 from pmmkit.presentation import WIDE
 from pmmkit.signals import FEWEST, at_speed, design_matrix, estimate_frequency
+
+# Columns of histories that say the drift angle: a setting, and no channel.
+
+
+def with_drift(seen: Look) -> Look:
+    """With a remark at columns that are no channel, and say the drift angle of their runs."""
+    return replace(seen, groups=tuple(_drift_told(group) for group in seen.groups))
+
+
+def _drift_told(group: FileGroup) -> FileGroup:
+    found = drift_column(group.first) if group.first.kind == "history" else None
+    if found is None:
+        return group
+    columns = tuple(
+        replace(column, remark="it says the drift angle of each run")
+        if column.position == found.position
+        else column
+        for column in group.first.columns
+    )
+    return replace(group, files=(replace(group.first, columns=columns), *group.files[1:]))
+
+
+def drift_column(look: FileLook) -> ColumnLook | None:
+    """A column of a history that is the drift angle: no channel of ours, but a setting."""
+    for column in look.columns:
+        if column.suggestion is None and column.numbers:
+            (found,) = suggest([column.header], [column.unit], {}, table=True)
+            if found is not None and found.name == "drift_deg":
+                unit = found.unit or column.unit or "deg"
+                return replace(column, suggestion=replace(found, unit=unit))
+    return None
+
 
 _SETTLING: Final = 0.15
 """Part of a record at its beginning that is left out."""
@@ -26,17 +61,19 @@ _SMALL: Final = {"v": 0.01, "r": 0.004, "psi": 0.004, "y": 0.005, "u": 0.01, "de
 
 
 @dataclass(frozen=True, kw_only=True)
-class Moved:
-    """What a record says.
+class RunFacts:
+    """What a record, or its name, says of a run.
 
-    `settings`: value and where it was seen, by key of the campaign file.
+    `settings`: value and where it was seen, by key of the campaign file; ``froude`` is the Froude
+    number. `hints`: values whose meaning a person must confirm, and why.
     """
 
     test: str | None = None
     settings: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    hints: Mapping[str, tuple[float, str]] = field(default_factory=dict)
 
 
-def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> Moved:
+def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> RunFacts:
     """What the recorded motion of a captive or free-running test says.
 
     t [s].
@@ -50,7 +87,7 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> M
     ('pure_sway', {'period': 12.566, 'amplitude_m': 0.2, 'speed': 1.2})
     """
     if len(t) < 20 or not np.all(np.diff(t) > 0):
-        return Moved()
+        return RunFacts()
     kind = None if test is None else TEST_KINDS[test]
     if (kind is not None and kind.free_running) or (
         kind is None
@@ -70,7 +107,7 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> M
     return _oscillating(time, seen, swings, found, kind)
 
 
-def sharper(test: str | None, moved: Moved) -> str | None:
+def sharper(test: str | None, moved: RunFacts) -> str | None:
     """The kind of a test by its name, or by its record where that says more.
 
     Yaw may show drift or rudder, and the rudder of a steady test may swing.
@@ -163,7 +200,7 @@ def _oscillating(
     swings: Mapping[str, float],
     frequency: tuple[float, float],
     kind: TestKind | None,
-) -> Moved:
+) -> RunFacts:
     omega, std = frequency
     period = 2 * math.pi / omega
     source = ", ".join(swings) or "forces"
@@ -185,7 +222,7 @@ def _oscillating(
                 size = abs(first[name]) / (omega if name == swing.velocity else 1.0)
                 size = RUN_SETTINGS[swing.amplitude].to_file(size)
                 settings.setdefault(
-                    setting_key(swing.amplitude), (_rounded(size, 4), f"recorded {name}")
+                    RUN_SETTINGS.key_of(swing.amplitude), (_rounded(size, 4), f"recorded {name}")
                 )
                 if swung == (swing,):
                     _add_phase(settings, first[name], name)
@@ -197,9 +234,9 @@ def _oscillating(
         settings |= _held(seen)
     if kind is not None and kind.pure:
         for name in ("drift", "rudder"):
-            if abs(settings.get(setting_key(name), (0.0, ""))[0]) > 0.5:
+            if abs(settings.get(RUN_SETTINGS.key_of(name), (0.0, ""))[0]) > 0.5:
                 kind = held_too(kind, name)
-    return Moved(test=kind.name if kind else None, settings=settings)
+    return RunFacts(test=kind.name if kind else None, settings=settings)
 
 
 def _add_phase(settings: dict[str, tuple[float, str]], first: complex, name: str) -> None:
@@ -252,7 +289,7 @@ def _speed_and_drift(
     return found
 
 
-def _steady(seen: Mapping[str, Array], kind: TestKind | None, when: str) -> Moved:
+def _steady(seen: Mapping[str, Array], kind: TestKind | None, when: str) -> RunFacts:
     """Settings of a test without oscillation; `when` says what was cut from its record."""
     settings = _carriage(seen) | _held(seen)
     if "u" in seen and not {"v", "speed", "U_carriage"} & set(seen):
@@ -272,7 +309,7 @@ def _steady(seen: Mapping[str, Array], kind: TestKind | None, when: str) -> Move
         if abs(r) > 0.005 and float(np.std(seen["r"])) < 0.2 * abs(r):
             settings["yaw_rate"] = (_rounded(r, 5), "recorded r")
     kind = kind or _static_test(settings)
-    return Moved(test=kind.name if kind else None, settings=settings)
+    return RunFacts(test=kind.name if kind else None, settings=settings)
 
 
 def _static_test(settings: Mapping[str, tuple[float, str]]) -> TestKind | None:
@@ -282,7 +319,7 @@ def _static_test(settings: Mapping[str, tuple[float, str]]) -> TestKind | None:
     held = [
         name
         for name in ("drift", "rudder", "heel")
-        if abs(settings.get(setting_key(name), (0.0, ""))[0]) > 0.3
+        if abs(settings.get(RUN_SETTINGS.key_of(name), (0.0, ""))[0]) > 0.3
     ]
     if len(held) > 1:
         held = [name for name in held if name != "heel"]
@@ -311,7 +348,7 @@ def _held(seen: Mapping[str, Array]) -> dict[str, tuple[float, str]]:
     return found
 
 
-def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Moved:
+def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> RunFacts:
     """Settings of a free-running test, by its rudder, heading and track."""
     settings: dict[str, tuple[float, str]] = {}
     begun = 0
@@ -338,7 +375,7 @@ def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Mov
     if "n" in channels:
         settings |= _held({"n": channels["n"]})
     found = settings | _approach(t, channels, begun)
-    return Moved(test=kind.name if kind else None, settings=found)
+    return RunFacts(test=kind.name if kind else None, settings=found)
 
 
 def _most_held(delta: Array) -> float:

@@ -7,29 +7,16 @@ Only what cannot mean anything else becomes a setting; the rest is a hint for a 
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, RunSetting, TestKind, brought
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, RunSetting, TestKind
 from pmmkit.intake.blocks import held_too
+from pmmkit.intake.drafts.motion import RunFacts
 from pmmkit.presentation import meanings
-
-
-@dataclass(frozen=True, kw_only=True)
-class NameMeaning:
-    """What a name says.
-
-    `settings`: value and the part of the name it stands in, by key of the campaign file;
-    ``froude`` is the Froude number. `hints`: values whose meaning a person must confirm, and
-    why.
-    """
-
-    test: str | None
-    settings: Mapping[str, tuple[float, str]]
-    hints: Mapping[str, tuple[float, str]]
-
 
 _NUMBER: Final = r"([+-]?\d+(?:[.p]\d+)?)"
 
@@ -42,26 +29,19 @@ _BESIDE: Final = (
 """What names hold besides settings: the Froude number, and letters that may mean several things."""
 
 
-@dataclass(frozen=True)
-class _Sign:
+def _signs(settings: Iterable[RunSetting]) -> tuple[tuple[str, re.Pattern[str], float], ...]:
     """What stands in a name for a key, and by what its number becomes the key's."""
 
-    key: str
-    pattern: re.Pattern[str]
-    factor: float = 1.0
-
-
-def _signs(settings: Iterable[RunSetting]) -> tuple[_Sign, ...]:
     def compiled(pattern: str) -> re.Pattern[str]:
         return re.compile(pattern.replace("#", _NUMBER))
 
     return (
         *(
-            _Sign(item.in_file, compiled(pattern), factor)
+            (item.in_file, compiled(pattern), factor)
             for item in settings
             for pattern, factor in item.in_names
         ),
-        *(_Sign(key, compiled(pattern)) for key, pattern in _BESIDE),
+        *((key, compiled(pattern), 1.0) for key, pattern in _BESIDE),
     )
 
 
@@ -88,7 +68,7 @@ def _motions(kind: TestKind) -> int:
     return len(kind.swings) + len(angles) if kind.captive else 0
 
 
-def facts_of(name: str) -> NameMeaning:
+def facts_of(name: str) -> RunFacts:
     """What the name of a file says, folders included, the file before its folders.
 
     Examples
@@ -111,7 +91,7 @@ def facts_of(name: str) -> NameMeaning:
                 (marks if key.startswith("hint") else settings).setdefault(key, (value, token))
     test = _refined(test, settings)
     settings = _along_the_path(test, settings)
-    return NameMeaning(test=test, settings=_kept(test, settings), hints=_hints(test, marks))
+    return RunFacts(test=test, settings=_kept(test, settings), hints=_hints(test, marks))
 
 
 def _tokens(part: str) -> list[str]:
@@ -128,15 +108,15 @@ def _tokens(part: str) -> list[str]:
 
 
 def _values(token: str) -> Iterable[tuple[str, float]]:
-    for sign in RUN_SETTINGS.derived(_signs):
-        found = sign.pattern.fullmatch(token)
+    for key, pattern, factor in RUN_SETTINGS.derived(_signs):
+        found = pattern.fullmatch(token)
         if found is None:
             continue
         text = next(group for group in found.groups() if group is not None)
         value = float(text.replace("p", "."))
-        if sign.key == "froude" and re.fullmatch(r"0\d+", text):
+        if key == "froude" and re.fullmatch(r"0\d+", text):
             value = float(f"0.{text[1:]}")
-        yield sign.key, value * sign.factor
+        yield key, value * factor
         return
 
 
@@ -223,7 +203,7 @@ def _kept(
         dropped.add("radius")
     dropped |= {
         item.in_file
-        for item in brought()
+        for item in RUN_SETTINGS.brought
         if kind is None or item.name not in (*kind.needs, *kind.takes)
     }
     return {key: item for key, item in settings.items() if key not in dropped}
@@ -245,3 +225,139 @@ def _hints(
         for mark, (key, what, fits) in likely.items()
         if mark in marks and fits
     }
+
+
+# What the settings of a run are put to: the name's word beside the record's.
+
+
+_ALSO: Final = ("drift_deg", "rudder_deg", "heel_deg", "phase_deg", "propeller_rps")
+_CLOSE: Final = {"speed": 0.03, "period": 0.02, "propeller_rps": 0.03}
+"""Relative difference up to which name and record agree; 6 % for others, angles 0.6°."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunKey:
+    """A key of a run.
+
+    `value`: none where nobody knows. `reason`: where it comes from. `todo`: what a person must
+    decide; empty where nothing. `active`: whether the line counts, or is commented out.
+    """
+
+    key: str
+    value: float | None
+    reason: str = ""
+    todo: str = ""
+    active: bool = True
+
+
+def asked_of(test: str | None) -> tuple[str, ...]:
+    """Keys of a campaign file that describe a test, in the order in which they are written.
+
+    Examples
+    --------
+    >>> asked_of("yaw_drift"), asked_of("circular_motion"), asked_of(None)
+    (('period', 'yaw_amplitude_deg', 'drift_deg'), ('drift_deg', 'yaw_rate'), ())
+    """
+    if test is None:
+        return ()
+    kind = TEST_KINDS[test]
+    # A free-running record tells by itself what it may take besides.
+    names = (*(kind.takes if kind.captive else ()), *kind.needs)
+    return tuple(RUN_SETTINGS.key_of(name) for name in names)
+
+
+def settled(
+    test: str | None, named: RunFacts, moved: RunFacts, *, length: float | None, g: float = 9.81
+) -> tuple[RunKey, ...]:
+    """The settings of a run from its name and its record.
+
+    length [m]; g [m/s²].
+    """
+    said = _with_speed(named.settings, length, g)
+    if test is not None and TEST_KINDS[test].swings_rudder and "rudder_deg" in said:
+        said["rudder_amplitude_deg"] = said.pop("rudder_deg")
+    wanted = ("speed", *asked_of(test))
+    free = test is not None and TEST_KINDS[test].free_running
+    out = [
+        _one(key, said, moved.settings, named, said.get("froude"), unsure=free) for key in wanted
+    ]
+    out += [
+        _one(key, said, moved.settings, named, unsure=free)
+        for key in _ALSO
+        if key not in wanted
+        and (key in said or key in moved.settings)
+        and abs(said.get(key, moved.settings.get(key, (0.0, "")))[0]) > 0.2
+    ]
+    return tuple(out)
+
+
+def _with_speed(
+    settings: Mapping[str, tuple[float, str]], length: float | None, g: float
+) -> dict[str, tuple[float, str]]:
+    """With the speed of a Froude number where the ship is known, the period of a frequency."""
+    said = dict(settings)
+    if "froude" in said and "speed" not in said and length is not None:
+        value, text = said.pop("froude")
+        speed = float(f"{value * math.sqrt(g * length):.4g}")
+        said["speed"] = (speed, f"{text} and L = {length:g} m")
+    if "frequency_hz" in said:
+        value, text = said.pop("frequency_hz")
+        said.setdefault("period", (float(f"{1 / value:.6g}"), text))
+    return said
+
+
+def _one(
+    key: str,
+    said: Mapping[str, tuple[float, str]],
+    recorded: Mapping[str, tuple[float, str]],
+    named: RunFacts,
+    froude: tuple[float, str] | None = None,
+    *,
+    unsure: bool,
+) -> RunKey:
+    if key in said and key in recorded:
+        value, text = said[key]
+        other, where = recorded[key]
+        if _agree(key, value, other):
+            return RunKey(key=key, value=value, reason=f"{text} in the name; {where}: {other:g}")
+        todo = f"the name says {value:g}, the record ({where}) {other:g}: which is right?"
+        return RunKey(key=key, value=value, reason=f"{text} in the name", todo=todo)
+    if key in said:
+        value, text = said[key]
+        return RunKey(key=key, value=value, reason=f"{text} in the name")
+    if key in recorded:
+        value, where = recorded[key]
+        return RunKey(key=key, value=value, reason=where, todo="right?" if unsure else "")
+    known = RUN_SETTINGS.by_key.get(key)
+    instead, meant = _INSTEAD.get(key, ("", ""))
+    if instead in said:
+        value, text = said[instead]
+        return RunKey(key=instead, value=value, reason=f"{text} in the name: {meant}, in metres")
+    hint = next(
+        (
+            (name, item)
+            for name, item in named.hints.items()
+            if name in RUN_SETTINGS.ways_to_state(known.name if known else key)
+        ),
+        None,
+    )
+    if hint is not None:
+        name, (value, why) = hint
+        return RunKey(key=name, value=value, todo=f"{why}; else {key} = ...", active=False)
+    todo = (known and known.asked) or key
+    if key == "speed" and froude is not None:
+        todo += f": Fn = {froude[0]:g} times the root of 9.81 L"
+    return RunKey(key=key, value=None, todo=todo, active=False)
+
+
+_INSTEAD: Final[dict[str, tuple[str, str]]] = {
+    "yaw_amplitude_deg": ("path_amplitude_m", "of the path"),
+    "yaw_rate": ("radius", "of the circle"),
+}
+"""What a name may state instead of a key, and what that is."""
+
+
+def _agree(key: str, value: float, other: float) -> bool:
+    if key.endswith("_deg"):
+        return abs(value - other) < 0.6 + 0.03 * abs(value)
+    return abs(value - other) <= _CLOSE.get(key, 0.06) * abs(value)

@@ -7,17 +7,20 @@ from typing import Final
 
 from pmmkit.campaigns import Campaign
 from pmmkit.intake.drafts.columns import Todo, aligned, column_lines, commented, source_lines, toml
-from pmmkit.intake.drafts.computed import Computed, axes_lines, cfd_lines, computed_in
 from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.draft import Draft
 from pmmkit.intake.drafts.entries import (
+    Computed,
+    axes_lines,
+    cfd_lines,
+    computed_in,
     default_lines,
     entry_lines,
     in_common,
     matrix_lines,
     saved_run_lines,
 )
-from pmmkit.intake.drafts.sheets import scatter_lines
+from pmmkit.intake.drafts.matrix import scatter_lines
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import printable
 from pmmkit.readers import READERS
@@ -73,18 +76,18 @@ def written(draft: Draft) -> CampaignText:
     for file, campaign in draft.saved:
         for run in campaign:
             lines += ["", *saved_run_lines(file, run)]
-    common = in_common(draft.runs, draft.tables)
-    lines += default_lines(common, computed, todo)
+    common, runs, tables = in_common(draft.runs, draft.tables)
+    lines += default_lines(common, tables, computed, todo)
     for matrix in draft.matrices:
         lines += ["", *matrix_lines(matrix, todo)]
-    for entry in common.runs:
+    for entry in runs:
         if entry.listed:
             continue
         lines += [
             "",
             *entry_lines(entry, "runs", base, draft.kind, todo, apart=apart, computed=computed),
         ]
-    for entry in common.tables:
+    for entry in tables:
         lines += ["", *entry_lines(entry, "tables", base, draft.kind, todo)]
     sheets = {entry.look.shown: entry.look for entry in draft.tables}
     lines += ["", *scatter_lines(list(sheets.values()))]

@@ -15,8 +15,15 @@ from typing import Final
 
 from pmmkit.base import CampaignError, did_you_mean
 from pmmkit.readers.base import Request
-from pmmkit.readers.bounds import limit_of, too_large
-from pmmkit.readers.zipped import ZIP, check_length, content_of, damage_told, members_of
+from pmmkit.readers.bounds import (
+    ZIP,
+    check_length,
+    content_of,
+    damage_told,
+    limit_of,
+    members_of,
+    too_large,
+)
 
 _WORKBOOK: Final = ("[Content_Types].xml", "mimetype")
 _SHOWN: Final = 8
@@ -66,6 +73,10 @@ class Contents:
             raise too_large(request, declared, len(data), "the archive unpacked")
         files = {_tidy(item.filename): item for item in members if not item.is_dir()}
         return cls(data=data, files=files, request=request)
+
+    def named(self, name: str) -> list[str]:
+        """Files of a name, wherever they lie in it."""
+        return [file for file in self.files if posixpath.basename(file) == name]
 
     @staticmethod
     def beside(name: str, other: str) -> str:

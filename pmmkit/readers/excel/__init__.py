@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from pmmkit.readers.base import Cells, Choose, Columns, Request
-from pmmkit.readers.reader import Reader
+from pmmkit.readers.base import Cells, Choose, Columns, Reader, Request
 
 _PARTS: Final = (b"xl/", b"[Content_Types].xml", b"opendocument.spreadsheet")
 
@@ -23,8 +22,8 @@ class Workbook(Reader):
 
     def recognises(self, path: Path, head: bytes) -> bool:  # noqa: ARG002
         """Whether a file is a workbook, by its first bytes."""
+        from pmmkit.readers.bounds import ZIP
         from pmmkit.readers.excel.guard import CFB
-        from pmmkit.readers.zipped import ZIP
 
         if head.startswith(ZIP):
             return any(part in head for part in _PARTS)

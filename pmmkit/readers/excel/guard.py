@@ -22,8 +22,15 @@ import numpy as np
 
 from pmmkit.base import CampaignError
 from pmmkit.readers.base import Options, Request
-from pmmkit.readers.bounds import limit_of, too_large
-from pmmkit.readers.zipped import ZIP, check_length, content_of, damage_told, members_of
+from pmmkit.readers.bounds import (
+    ZIP,
+    check_length,
+    content_of,
+    damage_told,
+    limit_of,
+    members_of,
+    too_large,
+)
 
 # Which parts of a workbook hold cells and texts: those that its relationships say.
 #

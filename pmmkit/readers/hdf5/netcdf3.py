@@ -36,16 +36,8 @@ _LARGE: Final = 1 << 31
 _STREAMING: Final = (0xFFFFFFFF, 0xFFFFFFFFFFFFFFFF)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Classic:
-    """A variable of a classic NetCDF file.
-
-    `values`: a view of the bytes of the file. `attributes`: texts, and arrays of numbers.
-    """
-
-    name: str
-    values: NDArray[Any]
-    attributes: Mapping[str, str | NDArray[Any]]
+Variable = tuple[str, NDArray[Any], Mapping[str, str | NDArray[Any]]]
+"""Name, values (a view of the bytes of the file), and attributes: texts, and arrays of numbers."""
 
 
 def is_netcdf3(head: bytes) -> bool:
@@ -53,7 +45,7 @@ def is_netcdf3(head: bytes) -> bool:
     return head[:3] == b"CDF" and head[3:4] in (b"\x01", b"\x02", b"\x05")
 
 
-def netcdf3_variables(data: bytes) -> list[Classic]:
+def netcdf3_variables(data: bytes) -> list[Variable]:
     """The variables of a file."""
     if not is_netcdf3(data):
         raise Damaged("the mark of NetCDF is missing")
@@ -91,7 +83,7 @@ class _Header:
     far: bool
     place: int = field(default=4, init=False)
 
-    def variables(self) -> list[Classic]:
+    def variables(self) -> list[Variable]:
         """All variables."""
         records = self._count()
         sides = [(self._name(), self._count()) for _ in range(self._list(_DIMENSIONS))]
@@ -145,7 +137,7 @@ class _Header:
             raise Damaged(f"{name!r} should take {entry.size} bytes, {stated} are stated")
         return entry
 
-    def _values(self, entry: _Entry, step: int, records: int) -> Classic:
+    def _values(self, entry: _Entry, step: int, records: int) -> Variable:
         last = step * max(0, records - 1) if entry.record else 0
         if entry.begin < self.place or entry.begin + last + entry.size > len(self.data):
             raise Damaged(f"{entry.name!r} ends behind the end of the file")
@@ -159,7 +151,7 @@ class _Header:
                 entry.dtype.itemsize * math.prod(inner[at + 1 :]) for at in range(len(inner))
             ]
             values = np.ndarray(entry.shape, entry.dtype, self.data, entry.begin, (step, *strides))
-        return Classic(name=entry.name, values=values, attributes=entry.attributes)
+        return entry.name, values, entry.attributes
 
     def _attributes(self) -> dict[str, str | NDArray[Any]]:
         found: dict[str, str | NDArray[Any]] = {}

@@ -11,19 +11,20 @@ import functools
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.base import did_you_mean
 from pmmkit.numerics import Array
 from pmmkit.readers.base import HEAD, Request
 from pmmkit.readers.bounds import Damaged
 from pmmkit.readers.hdf5.datasets import members, new_to, number_of, numbers, opened, text_of
-from pmmkit.readers.hdf5.netcdf3 import Classic, is_netcdf3, netcdf3_variables
+from pmmkit.readers.hdf5.netcdf3 import is_netcdf3, netcdf3_variables
 from pmmkit.readers.vectors import WIDEST, Vector, matrix_columns, with_unit
 
 _MOST_TEXTS: Final = 10_000
@@ -223,26 +224,28 @@ def _classic(request: Request) -> list[_Found]:
         ) from error
     if request.options.group is not None:
         raise request.error("a NetCDF file of this version has no groups.", remedy="Drop group.")
-    return [_classic_variable(item) for item in variables]
+    return [_classic_variable(*item) for item in variables]
 
 
-def _classic_variable(item: Classic) -> _Found:
-    if item.values.dtype.kind == "S":
-        return _Found(path=item.name, shape=item.values.shape, other="a text")
+def _classic_variable(
+    name: str, values: NDArray[Any], attributes: Mapping[str, str | NDArray[Any]]
+) -> _Found:
+    if values.dtype.kind == "S":
+        return _Found(path=name, shape=values.shape, other="a text")
     stated = {
-        name: float(value.reshape(-1)[0])
-        for name, value in item.attributes.items()
+        key: float(value.reshape(-1)[0])
+        for key, value in attributes.items()
         if not isinstance(value, str) and value.size == 1
     }
-    unit = item.attributes.get("units")
+    unit = attributes.get("units")
     return _Found(
-        path=item.name,
-        shape=item.values.shape,
-        read=lambda: np.asarray(item.values, dtype=np.float64),
+        path=name,
+        shape=values.shape,
+        read=lambda: np.asarray(values, dtype=np.float64),
         unit=_unit(unit if isinstance(unit, str) else None),
         factor=stated.get("scale_factor", 1.0),
         offset=stated.get("add_offset", 0.0),
-        missing=tuple(stated[name] for name in ("_FillValue", "missing_value") if name in stated),
+        missing=tuple(stated[key] for key in ("_FillValue", "missing_value") if key in stated),
     )
 
 

@@ -17,9 +17,7 @@ from pmmkit.base import CampaignError, did_you_mean
 from pmmkit.readers.base import HEAD, Request
 from pmmkit.readers.bounds import Damaged
 from pmmkit.readers.hdf5.datasets import is_hdf5, opened
-from pmmkit.readers.matlab.mat5 import is_v4, is_v5, read_v4, read_v5
-from pmmkit.readers.matlab.mat73 import read_v73
-from pmmkit.readers.matlab.variable import MatlabVariable
+from pmmkit.readers.matlab.mat5 import MatlabVariable, is_v4, is_v5, read_v4, read_v5, read_v73
 from pmmkit.readers.vectors import WIDEST, Vector, main_length, matrix_columns
 
 _SAVE_PLAINLY: Final = (

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pmmkit.numerics import Array
-from pmmkit.readers.base import Cells, Choose, Columns, Request
-from pmmkit.readers.reader import Reader
+from pmmkit.readers.base import Cells, Choose, Columns, Reader, Request
 
 
 class OpenFoam(Reader):
@@ -63,8 +62,7 @@ class OpenFoam(Reader):
 
     def computation(self, request: Request) -> Mapping[str, Any]:
         """What the case says: density in controlDict, whether the mesh moves in dynamicMeshDict."""
-        from pmmkit.readers.openfoam.case import case_of, density_in, entries_of
-        from pmmkit.readers.openfoam.mesh_motion import mesh_motion
+        from pmmkit.readers.openfoam.mesh_motion import case_of, density_in, entries_of, mesh_motion
         from pmmkit.readers.openfoam.places import series_of
 
         file = series_of(request).parts[0].request.path
@@ -78,8 +76,7 @@ class OpenFoam(Reader):
 
     def prescribed(self, request: Request) -> tuple[Mapping[str, Array], tuple[str, ...]]:
         """The path of the mesh after dynamicMeshDict, and what of that was not followed."""
-        from pmmkit.readers.openfoam.case import case_of
-        from pmmkit.readers.openfoam.mesh_motion import mesh_motion
+        from pmmkit.readers.openfoam.mesh_motion import case_of, mesh_motion
         from pmmkit.readers.openfoam.places import series_of
 
         case = case_of(series_of(request).parts[0].request.path)

@@ -18,9 +18,8 @@ import numpy as np
 from pmmkit.base import Problem
 from pmmkit.numerics import Array
 from pmmkit.readers.base import Choose, Columns, Request, abridged
-from pmmkit.readers.openfoam.case import density_doubt, entries_of, told
-from pmmkit.readers.openfoam.header import MOVED
-from pmmkit.readers.openfoam.numbers import read_rows
+from pmmkit.readers.openfoam.header import MOVED, read_rows
+from pmmkit.readers.openfoam.mesh_motion import density_doubt, entries_of, told
 from pmmkit.readers.openfoam.places import FileSeries, RestartPart, series_of
 
 TIME: Final = "Time [s]"
@@ -172,14 +171,14 @@ def _part(
         | {place for name in wanted for place in layout.offered[name]}
         | {place for name in wanted for place in layout.parts.get(name, ())}
     )
-    rows = read_rows(part.request, layout, places)
-    column = {place: rows.values[index] for index, place in enumerate(places)}
+    table, dropped, notes = read_rows(part.request, layout, places)
+    column = {place: table[index] for index, place in enumerate(places)}
     values = {TIME: column[0]}
     for name in wanted:
         values[name] = _sum(column, layout.offered[name])
         if name in layout.parts:
             _check_total(column, values[name], name, part)
-    return values, rows.dropped, rows.notes
+    return values, dropped, notes
 
 
 def _sum(column: Mapping[int, Array], places: Sequence[int]) -> Array:

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pmmkit.readers.base import Cells, Choose, Columns, Request
-from pmmkit.readers.reader import Reader
+from pmmkit.readers.base import Cells, Choose, Columns, Reader, Request
 
 
 class SavedCampaign(Reader):

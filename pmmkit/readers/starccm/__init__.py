@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from pmmkit.readers.base import Cells, Choose, Columns, Request
-from pmmkit.readers.reader import Reader
+from pmmkit.readers.base import Cells, Choose, Columns, Reader, Request
 
 
 class StarCcm(Reader):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pmmkit.readers.base import Cells, Choose, Columns, Request
-from pmmkit.readers.reader import Reader
+from pmmkit.readers.base import Cells, Choose, Columns, Reader, Request
 
 
 class Tdms(Reader):

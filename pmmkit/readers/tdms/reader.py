@@ -48,20 +48,8 @@ _UNFINISHED: Final = 0xFFFFFFFFFFFFFFFF
 _VERSIONS: Final = (4712, 4713)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Segments:
-    """What the beginnings of all segments tell.
-
-    `unfinished`: whether the last one was never closed: the program that wrote it stopped.
-    `daqmx`: whether there are raw data of DAQmx.
-    """
-
-    unfinished: bool
-    daqmx: bool
-
-
-def walk(path: Path, request: Request) -> Segments:
-    """Go through the beginnings of all segments."""
+def walk(path: Path, request: Request) -> tuple[bool, bool]:
+    """Whether the last segment was never closed, and whether there are raw data of DAQmx."""
     size = path.stat().st_size
     place, last, daqmx = 0, 0, False
     with path.open("rb") as stream:
@@ -79,7 +67,7 @@ def walk(path: Path, request: Request) -> Segments:
             if length == _UNFINISHED:
                 if place + LEAD_IN + data > size:
                     raise _damaged(request, f"the segment at byte {place} lacks its description")
-                return Segments(unfinished=True, daqmx=daqmx)
+                return True, daqmx
             if data > length:
                 raise _damaged(request, f"the segment at byte {place} is damaged")
             last, place = place, place + LEAD_IN + length
@@ -89,7 +77,7 @@ def walk(path: Path, request: Request) -> Segments:
             f"the segment at byte {last} should end at byte {place}, the file at byte {size}: "
             f"{place - size} bytes are missing",
         )
-    return Segments(unfinished=False, daqmx=daqmx)
+    return False, daqmx
 
 
 def _damaged(request: Request, what: str) -> Exception:
@@ -214,15 +202,15 @@ def _contents(request: Request) -> Iterator[_Contents]:
     import nptdms
 
     try:
-        segments = walk(request.path, request)
-        if segments.daqmx:
+        unfinished, daqmx = walk(request.path, request)
+        if daqmx:
             raise request.error(
                 "there are raw data of DAQmx, which are not read.",
                 remedy="Let the logger write scaled waveforms.",
             )
         stream = io.BytesIO(request.path.read_bytes())
         with _quiet(), nptdms.TdmsFile.open(stream) as file:
-            yield _looked_over(file, segments, request)
+            yield _looked_over(file, unfinished, request)
     except PmmkitError:
         raise
     except Exception as error:
@@ -232,9 +220,9 @@ def _contents(request: Request) -> Iterator[_Contents]:
         ) from error
 
 
-def _looked_over(file: Any, segments: Segments, request: Request) -> _Contents:
+def _looked_over(file: Any, unfinished: bool, request: Request) -> _Contents:
     size = request.path.stat().st_size
-    for segment in file._reader._segments[: -1 if segments.unfinished else None]:
+    for segment in file._reader._segments[: -1 if unfinished else None]:
         if segment.final_chunk_lengths_override is not None:
             raise request.error(
                 f"the segment at byte {segment.position} does not hold what it declares: the "

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.conventions import in_lengths, main_of
+from pmmkit.conventions import METRICS
 from pmmkit.imo import sided_tests
 from pmmkit.inference import root
 from pmmkit.models import DerivativeTable, Model, load_model
@@ -116,10 +116,10 @@ def _carried(
     subject: str,
 ) -> Budget:
     """A budget of derivatives by the slopes of metrics, the main metric first."""
-    first = main_of(found.slopes)
+    first = METRICS.main(found.slopes)
     names = [
         name
-        for name in sorted(in_lengths(found.slopes), key=lambda name: name != first)
+        for name in sorted(METRICS.in_lengths(found.slopes), key=lambda name: name != first)
         if np.isfinite(found.nominal[name]) and np.isfinite(found.slopes[name]).all()
     ]
     slopes = np.column_stack([found.slopes[name] for name in names])

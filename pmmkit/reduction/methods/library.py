@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pmmkit.conventions import STRUCTURES, Structure, parse_derivative, structure_of
+from pmmkit.conventions import STRUCTURES, Structure, parse_derivative
 from pmmkit.reduction.derivatives import DerivativeNames
 
 
@@ -17,7 +17,7 @@ def library_of(
     --------
     >>> from pmmkit.conventions import STRUCTURES
     >>> asked = DerivativeNames(required={"Y": ("Yv", "Yvvv")}, optional={"Y": ("Y0",)})
-    >>> library_of(asked, structure_of("Yv Yvvv"), None)["Y"]
+    >>> library_of(asked, Structure.meant_by("Yv Yvvv"), None)["Y"]
     ('Yv', 'Yvvv', 'Y0', 'Yv|v|')
     """
     if library is None:
@@ -30,7 +30,7 @@ def library_of(
             if _variables(name) <= known
         ]
     else:
-        more = list(structure_of(library).derivatives)
+        more = list(Structure.meant_by(library).derivatives)
     return {
         channel: tuple(dict.fromkeys((*own, *(name for name in more if name[0] == channel))))
         for channel, own in columns.names.items()

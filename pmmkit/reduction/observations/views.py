@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pmmkit.base import DataError, Workers, each, opened
-from pmmkit.campaigns import Campaign, Rig, Run, TankRecord, repeats
+from pmmkit.campaigns import Campaign, Rig, Run, TankRecord
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import State
 from pmmkit.numerics import Array
@@ -383,7 +383,7 @@ def repeat_scatter(views: Sequence[View]) -> dict[tuple[str, bool], float]:
     speed."""
     first = {view.run.id: view for view in views if not view.early}
     squares: dict[tuple[str, bool], list[tuple[float, int]]] = {}
-    for group in repeats([view.run for view in first.values()]):
+    for group in Run.repeats([view.run for view in first.values()]):
         alike: dict[tuple[str, tuple[str, ...]], list[Array]] = {}
         for view in (first[run.id] for run in group):
             for channel, force in view.force.items():

@@ -17,7 +17,7 @@ from typing import Final
 from threadpoolctl import threadpool_limits
 
 from pmmkit.base import CampaignError, DataError, Workers, each, opened
-from pmmkit.campaigns import Run, bring
+from pmmkit.campaigns import Run
 from pmmkit.presentation import counted
 from pmmkit.reduction.reading.resume import StoredResults
 from pmmkit.reduction.reading.run import Reading, ReductionSettings, read_run
@@ -168,7 +168,7 @@ def _fetch(runs: Sequence[Run], tell: Progress) -> None:
     afar = [item for run in runs for item in run.requests if item.origin is not None]
     if afar:
         tell(0, len(runs), f"fetching {counted(len(afar), 'file')}")
-        bring(afar)
+        Run.fetch(runs)
 
 
 def _read_before(

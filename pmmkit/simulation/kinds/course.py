@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any, Final
 
-from pmmkit.conventions import metrics_named
+from pmmkit.conventions import METRICS
 from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, degrees, rudder_setting
 
@@ -107,7 +107,7 @@ MANOEUVRES: Final = (
             ),
         ),
         orders=course_change,
-        metrics=metrics_named(
+        metrics=METRICS.named(
             "advance", "transfer", "time_counter", "time_end", "heading_end_deg", "overshoot_deg"
         ),
     ),
@@ -133,8 +133,8 @@ MANOEUVRES: Final = (
         ),
         orders=williamson,
         metrics=(
-            *metrics_named("offset", "advance", "time_shift", "time_ease", "time_end"),
-            *(replace(item, starboard=True) for item in metrics_named("heading_end_deg")),
+            *METRICS.named("offset", "advance", "time_shift", "time_ease", "time_end"),
+            *(replace(item, starboard=True) for item in METRICS.named("heading_end_deg")),
         ),
     ),
 )

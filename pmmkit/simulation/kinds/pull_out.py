@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
-from pmmkit.conventions import metrics_named
+from pmmkit.conventions import METRICS
 from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, degrees, rudder_setting
 
@@ -53,7 +53,7 @@ MANOEUVRES: Final = (
         title="pull-out",
         settings=(rudder_setting(15.0),),
         orders=pull_out,
-        metrics=metrics_named(
+        metrics=METRICS.named(
             "steady_yaw_rate_deg_s",
             "residual_yaw_rate_deg_s",
             "residual_share",

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any, Final
 
-from pmmkit.conventions import metrics_named
+from pmmkit.conventions import METRICS
 from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, chosen, degrees, rudder_setting
 
@@ -151,7 +151,7 @@ MANOEUVRES: Final = (
             ),
         ),
         orders=stopping,
-        metrics=metrics_named(
+        metrics=METRICS.named(
             "head_reach", "track_reach", "lateral_deviation", "time_to_stop", "heading_at_stop_deg"
         ),
         asks_for_bucket=True,
@@ -162,7 +162,7 @@ MANOEUVRES: Final = (
         title="accelerating straight ahead",
         settings=(replace(TURNS, default=1.5),),
         orders=accelerating,
-        metrics=metrics_named("final_speed", "speed_ratio", "time", "distance"),
+        metrics=METRICS.named("final_speed", "speed_ratio", "time", "distance"),
     ),
     Manoeuvre(
         name="astern_to_ahead",
@@ -195,7 +195,7 @@ MANOEUVRES: Final = (
             ),
         ),
         orders=astern_to_ahead,
-        metrics=metrics_named(
+        metrics=METRICS.named(
             "astern_speed", "time_to_stop", "astern_reach", "time_to_speed", "way_ahead"
         ),
         asks_for_bucket=True,

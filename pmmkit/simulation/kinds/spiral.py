@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.conventions import metrics_named
+from pmmkit.conventions import METRICS
 from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, degrees, rudder_setting
 
@@ -65,7 +65,7 @@ MANOEUVRES: Final = (
         ),
         orders=spiral,
         drawn="spiral",
-        metrics=metrics_named(
+        metrics=METRICS.named(
             "loop_height_deg_s",
             "loop_width_deg",
             "yaw_rate_deg_s_at_{}_first",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
-from pmmkit.conventions import IN_LENGTHS, metrics_named
+from pmmkit.conventions import METRICS, Metric
 from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults, State
 from pmmkit.simulation.kinds.manoeuvre import (
     Manoeuvre,
@@ -119,7 +119,7 @@ TURNING_CIRCLE: Final = Manoeuvre(
     orders=turning_circle,
     asks_for_wind=True,
     drawn="turning circle",
-    metrics=metrics_named(
+    metrics=METRICS.named(
         "advance",
         "transfer",
         "tactical_diameter",
@@ -143,10 +143,10 @@ MANOEUVRES: Final = (
             Setting(name="heading_deg", text="change of heading", unit="deg", default=10.0),
         ),
         orders=initial_turning,
-        metrics=metrics_named("initial_turning_distance", "time_to_heading", "yaw_rate_deg_s"),
+        metrics=METRICS.named("initial_turning_distance", "time_to_heading", "yaw_rate_deg_s"),
     ),
 )
 LENGTHS: Final = tuple(
-    metric.name + IN_LENGTHS for metric in TURNING_CIRCLE.metrics if metric.length
+    metric.name + Metric.IN_LENGTHS for metric in TURNING_CIRCLE.metrics if metric.length
 )
 """The measures of a turning circle in ship lengths."""

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any, Final
 
-from pmmkit.conventions import metrics_named
+from pmmkit.conventions import METRICS
 from pmmkit.equations import Ask, Phase, Plan, Probe, ProbeResults
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre, Setting, degrees, rudder_setting
 
@@ -55,8 +55,8 @@ def _timed(rudders: list[float], seconds: float, first: float | None = None) -> 
 
 
 _METRICS: Final = (
-    *metrics_named("lateral_deviation", "final_speed"),
-    *(replace(item, starboard=True) for item in metrics_named("heading_end_deg")),
+    *METRICS.named("lateral_deviation", "final_speed"),
+    *(replace(item, starboard=True) for item in METRICS.named("heading_end_deg")),
 )
 MANOEUVRES: Final = (
     Manoeuvre(

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from pmmkit.base import DataError
-from pmmkit.conventions import metrics_named
+from pmmkit.conventions import METRICS
 from pmmkit.equations import Ask, End, Phase, Plan, Probe, ProbeResults, State
 from pmmkit.simulation.kinds.manoeuvre import (
     Manoeuvre,
@@ -92,7 +92,7 @@ ZIGZAG: Final = Manoeuvre(
     ),
     orders=zigzag,
     drawn="zigzag",
-    metrics=metrics_named(
+    metrics=METRICS.named(
         "overshoot_{}_deg",
         "time_execute_{}",
         "reach",

@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import setting_units
+from pmmkit.campaigns import RUN_SETTINGS
 from pmmkit.conventions import CHANNEL_UNITS, DEGREE_CHANNELS, FORCE_CHANNELS, factor_to
 from pmmkit.intake import LARGE, ColumnLook, Drafted, FileGroup, FileLook, seen_values
 from pmmkit.numerics import Array
@@ -64,7 +64,7 @@ def vocabulary() -> dict[str, dict[str, list[str]]]:
     }
     return {
         "history": {name: _units(unit) for name, unit in names.items()},
-        "table": {name: _units(unit) for name, unit in {**setting_units(), **parts}.items()},
+        "table": {name: _units(unit) for name, unit in {**RUN_SETTINGS.units, **parts}.items()},
     }
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pmmkit.campaigns import TEST_KINDS, Run, brought
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Run
 from pmmkit.validation import Comparison
 from pmmkit.views.pages.numbers import short
 
@@ -64,7 +64,7 @@ def _order(run: Run) -> list[float]:
     """By speed, then by what the run was set to."""
     s = run.settings
     swings = (s.yaw_amplitude or 0.0, s.amplitude or 0.0, s.rudder_amplitude or 0.0)
-    more = (s.value(item.name) or 0.0 for item in brought())
+    more = (s.value(item.name) or 0.0 for item in RUN_SETTINGS.brought)
     return [s.speed, s.drift, s.heel, s.rudder, *swings, s.period or 0.0, *more]
 
 

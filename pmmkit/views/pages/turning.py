@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import PmmkitError
-from pmmkit.conventions import metric_of, told
+from pmmkit.conventions import METRICS, Metric
 from pmmkit.imo import imo_turning
 from pmmkit.models import Model
 from pmmkit.simulation import Bands, Track, simulate, spiral_curve
@@ -110,7 +110,7 @@ def trials_page(
                 "metrics": {
                     name: short(value)
                     for name, value in trial.metrics.items()
-                    if metric_of(name).unit_of(name) in ("L", "deg", "-") and math.isfinite(value)
+                    if Metric.of(name).unit_of(name) in ("L", "deg", "-") and math.isfinite(value)
                 },
             }
         )
@@ -127,7 +127,7 @@ def track_page(track: Track) -> dict[str, Any]:
     """A track as the page draws it; arguments and keys as for `sailed_page`."""
     kept = _evenly(len(track.t))
     judged = imo_turning(track) if track.manoeuvre == "turning" else []
-    names = told("turn", track.metrics) if judged else list(track.metrics)
+    names = METRICS.told("turn", track.metrics) if judged else list(track.metrics)
     return {
         "manoeuvre": track.manoeuvre,
         "Fn": short(track.Fn),
@@ -143,8 +143,8 @@ def track_page(track: Track) -> dict[str, Any]:
         "metrics": [
             {
                 "name": name,
-                "title": metric_of(name).title,
-                "unit": metric_of(name).unit_of(name),
+                "title": Metric.of(name).title,
+                "unit": Metric.of(name).unit_of(name),
                 "value": short(track.metrics[name]),
             }
             for name in names

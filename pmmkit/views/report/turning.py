@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.base import PmmkitError, SimulationError
-from pmmkit.conventions import HARD_OVER, metric_of, told
+from pmmkit.conventions import METRICS, Criterion, Metric
 from pmmkit.imo import Verdict, imo_turning
 from pmmkit.models import Model, ReferenceTable
 from pmmkit.plotting import manoeuvre
@@ -66,7 +66,7 @@ class Turns:
         for Fn in model.Fn or tuple(tested):
             try:
                 speed = model.ship.speed(Fn, model.water.g)
-                tracks.append(simulate(model, rudder_deg=HARD_OVER, speed=speed))
+                tracks.append(simulate(model, rudder_deg=Criterion.HARD_OVER, speed=speed))
             except PmmkitError as error:
                 failed.append(str(error))
         if not tracks:
@@ -79,7 +79,7 @@ class Turns:
         sweeps = {}
         for name, item in sailing.items():
             try:
-                sweeps[name] = froude_sweep(item, Fn=along, rudder_deg=HARD_OVER)
+                sweeps[name] = froude_sweep(item, Fn=along, rudder_deg=Criterion.HARD_OVER)
             except PmmkitError as error:
                 failed.append(f"{name}: {error}")
         return cls(tracks=tracks, sweeps=sweeps, notes=model.notes, failed=failed)
@@ -161,7 +161,7 @@ def turning_section(turns: Turns) -> Section:
 def _measures(turns: Turns) -> Grid:
     tracks = sorted(turns.tracks, key=lambda item: item.Fn)
     limits = _verdicts(tracks)
-    names = told("turn", tracks[0].metrics)
+    names = METRICS.told("turn", tracks[0].metrics)
     moved = turns.changes
     rows: list[list[Cell]] = []
     for name in names:
@@ -177,7 +177,7 @@ def _measures(turns: Turns) -> Grid:
 
 def _titled(name: str) -> str:
     """Long name of a number, with its unit."""
-    title, unit = metric_of(name).title.capitalize(), metric_of(name).unit_of(name)
+    title, unit = Metric.of(name).title.capitalize(), Metric.of(name).unit_of(name)
     return title if unit == "-" else f"{title} / L" if unit == "L" else f"{title} [{unit}]"
 
 

@@ -17,8 +17,7 @@ from pmmkit.intake.checks.agreement.asking import (
     suspects,
 )
 from pmmkit.intake.checks.agreement.posterior import Agreement, agreement
-from pmmkit.intake.checks.agreement.rows import CHANNELS, groups_of
-from pmmkit.intake.checks.agreement.usual import MAIN
+from pmmkit.intake.checks.agreement.rows import CHANNELS, MAIN, groups_of
 from pmmkit.intake.checks.expected import is_shallow
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure, name_runs
 from pmmkit.numerics import Array
@@ -26,7 +25,7 @@ from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.summary import Summary
+    from pmmkit.intake.checks.finding import Summary
 
 NAMED: Final = 9.0
 """Logarithm of the evidence from which a cause is named."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pmmkit.campaigns import Run, repeats
+from pmmkit.campaigns import Run
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.numerics import Array
 from pmmkit.presentation import Cell, Grid, Group, Section, counted, number
@@ -22,7 +22,7 @@ def repeatability(reduction: Reduction) -> Chapter:
     results = {item.run.id: item for item in reduction.runs}
     groups = [
         tuple(results[run.id] for run in group)
-        for group in repeats([item.run for item in reduction.runs])
+        for group in Run.repeats([item.run for item in reduction.runs])
         if len(group) > 1
     ]
     count = sum(map(len, groups))

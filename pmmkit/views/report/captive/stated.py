@@ -30,9 +30,9 @@ def of_report(campaign: Campaign, *keys: str) -> list[Item]:
     Customer: Yard
     Tank or basin: not supplied
     """
-    from pmmkit.campaigns import keys_of
+    from pmmkit.campaigns import CampaignFile
 
-    fields = keys_of("report")
+    fields = CampaignFile.keys_of("report")
     return [
         Item(
             what=_label(fields[key].description or key),
@@ -90,10 +90,12 @@ def _particular(key: str, known: Mapping[str, Parameter]) -> str:
 
 def of_gauges(campaign: Campaign) -> list[Item]:
     """Each gauge with its make, capacity and calibration."""
-    from pmmkit.campaigns import keys_of
+    from pmmkit.campaigns import CampaignFile
 
     gauges: Mapping[str, Mapping[str, Any]] = campaign.report.get("gauges", {})
-    fields = {key: item.description or key for key, item in keys_of("report.gauges").items()}
+    fields = {
+        key: item.description or key for key, item in CampaignFile.keys_of("report.gauges").items()
+    }
     if not gauges:
         what, keys = ", ".join(fields.values()), ", ".join(fields)
         return [Item(what=f"Gauges: {what}", value=None, table="report.gauges.NAME", key=keys)]

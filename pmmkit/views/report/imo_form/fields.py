@@ -31,13 +31,13 @@ def read_stated(file: Path) -> dict[str, Any]:
     DataError
         If the file has no such table, or with everything that is wrong in it.
     """
-    from pmmkit.campaigns import read_table
+    from pmmkit.campaigns import CampaignFile
     from pmmkit.files import read_toml
 
     content = read_toml(file)
     if not isinstance(content.get(TABLE), Mapping):
         raise DataError(f"{file} has no table [{TABLE}]; docs/imo.md lists its keys.")
-    return read_table(TABLE, content[TABLE], str(file))
+    return CampaignFile.stated(TABLE, content[TABLE], str(file))
 
 
 def ship_entries(stated: Mapping[str, Any], ship: Ship, speed: float) -> tuple[FormField, ...]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import HARD_OVER
+from pmmkit.conventions import Criterion
 from pmmkit.equations import prepare
 from pmmkit.identification import Corrected, Trial, mean_draught
 from pmmkit.imo import Condition, Verdict, simulated_conditions
@@ -60,7 +60,7 @@ def form_of_model(
     conditions = simulated_conditions(
         ship, speed, depth=depth, full_speed=said.get("speed_85"), full_draught=full
     )
-    rudder = min(HARD_OVER, model.steering.get("max_deg", HARD_OVER))
+    rudder = min(Criterion.HARD_OVER, model.steering.get("max_deg", Criterion.HARD_OVER))
     revolutions = prepare(model, speed, extrapolate=True).self_propulsion()
     loading = loading_words(ship.d, full, corrected=False)
     groups: Groups = (

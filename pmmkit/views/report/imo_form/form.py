@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
-from pmmkit.conventions import Criterion, Metric, cite, criteria
+from pmmkit.conventions import METRICS, Criterion, Metric, cite
 from pmmkit.imo import Condition, Verdict
 from pmmkit.presentation import Described, Grid, Group, Section, counted, fixed, number
 from pmmkit.simulation import MANOEUVRES
@@ -381,7 +381,7 @@ def lines_of(
     L, speed [m].
     """
     found = []
-    for metric, criterion in criteria():
+    for metric, criterion in METRICS.criteria:
         own = [(run, x) for run, x in verdicts if x.criterion == criterion.name]
         sides: dict[str, Verdict] = {}
         runs: dict[str, str] = {}
