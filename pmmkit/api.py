@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from pmmkit.base import MissingPartError
-from pmmkit.conventions import STRUCTURES, Structure, bibtex, parse_derivative
+from pmmkit.conventions import STRUCTURES, Ship, Structure, Water, bibtex, parse_derivative
 from pmmkit.effects import CATALOGUE
 from pmmkit.models import (
     DerivativeTable,
@@ -21,11 +22,9 @@ from pmmkit.models import (
     hull_less_model,
     lent,
     load_model,
-    needed,
-    roll_from_particulars,
     straight_polynomial,
     to_model,
-    with_stated_parts,
+    with_stated,
 )
 from pmmkit.reduction import Parts, Reduction, reduce_campaign
 from pmmkit.validation import as_tested
@@ -162,7 +161,7 @@ def carried_to(model: Model, campaign: Campaign) -> Model:
     if curve is not None:
         stated |= straight_polynomial(*curve)
     whose = f"{campaign.title or campaign.ship.name}, by its campaign file"
-    made = with_stated_parts(made, stated, campaign.rudder, whose)
+    made = _with_stated_parts(made, stated, campaign.rudder, whose)
     areas = {key for key in campaign.rudder if key.startswith("area")}
     if {"area_lateral", "area_total"} & areas and not {"area", "area_movable"} & areas:
         notes.append("The movable area of the rudder is not stated: the model keeps its own.")
@@ -204,7 +203,7 @@ def model_of(
     MissingPartError
         If the table lacks Yv, Yr, Nv or Nr, or what `missing` does not fill.
     """
-    table, left = _tested_in_full(reduction.table, needed(missing))
+    table, left = _tested_in_full(reduction.table, Model.needed(estimated=missing == "estimate"))
     table = _without_thrust(reduction, table)
     how: dict[str, Any] = {"missing": missing, "also": _not_shown(reduction), "force": force}
     if parts is not None:
@@ -272,9 +271,50 @@ def _coupled(reduction: Reduction) -> bool:
     return bool(len(sizes)) and bool((sizes > BOTH * sizes.max(axis=0)).all(axis=1).any())
 
 
+DAMPED: Final = (0.05, 0.03)
+"""Roll damping over the critical one, how far ships lie from it; S175 of the library: 0.048."""
+TURNS: Final = ("area", "area_movable")
+"""What a campaign file calls the area that the effect ``rudder_mmg`` has."""
 _THIRD_ORDER: Final = "abkowitz3"
 BOTH: Final = 0.1
 """A run drifts, or yaws, where it does so by more than this share of the run that does it most."""
+
+
+def roll_from_particulars(ship: Ship, water: Water, *, damped: bool = False) -> Part | None:
+    """Righting moment and damping of a ship that states GM and its inertia of roll.
+
+    Parameters
+    ----------
+    ship, water : Ship, Water
+        The ship or model and its water.
+    damped : bool
+        Whether derivatives by the roll rate were measured: then nothing is added to them.
+
+    Returns
+    -------
+    Part or None
+        The part ``roll``: damping a twentieth of the critical one, with its uncertainty. None
+        where GM or the inertia is not known.
+
+    Examples
+    --------
+    >>> from pmmkit.models import load_ship
+    >>> roll = roll_from_particulars(load_ship("s175"), Water(rho=1025.0))
+    >>> f"{roll.values['damping']:.3g}"
+    '3.08e+07'
+    """
+    if ship.GM is None or ship.GM <= 0 or ship.Ixx is None:
+        return None
+    righting = water.rho * water.g * ship.volume * ship.GM
+    share, doubt = (0.0, 0.0) if damped else DAMPED
+    critical = 2.0 * math.sqrt(righting * ship.Ixx)
+    return Part(
+        effect="roll",
+        values=MappingProxyType({"damping": share * critical}),
+        source="measured: GM of the campaign file",
+        sources=MappingProxyType({} if damped else {"damping": "empirical: usual roll damping"}),
+        std=MappingProxyType({} if damped else {"damping": doubt * critical}),
+    )
 
 
 def _rolling(stated: Model, reduction: Reduction, table: DerivativeTable) -> Model:
@@ -361,3 +401,59 @@ def _tested_in_full(
         runs=table.runs[full],
     )
     return chosen, [f"Sway and yaw were not tested at Fn {left}: the model leaves them out."]
+
+
+def _with_stated_parts(
+    model: Model, propeller: Mapping[str, Any], rudder: Mapping[str, Any], because: str
+) -> Model:
+    """A model whose propeller and rudder have the values that somebody states, by the names of the
+    effects ``propeller`` and ``rudder_mmg``, the ``area_movable`` of the rudder [m²] and its
+    ``height`` [m]; other entries do not count.
+
+    What is not stated keeps its value. The slipstream reaches as much of the rudder as the stated
+    diameter and height say, or as the diameter has changed.
+
+    Examples
+    --------
+    >>> ship = load_model("kvlcc2-l7")
+    >>> other = _with_stated_parts(ship, {"D": 0.22}, {}, "the new propeller")
+    >>> round(other.values("rudder_mmg")["eta"] / ship.values("rudder_mmg")["eta"], 3)
+    1.019
+    """
+    stated: dict[str, float] = {}
+    if "propeller" in model.parts:
+        stated |= _stated_values(model, "propeller", propeller)
+    if "rudder_mmg" in model.parts:
+        areas = [x for name in TURNS if (x := rudder.get(name))]
+        given = {**rudder, "area": areas[0]} if areas else rudder
+        stated |= _stated_values(model, "rudder_mmg", given)
+        place = "rudder_mmg.eta"
+        if place not in stated and (eta := _reach(model, stated, rudder)) is not None:
+            stated[place] = eta
+    return with_stated(model, stated, because) if stated else model
+
+
+def _stated_values(model: Model, part: str, given: Mapping[str, Any]) -> dict[str, float]:
+    """Those entries that are values of a part and differ from what it has."""
+    own = model.parts[part]
+    return {
+        f"{part}.{item.name}": float(x)
+        for item in own.known.parameters
+        if isinstance(x := given.get(item.name), int | float)
+        and not isinstance(x, bool)
+        and own.values.get(item.name) != x
+    }
+
+
+def _reach(model: Model, stated: Mapping[str, float], rudder: Mapping[str, Any]) -> float | None:
+    """Diameter of the propeller over the height of the rudder; None where nothing changes it."""
+    if "propeller" not in model.parts:
+        return None
+    before = model.parts["propeller"].values.get("D")
+    eta = model.parts["rudder_mmg"].values.get("eta")
+    after = stated.get("propeller.D", before)
+    if not (isinstance(before, float) and isinstance(after, float) and isinstance(eta, float)):
+        return None
+    height = rudder.get("height")
+    new = after / float(height) if height else eta * after / before
+    return None if new == eta else new

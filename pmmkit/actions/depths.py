@@ -191,7 +191,7 @@ def swept_over_depth(
 ) -> Outcome:
     """Metrics of a manoeuvre over the depth of the water, beside those by the formulas."""
     from pmmkit.base import PmmkitError
-    from pmmkit.models import TablesByDepth, carried_by_formulas, model_at_depth
+    from pmmkit.models import TablesByDepth, model_at_depth
     from pmmkit.plotting import save
     from pmmkit.simulation import metrics_over, sweep
 
@@ -208,7 +208,7 @@ def swept_over_depth(
     beside: dict[float, dict[str, float] | str] = {}
     for ratio in asked:
         try:
-            by_law = carried_by_formulas(models[deepest], deepest, ratio)
+            by_law = model_at_depth(models, ratio, by_formulas=True)
             own = sweep({ratio: by_law}, "model", manoeuvre=manoeuvre, **plain)
             beside[ratio] = {str(name): float(own[name][0]) for name in own.data_vars}
         except PmmkitError as error:

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from pmmkit.models import Model, Part, Step, before_of
+from pmmkit.models import Model, Part, Step
 from pmmkit.numerics import Array
 
 Place = tuple[str, str]
@@ -101,7 +101,7 @@ def stepped(
                 error_before=_finite(errors[number]),
                 error_after=_finite(errors[number + 1]),
                 error_of=of,
-                before=before_of(old, new, new_places) if kept else None,
+                before=old.before(new, new_places) if kept else None,
             )
         )
     return new.stepped(*made)

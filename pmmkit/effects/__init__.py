@@ -10,10 +10,9 @@ if TYPE_CHECKING:
     from pmmkit.effects.entries import CATALOGUE, catalogue, effect, is_fault, register_effect
     from pmmkit.effects.grammar import function_of_text, own_effect, own_effects, written_effect
     from pmmkit.effects.hull import HULL, Regressors
-    from pmmkit.effects.primitives import PRIMITIVES, over_arrays, rebound
-    from pmmkit.effects.rudder import normal_force, rudder_flow
-    from pmmkit.effects.seen import CURRENT, EXCITES, OUTSIDE, Move
-    from pmmkit.effects.shallow_water import SHALLOWEST, apply
+    from pmmkit.effects.primitives import PRIMITIVES, rebound
+    from pmmkit.effects.seen import CURRENT, OUTSIDE, Move
+    from pmmkit.effects.shallow_water import apply
     from pmmkit.effects.state import State
     from pmmkit.effects.suspect import Suspect
 
@@ -21,12 +20,10 @@ __all__ = [
     "BY_SPEED",
     "CATALOGUE",
     "CURRENT",
-    "EXCITES",
     "HULL",
     "INERTIA",
     "OUTSIDE",
     "PRIMITIVES",
-    "SHALLOWEST",
     "AddedMass",
     "Effect",
     "Move",
@@ -39,13 +36,10 @@ __all__ = [
     "effect",
     "function_of_text",
     "is_fault",
-    "normal_force",
-    "over_arrays",
     "own_effect",
     "own_effects",
     "rebound",
     "register_effect",
-    "rudder_flow",
     "written_effect",
 ]
 

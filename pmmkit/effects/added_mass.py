@@ -30,8 +30,15 @@ EFFECTS: Final = (ADDED_MASS,)
 
 
 class AddedMass(NamedTuple):
-    """Force per acceleration, SI: [N/(m/s²)] and so on. Coriolis masses are zero when they are
-    inside the hull derivatives."""
+    """Force per acceleration, SI: [N/(m/s²)] and so on.
+
+    Parameters
+    ----------
+    Xudot, Yvdot, Yrdot, Ypdot, Nvdot, Nrdot, Npdot, Kvdot, Krdot, Kpdot : float
+        Force or moment per unit of an acceleration.
+    coriolis_x, coriolis_y, coriolis_k : float
+        Masses of the Coriolis terms, zero when these are inside the hull derivatives.
+    """
 
     Xudot: float = 0.0
     Yvdot: float = 0.0

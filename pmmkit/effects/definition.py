@@ -15,6 +15,7 @@ import numpy as np
 
 from pmmkit.base import UnknownNameError, did_you_mean
 from pmmkit.conventions import cite, parse_derivative
+from pmmkit.effects.primitives import over_arrays
 from pmmkit.effects.seen import Acts, Forces, Move, Observed, Vessel
 from pmmkit.effects.suspect import Suspect
 from pmmkit.numerics import Array
@@ -203,7 +204,7 @@ class Effect(Described):
     check : str
         A run, or a check at the bench, that shows it.
     excites : tuple of str
-        What tests must hold to show it at all, words of `effects.seen.EXCITES`.
+        What tests must hold to show it at all, words of `EXCITES`.
     not_captive, not_free_running : str
         Why captive tests, or free-running records, are not asked for it; empty where they are.
     text : str
@@ -211,6 +212,21 @@ class Effect(Described):
     """
 
     KINDS: ClassVar[tuple[Kind, ...]] = get_args(Kind)
+    EXCITES: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "several speeds": "runs at two speeds or more",
+            "four speeds": "runs at four speeds or more",
+            "repeats": "a run that was repeated later",
+            "roll": "heel or roll",
+            "rudder": "rudder angles",
+            "large motion": "drift beyond 17° or a yaw rate r' beyond 0.8",
+            "sinkage": "measured sinkage",
+            "wind": "measured wind",
+            "depth": "a stated depth of less than six draughts",
+            "waves": "a stated sea, and a table of its drift in the model",
+        }
+    )
+    """What tests must hold to show an effect, and what that means."""
 
     name: str
     family: str
@@ -371,6 +387,12 @@ class Effect(Described):
     def steers(self) -> bool:
         """Whether it is a rudder or another gear that steers, and nothing of the hull."""
         return self.serves("steering")
+
+    @property
+    def force_over_arrays(self) -> Callable[..., Any]:
+        """Its force, taking whole histories."""
+        assert self.force is not None
+        return over_arrays(self.force)
 
     @property
     def arguments(self) -> tuple[str, ...]:

@@ -94,6 +94,11 @@ def effect(**declared: Any) -> Callable[[Callable[..., Any]], Effect]:
 def is_fault(name: str) -> bool:
     """Whether a name is that of a fault of the measurement.
 
+    Parameters
+    ----------
+    name : str
+        Of the catalogue, or any other.
+
     Examples
     --------
     >>> is_fault("fault_gauge_zero"), is_fault("memory")

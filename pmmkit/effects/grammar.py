@@ -246,6 +246,13 @@ def _written(
 def function_of_text(name: str, text: str) -> Function:
     """The function ``force`` of an effect that a text makes, as it was understood.
 
+    Parameters
+    ----------
+    name : str
+        Of the effect.
+    text : str
+        The words of a user.
+
     Raises
     ------
     DataError

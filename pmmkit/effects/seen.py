@@ -33,19 +33,6 @@ SHOWN: Final = (CLOCK_LAG, *ANTENNA, HEADING_OFFSET, LOG_GAIN)
 """What the channels of a free-running record show wrongly."""
 OUTSIDE: Final = (*CURRENT, RUDDER_ZERO, *SHOWN)
 """What records may be off by that is no value of a model."""
-EXCITES: Final = {
-    "several speeds": "runs at two speeds or more",
-    "four speeds": "runs at four speeds or more",
-    "repeats": "a run that was repeated later",
-    "roll": "heel or roll",
-    "rudder": "rudder angles",
-    "large motion": "drift beyond 17° or a yaw rate r' beyond 0.8",
-    "sinkage": "measured sinkage",
-    "wind": "measured wind",
-    "depth": "a stated depth of less than six draughts",
-    "waves": "a stated sea, and a table of its drift in the model",
-}
-"""What tests must hold to show an effect, and what that means."""
 
 
 def _none() -> Mapping[str, Any]:

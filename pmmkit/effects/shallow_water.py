@@ -142,7 +142,9 @@ def factors(
     return {name: 1.0 + share * (factor - 1.0) for name, factor in grown.items()}
 
 
-def apply(values: Mapping[str, Any], *, ship: Ship, depth: float, **powers: Any) -> dict[str, Any]:
+def apply(
+    values: Mapping[str, Any], *, ship: Ship, depth: float, nearly: float = 1.0, **powers: Any
+) -> dict[str, Any]:
     """Values of a part at a depth, from those in deep water.
 
     Parameters
@@ -153,6 +155,8 @@ def apply(values: Mapping[str, Any], *, ship: Ship, depth: float, **powers: Any)
         Length, breadth, draught and block.
     depth : float
         Depth of the water [m].
+    nearly : float
+        Share of the least depth from which they are taken as at that depth.
     **powers : float
         Parameters of the effect.
 
@@ -174,6 +178,9 @@ def apply(values: Mapping[str, Any], *, ship: Ship, depth: float, **powers: Any)
     >>> round(found["Yv"], 3), found["Yd"]
     (-0.597, -0.05)
     """
+    least = SHALLOWEST * ship.d
+    if depth >= nearly * least:
+        depth = max(depth, least)
     found = factors(depth, ship.d, ship.L, ship.B, ship.block, **powers)
     return {
         name: value if name == "lx" else value * found.get(_like(parse_derivative(name)), 1.0)

@@ -12,7 +12,7 @@ from types import FunctionType
 from typing import Any, Final
 
 from pmmkit.conventions import CHANNELS
-from pmmkit.effects import PRIMITIVES, catalogue, function_of_text, over_arrays
+from pmmkit.effects import PRIMITIVES, catalogue, function_of_text, rebound
 from pmmkit.equations import layouts
 from pmmkit.equations.layouts import (
     POLYNOMIAL,
@@ -130,7 +130,7 @@ def _taken_in(item: Used) -> list[str]:
     if item.text:
         words = ", ".join(PRIMITIVES)
         own = replace(function_of_text(item.effect, item.text), name=name)
-        return [f"from {over_arrays.__module__} import {words}", *python_lines(own), ""]
+        return [f"from {rebound.__module__} import {words}", *python_lines(own), ""]
     return [
         f"from {catalogue.__module__} import catalogue",
         f"{name} = catalogue()[{item.effect!r}].force",
@@ -273,7 +273,7 @@ def _loops(function: Any) -> bool:
     return any(
         _loops(other)
         for other in called
-        if isinstance(other, FunctionType) and other.__module__ != over_arrays.__module__
+        if isinstance(other, FunctionType) and other.__module__ != rebound.__module__
     )
 
 

@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.base import __version__
-from pmmkit.effects import over_arrays
+from pmmkit.effects import rebound
 from pmmkit.equations.code_generation import ENGINE, module_text
 from pmmkit.equations.structure import EquationStructure
 from pmmkit.files import atomic_path, cache_folder
@@ -115,7 +115,7 @@ def _fingerprint(structure: EquationStructure, text: str) -> str:
     """Hash of all that the compiled code depends on."""
     digest = hashlib.sha256(text.encode())
     for file in (
-        str(sys.modules[over_arrays.__module__].__file__),
+        str(sys.modules[rebound.__module__].__file__),
         Path(__file__).with_name("lane_functions.py"),
     ):
         digest.update(Path(file).read_bytes())

@@ -91,8 +91,8 @@ def packed_following(
     "delta-u"``) is still counted from the approach.
     """
     structure, k = packed(model, at_approach, speed, conditions)
-    powers = model.parts.get("shallow_water")
-    if speeds and powers and any(isinstance(x, tuple) for x in powers.values.values()):
+    powers = [x for name in model.in_role("depth") for x in model.parts[name].values.values()]
+    if speeds and any(isinstance(x, tuple) for x in powers):
         raise ModelError(
             f"The powers of shallow_water in model {model.name!r} differ between Froude "
             f"numbers, which the derivatives of the moment cannot follow. Give one value of each, "

@@ -11,7 +11,6 @@ import numpy as np
 
 from pmmkit.base import ModelError
 from pmmkit.conventions import CHANNELS
-from pmmkit.effects import over_arrays
 from pmmkit.equations.code_generation import CONTROLS, MOTION, summed
 from pmmkit.equations.layouts import Constant
 from pmmkit.equations.structure import ACCELERATIONS, EquationStructure
@@ -141,7 +140,7 @@ def _function(
         atan2=np.arctan2,
         maximum=np.maximum,
         **{
-            f"effect_{item.effect}": over_arrays(item.known.force)
+            f"effect_{item.effect}": item.known.force_over_arrays
             for item in structure.used
             if item.known.force is not None
         },

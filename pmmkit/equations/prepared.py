@@ -27,7 +27,7 @@ from pmmkit.equations.structure import (
     polynomial,
 )
 from pmmkit.equations.surroundings import flow, wind_over_current
-from pmmkit.models import TAKE_PARTS, Model, missing_parts
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 
 
@@ -587,12 +587,12 @@ def _heel_problem(model: Model) -> Problem:
 
 
 def _check_parts(model: Model) -> None:
-    missing = [name for name in missing_parts(model) if name != "roll"]
+    missing = [name for name in model.missing_parts if name != "roll"]
     if missing:
         raise MissingPartError(
             Problem(
                 message=f"Model {model.name!r} cannot be simulated: it has no part "
                 f"{', '.join(missing)}.",
-                remedy=TAKE_PARTS,
+                remedy=Model.TAKE_PARTS,
             )
         )

@@ -11,7 +11,7 @@ from pmmkit.base import MissingPartError, ModelError, Problem
 from pmmkit.conventions import CHANNELS, Convention, Ship, Water, parse_derivative
 from pmmkit.effects import CATALOGUE, HULL, Effect, written_effect
 from pmmkit.equations.layouts import ROLLING, STATES, Constant
-from pmmkit.models import TAKE_PARTS
+from pmmkit.models import Model
 
 # A hull polynomial as monomials with dimensional coefficients.
 
@@ -195,7 +195,7 @@ def in_order(used: Mapping[str, Used], name: str, conditions: frozenset[str]) ->
                 Problem(
                     message=f"{effect} of model {name!r} needs {', '.join(lost)}: it has no part "
                     f"{' or '.join(givers) or 'that gives it'}.",
-                    remedy=TAKE_PARTS,
+                    remedy=Model.TAKE_PARTS,
                 )
             )
     while waiting:

@@ -16,7 +16,7 @@ from pmmkit.effects import HULL, INERTIA, AddedMass
 from pmmkit.equations import prepare
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
-from pmmkit.models import Model, Part, Step, before_of
+from pmmkit.models import Model, Part, Step
 from pmmkit.numerics import Array
 
 ADDED_INERTIA: Final = 0.2
@@ -121,7 +121,7 @@ which its heel cannot follow from the forces. State them: GM=… and Ixx=….
             ),
             source=f"heel of {len(seen)} records",
             note=f"the heel of {len(seen)} records follows to {math.degrees(rms):.2g}° (rms)",
-            before=before_of(model, found),
+            before=model.before(found),
         )
     )
 

@@ -15,7 +15,7 @@ from pmmkit.effects import CATALOGUE
 from pmmkit.equations import Gear
 from pmmkit.imo.conditions import Condition, simulated_conditions
 from pmmkit.imo.verdict import FullAstern, Verdict, judge, reached, track_conditions, verdict_of
-from pmmkit.models import Model, Standing, as_it_stops, load_model, of_a_model
+from pmmkit.models import Model, Standing, load_model
 from pmmkit.simulation import MANOEUVRES, Track, simulate, stopping_ship
 
 if TYPE_CHECKING:
@@ -245,7 +245,7 @@ def _stopping(
     criterion: Criterion,
 ) -> Verdict:
     """Track reach of a full astern stop, if it is known or can be estimated what happens astern."""
-    turning = as_it_stops(model)
+    turning = model.as_it_stops()
     if turning is None:
         return judge(
             metric,
@@ -298,7 +298,7 @@ def _stopping(
         share = many.probability(verdict.metric, verdict.limit)
         verdict = replace(verdict, probability=share)
     verdict = _by_probability(verdict) if guessed else verdict
-    heavy = of_a_model(model, speed)
+    heavy = Standing.of(model, speed).heavy
     if heavy:
         verdict = replace(verdict, unsettled=(*verdict.unsettled, heavy))
     return verdict

@@ -22,28 +22,20 @@ from pmmkit.base import (
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects import HULL, INERTIA, AddedMass
 from pmmkit.models.estimates import estimated_table
-from pmmkit.models.model import Model, Part, needs_roll
+from pmmkit.models.model import HULL_TERMS, NEEDED, Model
+from pmmkit.models.part import Part, needs_roll
 from pmmkit.models.step import Step, Value
 from pmmkit.models.store import load_model
 from pmmkit.models.tables.table import DerivativeTable
 
 Missing = Literal["refuse", "zero", "library", "estimate"]
-HULL_TERMS: Final = ("Yv", "Yr", "Nv", "Nr")
-"""What no estimate stands for: without them nothing of the hull was measured."""
 ESTIMATED: Final = "empirical: particulars, Yoshimura and Masumoto 2012; Clarke 1983; Zhou 1983"
-NEEDED: Final = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
-"""Without these a ship cannot be simulated at all."""
 EXPECTED: Final = ("Xvv", "Xrr", "Xvr", "Xudot", "Yrdot", "Nvdot")
 """Without these a simulation is wrong unless they are known to be small."""
 SIMILAR: Final = 0.02
 """Share by which L/B, L/d and the block may differ before it is noted."""
 DIFFERENT: Final = 0.10
 """Share by which they may differ before it is refused."""
-
-
-def needed(missing: Missing = "refuse") -> tuple[str, ...]:
-    """Derivatives without which there is no model, whatever stands for those that are `missing`."""
-    return HULL_TERMS if missing == "estimate" else NEEDED  # added mass hardly hangs on the speed
 
 
 def to_model(
@@ -147,7 +139,7 @@ def to_model(
     }
     rolls = donor.rolls and any(needs_roll(item) for item in taken)
     depth = _depth(table, donor)
-    here = {} if depth is None else {"shallow_water": "the tests were made over their bottom"}
+    here = () if depth is None else donor.in_role("depth")
     others = {
         key: donor.parts[key]
         for key in donor.parts
@@ -157,9 +149,8 @@ def to_model(
         and (rolls or key != "roll")
     }
     notes += [
-        f"Left out of the model: {key}, because {why}."
-        for key, why in here.items()
-        if key in donor.parts
+        f"Left out of the model: {key}, because the tests were made over their bottom."
+        for key in here
     ]
     names = tuple(item for item in taken)
     if zeroed:

@@ -5,24 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Final
 
 import numpy as np
 
 from pmmkit.base import ModelError
-from pmmkit.conventions import Ship
-from pmmkit.effects import HULL, INERTIA, SHALLOWEST, apply
-from pmmkit.models.model import Model, Part
+from pmmkit.effects import HULL, INERTIA, apply
+from pmmkit.models.model import Model
+from pmmkit.models.part import Part
 from pmmkit.models.step import Value
-from pmmkit.models.tables.by_depth import SPEEDS_APART, place_of
+from pmmkit.models.tables.by_depth import SPEEDS_APART, TablesByDepth, place_of
 from pmmkit.numerics import Array
 
-NEARLY: Final = 0.99
-"""Share of 1.2 draughts from which the formulas are taken as at 1.2: a basin is filled to a
-millimetre or two."""
 
-
-def model_at_depth(models: Mapping[float, Model], ratio: float) -> Model:
+def model_at_depth(
+    models: Mapping[float, Model], ratio: float, *, by_formulas: bool = False
+) -> Model:
     """The model at a depth between those of the tests: hull and added mass on straight lines over
     the draught over the depth, of which the laws of shallow water are functions.
 
@@ -32,6 +29,9 @@ def model_at_depth(models: Mapping[float, Model], ratio: float) -> Model:
         Models of one ship by the depth of their water over the draught.
     ratio : float
         Depth of the water over the draught.
+    by_formulas : bool
+        Whether the model in the deepest water is carried there by the formulas of
+        `pmmkit.effects.shallow_water`.
 
     Returns
     -------
@@ -45,7 +45,11 @@ def model_at_depth(models: Mapping[float, Model], ratio: float) -> Model:
         If the depth lies outside.
     ModelError
         If the two neighbours have values at other Froude numbers.
+    DataError
+        If the formulas do not hold there.
     """
+    if by_formulas:
+        return _carried(models[max(models)], max(models), ratio)
     known = np.array(sorted(models, reverse=True))
     above, share = place_of(ratio, known)
     if share == 0.0:
@@ -72,24 +76,16 @@ def model_at_depth(models: Mapping[float, Model], ratio: float) -> Model:
     )
 
 
-def carried_by_formulas(model: Model, deepest: float, ratio: float) -> Model:
-    """A model carried to another depth by the formulas of `pmmkit.effects.shallow_water`.
+def _carried(model: Model, deepest: float, ratio: float) -> Model:
+    """A model of tests at a depth over the draught, carried to another one by the formulas."""
 
-    Parameters
-    ----------
-    model : Model
-        Of tests at a depth.
-    deepest, ratio : float
-        That depth, and the other, over the draught.
-
-    Raises
-    ------
-    DataError
-        If the formulas do not hold there.
-    """
+    def grown(name: str, ratio: float) -> float:
+        depth = ratio * model.ship.d
+        found = apply({name: 1.0}, ship=model.ship, depth=depth, nearly=TablesByDepth.NEARLY)
+        return float(found[name])
 
     def carried(part: Part) -> Part:
-        laws = {name: grown(model.ship, name, ratio) / grown(model.ship, name, deepest)
+        laws = {name: grown(name, ratio) / grown(name, deepest)
                 for name in part.values}  # fmt: skip
         return replace(
             part,
@@ -108,28 +104,6 @@ def carried_by_formulas(model: Model, deepest: float, ratio: float) -> Model:
         covariance=None,
         covariance_names=(),
     )
-
-
-def grown(ship: Ship, name: str, ratio: float) -> float:
-    """What the formulas multiply a value of deep water by; at 1.2 draughts where it is nearly so.
-
-    Parameters
-    ----------
-    ship : Ship
-        Length, breadth, draught and block.
-    name : str
-        A derivative.
-    ratio : float
-        Depth of the water over the draught.
-
-    Raises
-    ------
-    DataError
-        If the formulas do not hold there.
-    """
-    near = max(ratio, SHALLOWEST) if ratio >= NEARLY * SHALLOWEST else ratio
-    found: float = apply({name: 1.0}, ship=ship, depth=near * ship.d)[name]
-    return found
 
 
 def _alike(deep: Model, shallow: Model) -> bool:

@@ -10,8 +10,8 @@ from typing import Literal, Protocol
 from pmmkit.base import ModelError, Problem, Remedy, UnknownNameError, Way, did_you_mean
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects import BY_SPEED, CATALOGUE, Effect, Move, Parameter
-from pmmkit.models.changes import before_of, restored, without_values
-from pmmkit.models.model import Model, Part
+from pmmkit.models.model import Model
+from pmmkit.models.part import Part
 from pmmkit.models.step import Before, Step, Value
 from pmmkit.models.terms import RequestedEffect, reference, with_terms, without_terms
 from pmmkit.models.vessel import Sailing
@@ -147,7 +147,7 @@ def without_effect(model: Model, effect: Named | Sequence[Named]) -> Model:
         elif asked.effect.enters:
             if asked.name not in model.parts:
                 raise ModelError(f"Model {model.name!r} has no part {asked.name!r}.")
-            model = without_values(model, [asked.name])
+            model = model.without_values([asked.name])
         else:
             if asked.moved:
                 terms = MappingProxyType(dict.fromkeys(asked.effect.typical, 0.0))
@@ -354,7 +354,7 @@ def _with_moved(model: Model, asked: RequestedEffect) -> Model:
                 {x: y for x, y in asked.coefficients.items() if x in moves}
             ),
             source=asked.source,
-            before=before_of(model, made),
+            before=model.before(made),
         )
     )
 
@@ -377,4 +377,4 @@ def _moved_back(model: Model, name: str) -> Model:
             f"The history of {model.name!r} does not say what {name} changed: give the values "
             f"themselves."
         )
-    return restored(model, own[-1].before)
+    return model.restored(own[-1].before)

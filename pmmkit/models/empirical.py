@@ -75,6 +75,11 @@ class HullEstimate:
     notes: tuple[str, ...] = ()
     grounds: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
+    @classmethod
+    def by_method(cls, ship: Ship) -> dict[str, HullEstimate]:
+        """What each method gives for a ship, by the name of the method."""
+        return {name: estimate(ship, name) for name in METHODS}
+
     def straight_line(self, ship: Ship) -> StraightLine:
         """The criterion of straight-line stability by the estimate.
 

@@ -22,10 +22,10 @@ from pmmkit.models.empirical import (
     rudder_values,
     wetted_surface,
 )
-from pmmkit.models.model import Model, Part
+from pmmkit.models.model import Model
+from pmmkit.models.part import Part
 from pmmkit.models.particulars import (
     ASPECT,
-    LONGEST_MODEL,
     PROPELLER_ERRORS,
     WAKE,
     propeller_values,
@@ -47,18 +47,6 @@ COUPLINGS: Final = ("Yvvr", "Yvrr", "Nvvr", "Nvrr")
 """Terms of sway and yaw together."""
 SURGE: Final = "yoshimura-masumoto"
 """The method whose surge terms stand in all models."""
-
-HEAVIER: Final = 1.5
-"""From so many times the resistance of a ship of her size on it is taken for a model's. KVLCC2 and
-KCS of the library have 2.1 and 1.7 at full scale, S175 0.9; the estimate is good to a quarter."""
-PRIMES: Final = ("prime", "prime-d")
-"""Non-dimensional systems in which Xuu is a resistance over the square of the speed."""
-WAVES: Final = 0.3
-"""Froude number beyond which waves may make as much of the resistance."""
-HEAVY: Final = (
-    "Her resistance is {:.1f} times that of ships of her size, as a model's is: a ship runs on "
-    "farther when her engine is stopped, at other revolutions."
-)
 
 
 def estimated_model(
@@ -266,31 +254,6 @@ def estimated_table(like: DerivativeTable) -> DerivativeTable:
         method=f"empirical: {guess.source}",
     )
     return converted(made, target)
-
-
-def of_a_model(model: Model, speed: float) -> str:
-    """That a ship has the resistance of a model, in a sentence; empty where she has not.
-
-    speed [m/s].
-
-    Examples
-    --------
-    >>> from pmmkit.models.store import load_model
-    >>> of_a_model(load_model("kvlcc2"), 7.97).split(":")[0]
-    "Her resistance is 2.1 times that of ships of her size, as a model's is"
-    >>> of_a_model(load_model("kvlcc2-l7"), 1.18)
-    ''
-    """
-    hull = model.parts.get(HULL)
-    ship = model.ship
-    slow = ship.froude(speed, model.water.g) < WAVES
-    if hull is None or "Xuu" not in hull.values or not slow or ship.L < LONGEST_MODEL:
-        return ""
-    if model.convention.surge == "delta-u" or model.convention.system not in PRIMES:
-        return ""
-    own = float(np.mean(hull.values["Xuu"]))
-    usual, _ = resistance_derivative(ship, model.water, speed, model.convention)
-    return HEAVY.format(own / usual) if own / usual > HEAVIER else ""
 
 
 @lru_cache(maxsize=64)

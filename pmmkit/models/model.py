@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,86 +18,28 @@ from pmmkit.base import (
     ModelError,
     Problem,
     Remedy,
-    UnknownNameError,
     Way,
 )
 from pmmkit.conventions import Convention, Ship, Water, parse_derivative
-from pmmkit.effects import CATALOGUE, HULL, INERTIA, AddedMass, Effect, written_effect
-from pmmkit.models.step import Step, Value, added, faults_of
+from pmmkit.effects import CATALOGUE, HULL, INERTIA
+from pmmkit.models.part import DERIVATIVE_PARTS, Part, needs_roll, place_name
+from pmmkit.models.step import Before, Step, Value, added, faults_of
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus
 
-DERIVATIVE_PARTS: Final = (HULL, "rudder_abkowitz", INERTIA)
 SAILING: Final = ("propulsion", "steering")
 """What a ship needs beside its hull."""
-TAKE_PARTS: Final = Remedy(
-    "Take parts from a library ship ({}) or write them into the model file.",
-    (Way('to_model(table, parts="…")', "pmmkit model replace MODEL PART --from SHIP"),),
-)
+HULL_TERMS: Final = ("Yv", "Yr", "Nv", "Nr")
+"""What no estimate stands for: without them nothing of the hull was measured."""
+NEEDED: Final = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
+"""Without these a ship cannot be simulated at all."""
 FORCED: Final = "NOT USABLE: made by force of derivatives that are not usable. {}"
+ASTERN: Final = (
+    "What the propeller does astern is estimated: curves of Wageningen B4-70 of the pitch at which "
+    "its thrust vanishes, joined to its open water ahead; no wake or side force astern."
+)
 FN_TOLERANCE: Final = 0.02
 """Share of a Froude number by which a speed may lie beside the range of the values, as those of
 runs on one carriage setting do; they hold at its edge."""
-
-
-def _frozen() -> Mapping[str, Any]:
-    return MappingProxyType({})
-
-
-@dataclass(frozen=True, kw_only=True)
-class Part:
-    """One effect of a model with its values.
-
-    Parameters
-    ----------
-    effect : str
-        Name in the catalogue.
-    values : mapping of str to float or tuple of float
-        Parameters and derivatives; a tuple holds a value per Froude number of the model.
-    options : mapping of str to str
-        Words that choose a form of the effect.
-    source : str
-        Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
-    references : tuple of str
-        The same as keys of the bibliography, where it stands there.
-    sources : mapping of str to str
-        In words for single values, where it differs.
-    std : mapping of str to float
-        Standard uncertainties of single values, such as estimates, independent of each other and
-        of the model's covariance; the same share of the value at all Froude numbers.
-    text : str
-        The words of a user that the effect was made from; empty for one of the catalogue.
-    """
-
-    effect: str
-    values: Mapping[str, Value] = field(default_factory=_frozen)
-    options: Mapping[str, str] = field(default_factory=_frozen)
-    source: str = ""
-    references: tuple[str, ...] = ()
-    sources: Mapping[str, str] = field(default_factory=_frozen)
-    std: Mapping[str, float] = field(default_factory=_frozen)
-    text: str = ""
-
-    @property
-    def known(self) -> Effect:
-        """What the catalogue, or the user's text, says of the effect."""
-        return written_effect(self.effect, self.text) if self.text else CATALOGUE[self.effect]
-
-    def source_of(self, name: str) -> str:
-        """Where one value comes from."""
-        return self.sources.get(name, self.source)
-
-    def place(self, name: str) -> str:
-        """One of its values by one name: ``Yv``, or ``rudder_mmg.aH`` where it is no derivative."""
-        return place_name(self.effect, name)
-
-    @property
-    def estimated(self) -> list[str]:
-        """Names of the values that are estimates from particulars."""
-        return [name for name in self.values if self.source_of(name).startswith("empirical")]
-
-    def assumed(self, name: str = "") -> bool:
-        """Whether a value, or the part, is a usual one that stands for what nobody states."""
-        return self.source_of(name).startswith("assumed")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -134,6 +76,12 @@ class Model(Described):
     ModelError
         With everything that is wrong.
     """
+
+    TAKE_PARTS: ClassVar = Remedy(
+        "Take parts from a library ship ({}) or write them into the model file.",
+        (Way('to_model(table, parts="…")', "pmmkit model replace MODEL PART --from SHIP"),),
+    )
+    """What helps where a part is missing."""
 
     name: str
     ship: Ship
@@ -338,10 +286,96 @@ class Model(Described):
         held = {"propulsion"} if self.convention.surge == "delta-u" else set()
         return tuple(x for x in SAILING if x not in held and not self.in_role(x))
 
+    @staticmethod
+    def needed(*, estimated: bool = False) -> tuple[str, ...]:
+        """Derivatives without which there is no model, whether or not estimates stand for others.
+
+        Examples
+        --------
+        >>> Model.needed(estimated=True)
+        ('Yv', 'Yr', 'Nv', 'Nr')
+        """
+        return HULL_TERMS if estimated else NEEDED  # added mass hardly hangs on the speed
+
+    @property
+    def missing_parts(self) -> list[str]:
+        """Parts without which it cannot be simulated; alternatives in one, by *or*.
+
+        Examples
+        --------
+        >>> from pmmkit.models.store import load_model
+        >>> load_model("kvlcc2").missing_parts
+        []
+        """
+        missing = [name for name in (HULL, INERTIA) if name not in self.parts]
+        missing += ["roll"] if self.heeled else []
+        every = CATALOGUE.values()
+        return missing + [
+            " or ".join(effect.name for effect in every if role in effect.roles)
+            for role in self.lacking
+        ]
+
     @property
     def knows_astern(self) -> bool:
         """Whether it says what its propulsion does astern."""
         return any(part.known.astern for part in self.parts.values())
+
+    def as_it_stops(self) -> Model | None:
+        """A model that knows what its propulsion does astern: itself, or by an estimate
+        (`with_estimated_astern`); None where nothing is known."""
+        if self.knows_astern:
+            return self
+        return self.with_estimated_astern() if self._astern_can_be_estimated else None
+
+    @property
+    def _astern_can_be_estimated(self) -> bool:
+        """Whether it has a propeller with KT as a polynomial, which says nothing of astern."""
+        part = self.parts.get("propeller")
+        return part is not None and "kt0" in part.values and not self.knows_astern
+
+    def with_estimated_astern(self) -> Model:
+        """A copy whose propeller turns astern by the curves of a series.
+
+        Its propeller has curves in all four quadrants: ahead, from bollard pull to the J at which
+        the thrust vanishes, those that it had; beyond, those of Wageningen B4-70 as
+        `effects.four_quadrant.estimate` joins them. An estimate, not a measurement.
+
+        Raises
+        ------
+        ModelError
+            If it knows what its propulsion does astern, or has no propeller with a polynomial KT.
+
+        Examples
+        --------
+        >>> from pmmkit.models.store import load_model
+        >>> made = load_model("kvlcc2").with_estimated_astern()
+        >>> made.knows_astern, made.values("four_quadrant_propeller")["kt0"]
+        (True, 0.2931)
+        """
+        if not self._astern_can_be_estimated:
+            raise ModelError(
+                f"Model {self.name!r} "
+                + (
+                    "says already what its propulsion does astern."
+                    if self.knows_astern
+                    else "has no propeller whose KT is a polynomial of J, from which curves astern "
+                    "could be estimated: state a part four_quadrant_propeller."
+                )
+            )
+        own, known = self.parts["propeller"], CATALOGUE["four_quadrant_propeller"]
+        shared = {item.name for item in known.parameters}
+        turning = replace(
+            own,
+            effect=known.name,
+            values=MappingProxyType({name: x for name, x in own.values.items() if name in shared}),
+            options=MappingProxyType({x: y for x, y in own.options.items() if x in known.options}),
+        )
+        parts = {
+            known.name if name == own.effect else name: turning if name == own.effect else part
+            for name, part in self.parts.items()
+        }
+        made = self.with_(parts=MappingProxyType(parts))
+        return made.stepped(Step(action="noted", note=ASTERN))
 
     @property
     def has_bucket(self) -> bool:
@@ -425,7 +459,7 @@ class Model(Described):
                 Problem(
                     message=f"Model {self.name!r} has no part {effect!r}, which {need} needs. It "
                     f"has {', '.join(self.parts)}.",
-                    remedy=TAKE_PARTS,
+                    remedy=self.TAKE_PARTS,
                 )
             )
         return self.parts[effect]
@@ -526,16 +560,156 @@ class Model(Described):
         changed = replace(part, values=MappingProxyType({**part.values, **values}))
         return replace(self, parts=MappingProxyType({**self.parts, effect: changed}))
 
+    def before(self, new: Model, places: Collection[str] | None = None) -> Before:
+        """What of it a step to a new model changed, as it was: parts and values of some places
+        (``hull_polynomial.Yvvr``), and what a part was told to use them; all by default.
 
-def place_name(effect: str, name: str) -> str:
-    """A value of a model by one name: ``Yv``, or ``rudder_mmg.aH`` where it is no derivative.
+        Examples
+        --------
+        >>> from pmmkit.models.edit import with_effect
+        >>> from pmmkit.models.store import load_model
+        >>> ship = load_model("s175-3dof")
+        >>> ship.before(with_effect(ship, "memory")).absent
+        ('memory',)
+        """
+        absent: list[str] = []
+        values: dict[str, Value] = {}
+        sources: dict[str, str] = {}
+        options: dict[str, str] = {}
+        touched = None if places is None else {place.partition(".")[0] for place in places}
+        for effect, part in new.parts.items():
+            if effect not in self.parts and (places is None or effect in places):
+                absent.append(effect)
+                continue
+            was = self.parts.get(effect, Part(effect=effect))
+            there = effect in self.parts and (touched is None or effect in touched)
+            for name, word in part.options.items() if there else ():
+                if name not in was.options:
+                    absent.append(f"{effect}.{name}")
+                elif was.options[name] != word:
+                    options[f"{effect}.{name}"] = was.options[name]
+            for name, value in part.values.items():
+                place = f"{effect}.{name}"
+                if places is not None and place not in places:
+                    continue
+                if name not in was.values:
+                    absent.append(place)
+                elif was.values[name] != value:
+                    values[place] = was.values[name]
+                    if name in was.sources:
+                        sources[place] = was.sources[name]
+        return Before(
+            absent=tuple(absent),
+            values=MappingProxyType(values),
+            sources=MappingProxyType(sources),
+            options=MappingProxyType(options),
+            pooled=bool(new.Fn) and not self.Fn,
+        )
 
-    Examples
-    --------
-    >>> place_name("hull_polynomial", "Yv"), place_name("rudder_mmg", "aH")
-    ('Yv', 'rudder_mmg.aH')
-    """
-    return name if effect in DERIVATIVE_PARTS else f"{effect}.{name}"
+    def restored(self, before: Before) -> Model:
+        """A copy with what a step changed as it was before.
+
+        Examples
+        --------
+        >>> from pmmkit.models.edit import with_effect
+        >>> from pmmkit.models.store import load_model, model_text
+        >>> ship = load_model("s175-3dof")
+        >>> slow = with_effect(ship, "froude_linear", coefficients="typical", Fn=(0.1, 0.2, 0.3))
+        >>> back = slow.restored(slow.steps[-1].before).with_(steps=ship.steps)
+        >>> model_text(back) == model_text(ship)
+        True
+        """
+        made = self.without_values(before.absent)
+        parts = dict(made.parts)
+        for place, value in before.values.items():
+            effect, _, name = place.partition(".")
+            if effect not in parts:
+                continue
+            part = parts[effect]
+            sources = dict(part.sources)
+            if place in before.sources:
+                sources[name] = before.sources[place]
+            else:
+                sources.pop(name, None)
+            parts[effect] = replace(
+                part,
+                values=MappingProxyType({**part.values, name: value}),
+                sources=MappingProxyType(sources),
+            )
+        for place, word in before.options.items():
+            effect, _, name = place.partition(".")
+            if effect in parts:
+                words = MappingProxyType({**parts[effect].options, name: word})
+                parts[effect] = replace(parts[effect], options=words)
+        made = replace(made, parts=MappingProxyType(parts))
+        return made._pooled() if before.pooled else made
+
+    def without_values(self, places: Iterable[str]) -> Model:
+        """A copy without some parts, or values and options of parts, nor sources and covariance."""
+        gone = frozenset(places)
+        parts = {
+            effect: replace(
+                part,
+                values=_left(part.values, effect, gone),
+                sources=_left(part.sources, effect, gone),
+                std=_left(part.std, effect, gone),
+                options=_left(part.options, effect, gone),
+            )
+            for effect, part in self.parts.items()
+            if effect not in gone
+        }
+        there = {place_name(effect, name) for effect, x in parts.items() for name in x.values}
+        C, names = self.covariance_of([name for name in self.covariance_names if name in there])
+        return replace(self, parts=MappingProxyType(parts), covariance=C, covariance_names=names)
+
+    def covariance_of(
+        self, names: Collection[str]
+    ) -> tuple[NDArray[np.float64] | None, tuple[str, ...]]:
+        """The covariance of some derivatives at all its Froude numbers, and their names.
+
+        Examples
+        --------
+        >>> from pmmkit.models.store import load_model
+        >>> known = {"covariance": np.diag([1.0, 4.0]), "covariance_names": ("Yv", "Nv")}
+        >>> load_model("kvlcc2").with_(**known).covariance_of(["Nv"])
+        (array([[4.]]), ('Nv',))
+        """
+        kept = [i for i, name in enumerate(self.covariance_names) if name in names]
+        if self.covariance is None or not kept:
+            return None, ()
+        count, rows = len(self.covariance_names), max(len(self.Fn), 1)
+        at = [row * count + i for row in range(rows) for i in kept]
+        return self.covariance[np.ix_(at, at)], tuple(self.covariance_names[i] for i in kept)
+
+    def _pooled(self) -> Model:
+        """One value for all speeds, as before an effect of the speed; if no other has any."""
+        over_speed = {
+            f"{effect}.{name}": value
+            for effect, part in self.parts.items()
+            for name, value in part.values.items()
+            if isinstance(value, tuple) and name not in part.known.tables
+        }
+        if any(len(set(value)) > 1 for value in over_speed.values()):
+            return self
+        parts = {
+            effect: replace(
+                part,
+                values=MappingProxyType(
+                    {
+                        name: over_speed.get(f"{effect}.{name}", (value,))[0]
+                        for name, value in part.values.items()
+                    }
+                ),
+            )
+            for effect, part in self.parts.items()
+        }
+        m = len(self.covariance_names)
+        C = None if self.covariance is None else self.covariance[:m, :m]
+        return replace(self, Fn=(), parts=MappingProxyType(parts), covariance=C)
+
+
+def _left(content: Mapping[str, Any], effect: str, gone: frozenset[str]) -> Mapping[str, Any]:
+    return MappingProxyType({k: x for k, x in content.items() if f"{effect}.{k}" not in gone})
 
 
 def problems(model: Model) -> list[str]:
@@ -549,7 +723,7 @@ def problems(model: Model) -> list[str]:
         if part.effect != name:
             found.append(f"The part {name!r} holds the effect {part.effect!r}.")
             continue
-        found += _part_problems(part, len(model.Fn))
+        found += part.problems(len(model.Fn))
     found += _roll_problems(model)
     found += _covariance_problems(model)
     if model.convention.moment_reference_x or model.convention.motion_reference_x:
@@ -557,48 +731,6 @@ def problems(model: Model) -> list[str]:
             "The derivatives must refer to midship; convert the table to midship before it "
             "becomes a model."
         )
-    return found
-
-
-def _part_problems(part: Part, rows: int) -> list[str]:
-    if not part.text and part.effect not in CATALOGUE:
-        return [f"There is no effect {part.effect!r}; there are: {', '.join(CATALOGUE)}."]
-    known = part.known
-    found = known.problems(part.values, part.options)
-    lost = [x for x in part.values if x not in (*AddedMass.places(), "lx")]
-    if part.effect == INERTIA and lost:
-        found.append(f"The equations of motion have no place for {', '.join(lost)}.")
-    for name, value in part.values.items():
-        place = f"{part.effect}.{name}"
-        numbers = value if isinstance(value, tuple) else (value,)
-        if name in known.tables:
-            if len(numbers) < 2:
-                found.append(f"{place} must be a list of two numbers or more.")
-        elif isinstance(value, tuple) and len(value) != rows:
-            found.append(f"{place} has {len(value)} values for {rows} Froude numbers.")
-        if not all(math.isfinite(x) for x in numbers):
-            found.append(f"{place} must be finite: {value}.")
-            continue
-        parameter = known.parameter(name)
-        if parameter is None:
-            if known.accepts(name) and parse_derivative(name).name != name:
-                found.append(f"{place} is spelled {parse_derivative(name).name}.")
-            elif known.accepts(name) and "T" in parse_derivative(name).factors:
-                found.append(f"{place}: factors of the thrust are not simulated.")
-        elif not all(parameter.low <= x <= parameter.high for x in numbers):
-            found.append(
-                f"{place} = {value} is outside {parameter.low:g} to {parameter.high:g} "
-                f"[{parameter.unit}]."
-            )
-    stray = [name for name in part.sources if name not in part.values]
-    if stray:
-        found.append(f"{part.effect} states a source of {', '.join(stray)} but no value.")
-    stray = [name for name in part.std if name not in part.values]
-    if stray:
-        found.append(f"{part.effect} states the uncertainty of {', '.join(stray)} but no value.")
-    wrong = [name for name, x in part.std.items() if not (math.isfinite(x) and x >= 0)]
-    if wrong:
-        found.append(f"{part.effect}: uncertainties of {', '.join(wrong)} must be 0 or more.")
     return found
 
 
@@ -615,20 +747,6 @@ def _roll_problems(model: Model) -> list[str]:
         )
     absent = [name for name in ("GM", "Ixx") if getattr(model.ship, name) is None]
     return [f"The part 'roll' needs {' and '.join(absent)} of the ship."] if absent else []
-
-
-def needs_roll(name: str) -> bool:
-    """Whether a value is a derivative that belongs to roll.
-
-    Examples
-    --------
-    >>> [needs_roll(name) for name in ("Kv", "Nvvphi", "Yp", "Ypdot", "Yv", "lx")]
-    [True, True, True, True, False, False]
-    """
-    try:
-        return name != "lx" and parse_derivative(name).rolls
-    except UnknownNameError:
-        return False
 
 
 def _covariance_problems(model: Model) -> list[str]:

@@ -20,7 +20,8 @@ from pmmkit.models.empirical import (
     shares,
     wake_fraction,
 )
-from pmmkit.models.model import Model, Part
+from pmmkit.models.model import Model
+from pmmkit.models.part import Part
 from pmmkit.models.stated_parts import SECTIONS
 from pmmkit.models.wageningen import open_water_curve
 from pmmkit.numerics import Array
@@ -45,9 +46,6 @@ RUDDER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
     | {name: StandardError(0.3, ships=(), why=ALIKE) for name in ("cRr", "cRrrr")}
 )
 """How far rudders of the library lie from `rudder_values` and `rudder_area`."""
-TOGETHER: Final = MappingProxyType({("rudder_mmg.epsilon", "rudder_mmg.kappa"): -0.4})
-"""Correlation of estimates that make up for each other: by its definition κ is kx/ε (Yasukawa and
-Yoshimura 2015) and kx knows nothing of ε, which gives -σ(ε)/σ(κ). The three ships have -0.8."""
 C2: Final = 1.37
 """Usual growth of the inflow at large drift: the mean of KVLCC2's 1.6 and 1.1 and of S175, whose
 inflow grows in the cross flow of a 35° turn, 0.4, as by 1.39. KCS has it constant without a test,
@@ -74,8 +72,6 @@ ANOTHER: Final = 1.2
 that apart: KVLCC2 and Esso Osaka, KCS and S175 by 1.9 of it, but one ship is a model of 3 m."""
 ANOTHER_DRAWN: Final = 0.4
 """The same of what is drawn: similar ships have similar propellers and areas."""
-DAMPED: Final = (0.05, 0.03)
-"""Roll damping over the critical one, how far ships lie from it; S175 of the library: 0.048."""
 WAKE: Final = MappingProxyType({"wake": "mmg"})
 """The form of a wake of which nobody says how it grows with drift: one whose growth can vary."""
 GROWTH: Final = ("C1", "C2_positive", "C2_negative")
@@ -205,43 +201,6 @@ def _guessed(part: Part) -> str:
 def rudder_errors(*, drawn: bool) -> Mapping[str, StandardError]:
     """Errors of a rudder; what the slipstream reaches of it is `drawn` or an estimate too."""
     return {name: x for name, x in RUDDER_ERRORS.items() if not (drawn and name == "eta")}
-
-
-def roll_from_particulars(ship: Ship, water: Water, *, damped: bool = False) -> Part | None:
-    """Righting moment and damping of a ship that states GM and its inertia of roll.
-
-    Parameters
-    ----------
-    ship, water : Ship, Water
-        The ship or model and its water.
-    damped : bool
-        Whether derivatives by the roll rate were measured: then nothing is added to them.
-
-    Returns
-    -------
-    Part or None
-        The part ``roll``: damping a twentieth of the critical one, with its uncertainty. None
-        where GM or the inertia is not known.
-
-    Examples
-    --------
-    >>> from pmmkit.models.library import load_ship
-    >>> roll = roll_from_particulars(load_ship("s175"), Water(rho=1025.0))
-    >>> f"{roll.values['damping']:.3g}"
-    '3.08e+07'
-    """
-    if ship.GM is None or ship.GM <= 0 or ship.Ixx is None:
-        return None
-    righting = water.rho * water.g * ship.volume * ship.GM
-    share, doubt = (0.0, 0.0) if damped else DAMPED
-    critical = 2.0 * math.sqrt(righting * ship.Ixx)
-    return Part(
-        effect="roll",
-        values=MappingProxyType({"damping": share * critical}),
-        source="measured: GM of the campaign file",
-        sources=MappingProxyType({} if damped else {"damping": "empirical: usual roll damping"}),
-        std=MappingProxyType({} if damped else {"damping": doubt * critical}),
-    )
 
 
 def _series(given: Mapping[str, Any]) -> dict[str, float]:

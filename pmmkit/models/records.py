@@ -1,9 +1,9 @@
-"""Sections of TOML files: read with every fault named by its place, written from dataclasses."""
+"""Sections of TOML files, read with every fault named by its place."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from types import MappingProxyType
 from typing import (
     TYPE_CHECKING,
@@ -164,36 +164,3 @@ class FileReader:
 
 
 _KINDS: Final = {str: "a text", bool: "true or false", int: "a whole number"}
-
-
-def entries(record: object) -> dict[str, Any]:
-    """The fields of a dataclass that differ from their defaults, as `toml_text` writes them.
-
-    Parameters
-    ----------
-    record : dataclass
-        Of texts, numbers, tuples and mappings of them, and dataclasses.
-
-    Examples
-    --------
-    >>> from pmmkit.models.step import Step
-    >>> entries(Step(action="fitted", count=21, campaign="S175"))
-    {'action': 'fitted', 'campaign': 'S175', 'count': 21}
-    """
-    return {
-        item.name: _plain(value)
-        for item in fields(cast(Any, record))
-        if (value := getattr(record, item.name)) != _default(item)
-    }
-
-
-def _default(item: Field[Any]) -> object:
-    return item.default if item.default_factory is MISSING else item.default_factory()
-
-
-def _plain(value: object) -> object:
-    if is_dataclass(value):
-        return entries(value)
-    if isinstance(value, Mapping):
-        return {name: _plain(x) for name, x in value.items()}
-    return list(value) if isinstance(value, tuple) else value

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 from pmmkit.base import ModelError, UnknownNameError, did_you_mean
 from pmmkit.conventions import parse_derivative
-from pmmkit.models.changes import before_of, covariance_of
-from pmmkit.models.model import DERIVATIVE_PARTS, Model, Part, place_name
+from pmmkit.models.model import Model
+from pmmkit.models.part import DERIVATIVE_PARTS, Part, place_name
 from pmmkit.models.particulars import (
     ANOTHER,
     ANOTHER_DRAWN,
@@ -70,13 +70,13 @@ def with_stated(model: Model, values: Mapping[str, float], because: str) -> Mode
             std=MappingProxyType({k: x for k, x in part.std.items() if k != name}),
         )
     sure = {place_name(*place.split(".", 1)) for place in stated}
-    C, names = covariance_of(model, [name for name in model.covariance_names if name not in sure])
+    C, names = model.covariance_of([name for name in model.covariance_names if name not in sure])
     made = replace(model, parts=MappingProxyType(parts), covariance=C, covariance_names=names)
     step = Step(
         action="stated",
         numbers=MappingProxyType(stated),
         note=because,
-        before=before_of(model, made, tuple(stated)),
+        before=model.before(made, tuple(stated)),
     )
     return made.stepped(step)
 
@@ -233,78 +233,3 @@ def share_left(name: str, *, same_ship: bool) -> float:
     if name in DRAWN:
         return 0.0 if same_ship else ANOTHER_DRAWN
     return ELSEWHERE if same_ship else ANOTHER
-
-
-# A model with the propeller and the rudder of another build of the same ship.
-
-
-TURNS: Final = ("area", "area_movable")
-"""What a campaign file calls the area that the effect ``rudder_mmg`` has."""
-
-
-def with_stated_parts(
-    model: Model, propeller: Mapping[str, Any], rudder: Mapping[str, Any], because: str
-) -> Model:
-    """A model whose propeller and rudder have the values that somebody states.
-
-    Parameters
-    ----------
-    model : Model
-        At the scale of what is stated.
-    propeller, rudder : mapping
-        Values by the names of the effects ``propeller`` and ``rudder_mmg``, the ``area_movable`` of
-        the rudder [m²] and its ``height`` [m]. Other entries do not count.
-    because : str
-        Whose they are, which the model keeps.
-
-    Returns
-    -------
-    Model
-        What is not stated keeps its value. The slipstream reaches as much of the rudder as the
-        stated diameter and height say, or as the diameter has changed.
-
-    Examples
-    --------
-    >>> from pmmkit.models.store import load_model
-    >>> ship = load_model("kvlcc2-l7")
-    >>> other = with_stated_parts(ship, {"D": 0.22}, {}, "the new propeller")
-    >>> round(other.values("rudder_mmg")["eta"] / ship.values("rudder_mmg")["eta"], 3)
-    1.019
-    """
-    stated: dict[str, float] = {}
-    if "propeller" in model.parts:
-        stated |= _values(model, "propeller", propeller)
-    if "rudder_mmg" in model.parts:
-        areas = [x for name in TURNS if (x := rudder.get(name))]
-        given = {**rudder, "area": areas[0]} if areas else rudder
-        stated |= _values(model, "rudder_mmg", given)
-        place = "rudder_mmg.eta"
-        if place not in stated and (eta := _reach(model, stated, rudder)) is not None:
-            stated[place] = eta
-    return with_stated(model, stated, because) if stated else model
-
-
-def _values(model: Model, part: str, given: Mapping[str, Any]) -> dict[str, float]:
-    """Those entries that are values of a part and differ from what it has."""
-    own = model.parts[part]
-    return {
-        f"{part}.{item.name}": float(x)
-        for item in own.known.parameters
-        if isinstance(x := given.get(item.name), int | float)
-        and not isinstance(x, bool)
-        and own.values.get(item.name) != x
-    }
-
-
-def _reach(model: Model, stated: Mapping[str, float], rudder: Mapping[str, Any]) -> float | None:
-    """Diameter of the propeller over the height of the rudder; None where nothing changes it."""
-    if "propeller" not in model.parts:
-        return None
-    before = model.parts["propeller"].values.get("D")
-    eta = model.parts["rudder_mmg"].values.get("eta")
-    after = stated.get("propeller.D", before)
-    if not (isinstance(before, float) and isinstance(after, float) and isinstance(eta, float)):
-        return None
-    height = rudder.get("height")
-    new = after / float(height) if height else eta * after / before
-    return None if new == eta else new

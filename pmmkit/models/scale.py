@@ -14,7 +14,8 @@ from pmmkit.base import MissingPartError, ModelError, Problem, Remedy, Way
 from pmmkit.conventions import Ship, Water
 from pmmkit.effects import HULL
 from pmmkit.models.empirical import form_factor, friction_coefficient, wetted_surface
-from pmmkit.models.model import Model, Part, place_name
+from pmmkit.models.model import Model
+from pmmkit.models.part import Part, place_name
 from pmmkit.models.step import Step, Value
 
 

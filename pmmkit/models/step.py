@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
 from types import MappingProxyType
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, cast
 
 from pmmkit.base import ModelError
 
@@ -159,6 +159,38 @@ class Step:
 
     def __str__(self) -> str:
         return SENTENCES[self.action](self)
+
+    @property
+    def entries(self) -> dict[str, Any]:
+        """Its fields that differ from their defaults, as plain data.
+
+        Examples
+        --------
+        >>> Step(action="fitted", count=21, campaign="S175").entries
+        {'action': 'fitted', 'campaign': 'S175', 'count': 21}
+        """
+        return _entries(self)
+
+
+def _entries(record: object) -> dict[str, Any]:
+    """The fields of a dataclass that differ from their defaults, as `toml_text` writes them."""
+    return {
+        item.name: _plain(value)
+        for item in fields(cast(Any, record))
+        if (value := getattr(record, item.name)) != _default(item)
+    }
+
+
+def _default(item: Field[Any]) -> object:
+    return item.default if item.default_factory is MISSING else item.default_factory()
+
+
+def _plain(value: object) -> object:
+    if is_dataclass(value):
+        return _entries(value)
+    if isinstance(value, Mapping):
+        return {name: _plain(x) for name, x in value.items()}
+    return list(value) if isinstance(value, tuple) else value
 
 
 def _each(value: Value) -> tuple[float, ...]:

@@ -17,8 +17,9 @@ from pmmkit.conventions import Convention
 from pmmkit.effects import is_fault
 from pmmkit.files import CAMPAIGN, MODEL, read_toml, refuse_other, toml_text, write_text
 from pmmkit.models.library import SHIPS, read_ship, read_water, ships
-from pmmkit.models.model import Model, Part
-from pmmkit.models.records import FileReader, entries
+from pmmkit.models.model import Model
+from pmmkit.models.part import Part
+from pmmkit.models.records import FileReader
 from pmmkit.models.step import Step, Value
 from pmmkit.presentation import quoted
 
@@ -203,7 +204,7 @@ def model_text(model: Model) -> str:
     data["water"] = {key: x for key, x in asdict(model.water).items() if x is not None}
     data["convention"] = asdict(model.convention)
     if model.steps:
-        data["steps"] = [entries(step) for step in model.steps]
+        data["steps"] = [step.entries for step in model.steps]
     data["effects"] = {name: _part_data(part) for name, part in model.parts.items()}
     if model.covariance is not None:
         lower = [row[: i + 1].tolist() for i, row in enumerate(model.covariance)]

@@ -11,8 +11,8 @@ import numpy as np
 from pmmkit.base import ModelError, Problem, Remedy, Way
 from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.effects import BY_SPEED, INERTIA, Effect
-from pmmkit.models.changes import before_of, without_values
-from pmmkit.models.model import Model, Part, needs_roll
+from pmmkit.models.model import Model
+from pmmkit.models.part import Part, needs_roll
 from pmmkit.models.step import Step, Value
 from pmmkit.models.tables.convert import converted
 from pmmkit.models.tables.table import from_values
@@ -119,7 +119,7 @@ def with_terms(model: Model, asked: RequestedEffect) -> Model:
             Fn=asked.Fn,
             left_out=tuple(sorted(there)),
             source=asked.source,
-            before=before_of(old, made),
+            before=old.before(made),
         )
     )
 
@@ -215,7 +215,7 @@ def without_terms(model: Model, asked: RequestedEffect) -> Model:
     changing = [x for x in slopes if isinstance(_home(model, x).values.get(x), tuple)]
     if not gone and not changing:
         raise ModelError(f"Model {model.name!r} has nothing of {asked.name}.")
-    made = without_values(model, [f"{_home(model, name).effect}.{name}" for name in gone])
+    made = model.without_values([f"{_home(model, name).effect}.{name}" for name in gone])
     if not changing:
         return made
     F = _law(made, asked, made.Fn)
@@ -226,7 +226,7 @@ def without_terms(model: Model, asked: RequestedEffect) -> Model:
         left = series - slope * F
         home = _home(made, name)
         if np.abs(left).max() < 1e-12 * np.abs(series).max():
-            made = without_values(made, [f"{home.effect}.{name}"])
+            made = made.without_values([f"{home.effect}.{name}"])
         else:
             made = made.with_values(home.effect, **{name: tuple(left.tolist())})
     return made

@@ -13,7 +13,8 @@ from scipy.optimize import least_squares
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
-from pmmkit.models import DerivativeTable, TablesByDepth, grown
+from pmmkit.effects import apply
+from pmmkit.models import DerivativeTable, TablesByDepth
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import WIDE, plus_minus
 from pmmkit.reduction.reduce import Reduction, reduce_campaign
@@ -142,7 +143,11 @@ def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
         factor, error, used = found
         laws = (math.nan, math.nan)
         with suppress(DataError):  # the formulas hold down to some depth
-            laws = (grown(ship, name, depths[0] / ship.d), grown(ship, name, depths[1] / ship.d))
+            before, after = (
+                apply({name: 1.0}, ship=ship, depth=x / ship.d * ship.d, nearly=tables.NEARLY)
+                for x in depths
+            )
+            laws = (float(before[name]), float(after[name]))
         yield Growth(
             name=name,
             ratio=depths[1] / ship.d,

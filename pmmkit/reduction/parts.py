@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.base import MissingPartError
-from pmmkit.effects import Effect, Regressors, State, normal_force, over_arrays, rudder_flow
+from pmmkit.effects import CATALOGUE, Effect, Regressors, State
 from pmmkit.models import Part, straight_polynomial
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus
@@ -146,34 +146,30 @@ class Parts(Described):
 
         limits = least_squares(lambda x: faded(x) - grown, [1.5, 1.2])
         eta = D / height
-        tests = {"area": area, "lift_slope": lift_slope, "rho": rho}
+        steering = CATALOGUE["rudder_mmg"]
+        force = steering.force
+        assert force is not None
+        of_all = dict.fromkeys(steering.arguments, 0.0)
+        of_all |= {"L": L, "rho": rho, "eta": eta, "lR": lR, "inflow": 1}
+        of_all |= {"area": area, "lift_slope": lift_slope}
 
         def normal(
             p: _Point, eps: float, kappa: float, plus: float, minus: float, zero: float
         ) -> float:
-            along, across = rudder_flow(
-                p.v,
-                0.0,
-                math.atan2(-p.v, p.u),
-                L,
-                math.hypot(p.u, p.v),
-                inflow(p),
-                p.thrust / (rho * D * D),
-                1,
-                eps,
-                kappa,
-                eta,
-                plus,
-                minus,
-                lR,
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-            )
-            return normal_force(
-                along, across, p.delta + zero, stall=0, stall_deg=0.0, stall_loss=0.0, **tests
-            )
+            own = {
+                "v": p.v,
+                "beta": math.atan2(-p.v, p.u),
+                "delta": p.delta + zero,
+                "U": math.hypot(p.u, p.v),
+                "propeller_inflow": inflow(p),
+                "loading": p.thrust / (rho * D * D),
+                "epsilon": eps,
+                "kappa": kappa,
+                "gamma_positive": plus,
+                "gamma_negative": minus,
+            }
+            told: tuple[float, ...] = force(**(of_all | own))
+            return told[-1]
 
         ahead = least_squares(
             lambda x: [normal(p, x[0], x[1], 0.5, 0.5, x[2]) - p.normal for p in straight],
@@ -355,11 +351,7 @@ def rudder_amidships(
     parts: Parts, state: State, L: float, rho: float, revolutions: float
 ) -> dict[str, Array]:
     """X, Y [N] and N [N m] of the rudder at zero angle behind its propeller, over histories."""
-    from pmmkit.effects import CATALOGUE
-
     screw, blade = CATALOGUE["propeller"], CATALOGUE["rudder_mmg"]
-    assert screw.force is not None
-    assert blade.force is not None
     motion: dict[str, Any] = {
         "u": state.u,
         "v": state.v,
@@ -369,10 +361,10 @@ def rudder_amidships(
         "L": L,
         "rho": rho,
     }
-    _, inflow, _, _, loading = over_arrays(screw.force)(
+    _, inflow, _, _, loading = screw.force_over_arrays(
         n=revolutions, **_words(screw, parts.propeller, motion)
     )
-    X, Y, N, _, _ = over_arrays(blade.force)(
+    X, Y, N, _, _ = blade.force_over_arrays(
         delta=0.0, propeller_inflow=inflow, loading=loading, **_words(blade, parts.rudder, motion)
     )
     return {"X": X, "Y": Y, "N": N}

@@ -12,7 +12,7 @@ from typing import Any, Final
 from pmmkit.base import DataError
 from pmmkit.effects import CATALOGUE
 from pmmkit.equations import State, prepare
-from pmmkit.models import Model, Part, as_it_stops
+from pmmkit.models import Model, Part
 from pmmkit.presentation import WIDE, number
 from pmmkit.simulation.kinds.manoeuvre import Setting
 
@@ -105,7 +105,7 @@ def as_it_reverses(
     >>> list(made.parts)[-1], made.values("shaft")["astern_share"]
     ('shaft', 0.85)
     """
-    turning = as_it_stops(model)
+    turning = model.as_it_stops()
     own = [name for name, part in model.parts.items() if "n" in part.known.states]
     if torque is not None and own:
         raise DataError(

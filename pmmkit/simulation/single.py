@@ -13,11 +13,12 @@ import numpy as np
 
 from pmmkit.base import DataError, Problem, SimulationError
 from pmmkit.equations import Conditions, DenseHistory, End, Gear, Plan, Prepared, run_plan
-from pmmkit.models import Model, Standing, held_straight, load_model, of_a_model
+from pmmkit.models import Model, Standing, load_model
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre
 from pmmkit.simulation.machinery import as_it_reverses, assumed
+from pmmkit.simulation.straight import held_straight
 from pmmkit.simulation.track import Track
 
 RudderLaw = Literal["ramp", "lag"]
@@ -177,7 +178,7 @@ def simulate(
         rate = float((np.abs(track.r) * track.L / speeds).max())
         more.append(LINEAR.format(drift=drift, rate=rate))
     more += [step.note for step in reversed(loaded.steps[len(stated.steps) :])]
-    heavy = of_a_model(stated, speed) if chosen.reverses else ""
+    heavy = Standing.of(stated, speed).heavy if chosen.reverses else ""
     more += [heavy] if heavy else []
     return replace(track, notes=(*track.notes, *more), standing=Standing.of(loaded, speed))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from pmmkit.base import DataError, ModelError, Problem, Remedy, setting
 from pmmkit.effects import CATALOGUE
 from pmmkit.inference import root
-from pmmkit.models import TOGETHER, Model
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
 from pmmkit.simulation.froude import Follow
@@ -22,6 +23,9 @@ CHUNK: Final = 10_000
 
 KEEPS: Final = 0.9
 """A value whose standard uncertainty is a larger share of it may have the other sign."""
+TOGETHER: Final = MappingProxyType({("rudder_mmg.epsilon", "rudder_mmg.kappa"): -0.4})
+"""Correlation of estimates that make up for each other: by its definition κ is kx/ε (Yasukawa and
+Yoshimura 2015) and kx knows nothing of ε, which gives -σ(ε)/σ(κ). The three ships have -0.8."""
 
 
 @dataclass(frozen=True, kw_only=True)

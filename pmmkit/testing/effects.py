@@ -17,7 +17,7 @@ from pmmkit.conventions import CHANNELS, bibliography, parse_derivative
 from pmmkit.diagnosis import candidate_of as captive_candidate
 from pmmkit.diagnosis import free_candidate_of as free_candidate
 from pmmkit.diagnosis import standard_tests
-from pmmkit.effects import BY_SPEED, CATALOGUE, EXCITES, OUTSIDE, Effect, over_arrays
+from pmmkit.effects import BY_SPEED, CATALOGUE, OUTSIDE, Effect
 from pmmkit.equations import ACCELERATIONS, GIVEN, Conditions, Prepared, prepare
 from pmmkit.models import (
     Model,
@@ -198,9 +198,9 @@ def _words(case: _Case) -> Iterator[str]:
         yield "it has no summary"
     if effect.coefficients and not (effect.check or effect.text):
         yield "no check is named that would show it"
-    strange = sorted(set(effect.excites) - set(EXCITES))
+    strange = sorted(set(effect.excites) - set(effect.EXCITES))
     if strange:
-        known = ", ".join(EXCITES)
+        known = ", ".join(effect.EXCITES)
         yield f"{', '.join(strange)} are no words for what tests hold; there are {known}"
 
 
@@ -374,7 +374,7 @@ def _by_arrays(case: _Case) -> Iterator[str]:
     several = {name: np.array([point[name] for point in points]) for name in points[0]}
     given = {**several, **values}
     with np.errstate(all="ignore"):
-        found = over_arrays(effect.force)(**{x: given[x] for x in effect.arguments})
+        found = effect.force_over_arrays(**{x: given[x] for x in effect.arguments})
     for name, column, numbers in zip(effect.outputs, found, single.T, strict=True):
         size = np.max(np.abs(numbers), initial=1e-300)
         if not np.allclose(column, numbers, rtol=1e-12, atol=1e-13 * size, equal_nan=True):

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from typing import Final
 
 import pmmkit as pk
-from pmmkit.models import METHODS, converted, estimate, hull_table, load_ship
-from pmmkit.models.empirical import StandardError
+from pmmkit.api import DAMPED
+from pmmkit.models import converted, estimate, hull_table, load_ship
+from pmmkit.models.empirical import METHODS, StandardError
 from pmmkit.models.estimates import RESISTANCE_ERROR
 from pmmkit.models.particulars import (
     ANOTHER,
     ANOTHER_DRAWN,
-    DAMPED,
     DRAWN,
     ELSEWHERE,
     GROWTH,

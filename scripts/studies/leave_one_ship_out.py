@@ -24,8 +24,8 @@ from scipy import stats
 import pmmkit as pk
 from pmmkit.conventions import Ship
 from pmmkit.files import write_text
-from pmmkit.models import METHODS, Model, converted, estimate, estimated_model, hull_table
-from pmmkit.models.empirical import StandardError
+from pmmkit.models import Model, converted, estimate, estimated_model, hull_table
+from pmmkit.models.empirical import METHODS, StandardError
 from pmmkit.models.particulars import (
     DRAWN,
     PROPELLER_ERRORS,

@@ -9,8 +9,9 @@ from typing import Final
 
 from pmmkit.effects.cross_flow import hoerner_cd
 from pmmkit.effects.four_quadrant import b4_70
-from pmmkit.models import METHODS, HullEstimate, converted, estimate, hull_table, load_ship
+from pmmkit.models import HullEstimate, converted, estimate, hull_table, load_ship
 from pmmkit.models.empirical import (
+    METHODS,
     criterion,
     friction_coefficient,
     rudder_values,

@@ -11,8 +11,8 @@ import pytest
 from pmmkit import converted, hull_table
 from pmmkit.base import UnknownNameError
 from pmmkit.conventions import Convention
-from pmmkit.models import METHODS, Model, estimate, estimated_model, load_model, load_ship
-from pmmkit.models.empirical import UNSEEN, criterion, rudder_values, zhou_added_mass
+from pmmkit.models import Model, estimate, estimated_model, load_model, load_ship
+from pmmkit.models.empirical import METHODS, UNSEEN, criterion, rudder_values, zhou_added_mass
 from pmmkit.simulation import monte_carlo, simulate
 from scripts.studies.paper_b_table import MASS, PRINTED, REASONS, TANKER
 

@@ -14,16 +14,7 @@ from polynomials import polynomial_forces
 from pmmkit import catalogue
 from pmmkit.base import UnknownNameError
 from pmmkit.conventions import STRUCTURES, Convention, Ship, Water
-from pmmkit.effects import (
-    CATALOGUE,
-    AddedMass,
-    Regressors,
-    State,
-    over_arrays,
-    propeller,
-    roll,
-    rudder,
-)
+from pmmkit.effects import CATALOGUE, AddedMass, Regressors, State, propeller, roll, rudder
 
 SHIP = Ship(name="box", L=100.0, B=20.0, d=5.0, volume=6000.0, mass=6.15e6, Izz=3.8e9, GM=0.5)
 WATER = Water(rho=1025.0)
@@ -359,7 +350,7 @@ def test_one_instant_and_whole_histories_have_the_same_forces(effect, data):
         else:
             size = st.floats(0.1, 5.0) if name == "U" else st.floats(-2.0, 5.0)
             given[name] = np.array(data.draw(st.lists(size, min_size=rows, max_size=rows)))
-    together = over_arrays(effect.force)(**given)
+    together = effect.force_over_arrays(**given)
     for i in range(rows):
         alone = effect.force(
             **{name: float(x[i]) if isinstance(x, np.ndarray) else x for name, x in given.items()}

@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from pmmkit.effects import CATALOGUE, four_quadrant, over_arrays, shaft, waterjet
+from pmmkit.effects import CATALOGUE, four_quadrant, shaft, waterjet
 from pmmkit.effects.cross_flow import strip
 from pmmkit.effects.four_quadrant import b4_70, estimate
-from pmmkit.effects.primitives import interpolate
+from pmmkit.effects.primitives import interpolate, over_arrays
 from pmmkit.equations import prepare
 from pmmkit.models import Part, load_model
 

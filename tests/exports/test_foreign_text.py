@@ -26,7 +26,7 @@ from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
 from pmmkit.files import toml_string, write_results
 from pmmkit.models import Part, Step, from_values
-from pmmkit.models.tables.io.latex import to_latex
+from pmmkit.models.tables.io import to_latex
 from pmmkit.presentation import Section, printable, safe_cell, text_of_cell
 from pmmkit.presentation.layout import section_html
 from pmmkit.syntax import comment, plain

@@ -14,8 +14,8 @@ import pmmkit as pk
 from pmmkit import catalogue
 from pmmkit.base import UnknownNameError
 from pmmkit.conventions import bibliography, bibtex, cite
-from pmmkit.models import METHODS, estimate, estimated_model, load_model, load_ship, ships
-from pmmkit.models.empirical import RUDDER_SOURCES
+from pmmkit.models import estimate, estimated_model, load_model, load_ship, ships
+from pmmkit.models.empirical import METHODS, RUDDER_SOURCES
 
 ROOT = Path(__file__).parents[2]
 TEXTS = {

@@ -144,9 +144,7 @@ BY_REGISTRY: Mapping[str, Collection[str]] = {
     "effects and faults that a diagnosis asks for": (
         "diagnosis/captive/system.py",
         "diagnosis/planning/planned_records.py",
-        "models/build.py",
         "seakeeping/second_order/in_manoeuvre.py",
-        "equations/following.py",
         "equations/prepared.py",
     ),
     "parts of models": (
@@ -154,18 +152,17 @@ BY_REGISTRY: Mapping[str, Collection[str]] = {
         "api.py",
         "diagnosis/captive/refit.py",
         "identification/roll.py",
-        "models/astern.py",
         "models/build.py",
         "models/estimates.py",
         "models/model.py",
+        "models/part.py",
         "models/particulars.py",
-        "models/provenance.py",
         "models/revise.py",
         "models/stated_parts.py",
-        "models/straight.py",
         "equations/prepared.py",
         "equations/structure.py",
         "simulation/machinery.py",
+        "simulation/straight.py",
     ),
 }
 """Files that ask a registry for an entry by its name, or compare with it: the doors of rooms give

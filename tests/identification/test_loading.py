@@ -13,8 +13,8 @@ from pmmkit.base import DataError
 from pmmkit.conventions import Ship, Water
 from pmmkit.identification import Corrected, LoadingPrediction, Trial
 from pmmkit.identification.trials.verdicts import verdicts_of
-from pmmkit.models import Step, estimated_model, with_estimated_astern
-from pmmkit.models.astern import ESTIMATED
+from pmmkit.models import Step, estimated_model
+from pmmkit.models.model import ASTERN
 from pmmkit.views import form_of_trials
 
 SPEED = 8.0
@@ -132,7 +132,7 @@ def test_a_stop_by_an_estimate_of_the_propeller_astern_is_corrected_with_that_sa
     stopped = replace(sailed(tanker(*BALLAST)).verdicts[0], criterion="track_reach", value=7.0)
     (found,) = corrected(replace(sailed(tanker(*BALLAST)), verdicts=(stopped,)))
     reach = [
-        pk.simulate(with_estimated_astern(tanker(*loaded)), "stopping", speed=SPEED)
+        pk.simulate(tanker(*loaded).with_estimated_astern(), "stopping", speed=SPEED)
         for loaded in (BALLAST, FULL)
     ]
     ratio = reach[1].metrics["track_reach_L"] / reach[0].metrics["track_reach_L"]
@@ -147,7 +147,7 @@ def test_models_of_another_length_or_draught_are_named():
     notes = full.notes(full, L=320.0, draught=11.0, full_draught=20.8)
     assert len(notes) == 2
     assert "is for 20.8 m of draught, the ship draws 11 m" in notes[0]
-    assert ESTIMATED in notes[1]
+    assert ASTERN in notes[1]
 
 
 def test_the_table_names_its_columns_by_the_letters_of_the_notes():

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import pmmkit as pk
 from pmmkit.base import DataError, ExtrapolationError, ModelError
-from pmmkit.models import Step, carried_by_formulas, model_at_depth
+from pmmkit.models import Step, model_at_depth
 
 KVLCC2 = pk.load_model("kvlcc2")
 
@@ -62,10 +62,12 @@ def test_a_model_by_force_marks_what_lies_beside_it():
 def test_formulas_carry_a_model_and_stop_at_their_edge():
     """Hirano's Yv at 2 and 1.5 draughts of a full tanker, 1.32 and 1.90 times that of deep water
     (the factors of public programs)."""
-    found = carried_by_formulas(made(2.0), 2.0, 1.5).values("hull_polynomial")
+    found = model_at_depth({2.0: made(2.0)}, 1.5, by_formulas=True).values("hull_polynomial")
     assert found["Yv"] / KVLCC2.values("hull_polynomial")["Yv"] == pytest.approx(
         1.9 / 1.32, rel=0.01
     )
-    assert np.isfinite(carried_by_formulas(made(2.0), 2.0, 1.19).values("hull_polynomial")["Nv"])
+    assert np.isfinite(
+        model_at_depth({2.0: made(2.0)}, 1.19, by_formulas=True).values("hull_polynomial")["Nv"]
+    )
     with pytest.raises(DataError, match=r"1\.2"):
-        carried_by_formulas(made(2.0), 2.0, 1.1)
+        model_at_depth({2.0: made(2.0)}, 1.1, by_formulas=True)

@@ -10,8 +10,8 @@ import pytest
 import pmmkit as pk
 from pmmkit import hull_table
 from pmmkit.models import from_values
-from pmmkit.models.build import HULL_TERMS
 from pmmkit.models.estimates import estimated_table
+from pmmkit.models.model import HULL_TERMS
 from pmmkit.models.particulars import STATED, parts_from_particulars
 from pmmkit.models.wageningen import open_water_curve
 

@@ -24,7 +24,7 @@ from pmmkit.base import TableError
 from pmmkit.conventions import Convention, Ship, Water
 from pmmkit.models import DerivativeTable, from_values, read_table, write_table
 from pmmkit.models.tables.compare import identical
-from pmmkit.models.tables.io.latex import to_latex
+from pmmkit.models.tables.io import to_latex
 
 DATA = Path(__file__).parents[1] / "data"
 SUFFIXES = ("csv", "nc", "h5", "xlsx")

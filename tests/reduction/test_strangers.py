@@ -9,9 +9,9 @@ import pytest
 from pictures import without_pictures
 
 import pmmkit as pk
+from pmmkit.api import roll_from_particulars
 from pmmkit.cli import main
 from pmmkit.conventions import Water
-from pmmkit.models import roll_from_particulars
 from scripts.datasets.strangers.hulls import turn
 from scripts.datasets.strangers.laboratories import FOLDERS, HULLS, SPEEDS
 from scripts.studies.strangers import EDITS, filled, held, particulars, steering

@@ -10,8 +10,9 @@ import pmmkit as pk
 from pmmkit.base import DataError, ModelError
 from pmmkit.conventions import Convention, Ship, Water
 from pmmkit.equations import prepare
-from pmmkit.models import Model, Part, held_straight
+from pmmkit.models import Model, Part
 from pmmkit.simulation.ensemble import batch_of
+from pmmkit.simulation.straight import held_straight
 
 L, MASS, RHO = 50.0, 4.0e5, 1025.0
 SURGE, CXU, NOZZLE = 4.0e4, 3.0e3, 0.1

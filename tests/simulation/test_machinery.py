@@ -17,7 +17,7 @@ from pmmkit.conventions import METRICS
 from pmmkit.effects.four_quadrant import b4_70
 from pmmkit.imo import FullAstern, judged
 from pmmkit.imo.verdict import reached
-from pmmkit.models import Part, of_a_model
+from pmmkit.models import Part, Standing
 from pmmkit.simulation import machinery
 from pmmkit.simulation.machinery import ENGINE, as_it_reverses, torque_of
 
@@ -238,8 +238,8 @@ def test_a_verdict_by_assumptions_is_settled_where_nearly_all_of_them_agree(monk
 
 def test_a_ship_with_the_resistance_of_her_model_is_not_settled():
     """KVLCC2 at full scale has her model's; S175 has a ship's."""
-    assert of_a_model(pk.load_model("s175-3dof"), 9.0) == ""
-    heavy = of_a_model(pk.load_model("kvlcc2"), SPEED)
+    assert Standing.of(pk.load_model("s175-3dof"), 9.0).heavy == ""
+    heavy = Standing.of(pk.load_model("kvlcc2"), SPEED).heavy
     assert "2.1 times" in heavy
     track = pk.simulate("kvlcc2", "stopping", speed=SPEED, compiled=False)
     assert heavy in track.notes

@@ -50,9 +50,7 @@ def estimate(job: EstimateSettings) -> Outcome:
 
     from pmmkit.conventions import Ship, Water
     from pmmkit.files import MODEL, write_results
-    from pmmkit.models import METHODS as METHODS_empirical
-    from pmmkit.models import estimate as estimate_empirical
-    from pmmkit.models import estimated_model, save_model
+    from pmmkit.models import HullEstimate, estimated_model, save_model
     from pmmkit.simulation import simulate
 
     folder = results_folder(job.out, f"{job.name}-estimate")
@@ -78,7 +76,7 @@ def estimate(job: EstimateSettings) -> Outcome:
         rudder_area=job.rudder,
         water=water,
     )
-    found = {item: estimate_empirical(ship, item) for item in METHODS_empirical}
+    found = HullEstimate.by_method(ship)
     track = simulate(model, "turning", speed=service)
     turn = track.metrics
     warnings = [*track.notes, *track.standing.sentences]

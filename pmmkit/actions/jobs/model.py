@@ -53,13 +53,7 @@ class ModelSettings:
 def model(job: ModelSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.files import write_results
-    from pmmkit.models import (
-        load_model,
-        save_model,
-        with_estimated_astern,
-        with_part_of,
-        with_stated,
-    )
+    from pmmkit.models import load_model, save_model, with_part_of, with_stated
 
     loaded = load_model(job.model)
     words = list(job.what)
@@ -70,7 +64,7 @@ def model(job: ModelSettings) -> Outcome:
     if job.action == "set":
         made = with_stated(loaded, _values(words), job.because or "stated on the command line")
     elif job.action == "astern":
-        made = with_estimated_astern(loaded)
+        made = loaded.with_estimated_astern()
     else:
         if len(words) != 1 or job.lender is None:
             raise SettingError(
@@ -92,9 +86,7 @@ def model(job: ModelSettings) -> Outcome:
 
 def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
     """The model's page, and what it lacks for a simulation."""
-    from pmmkit.models import missing_parts
-
-    lacks = missing_parts(model)
+    lacks = model.missing_parts
     said = (
         f"It cannot be simulated without {', '.join(lacks)}: take them from a library ship with "
         f"pmmkit model replace."

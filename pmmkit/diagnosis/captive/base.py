@@ -160,7 +160,7 @@ class CaptiveBase:
         return {name: view.harmonics(x) for name, x in self.forces(motion, speed).items()}
 
     def excited(self, views: Sequence[View]) -> frozenset[str]:
-        """What runs hold, in the words of `effects.seen.EXCITES`."""
+        """What runs hold, in the words of `Effect.EXCITES`."""
         speeds = {round(view.speed, 6) for view in views}
         runs = tuple({view.run.id: view.run for view in views}.values())
         sway = max(float(np.max(np.abs(view.motion.v) / view.motion.speed)) for view in views)

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.base import MOTION, CaptiveBase, ViewSequence, stretches
-from pmmkit.effects import BY_SPEED, Effect, over_arrays
+from pmmkit.effects import BY_SPEED, Effect
 from pmmkit.numerics import Array
 from pmmkit.reduction import RunView, View
 
@@ -174,7 +174,7 @@ def histories(
     if "Fn" in names:
         there["Fn"] = stretch.each([ship.froude(view.speed, water.g) for view in stretch.views])
     there |= {name: of(stretch) for name, of in MOTION.items() if name in names}
-    force = over_arrays(effect.force) if effect.force else None
+    force = effect.force_over_arrays if effect.force else None
     forces = []
     for values in asked:
         own = there | _parameters(effect, values, {*there, *MOTION})

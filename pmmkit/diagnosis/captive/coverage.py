@@ -13,7 +13,7 @@ from pmmkit.diagnosis.captive.least_squares import effect_columns
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
 from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
 from pmmkit.diagnosis.evidence import ROUNDING, SHOWS, Visible, could_hide, mimics
-from pmmkit.effects import EXCITES
+from pmmkit.effects import Effect
 from pmmkit.numerics import Array
 
 
@@ -108,7 +108,7 @@ def _without_a_run(system: System, blocks: Sequence[CandidateColumns]) -> list[t
 
 def _why(candidate: Candidate, signal: float, run: str, *, still: bool) -> str:
     if candidate.excites and signal == 0.0:
-        lacking = (EXCITES.get(word, word) for word in candidate.excites)
+        lacking = (Effect.EXCITES.get(word, word) for word in candidate.excites)
         return f"these tests lack {' and '.join(lacking)}"
     if still:
         return "these tests do not excite it"

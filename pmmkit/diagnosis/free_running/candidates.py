@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 from pmmkit.base import DataError
-from pmmkit.effects import CATALOGUE, EXCITES, HULL, INERTIA, OUTSIDE, Effect
+from pmmkit.effects import CATALOGUE, HULL, INERTIA, OUTSIDE, Effect
 from pmmkit.identification import ONE_SEA, FreeRecord
 from pmmkit.models import Model, Part, Sailing
 
@@ -69,7 +69,7 @@ def _known(model: Model, name: str) -> bool:
 
 
 def excited(model: Model, records: Sequence[FreeRecord]) -> frozenset[str]:
-    """What records hold, in the words of `effects.seen.EXCITES`."""
+    """What records hold, in the words of `Effect.EXCITES`."""
     speeds = [item.speed for item in records]
     return frozenset(
         word
@@ -94,7 +94,7 @@ def why_not_asked(effect: Effect, model: Model, records: Sequence[FreeRecord]) -
     if effect.not_free_running or not effect.asked_in_free_running:
         return effect.not_free_running or "it moves nothing that such records show"
     held = excited(model, records)
-    lacking = [EXCITES[word] for word in effect.excites if word not in held]
+    lacking = [effect.EXCITES[word] for word in effect.excites if word not in held]
     if lacking:
         return f"these records lack {' and '.join(lacking)}"
     if not free_candidate_of(effect, Sailing(model, records[0].speed)).moves:

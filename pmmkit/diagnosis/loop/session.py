@@ -21,16 +21,7 @@ from pmmkit.diagnosis.loop.several import Tests, several_campaigns
 from pmmkit.effects import Effect, is_fault
 from pmmkit.files import read_toml, toml_text, write_text
 from pmmkit.identification import FreeRecord
-from pmmkit.models import (
-    FileReader,
-    Model,
-    Step,
-    entries,
-    load_model,
-    odds,
-    restored,
-    without_effect,
-)
+from pmmkit.models import FileReader, Model, Step, load_model, odds, without_effect
 from pmmkit.presentation import Described, Section, counted
 
 # Files of steps, as `Session.save` writes them.
@@ -52,7 +43,7 @@ class SavedSession:
         """Write it as TOML, all or nothing."""
         data: dict[str, Any] = {
             "session": {"campaign": self.campaign, "floor": self.floor},
-            "steps": [entries(step) for step in self.steps],
+            "steps": [step.entries for step in self.steps],
         }
         write_text(Path(path), toml_text(data))
 
@@ -486,6 +477,6 @@ def undone(model: Model, own: Sequence[Effect] = ()) -> tuple[Model, str]:
             model, next((item for item in own if item.name == step.effect), step.effect)
         )
     else:
-        bare = restored(model, step.before)
+        bare = model.restored(step.before)
     left = (*model.steps[:last], *model.steps[last + 1 :])
     return bare.with_(steps=()).stepped(*left), step.effect

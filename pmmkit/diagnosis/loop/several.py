@@ -22,7 +22,7 @@ from pmmkit.diagnosis.loop.fall import Fall
 from pmmkit.diagnosis.loop.records import FreeRecords, free_running
 from pmmkit.effects import Effect
 from pmmkit.identification import FreeRecord
-from pmmkit.models import Model, Step, restored, without_effect
+from pmmkit.models import Model, Step, without_effect
 from pmmkit.presentation import counted
 
 Tests = Campaign | Sequence[FreeRecord]
@@ -275,7 +275,7 @@ class SeveralCampaigns:
             if step.action == "fault_corrected" or step.effect in alone:
                 kept.insert(first, step)
             elif step.before is not None:
-                bare = restored(bare, step.before)
+                bare = bare.restored(step.before)
             else:
                 bare = without_effect(bare, step.effect)
         return bare.with_(steps=tuple(kept))

@@ -14,7 +14,7 @@ from pmmkit.identification.sparse.collinear import Collinearity
 from pmmkit.identification.sparse.request import SparseRequest
 from pmmkit.identification.sparse.rows import homes
 from pmmkit.inference import Equations, Selection, ThresholdPath
-from pmmkit.models import DerivativeTable, Model, Part, Step, needed
+from pmmkit.models import DerivativeTable, Model, Part, Step
 from pmmkit.numerics import Array
 
 FEW: Final = 8
@@ -219,7 +219,7 @@ def _doubts(
         for channel, size in misfit.items()
         if size > MISFIT
     ]
-    basic = [name for name in left_out if name in needed()]
+    basic = [name for name in left_out if name in Model.needed()]
     if basic:
         said.append(f"Left out although every simulation needs it: {', '.join(basic)}.")
     return said

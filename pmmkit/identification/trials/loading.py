@@ -14,7 +14,7 @@ from pmmkit.conventions import METRICS, Criterion
 from pmmkit.identification.trials.evaluate import evaluate_trials
 from pmmkit.identification.trials.table import Trial
 from pmmkit.imo import LOADED, Verdict
-from pmmkit.models import Model, Standing, as_it_stops, load_model
+from pmmkit.models import Model, Standing, load_model
 from pmmkit.presentation import Grid, Group, percent
 from pmmkit.simulation import simulate
 
@@ -157,7 +157,7 @@ class LoadingPrediction:
         notes = [
             stops.steps[-1].note
             for model in models
-            if (stops := as_it_stops(model)) is not None and stops is not model
+            if (stops := model.as_it_stops()) is not None and stops is not model
         ]
         return (*loaded, f"Stops of the models: {notes[0]}") if notes else loaded
 
@@ -239,7 +239,7 @@ def _simulated(model: Model, trial: Trial, verdict: Verdict, settings: dict[str,
     criterion = next(item for _, item in METRICS.criteria if item.name == verdict.criterion)
     given = _sailed(model, trial, criterion)
     if criterion.manoeuvre == "stopping":
-        stops = as_it_stops(model)
+        stops = model.as_it_stops()
         if stops is None:
             return math.nan
         model = stops

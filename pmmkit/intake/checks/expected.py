@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from pmmkit.effects import SHALLOWEST, apply
+from pmmkit.effects import apply
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
@@ -101,7 +101,7 @@ def _grown(campaign: Campaign) -> Mapping[str, float]:
     if depth is None or not is_shallow(campaign):
         return defaultdict(lambda: 1.0)
     names = ("Yv", "Yr", "Nv", "Nr", "Xuu", "Yvdot", "Nrdot")
-    return apply(dict.fromkeys(names, 1.0), ship=ship, depth=max(depth, SHALLOWEST * ship.d))
+    return apply(dict.fromkeys(names, 1.0), ship=ship, depth=depth, nearly=0.0)
 
 
 def prime_unit(campaign: Campaign, name: str, speed: float) -> float:

@@ -38,6 +38,9 @@ class TablesByDepth:
 
     RATIO: ClassVar = "h_T"
     """Column of the depth over the draught."""
+    NEARLY: ClassVar = 0.99
+    """Share of the least depth of the formulas of shallow water from which they are taken as
+    there: a basin is filled to a millimetre or two."""
 
     tables: tuple[DerivativeTable, ...]
 

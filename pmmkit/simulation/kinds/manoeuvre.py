@@ -164,7 +164,7 @@ class Manoeuvre:
         (`pmmkit.simulation.machinery`).
     held_straight : bool
         Whether the ship is held straight, with a hull that resists astern as ahead
-        (`pmmkit.models.straight`): of a manoeuvre in which she moves astern.
+        (`pmmkit.simulation.straight`): of a manoeuvre in which she moves astern.
     """
 
     name: str

@@ -9,9 +9,8 @@ from typing import Final
 from pmmkit.base import Problem, TableError
 from pmmkit.conventions import Convention, Ship, Water
 from pmmkit.models.tables.io.excel import read_excel, write_excel
-from pmmkit.models.tables.io.latex import to_latex, write_latex
 from pmmkit.models.tables.io.netcdf import read_netcdf, write_netcdf
-from pmmkit.models.tables.io.text import read_csv, sidecar_of, write_csv
+from pmmkit.models.tables.io.text import read_csv, sidecar_of, to_latex, write_csv, write_latex
 from pmmkit.models.tables.table import DerivativeTable
 
 __all__ = ["is_table", "read_table", "sidecar_of", "to_latex", "write_table"]

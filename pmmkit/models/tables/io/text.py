@@ -1,4 +1,4 @@
-"""Derivative tables as CSV, with a JSON file beside them for what a CSV cannot hold."""
+"""Derivative tables as CSV, with a JSON file beside them for what a CSV cannot hold, and LaTeX."""
 
 from __future__ import annotations
 
@@ -7,19 +7,20 @@ import io
 import json
 import math
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 
 from pmmkit.base import Problem, TableError
-from pmmkit.conventions import Convention, Ship, Water
+from pmmkit.conventions import CHANNELS, Convention, Ship, Water
 from pmmkit.files import write_text
 from pmmkit.models.tables.io.content import NOT_READ, assemble
 from pmmkit.models.tables.io.rows import COLUMNS, TableGrid, cell_text, read_rows
 from pmmkit.models.tables.table import DerivativeTable
 from pmmkit.numerics import Array
-from pmmkit.presentation import safe_cell, text_of_cell
+from pmmkit.presentation import plus_minus, safe_cell, text_of_cell, with_uncertainty
 
+Style = Literal["parentheses", "plus-minus"]
 UNKNOWN_SHIP: Final = Ship(
     name="unknown", L=math.nan, B=math.nan, d=math.nan, volume=math.nan, mass=math.nan, Izz=math.nan
 )
@@ -215,3 +216,37 @@ def _dump(content: dict[str, Any]) -> str:
             text = json.dumps(value)
         lines.append(f"{json.dumps(key)}: {text}")
     return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
+    """The table as LaTeX text for the package booktabs: a column per Froude number, rows grouped
+    by channel. An empty cell is a value that the runs do not determine.
+    """
+    std = table.std
+    heads = [""] if table.pooled else [f"$Fn = {speed:.3f}$" for speed in table.Fn]
+    told = plus_minus if style == "plus-minus" else with_uncertainty
+    lines = [
+        rf"\begin{{tabular}}{{l{'r' * len(heads)}}}",
+        r"\toprule",
+        " & ".join(["", *heads] if any(heads) else ["", "all speeds"]) + r" \\",
+    ]
+    for channel in CHANNELS:
+        columns = [place for place, name in enumerate(table.names) if name[0] == channel]
+        if columns:
+            lines.append(r"\midrule")
+        for column in columns:
+            cells = [
+                told(value, spread).replace("±", r"\pm")
+                for value, spread in zip(table.value[:, column], std[:, column], strict=True)
+            ]
+            name = table.convention.latex(table.names[column])
+            lines.append(
+                " & ".join([f"${name}$", *(f"${cell}$" if cell else "--" for cell in cells)])
+                + r" \\"
+            )
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
+
+
+def write_latex(table: DerivativeTable, path: str | Path, *, style: Style = "parentheses") -> None:
+    """Write a table as LaTeX text."""
+    write_text(path, to_latex(table, style=style))

@@ -11,10 +11,7 @@ from typing import Final, TypeVar
 from pmmkit.base import ModelError
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects import HULL, INERTIA
-from pmmkit.models.astern import as_it_stops
-from pmmkit.models.changes import covariance_of
-from pmmkit.models.model import Model, Part, needs_roll, place_name
-from pmmkit.models.step import Step
+from pmmkit.models import Model, Part, Step
 
 T = TypeVar("T")
 HELD: Final = (
@@ -49,12 +46,12 @@ def held_straight(model: Model) -> Model:
 
     Examples
     --------
-    >>> from pmmkit.models.store import load_model
+    >>> from pmmkit.models import load_model
     >>> made = held_straight(load_model("kvlcc2"))
     >>> dict(made.parts["hull_polynomial"].values), list(made.parts)[2:]
     ({'Xu|u|': -0.022}, ['four_quadrant_propeller', 'rudder_abkowitz'])
     """
-    turning = as_it_stops(model)
+    turning = model.as_it_stops()
     known = turning and ("four_quadrant_propeller" in turning.parts or model.has_bucket)
     if turning is None or not known:
         raise ModelError(
@@ -73,14 +70,14 @@ def held_straight(model: Model) -> Model:
             renamed = {own: _odd(own) for own in part.values if _along(own)}
             parts[name] = _only(part, renamed)
         elif name == INERTIA:
-            kept = [own for own in part.values if own != "lx" and not needs_roll(own)]
+            kept = [own for own in part.values if own != "lx" and not parse_derivative(own).rolls]
             parts[name] = _only(part, dict(zip(kept, kept, strict=True)))
         elif part.known.drives or "n" in part.known.states:
             parts[name] = _along_the_ship(part)
     parts.setdefault("rudder_abkowitz", Part(effect="rudder_abkowitz"))
-    there = {place_name(x, own) for x, part in parts.items() for own in part.values}
+    there = {part.place(own) for part in parts.values() for own in part.values}
     names = [x for x in turning.covariance_names if renamed.get(x, x) in there]
-    C, names_left = covariance_of(turning, names)
+    C, names_left = turning.covariance_of(names)
     made = replace(
         turning,
         parts=MappingProxyType(parts),
