@@ -21,12 +21,11 @@ if TYPE_CHECKING:
         TableError,
         UnknownNameError,
         Way,
-        setting,
     )
     from pmmkit.base.executors.board import each
     from pmmkit.base.executors.places import ONE_THREAD, Workers, opened
     from pmmkit.base.progress import Progress, shown
-    from pmmkit.base.registry import Registry, did_you_mean, listed_in
+    from pmmkit.base.registry import Registry, did_you_mean
     from pmmkit.base.version import __version__
 
 __all__ = [
@@ -53,9 +52,7 @@ __all__ = [
     "did_you_mean",
     "each",
     "lazy",
-    "listed_in",
     "opened",
-    "setting",
     "shown",
 ]
 

@@ -25,28 +25,28 @@ class Way:
     python: str
     command: str
 
+    @classmethod
+    def setting(cls, name: str, value: str | float | bool | None = None) -> Way:
+        """An argument that is an option of a command by the same name.
 
-def setting(name: str, value: str | float | bool | None = None) -> Way:
-    """An argument that is an option of a command by the same name.
+        Parameters
+        ----------
+        name : str
+            Of the argument.
+        value : str, float or True, optional
+            An example of its value; True for an option that has none.
 
-    Parameters
-    ----------
-    name : str
-        Of the argument.
-    value : str, float or True, optional
-        An example of its value; True for an option that has none.
-
-    Examples
-    --------
-    >>> setting("missing", "zero"), setting("extrapolate", True)
-    (Way(python='missing="zero"', command='--missing zero'), \
+        Examples
+        --------
+        >>> Way.setting("missing", "zero"), Way.setting("extrapolate", True)
+        (Way(python='missing="zero"', command='--missing zero'), \
 Way(python='extrapolate=True', command='--extrapolate'))
-    """
-    option = f"--{name.replace('_', '-')}"
-    if value is None or value is True:
-        return Way(f"{name}=" if value is None else f"{name}=True", option)
-    written = f'"{value}"' if isinstance(value, str) else f"{value:g}"
-    return Way(f"{name}={written}", f"{option} {value}")
+        """
+        option = f"--{name.replace('_', '-')}"
+        if value is None or value is True:
+            return cls(f"{name}=" if value is None else f"{name}=True", option)
+        written = f'"{value}"' if isinstance(value, str) else f"{value:g}"
+        return cls(f"{name}={written}", f"{option} {value}")
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Remedy:
 
     Examples
     --------
-    >>> remedy = Remedy("Measure there, or say {}.", (setting("extrapolate", True),))
+    >>> remedy = Remedy("Measure there, or say {}.", (Way.setting("extrapolate", True),))
     >>> str(remedy), remedy.said("command")
     ('Measure there, or say extrapolate=True.', 'Measure there, or say --extrapolate.')
     """

@@ -38,9 +38,14 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
     kind : type
         What an entry is.
     own : callable
-        Gives pmmkit's own entries, see `listed_in`.
+        Gives pmmkit's own entries.
     what : str
         What an entry is called.
+    listed : str
+        A package whose modules list further ones of pmmkit's, those of packages inside it too, and
+        the name under which they do, with a colon between.
+    first : sequence of str
+        Modules whose entries come first, in this order; the others follow by their names.
     group : str
         Entry points under which installed packages bring entries: an entry, several in a list or
         tuple, or a class that makes one without arguments. Empty where only pmmkit has entries.
@@ -65,15 +70,17 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
     def __init__(
         self,
         kind: type[Entry],
-        own: Callable[[], Iterable[Entry]],
+        own: Callable[[], Iterable[Entry]] = tuple,
         *,
         what: str,
+        listed: str = "",
+        first: Sequence[str] = (),
         group: str = "",
         unknown: str = "",
         contract: str = "",
     ) -> None:
         self.kind, self.what, self.group, self.contract = kind, what, group, contract
-        self._entries = own
+        self._entries, self._listed, self._first = own, listed, first
         self._unknown = unknown or f"There is no {what} {{name!r}}{{guess}} There are: {{names}}."
         self._registered: dict[str, Entry] = {}
         self._editions: dict[str, int] = {}
@@ -89,7 +96,8 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
     def own(self) -> Mapping[str, Entry]:
         """Pmmkit's own entries."""
         if self._own is None:
-            self._own = MappingProxyType({entry.name: entry for entry in self._entries()})
+            entries = (*self._entries(), *self._listed_ones())
+            self._own = MappingProxyType({entry.name: entry for entry in entries})
         return self._own
 
     @property
@@ -173,32 +181,16 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
         own = self.own
         return own[name] if name in own else self.installed.get(name)
 
-
-def listed_in(
-    package: str, attribute: str, *, first: Sequence[str] = ()
-) -> Callable[[], Iterator[Any]]:
-    """The entries that the modules of a package list, when they are asked for.
-
-    Parameters
-    ----------
-    package : str
-        Its name; packages inside it are searched too.
-    attribute : str
-        The name under which a module lists its entries.
-    first : sequence of str
-        Modules whose entries come first, in this order; the others follow by their names.
-    """
-
-    def entries() -> Iterator[Any]:
-        places = importlib.import_module(package).__path__
+    def _listed_ones(self) -> Iterator[Entry]:
+        """The entries that the modules of the package list."""
+        package, _, attribute = self._listed.partition(":")
+        places = importlib.import_module(package).__path__ if package else ()
         modules = [item.name for item in pkgutil.walk_packages(places, f"{package}.")]
-        order = {f"{package}.{name}": number for number, name in enumerate(first)}
+        order = {f"{package}.{name}": number for number, name in enumerate(self._first)}
         for name in sorted(modules, key=lambda name: (order.get(name, len(order)), name)):
             listed = getattr(importlib.import_module(name), attribute, ())
             if not isinstance(listed, Registry):  # the registry itself may bear the name
                 yield from listed
-
-    return entries
 
 
 def offered(group: str, kind: type[Entry], taken: Container[str] = ()) -> dict[str, Entry]:
@@ -241,6 +233,17 @@ def _loaded(point: EntryPoint, kind: type[Entry]) -> tuple[Entry, ...]:
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """``; did you mean 'x'?`` with the nearest known name, or nothing.
+
+    Parameters
+    ----------
+    name : str
+        What was asked for.
+    known : iterable of str
+        The names that there are.
+
+    Returns
+    -------
+    str
 
     Examples
     --------

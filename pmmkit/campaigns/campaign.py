@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import fnmatch
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -192,6 +193,31 @@ class Campaign(Described):
             f"{', '.join(run.id for run in self.runs[:12])}{' …' if len(self) > 12 else ''}."
         )
 
+    def matching(self, patterns: Sequence[str]) -> list[Run]:
+        """Runs whose id fits one of the patterns, such as ``SD_*``.
+
+        Raises
+        ------
+        UnknownNameError
+            If a pattern fits no run.
+        """
+
+        def fitting(patterns: Sequence[str]) -> list[Run]:
+            return [
+                run
+                for run in self.runs
+                if any(fnmatch.fnmatchcase(run.id, pattern) for pattern in patterns)
+            ]
+
+        lost = [pattern for pattern in patterns if not fitting([pattern])]
+        if lost:
+            ids = [run.id for run in self.runs]
+            raise UnknownNameError(
+                f"No run is called {', '.join(lost)}{did_you_mean(lost[0], ids) or '.'} There are "
+                f"{', '.join(ids)}."
+            )
+        return fitting(patterns)
+
     def select(self, *tests: str) -> Campaign:
         """The campaign with only some kinds of tests.
 
@@ -220,6 +246,12 @@ class Campaign(Described):
     def depth_of(self, run: Run) -> float | None:
         """Depth of the water in which a run was made [m]; None where it is not stated."""
         return self.water.depth if run.settings.depth is None else run.settings.depth
+
+    @property
+    def draught(self) -> float:
+        """Mean draught as tried [m]: that of the ends that ``[imo]`` states, else the ship's."""
+        fore, aft = self.imo.get("draught_fore"), self.imo.get("draught_aft")
+        return self.ship.d if fore is None or aft is None else 0.5 * (fore + aft)
 
     @property
     def forces_in_words(self) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import Final
 
-from pmmkit.base import Registry, listed_in
+from pmmkit.base import Registry
 from pmmkit.campaigns.setting import (
     ANGLE,
     ANY,
@@ -497,8 +497,9 @@ class RunSettings(Registry[RunSetting]):
 
 RUN_SETTINGS: Final = RunSettings(
     RunSetting,
-    lambda: (*_OURS, *listed_in("pmmkit.campaigns.test_kinds", "SETTINGS")()),
+    lambda: _OURS,
     what="setting",
+    listed="pmmkit.campaigns.test_kinds:SETTINGS",
     group=GROUP,
     contract="pmmkit.testing.test_kinds:check_run_setting",
 )

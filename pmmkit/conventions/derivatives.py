@@ -269,6 +269,13 @@ class Convention:
         """
         return parse_derivative(name).latex(beta=self.sway == "beta", double=self.system == "bis")
 
+    def symbol(self, name: str) -> str:
+        """A derivative as text of a figure; names of other parameters stay."""
+        try:
+            return f"${self.latex(name)}$"
+        except UnknownNameError:
+            return name
+
     def force_unit(self, channel: str, *, ship: Ship, water: Water, U: float) -> float:
         """Unit [N or N m] by which a channel is divided.
 

@@ -7,20 +7,20 @@ from pmmkit.base import lazy
 if TYPE_CHECKING:
     from pmmkit.diagnosis.any_campaign import complete_model, diagnose
     from pmmkit.diagnosis.captive.candidate import candidate_of
-    from pmmkit.diagnosis.captive.signature import standard_tests
+    from pmmkit.diagnosis.captive.standard import standard_tests
     from pmmkit.diagnosis.findings import Diagnosis
-    from pmmkit.diagnosis.free_running.candidates import free_candidate_of
+    from pmmkit.diagnosis.free_running.hypotheses import free_candidate_of
     from pmmkit.diagnosis.joint.result import Together
     from pmmkit.diagnosis.joint.together import carried, joint_diagnosis
     from pmmkit.diagnosis.loop.fall import Fall
     from pmmkit.diagnosis.loop.session import Session, begin, fit, read_session, replay, undone
     from pmmkit.diagnosis.loop.several import SeveralCampaigns
-    from pmmkit.diagnosis.planning.advice import Advice
     from pmmkit.diagnosis.planning.manoeuvres import next_manoeuvres
     from pmmkit.diagnosis.planning.next_run import next_runs
     from pmmkit.diagnosis.planning.options import Limits, Option
     from pmmkit.diagnosis.planning.plan_file import read_plan_file
     from pmmkit.diagnosis.planning.programme import TestPlan, plan
+    from pmmkit.diagnosis.planning.ranking import Advice
 
 __all__ = [
     "Advice",

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from pmmkit.base import Registry, listed_in
+from pmmkit.base import Registry
 from pmmkit.effects.definition import Effect
 
 GROUP: Final = "pmmkit.effects"
 """Entry points under which installed packages offer an effect, or a sequence of them."""
 CATALOGUE: Final = Registry(
     Effect,
-    listed_in("pmmkit.effects", "EFFECTS"),
     what="effect",
+    listed="pmmkit.effects:EFFECTS",
     group=GROUP,
     contract="pmmkit.testing.effects:check_effect",
 )

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from pmmkit.base import Remedy, __version__, setting
+from pmmkit.base import Remedy, Way, __version__
 from pmmkit.syntax import comment
 
-WHICH_SPEED: Final = Remedy("Say at which speed [m/s], such as {}.", (setting("speed", 8),))
+WHICH_SPEED: Final = Remedy("Say at which speed [m/s], such as {}.", (Way.setting("speed", 8),))
 """Where values depend on the speed and none was given."""
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.base import DataError, FileExists, Remedy, UnknownNameError, Way, setting
+from pmmkit.base import DataError, FileExists, Remedy, UnknownNameError, Way
 from pmmkit.campaigns import Campaign, save_campaign
 from pmmkit.exports.campaign_csv import write_campaign_csv
 from pmmkit.exports.fmu.unit import VERSIONS, Version, model_to_fmu
@@ -115,7 +115,7 @@ def export(
     if chosen != "fmu" and (fmi is not None or compile):
         raise DataError(
             f"{chosen} has no version of FMI and is not compiled.",
-            remedy=Remedy("Say {}, or leave that out.", (setting("to", "fmu"),)),
+            remedy=Remedy("Say {}, or leave that out.", (Way.setting("to", "fmu"),)),
         )
     try:
         return _written(

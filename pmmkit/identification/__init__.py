@@ -7,9 +7,8 @@ from pmmkit.base import lazy
 if TYPE_CHECKING:
     from pmmkit.identification.as_tested import RecordOffsets
     from pmmkit.identification.binding import Binding, places
-    from pmmkit.identification.chosen import Chosen, matching
+    from pmmkit.identification.chosen import Chosen
     from pmmkit.identification.comparing import MethodComparison, PredictedWindow, compare_methods
-    from pmmkit.identification.figures import parameter_symbol
     from pmmkit.identification.filters import Filtered
     from pmmkit.identification.forces import fit_to_forces
     from pmmkit.identification.from_run import free_records
@@ -18,11 +17,10 @@ if TYPE_CHECKING:
     from pmmkit.identification.posterior.posterior import Posterior
     from pmmkit.identification.prediction import Prediction
     from pmmkit.identification.prior import Prior
-    from pmmkit.identification.record import FreeRecord
+    from pmmkit.identification.record import ONE_SEA, FreeRecord, other_period, sea_notes
     from pmmkit.identification.roll import with_roll
-    from pmmkit.identification.seas import ONE_SEA, other_period, sea_notes
     from pmmkit.identification.smoother import Smoothed
-    from pmmkit.identification.trials.evaluate import evaluate_trials, mean_draught
+    from pmmkit.identification.trials.evaluate import evaluate_trials
     from pmmkit.identification.trials.loading import Corrected, LoadingPrediction
     from pmmkit.identification.trials.table import Trial
 
@@ -48,10 +46,7 @@ __all__ = [
     "free_records",
     "identify",
     "known_before",
-    "matching",
-    "mean_draught",
     "other_period",
-    "parameter_symbol",
     "places",
     "sea_notes",
     "with_roll",

@@ -27,6 +27,18 @@ PartValues = Mapping[str, Mapping[str, Any]]
 def places(model: Model, names: Sequence[str]) -> tuple[Place, ...]:
     """Where the values of names stand: ``Yv``, or ``rudder_mmg.aH`` for a parameter of an effect.
 
+    Parameters
+    ----------
+    model : Model
+        That has them.
+    names : sequence of str
+        Of derivatives and parameters.
+
+    Returns
+    -------
+    tuple of (str, str)
+        Effect and name.
+
     Raises
     ------
     UnknownNameError

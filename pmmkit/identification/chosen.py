@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import fnmatch
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
-from pmmkit.base import DataError, Problem, UnknownNameError, did_you_mean
+from pmmkit.base import DataError, Problem
 from pmmkit.campaigns import Campaign, Cut, Run, usable
 from pmmkit.identification.as_tested import RecordOffsets, without
 from pmmkit.identification.from_run import free_records
@@ -86,8 +85,8 @@ class Chosen:
                 f"{campaign.ship.L:g} m. Bring the model to that length: pmmkit scale {model.name} "
                 f"--length {campaign.ship.L:g} --froude-only."
             )
-        held = matching(campaign, test_runs) if test_runs else []
-        asked = matching(campaign, runs) if runs else list(campaign.runs)
+        held = campaign.matching(test_runs) if test_runs else []
+        asked = campaign.matching(runs) if runs else list(campaign.runs)
         train = [run for run in asked if run not in held]
         if not train:
             raise DataError("Every run is held out: none is left to identify from.")
@@ -179,30 +178,6 @@ class Chosen:
 def _is_of(record: str, run: str) -> bool:
     """Whether a record is a run or one of its segments."""
     return record == run or record.rpartition("/")[0] == run
-
-
-def matching(campaign: Campaign, patterns: Sequence[str]) -> list[Run]:
-    """Runs whose id fits one of the patterns.
-
-    Raises
-    ------
-    UnknownNameError
-        If a pattern fits no run.
-    """
-    lost = [
-        pattern
-        for pattern in patterns
-        if not any(fnmatch.fnmatchcase(run.id, pattern) for run in campaign)
-    ]
-    if lost:
-        raise UnknownNameError(
-            f"No run is called {', '.join(lost)}"
-            f"{did_you_mean(lost[0], [run.id for run in campaign]) or '.'} There are "
-            f"{', '.join(run.id for run in campaign)}."
-        )
-    return [
-        run for run in campaign if any(fnmatch.fnmatchcase(run.id, pattern) for pattern in patterns)
-    ]
 
 
 def _records(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
-from pmmkit.base import DataError, UnknownNameError
+from pmmkit.base import DataError
 from pmmkit.conventions import Convention
 from pmmkit.numerics import Array
 from pmmkit.plotting import REFERENCE, beyond, canvas, legend_below, marker, styled
@@ -68,7 +68,7 @@ def parameters(found: Sequence[FoundParameters], convention: Convention) -> Figu
             shift = 0.66 * ((number + 0.5) / len(found) - 0.5)
             at = np.array([places[names.index(name)] for name in item.names]) + shift
             _intervals(axis, item, at, number, limit)
-        axis.set_yticks(places, [parameter_symbol(name, convention) for name in names])
+        axis.set_yticks(places, [convention.symbol(name) for name in names])
         axis.set_ylim(len(names) - 0.4, -0.6)
         axis.set_xlim(-limit, limit)
         axis.grid(visible=False, axis="y")
@@ -100,7 +100,7 @@ def marginals(tree: xr.DataTree, convention: Convention | None = None) -> Figure
                     color=colour_style(number),
                     label=f"ensemble {number + 1}",
                 )
-            shown = name if convention is None else parameter_symbol(name, convention)
+            shown = name if convention is None else convention.symbol(name)
             axis.set_title(figure_text(shown.replace("_", " ")) if "_" in name else shown)
             axis.set_yticks([])
             axis.locator_params(axis="x", nbins=3)
@@ -132,19 +132,3 @@ def _intervals(
             zorder=3,
         )
     beyond(axis, value, at, limit, colour, size=8)
-
-
-def parameter_symbol(name: str, convention: Convention) -> str:
-    """A derivative in mathematical text, other parameters as they are called.
-
-    Parameters
-    ----------
-    name : str
-        Name of the parameter.
-    convention : Convention
-        Of the derivatives.
-    """
-    try:
-        return f"${convention.latex(name)}$"
-    except UnknownNameError:
-        return name

@@ -14,7 +14,7 @@ import numpy as np
 from pmmkit.base import DataError, Progress, SimulationError
 from pmmkit.identification.binding import Binding, driven
 from pmmkit.identification.lack import LackOfFit, RecordPiece, colour_of, lack_of, stretches
-from pmmkit.identification.passes import Pass, Process, passed, seen, state_steps
+from pmmkit.identification.passes import Pass, Process, Steps, passed, seen, state_steps
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.inference import Consistency, Innovations
@@ -185,7 +185,7 @@ def kalman(
         wander=np.array([wander.get(name, 0.0) ** 2 * pace for name in prior.names]),
     )
     begin = prior.mean if about is None else about
-    passes = _Passes(most=2 * iterations + len(ROUGHNESS), progress=progress)
+    passes = Steps(most=2 * iterations + len(ROUGHNESS), progress=progress)
     if method == "ukf":
         chosen = roughness if roughness is not None else _roughest(setup, begin, first, passes)
         return _filtered(setup, "ukf", chosen, begin, 1, True, started)
@@ -199,20 +199,8 @@ def kalman(
     return _filtered(setup, "ekf", tried, begin, count, done, started)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Passes:
-    """Says which pass over the records is made."""
-
-    most: int
-    progress: Progress | None
-
-    def tell(self, number: int, what: str) -> None:
-        if self.progress is not None:
-            self.progress(min(number, self.most), self.most, what)
-
-
 def _iterated(
-    setup: _Setup, roughness: float, about: Array, most: int, goal: float, passes: _Passes
+    setup: _Setup, roughness: float, about: Array, most: int, goal: float, passes: Steps
 ) -> tuple[Array, int, bool]:
     """The point about which the parameters are linearised, until it is their estimate."""
     change = math.inf
@@ -228,7 +216,7 @@ def _iterated(
     return about, most, False
 
 
-def _roughest(setup: _Setup, about: Array, first: float, passes: _Passes) -> float:
+def _roughest(setup: _Setup, about: Array, first: float, passes: Steps) -> float:
     """Process noise of the greatest likelihood, climbed to from the first."""
     found: dict[int, float] = {}
 

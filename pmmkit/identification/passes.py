@@ -11,7 +11,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.base import DataError, SimulationError
+from pmmkit.base import DataError, Progress, SimulationError
 from pmmkit.equations import Status
 from pmmkit.identification.binding import Binding
 from pmmkit.identification.record import KINDS, FreeRecord
@@ -24,6 +24,19 @@ LOST: Final = {
     Status.unbound: "Record {}: the filter loses the motion. Check the signs of rudder and "
     "heading, the start values, and the sensors' standard deviations.",
 }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Steps:
+    """Says which step of so many is made."""
+
+    most: int
+    progress: Progress | None
+
+    def tell(self, number: int, what: str) -> None:
+        """Say the number of a step and what is done in it; the last ones may be more."""
+        if self.progress is not None:
+            self.progress(min(number, self.most), self.most, what)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -23,14 +23,8 @@ CLOSE: Final = 0.04
 """Variance with which an unscented filter begins anew, over the prior's: its points stay near."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Way:
-    """A way to begin: in words, the records in order, the prior, settings of the filter."""
-
-    words: str
-    records: Sequence[FreeRecord]
-    prior: Prior
-    changes: Mapping[str, Any]
+_Way = tuple[str, Sequence[FreeRecord], Prior, Mapping[str, Any]]
+"""A way to begin: in words, the records in order, the prior, settings of the filter."""
 
 
 def filtered(
@@ -47,22 +41,22 @@ def filtered(
     """A Kalman filter that begins anew, in other ways, where it loses the motion."""
     tried: list[str] = []
     error = SimulationError("No way was tried.")
-    for way in _ways(
+    for words, order, begun, changes in _ways(
         model, records, prior, method=method, sensors=sensors, extrapolate=extrapolate
     ):
-        tried.append(way.words)
+        tried.append(words)
         try:
             found = kalman(
                 model,
-                way.records,
-                way.prior,
+                order,
+                begun,
                 method=method,
                 sensors=sensors,
                 extrapolate=extrapolate,
                 progress=progress,
-                **{**way.changes, **settings},
+                **{**changes, **settings},
             )
-            if way.prior is not prior:
+            if begun is not prior:
                 found = _from(found, prior)
         except SimulationError as lost:
             error = lost
@@ -81,15 +75,10 @@ def _ways(
     extrapolate: bool,
 ) -> Iterator[_Way]:
     """Ways to begin, the usual one first; each is worked out when it is asked for."""
-    yield _Way(words="from the start values", records=records, prior=prior, changes={})
+    yield "from the start values", records, prior, {}
     mild = sorted(records, key=lambda item: float(np.std(item.delta)))
     rough: dict[str, Any] = {"first": ROUGH}
-    yield _Way(
-        words="with larger unknown forces, the mildest record first",
-        records=mild,
-        prior=prior,
-        changes=rough,
-    )
+    yield "with larger unknown forces, the mildest record first", mild, prior, rough
     own = Binding.of(driven(model), prior.names, records[0].speed, extrapolate=extrapolate).mean
     about = {"the model's own values": own}
     try:
@@ -102,12 +91,7 @@ def _ways(
             prior, mean=values, covariance=prior.covariance * (1.0 if method == "ekf" else CLOSE)
         )
         for step in (Binding.STEP, Binding.STEP / 4):
-            yield _Way(
-                words=f"from {words}, steps of {step:g} L/U",
-                records=mild,
-                prior=near,
-                changes={**rough, "step": step},
-            )
+            yield f"from {words}, steps of {step:g} L/U", mild, near, {**rough, "step": step}
 
 
 def _from(found: Filtered, prior: Prior) -> Filtered:

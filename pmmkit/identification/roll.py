@@ -50,7 +50,6 @@ def with_roll(
     GM: float | None = None,
     Ixx: float | None = None,
     sensors: Mapping[str, float] | None = None,
-    extrapolate: bool = False,
 ) -> Model:
     """A model that rolls, from one that does not and the heel of free-running records.
 
@@ -64,8 +63,6 @@ def with_roll(
         Metacentric height [m] and roll inertia [kg m²]; by default those that the ship states.
     sensors : mapping of str to float, optional
         As for `smooth`.
-    extrapolate : bool
-        Allow speeds outside the range of the model's values.
 
     Returns
     -------
@@ -107,8 +104,8 @@ which its heel cannot follow from the forces. State them: GM=… and Ixx=….
         raise DataError(
             "No record has a measured roll (the column phi of a run), which roll is taken from."
         )
-    smoothed = Smoothed.references(made, seen, sensors=sensors, extrapolate=extrapolate)
-    histories = [_history(made, item, extrapolate) for item in smoothed]
+    smoothed = Smoothed.references(made, seen, sensors=sensors)
+    histories = [_history(made, item) for item in smoothed]
     levers, rms = _fitted(made, histories)
     found = _rolling(made, levers)
     return found.stepped(
@@ -148,17 +145,11 @@ def _stable(model: Model, GM: float | None, Ixx: float | None) -> Ship:
     return ship
 
 
-@dataclass(frozen=True, eq=False)
-class _History:
-    """Instants [s], heel [rad], roll moments [N m] of a record: without a lever and of each."""
-
-    t: Array
-    heel: Array
-    known: Array
-    by_lever: tuple[Array, ...]
+_History = tuple[Array, Array, tuple[Array, ...]]
+"""Instants [s], heel [rad], roll moments [N m] of a record: without a lever, and of each."""
 
 
-def _history(model: Model, smoothed: Smoothed, extrapolate: bool) -> _History:
+def _history(model: Model, smoothed: Smoothed) -> _History:
     """Roll moments along the motion of a record, righting, damping and inertia left out."""
     record, still = smoothed.record, np.zeros(len(smoothed.record))
     motion = {**smoothed.implied_forces(model).motion, "pdot": still}
@@ -166,31 +157,28 @@ def _history(model: Model, smoothed: Smoothed, extrapolate: bool) -> _History:
 
     def moment(levers: _Levers, along: Mapping[str, Array]) -> Array:
         made = _rolling(model, levers)
-        ready = prepare(made, record.speed, conditions=record.conditions, extrapolate=extrapolate)
+        ready = prepare(made, record.speed, conditions=record.conditions)
         return ready.water_forces(along)["K"]
 
     none = moment(_Levers(), motion)
     assert record.roll is not None
-    return _History(
-        t=record.t - record.t[0],
-        heel=record.roll,
-        known=moment(_Levers(), upright) - model.ship.rigid_body_forces(motion)["K"],
-        by_lever=tuple(moment(_Levers(**{name: 1.0}), motion) - none for name in LEVERS),
-    )
+    known = moment(_Levers(), upright) - model.ship.rigid_body_forces(motion)["K"]
+    by_lever = (moment(_Levers(**{name: 1.0}), motion) - none for name in LEVERS)
+    return record.t - record.t[0], record.roll, (known, *by_lever)
 
 
 def _fitted(model: Model, histories: Sequence[_History]) -> tuple[_Levers, float]:
     """Levers and damping of the least error of the heel, and that error [rad]."""
     from scipy.optimize import minimize_scalar
 
-    heel = np.concatenate([item.heel for item in histories])
+    heel = np.concatenate([own for _, own, _ in histories])
 
     def solved(share: float) -> tuple[Array, Array]:
         columns, known = [], []
-        for i, item in enumerate(histories):
-            answers = _responses(model, item, share)
+        for i, (t, _, moments) in enumerate(histories):
+            answers = _responses(model, t, moments, share)
             known.append(answers[0])
-            free = np.zeros((len(item.t), 2 * len(histories)))
+            free = np.zeros((len(t), 2 * len(histories)))
             free[:, 2 * i : 2 * i + 2] = answers[-2:].T
             columns.append(np.hstack([answers[1:-2].T, free]))
         design, left = np.concatenate(columns), heel - np.concatenate(known)
@@ -217,22 +205,22 @@ def _stiffness(model: Model) -> tuple[float, float]:
     return (1.0 + ADDED_INERTIA) * ship.Ixx, water.rho * water.g * ship.volume * ship.GM
 
 
-def _responses(model: Model, item: _History, share: float) -> Array:
+def _responses(model: Model, t: Array, moments: Sequence[Array], share: float) -> Array:
     """Heel [rad] that each moment of a record gives, and the two free oscillations, (6, n)."""
     from scipy.signal import cont2discrete, lfilter
 
     inertia, righting = _stiffness(model)
     omega = math.sqrt(righting / inertia)
-    even = np.linspace(0.0, item.t[-1], len(item.t))
+    even = np.linspace(0.0, t[-1], len(t))
     top, bottom, _ = cont2discrete(
         ([1.0 / inertia], [1.0, 2.0 * share * omega, omega**2]), even[1], method="foh"
     )
     forced = [
-        np.interp(item.t, even, lfilter(np.ravel(top), bottom, np.interp(even, item.t, moment)))
-        for moment in (item.known, *item.by_lever)
+        np.interp(t, even, lfilter(np.ravel(top), bottom, np.interp(even, t, moment)))
+        for moment in moments
     ]
-    fading = np.exp(-share * omega * item.t)
-    turning = omega * math.sqrt(1.0 - share**2) * item.t
+    fading = np.exp(-share * omega * t)
+    turning = omega * math.sqrt(1.0 - share**2) * t
     return np.stack([*forced, fading * np.cos(turning), fading * np.sin(turning)])
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pmmkit.base import DataError, Progress, SimulationError
 from pmmkit.identification.binding import Binding, driven
 from pmmkit.identification.lack import LackOfFit, RecordPiece, lack_of
-from pmmkit.identification.passes import kind_of
+from pmmkit.identification.passes import Steps, kind_of
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.models import Model
@@ -138,43 +138,24 @@ def fit_trajectories(
         problem = _problem(model, records, prior, sensors or {}, share * length, extrapolate)
         return problem, _first_states(problem, records, sensors or {}, model.ship.L)
 
-    steps = _Steps(most=iterations, progress=progress)
+    steps = Steps(most=iterations, progress=progress)
     with ThreadPoolExecutor(jobs or 4) as pool:
-        begun = _begun(cut, prior, steps)
+        begin, longest, tried = _begun(cut, prior, steps)
         found = None
-        for share in [item for item in reversed(SHORTER) if item >= begun.share]:
+        for share in [item for item in reversed(SHORTER) if item >= longest]:
             problem, first = cut(share)
-            start = begun.values if found is None else found.values
+            start = begin if found is None else found.values
             if not math.isfinite(_cost(problem, start, first, prior.precision)):
-                begun.tried.append(f"windows of {share * length:.3g} s, lost again")
+                tried.append(f"windows of {share * length:.3g} s, lost again")
                 break
             found = _weighed(problem, first, start, steps, pool, share)
     assert found is not None
-    return replace(found, tried=tuple(begun.tried), seconds=time.perf_counter() - started)
+    return replace(found, tried=tuple(tried), seconds=time.perf_counter() - started)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Steps:
-    """Says which step is made."""
-
-    most: int
-    progress: Progress | None
-
-    def tell(self, number: int, what: str) -> None:
-        if self.progress is not None:
-            self.progress(min(number, self.most), self.most, what)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Begun:
-    """Where a fit can begin: values, and share of the windows' length."""
-
-    values: Array
-    share: float
-    tried: list[str]
-
-
-def _begun(cut: Callable[[float], tuple[_Problem, Array]], prior: Prior, steps: _Steps) -> _Begun:
+def _begun(
+    cut: Callable[[float], tuple[_Problem, Array]], prior: Prior, steps: Steps
+) -> tuple[Array, float, list[str]]:
     """The longest windows through which the motion is not lost, and the values they begin from."""
     tried: list[str] = []
     for share in SHORTER:
@@ -188,7 +169,7 @@ def _begun(cut: Callable[[float], tuple[_Problem, Array]], prior: Prior, steps: 
             length = (problem.t[-1] - problem.t[0]) / problem.windows
             text = f"{word} through {problem.windows} windows"
             if math.isfinite(_cost(problem, values, first, prior.precision)):
-                return _Begun(values=values, share=share, tried=tried)
+                return values, share, tried
             tried.append(text)
             steps.tell(0, f"the motion is lost from {text} of about {length:.3g} s")
     raise SimulationError(
@@ -201,7 +182,7 @@ def _weighed(
     problem: _Problem,
     first: Array,
     start: Array,
-    steps: _Steps,
+    steps: Steps,
     pool: ThreadPoolExecutor,
     share: float,
 ) -> TrajectoryFit:
@@ -326,12 +307,7 @@ def _lack(
 
 
 def _solved(
-    problem: _Problem,
-    first: Array,
-    start: Array,
-    steps: _Steps,
-    pool: ThreadPoolExecutor,
-    word: str,
+    problem: _Problem, first: Array, start: Array, steps: Steps, pool: ThreadPoolExecutor, word: str
 ) -> tuple[TrajectoryFit, Array, float, list[_Piece]]:
     """The fit with these weights, how its windows begin, how errors last, and its windows."""
     prior = problem.prior

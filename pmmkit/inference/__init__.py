@@ -6,14 +6,11 @@ from pmmkit.base import lazy
 
 if TYPE_CHECKING:
     from pmmkit.inference.equations import Equations
-    from pmmkit.inference.information_filter import InformationRoot
     from pmmkit.inference.innovations import Consistency, Innovations
-    from pmmkit.inference.left_out import of_others
-    from pmmkit.inference.linear_fit import RANK_TOLERANCE, LeastSquares, dependent
-    from pmmkit.inference.normal import Normal, Taken, log_normal
+    from pmmkit.inference.linear_fit import RANK_TOLERANCE, LeastSquares, dependent, of_others
+    from pmmkit.inference.normal import InformationRoot, Normal, Taken, log_normal
     from pmmkit.inference.propagation import COVERAGE, Propagated, Stencil, root, std_along
-    from pmmkit.inference.random_effects import RunEffects
-    from pmmkit.inference.restricted import Restricted
+    from pmmkit.inference.random_effects import Restricted, RunEffects
     from pmmkit.inference.sparse import (
         EffectiveSample,
         Resampling,

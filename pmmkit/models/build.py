@@ -17,7 +17,7 @@ from pmmkit.base import (
     Problem,
     Remedy,
     TableError,
-    setting,
+    Way,
 )
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects import HULL, INERTIA, AddedMass
@@ -197,7 +197,8 @@ def _usable(table: DerivativeTable, *, force: bool) -> tuple[Step, ...]:
 _BY_FORCE: Final = Problem(
     message="No model was made.",
     remedy=Remedy(
-        "Mend the tests, or make one by force, which stays marked ({}).", (setting("force", True),)
+        "Mend the tests, or make one by force, which stays marked ({}).",
+        (Way.setting("force", True),),
     ),
 )
 
@@ -335,13 +336,13 @@ def _way_out(refused: list[str], table: DerivativeTable) -> Problem:
     partly = [item for item in refused if item in table and np.any(np.isfinite(table[item]))]
     if partly:
         ways.append("reduce all speeds to one set ({})")
-        asked.append(setting("fn", "pooled"))
+        asked.append(Way.setting("fn", "pooled"))
     if not set(refused) <= set(NEEDED):
         ways.append("take what is not essential as zero ({})")
-        asked.append(setting("missing", "zero"))
+        asked.append(Way.setting("missing", "zero"))
     if any(map(_accelerates, refused)):
         ways.append("take acceleration derivatives from the library ship ({})")
-        asked.append(setting("missing", "library"))
+        asked.append(Way.setting("missing", "library"))
     ways.append("choose a structure without the terms that the runs do not determine")
     return Problem(
         message="What can be done without new tests:",

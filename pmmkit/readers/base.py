@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
 
-from pmmkit.base import CampaignError, Problem, Remedy, did_you_mean, setting
+from pmmkit.base import CampaignError, Problem, Remedy, Way, did_you_mean
 from pmmkit.conventions import split_unit
 from pmmkit.files import Origin
 from pmmkit.numerics import ABSURD, Array
@@ -40,7 +40,7 @@ WITHHELD: Final = (
 _BESIDE: Final = Remedy(
     "Correct the path; or put the file beside the campaign file, or name its folder with {}, to be "
     "told what is wrong with it.",
-    (setting("data"),),
+    (Way.setting("data"),),
 )
 LISTED: Final = 10
 """Problems of one kind listed in full before the rest are only counted."""

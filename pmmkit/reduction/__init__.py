@@ -13,9 +13,8 @@ if TYPE_CHECKING:
     from pmmkit.reduction.derivatives import columns_of
     from pmmkit.reduction.observations.equations import Rows
     from pmmkit.reduction.observations.prepare import PreparedRun, RunResult, one_cycle
-    from pmmkit.reduction.observations.seen import RunView
     from pmmkit.reduction.observations.stated import altered, idle
-    from pmmkit.reduction.observations.views import FLOOR, View
+    from pmmkit.reduction.observations.views import FLOOR, RunView, View
     from pmmkit.reduction.parts import Parts
     from pmmkit.reduction.reading.resume import resumable
     from pmmkit.reduction.reduce import Reduction, reduce_campaign

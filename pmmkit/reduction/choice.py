@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
 from functools import reduce
 
 import numpy as np
@@ -13,17 +12,6 @@ from pmmkit.conventions import CHANNELS, STRUCTURES, Structure, parse_derivative
 from pmmkit.presentation import counted, listed
 from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.solve import Solution
-
-
-@dataclass(frozen=True, kw_only=True)
-class StructureChoice:
-    """A structure and why it was taken.
-
-    `because`: what speaks for it and against larger ones, in words.
-    """
-
-    structure: Structure
-    because: str
 
 
 def candidates(measured: Collection[str]) -> tuple[Structure, ...]:
@@ -52,8 +40,8 @@ def largest_determined(
     measured: Collection[str],
     columns: Callable[[Structure], DerivativeNames],
     fit: Callable[[DerivativeNames], Solution],
-) -> StructureChoice:
-    """The largest structure of which the runs determine every term.
+) -> tuple[Structure, str]:
+    """The largest structure of which the runs determine every term, and what speaks for it.
 
     Notes
     -----
@@ -81,7 +69,7 @@ def largest_determined(
             f"These runs do not determine the structure {smallest}: nothing shows "
             f"{listed(names)}. Name the derivatives that you want."
         )
-    return StructureChoice(structure=best[1], because=_because(best[1], lacking))
+    return best[1], _because(best[1], lacking)
 
 
 def _judged(columns: DerivativeNames) -> set[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -31,12 +31,8 @@ BEYOND_COUNTING: Final = 1e6
 """Degrees of freedom from which noise is known; F of infinitely many has no number."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Judgement:
-    """How far a run departs in one channel, and the probability of so much, for one run."""
-
-    departure: float
-    chance: float
+_Judgement = tuple[float, float]
+"""How far a run departs in one channel, and the probability of so much, for one run."""
 
 
 def runs_at_odds(
@@ -63,11 +59,11 @@ def runs_at_odds(
             for run in _suspects(rest, aside)
         }
         worst = min(judged, key=lambda run: _least_chance(judged[run]), default="")
-        beyond = {name: x for name, x in judged.get(worst, {}).items() if x.chance < limit}
+        beyond = {name: x for name, x in judged.get(worst, {}).items() if x[1] < limit}
         if not beyond:
             break
         odd += [
-            replace(one, departure=own.departure, chance=own.chance)
+            replace(one, departure=own[0], chance=own[1])
             for one in found
             if one.run == worst and (own := beyond.get(one.channel))
         ]
@@ -86,7 +82,7 @@ def _suspects(found: Sequence[Influence], aside: Collection[str]) -> list[str]:
 
 
 def _least_chance(judged: Mapping[str, _Judgement]) -> float:
-    return min((x.chance for x in judged.values()), default=1.0)
+    return min((chance for _, chance in judged.values()), default=1.0)
 
 
 def _without(
@@ -140,11 +136,12 @@ def _held_against(
     if prediction is None or scatter is None or item.channel not in scatter.weights:
         return None
     block = item.blocks[number]
-    rest = block.rows - block.design[:, item.chosen] @ prediction.value
+    value, _, _ = prediction
+    rest = block.rows - block.design[:, item.chosen] @ value
     draw = drawn(
         item.channel,
         [block],
-        dict(zip(item.fit.names, prediction.value.tolist(), strict=True)),
+        dict(zip(item.fit.names, value.tolist(), strict=True)),
         [rest],
         rows,
         changes,
@@ -168,16 +165,9 @@ def _block_of(run: str, members: Sequence[Rows], item: ChannelFit) -> int | None
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Prediction:
-    """Coefficients of a fit as other runs have them.
-
-    `value (p,)`: values; zero where they do not have one.
-    """
-
-    value: Array
-    there: NDArray[np.bool_]
-    covariance: Array
+_Prediction = tuple[Array, NDArray[np.bool_], Array]
+"""Coefficients (p,) of a fit as other runs have them, zero where they do not have one; which they
+have, and the covariance of those."""
 
 
 def _predicted(others: Solution, names: Sequence[str]) -> _Prediction | None:
@@ -189,9 +179,7 @@ def _predicted(others: Solution, names: Sequence[str]) -> _Prediction | None:
     covariance = others.joint.covariance[np.ix_(places, places)]
     if not places or not np.all(np.isfinite(value)) or not np.all(np.isfinite(covariance)):
         return None
-    return _Prediction(
-        value=value, there=np.array([place is not None for place in known]), covariance=covariance
-    )
+    return value, np.array([place is not None for place in known]), covariance
 
 
 def _allowed(
@@ -199,9 +187,10 @@ def _allowed(
 ) -> Array:
     """Covariance of a run's departure from what others predict at each size of the scatter,
     array (g, m, m): noise, doubt of the prediction, stated uncertainties, and its own draw."""
+    _, there, covariance = prediction
     noise = _as_sisters(item, number) * item.noise.covariances[number]
-    known = item.blocks[number].design[:, item.chosen][:, prediction.there]
-    base = noise + known @ prediction.covariance @ known.T + draw.stated[0] @ draw.stated[0].T
+    known = item.blocks[number].design[:, item.chosen][:, there]
+    base = noise + known @ covariance @ known.T + draw.stated[0] @ draw.stated[0].T
     own = draw.own[0] * RunEffects.per_column(nodes, len(known))[:, None, :]
     return base + own @ np.swapaxes(own, 1, 2)
 
@@ -230,10 +219,8 @@ def _judgement(rest: Array, allowed: Array, weight: Array, freedom: float) -> _J
 
     squared = np.einsum("m,gmn,n->g", rest, np.linalg.inv(allowed), rest) / len(rest)
     within = float(np.clip(freedom, 1.0, BEYOND_COUNTING))
-    return _Judgement(
-        departure=float(np.sqrt(max(weight @ squared, 0.0))),
-        chance=float(weight @ fdtrc(len(rest), within, np.maximum(squared, 0.0))),
-    )
+    departure = float(np.sqrt(max(weight @ squared, 0.0)))
+    return departure, float(weight @ fdtrc(len(rest), within, np.maximum(squared, 0.0)))
 
 
 def at_odds(odd: Sequence[Influence], *, weighed: bool = False) -> tuple[CheckFinding, ...]:

@@ -9,6 +9,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from pmmkit.base import CampaignError, ContradictionError, Problem, Workers, __version__
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, Structure
@@ -20,28 +22,84 @@ from pmmkit.reduction.between_runs import between_runs
 from pmmkit.reduction.choice import all_terms, largest_determined
 from pmmkit.reduction.derivatives import DerivativeNames, columns_of
 from pmmkit.reduction.influence import Influences, influences
-from pmmkit.reduction.methods.families import by_family, by_run
-from pmmkit.reduction.methods.library import library_of
-from pmmkit.reduction.methods.method import Estimate, MethodInputs
-from pmmkit.reduction.methods.over_time import channels_over_time
+from pmmkit.reduction.methods.families import by_family, by_run, library_of
+from pmmkit.reduction.methods.method import Estimate, MethodInputs, channels_over_time
 from pmmkit.reduction.methods.registry import ALL, METHODS, estimates, methods_of
 from pmmkit.reduction.notes import Offset, misfits, notes, offsets
 from pmmkit.reduction.observations.equations import Rows, Sensitivity, excited_alone
 from pmmkit.reduction.observations.prepare import CycleChoice, RunResult
 from pmmkit.reduction.observations.stated import idle
 from pmmkit.reduction.odd_runs import at_odds, runs_at_odds, weighed_down
-from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
+from pmmkit.reduction.propulsion import (
+    Propulsion,
+    Resistance,
+    propulsion,
+    resistance,
+    thrust_inside,
+)
 from pmmkit.reduction.reading.all_runs import Means, read_all
 from pmmkit.reduction.reading.run import ReductionSettings, speed_increase
-from pmmkit.reduction.sinkage import squat, squat_frame
 from pmmkit.reduction.solve import Solution, froude_groups, measured_and_fitted, solve, to_table
 from pmmkit.reduction.surge_zero import surge_zero
-from pmmkit.reduction.thrust import thrust_inside
 from pmmkit.reduction.verdict import verdict
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
+
+
+# Sinkage and trim of straight runs: squat over the Froude number.
+
+
+def squat(results: Sequence[RunResult]) -> pd.DataFrame:
+    """Of steady runs without drift, turn, heel and rudder, a row per Froude number.
+
+    Fn; means of sinkage [m], positive down, and trim [deg], as the file counts it, and the standard
+    deviations between runs, NaN of a single one; runs.
+    """
+    import pandas as pd
+
+    straight = [item for item in results if _straight(item)]
+    rows = []
+    for Fn, places in froude_groups([item.froude for item in straight]):
+        own = [straight[place] for place in places]
+        sinkage = _known([x.extras.get("sinkage") for x in own])
+        trim = _known([x.extras.get("trim") for x in own])
+        rows.append(
+            {
+                "Fn": Fn,
+                "sinkage": _mean(sinkage),
+                "sinkage_std": _deviation(sinkage),
+                "trim_deg": math.degrees(_mean(trim)),
+                "trim_std_deg": math.degrees(_deviation(trim)),
+                "runs": len(own),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _straight(item: RunResult) -> bool:
+    settings = item.run.settings
+    turned = (settings.drift, settings.rudder, settings.heel, settings.turn_rate)
+    return (
+        not item.run.dynamic
+        and bool({"sinkage", "trim"} & set(item.extras))
+        and not any(turned)
+        and math.isfinite(item.froude)
+    )
+
+
+def _known(values: Sequence[float | None]) -> list[float]:
+    return [x for x in values if x is not None and math.isfinite(x)]
+
+
+def _mean(known: Sequence[float]) -> float:
+    return float(np.mean(known)) if known else math.nan
+
+
+def _deviation(known: Sequence[float]) -> float:
+    return float(np.std(known, ddof=1)) if len(known) > 1 else math.nan
+
 
 Progress = Callable[[int, int, str], None]
 OddRuns = Literal["tell", "weigh", "refuse"]
@@ -155,7 +213,7 @@ class Reduction(Described):
 
     def squat_to_pandas(self) -> pd.DataFrame:
         """Sinkage and trim straight ahead: a row per Froude number; none where not measured."""
-        return squat_frame(squat(self.runs))
+        return squat(self.runs)
 
     def runs_to_pandas(self) -> pd.DataFrame:
         """A row per run: settings, window, cycles, harmonics [N, N m], sinkage, trim …"""
@@ -311,12 +369,11 @@ def reduce_campaign(
     between = between_runs(rows, campaign, convention)
     because = ""
     if free:
-        choice = largest_determined(
+        wanted, because = largest_determined(
             measured,
             lambda structure: columns_of(structure, campaign.runs, measured),
             lambda terms: solve(rows, sensitivities, terms, groups, between),
         )
-        wanted, because = choice.structure, choice.because
     columns = columns_of(wanted, campaign.runs, measured)
     if not columns.required:
         raise CampaignError(

@@ -19,8 +19,8 @@ from pmmkit.presentation import at_froude, listed
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.influence import Influence, Influences
 from pmmkit.reduction.observations.equations import Rows
+from pmmkit.reduction.propulsion import TOGETHER, thrust_inside
 from pmmkit.reduction.solve import SPEED_GAP, Solution
-from pmmkit.reduction.thrust import TOGETHER, thrust_inside
 
 LOST: Final = 0.5
 """Share of the rms force that a fit leaves from which it fits nothing. A structure that lacks a

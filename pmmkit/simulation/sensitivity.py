@@ -15,10 +15,10 @@ from pmmkit.base import (
     Problem,
     Remedy,
     UnknownNameError,
+    Way,
     Workers,
     did_you_mean,
     opened,
-    setting,
 )
 from pmmkit.conventions import METRICS, Metric
 from pmmkit.inference import Propagated, Stencil
@@ -181,7 +181,7 @@ class Sensitivities(Described):
                     message="The model has no covariance.",
                     remedy=Remedy(
                         "Give the relative standard deviation of its derivatives ({}).",
-                        (setting("spread", 0.05),),
+                        (Way.setting("spread", 0.05),),
                     ),
                 )
             )

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.base import DataError, ModelError, Problem, Remedy, setting
+from pmmkit.base import DataError, ModelError, Problem, Remedy, Way
 from pmmkit.effects import CATALOGUE
 from pmmkit.inference import root
 from pmmkit.models import Model
@@ -141,7 +141,7 @@ class Spread:
                         remedy=Remedy(
                             "Give the relative standard deviation of its derivatives ({}), or "
                             "reduce tests to a model.",
-                            (setting("spread", 0.05),),
+                            (Way.setting("spread", 0.05),),
                         ),
                     )
                 )

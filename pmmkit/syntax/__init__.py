@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from pmmkit.syntax.c.program import CProgram
     from pmmkit.syntax.comments import comment, plain
     from pmmkit.syntax.matlab.names import is_matlab_name, matlab_name, matlab_value
-    from pmmkit.syntax.matlab.transcribe import MatlabLine, needed, transcribe
+    from pmmkit.syntax.matlab.transcribe import MatlabLine, transcribe
     from pmmkit.syntax.printing import python_lines
     from pmmkit.syntax.reading import expression, functions, statements
     from pmmkit.syntax.tree import (
@@ -51,7 +51,6 @@ __all__ = [
     "is_matlab_name",
     "matlab_name",
     "matlab_value",
-    "needed",
     "plain",
     "python_lines",
     "statements",

@@ -23,12 +23,13 @@ from dataclasses import replace
 from multiprocessing import get_context
 
 from pmmkit.campaigns import Campaign
-from pmmkit.diagnosis.captive.candidate import Candidate, polynomial
+from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
 from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.reduction import View
 from scripts.studies.hidden_effects import programmes, tank
+from tests.support.term_candidates import polynomial
 
 
 def campaign(runs: int) -> Campaign:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pmmkit as pk
 from pmmkit.diagnosis.captive.refit import captive_candidates
-from pmmkit.diagnosis.captive.signature import FROUDE, LENGTH, Signature, signatures
+from pmmkit.diagnosis.captive.standard import FROUDE, LENGTH
 from pmmkit.effects import CATALOGUE, Effect
 from pmmkit.files import datasets_folder, write_text
 from pmmkit.intake.checks import CHECKS
@@ -24,6 +24,7 @@ from pmmkit.plotting import style, trajectory
 from pmmkit.views.figures.derivatives import derivatives_over_froude
 from scripts.documentation import actions, campaign_file, figures, manoeuvres, rooms
 from scripts.documentation.fences import page
+from scripts.documentation.signatures import Signature, signatures
 
 DOCS = Path(__file__).parents[2] / "docs"
 

@@ -35,7 +35,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.base import listed_in
+from pmmkit.base import Registry
 from scripts.datasets.campaign_text import S175
 
 ROWS = 400
@@ -211,10 +211,9 @@ def _tdms(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
 
 
 FOAM = "postProcessing/forces/0/"
-FORMATS = {
-    item.name: item
-    for item in (
-        *listed_in("scripts.studies.formats", "FORMATS")(),
+FORMATS = Registry(
+    Format,
+    lambda: (
         Format(name="csv", file="a.csv", entry="", write=_csv, text=True),
         Format(name="csv, decimal commas", file="a.txt", entry="", write=_german, text=True),
         Format(name="blanks", file="a.dat", entry="", write=_blanks, text=True),
@@ -251,8 +250,10 @@ FORMATS = {
         Format(name="hdf5", file="a.h5", entry='source = { format = "hdf5" }', write=_hdf5),
         Format(name="netcdf 3", file="a.nc", entry='source = { format = "hdf5" }', write=_netcdf3),
         Format(name="tdms", file="a.tdms", entry='source = { format = "tdms" }', write=_tdms),
-    )
-}
+    ),
+    what="format",
+    listed="scripts.studies.formats:FORMATS",
+)
 
 
 Damage = Callable[[bytes, np.random.Generator], bytes]

@@ -18,9 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pmmkit.diagnosis import Advice, Diagnosis, next_runs
-from pmmkit.diagnosis.free_running.diagnose import answer
-from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
-from pmmkit.diagnosis.planning.advice import NextRun
+from pmmkit.diagnosis.free_running.diagnose import FreeSystem, answer, free_system
+from pmmkit.diagnosis.planning.ranking import NextRun
 from pmmkit.identification import FreeRecord
 from pmmkit.models import load_model
 from pmmkit.numerics import Array

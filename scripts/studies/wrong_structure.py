@@ -22,9 +22,8 @@ from typing import Any
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.diagnosis.free_running.hypotheses import WIDER
+from pmmkit.diagnosis.free_running.hypotheses import WIDER, candidates_for
 from pmmkit.effects import OUTSIDE
 from pmmkit.identification import FreeRecord, Prior, identify, places
 from pmmkit.identification.binding import with_parameters

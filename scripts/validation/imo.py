@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from pmmkit.conventions import METRICS
-from pmmkit.identification.trials.verdicts import verdicts_of
+from pmmkit.identification.trials.evaluate import verdicts_of
 from scripts.validation.published import Published, Values, table
 
 RULES = {"sources": ("msc137",), "nature": "printed", "part": "program", "within": 1e-9}

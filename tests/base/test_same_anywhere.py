@@ -12,8 +12,8 @@ import pmmkit as pk
 from pmmkit import froude_sweep, sweep
 from pmmkit.base import DataError
 from pmmkit.cli import main
-from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
+from pmmkit.diagnosis.free_running.hypotheses import candidates_for
 from pmmkit.effects import CATALOGUE
 from pmmkit.identification import Prior
 from pmmkit.intake import examine

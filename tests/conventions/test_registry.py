@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from pmmkit.base import ModelError, Registry, UnknownNameError, listed_in
+from pmmkit.base import ModelError, Registry, UnknownNameError
 from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, TypeB
 from pmmkit.conventions import METRICS, STRUCTURES
 from pmmkit.effects import CATALOGUE
@@ -127,18 +127,19 @@ def test_some_may_come_first():
 def test_modules_of_a_package_are_walked_in_an_order(tmp_path, monkeypatch):
     folder = tmp_path / "locker_of_a_test"
     (folder / "deep").mkdir(parents=True)
+    head = "from types import SimpleNamespace as Named" + chr(10)
     for name, listed in (
         ("__init__", ""),
-        ("b", "KNOTS = ('b',)"),
-        ("a", "KNOTS = ('a',)"),
+        ("b", f"{head}KNOTS = (Named(name='b'),)"),
+        ("a", f"{head}KNOTS = (Named(name='a'),)"),
         ("none", ""),
         ("deep/__init__", ""),
-        ("deep/c", "KNOTS = ('c1', 'c2')"),
+        ("deep/c", f"{head}KNOTS = (Named(name='c1'), Named(name='c2'))"),
     ):
         (folder / f"{name}.py").write_text(listed, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
-    entries = listed_in("locker_of_a_test", "KNOTS", first=("deep.c",))
-    assert [*entries()] == ["c1", "c2", "a", "b"]
+    found = knots("reef", listed="locker_of_a_test:KNOTS", first=("deep.c",))
+    assert list(found) == ["reef", "c1", "c2", "a", "b"]
 
 
 def test_the_contract_of_an_entry_is_found_by_its_name():

@@ -21,11 +21,10 @@ from pmmkit.diagnosis.captive.adequacy import (
     remainder,
 )
 from pmmkit.diagnosis.captive.build import build
-from pmmkit.diagnosis.captive.coverage import coverage
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.evidence import ranked_sets, sets_of
-from pmmkit.diagnosis.captive.leave_one_out import least_gains
+from pmmkit.diagnosis.captive.evidence import least_gains, ranked_sets, sets_of
 from pmmkit.diagnosis.captive.system import channels_of
+from pmmkit.diagnosis.captive.verdict import coverage
 from pmmkit.reduction import View
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pmmkit.diagnosis.free_running.diagnose import free_system
 from pmmkit.diagnosis.free_running.left_out import band, left_out_windows
-from pmmkit.diagnosis.free_running.system import free_system
 from pmmkit.identification import Prior
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import pmmkit as pk
-from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
+from pmmkit.diagnosis.free_running.hypotheses import candidates_for
 from scripts.studies import diagnose_esso_osaka as esso
 from scripts.studies.identify_esso_osaka import SENSORS, records
 

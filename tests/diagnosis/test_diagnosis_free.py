@@ -13,10 +13,9 @@ from pmmkit import FreeRecord
 from pmmkit.base import DataError
 from pmmkit.diagnosis import undone
 from pmmkit.diagnosis.free_running.base import FreeBase, base_of, stated_base
-from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.fits import place_at
-from pmmkit.diagnosis.free_running.hypotheses import Numbers, weighed
+from pmmkit.diagnosis.free_running.hypotheses import Numbers, candidates_for, weighed
 from pmmkit.diagnosis.free_running.information import Forces, WindowInformation
 from pmmkit.diagnosis.free_running.question import PACE, paced, question_of
 from pmmkit.diagnosis.free_running.slopes import sheets_of

@@ -7,12 +7,16 @@ import pytest
 from hidden_effects import BASE, hidden_campaign
 
 from pmmkit.diagnosis.captive import build
-from pmmkit.diagnosis.captive.conditioning import condition_on, spread
-from pmmkit.diagnosis.captive.coverage import coverage
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.drawn import OwnColumns
-from pmmkit.diagnosis.captive.evidence import evidence_of, ranked_sets, sets_of
-from pmmkit.diagnosis.captive.verdict import answer
+from pmmkit.diagnosis.captive.evidence import (
+    condition_on,
+    evidence_of,
+    ranked_sets,
+    sets_of,
+    spread,
+)
+from pmmkit.diagnosis.captive.verdict import answer, coverage
+from pmmkit.diagnosis.captive.whitening import OwnColumns
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 
 from pmmkit import FreeRecord
 from pmmkit.conventions import parse_derivative
-from pmmkit.diagnosis.free_running.candidates import candidates_for, excited
+from pmmkit.diagnosis.free_running.hypotheses import candidates_for, excited
 from pmmkit.effects import CATALOGUE, HULL, INERTIA
 from pmmkit.identification import Binding
 from pmmkit.models import load_model

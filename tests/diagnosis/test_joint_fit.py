@@ -10,12 +10,10 @@ from hidden_effects import BASE, hidden_campaign
 
 from pmmkit.base import UnknownNameError
 from pmmkit.diagnosis.captive.build import build
-from pmmkit.diagnosis.captive.conditioning import condition_on
 from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
-from pmmkit.diagnosis.captive.grid import best_blocks
+from pmmkit.diagnosis.captive.evidence import best_blocks, condition_on
 from pmmkit.diagnosis.captive.held_out import condition, held_out
-from pmmkit.diagnosis.captive.joint_fit import joint_fit
-from pmmkit.diagnosis.captive.least_squares import Stack, solved
+from pmmkit.diagnosis.captive.least_squares import Stack, joint_fit, solved
 from pmmkit.diagnosis.captive.verdict import answer, taken_as_given
 
 HIDDEN = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0}

@@ -15,13 +15,12 @@ from pmmkit import FreeRecord, Limits, next_runs
 from pmmkit.base import DataError, UnknownNameError
 from pmmkit.campaigns.file.schema import RunEntry
 from pmmkit.cli import main
-from pmmkit.diagnosis.free_running.system import free_system
+from pmmkit.diagnosis.free_running.diagnose import free_system
 from pmmkit.diagnosis.planning.free_offer import free_offer
-from pmmkit.diagnosis.planning.free_options import COURSES, free_options
 from pmmkit.diagnosis.planning.manoeuvres import captive_tests
 from pmmkit.diagnosis.planning.options import options_of
 from pmmkit.diagnosis.planning.plan_file import entries_text
-from pmmkit.diagnosis.planning.planned_records import planned_record, sea_of
+from pmmkit.diagnosis.planning.planned_records import COURSES, free_options, planned_record, sea_of
 from pmmkit.diagnosis.planning.separation import Likely, expected_odds
 from pmmkit.models import load_model
 from pmmkit.simulation import simulate

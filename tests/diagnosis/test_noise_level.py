@@ -11,10 +11,10 @@ from test_diagnosis import BASE, diagnosed
 
 from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.build import build
-from pmmkit.diagnosis.captive.chosen_anew import _losses, chosen_anew
 from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.evidence import ranked_sets, sets_of
 from pmmkit.diagnosis.captive.held_out import condition, held_out
+from pmmkit.diagnosis.captive.verdict import _losses, chosen_anew
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ from hidden_effects import hidden_campaign
 from test_diagnosis import BASE, diagnosed
 
 from pmmkit.diagnosis import candidate_of
+from pmmkit.diagnosis.captive.adequacy import floor_places, mirrored, parities
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.parity import floor_places, mirrored, parities
 from pmmkit.diagnosis.captive.system import FEATURES, floor_features
 from pmmkit.effects import CATALOGUE
 

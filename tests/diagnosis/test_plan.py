@@ -22,9 +22,8 @@ from pmmkit.conventions import Convention
 from pmmkit.diagnosis import read_plan_file
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.build import build
-from pmmkit.diagnosis.captive.conditioning import condition_on
 from pmmkit.diagnosis.captive.diagnose import diagnose_captive
-from pmmkit.diagnosis.captive.grid import best_blocks
+from pmmkit.diagnosis.captive.evidence import best_blocks, condition_on
 from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.diagnosis.planning.ground import ground_of
 from pmmkit.diagnosis.planning.information import known, rows_of

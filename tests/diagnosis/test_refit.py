@@ -7,7 +7,7 @@ import pytest
 from hidden_effects import hidden_campaign
 
 import pmmkit as pk
-from pmmkit.diagnosis.captive.joint_fit import joint_fit
+from pmmkit.diagnosis.captive.least_squares import joint_fit
 from pmmkit.diagnosis.refit import put_back, stepped
 from pmmkit.models import Step
 from tests.support.uncoupled import uncoupled

@@ -11,8 +11,8 @@ import pmmkit as pk
 from pmmkit.base import ModelError, UnknownNameError
 from pmmkit.diagnosis import undone
 from pmmkit.diagnosis.findings import Finding
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
+from pmmkit.diagnosis.free_running.hypotheses import FreeCandidate, candidates_for
 from pmmkit.identification import Prior
 from pmmkit.models import Model, load_model, model_text, save_model
 from tests.support.zigzags import SENSORS, SHIP, SPEED, sailed

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from pages import answers_in, texts_in
+from term_candidates import polynomial
 
 import pmmkit as pk
 from pmmkit.base import DataError, ModelError, UnknownNameError
 from pmmkit.diagnosis import undone
-from pmmkit.diagnosis.captive.candidate import polynomial
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.fits import at_place, having
 from pmmkit.diagnosis.record_figures import before_and_after

@@ -11,8 +11,8 @@ import pytest
 
 import pmmkit as pk
 from pmmkit import FreeRecord
-from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
+from pmmkit.diagnosis.free_running.hypotheses import candidates_for
 from pmmkit.diagnosis.free_running.question import records_of
 from pmmkit.identification import Prediction, Smoothed
 from pmmkit.models import Model

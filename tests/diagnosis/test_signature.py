@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from pmmkit.diagnosis.captive.refit import captive_candidates
-from pmmkit.diagnosis.captive.signature import signatures
+from scripts.documentation.signatures import signatures
 
 
 @pytest.fixture(scope="module")

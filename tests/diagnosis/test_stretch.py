@@ -9,8 +9,8 @@ from hidden_effects import BASE, hidden_campaign
 from pmmkit.diagnosis.captive import base as stretch
 from pmmkit.diagnosis.captive.adequacy import gains
 from pmmkit.diagnosis.captive.base import SAMPLES, stretches
-from pmmkit.diagnosis.captive.conditioning import spread
 from pmmkit.diagnosis.captive.diagnose import captive_system
+from pmmkit.diagnosis.captive.evidence import spread
 from pmmkit.diagnosis.captive.refit import captive_candidates
 
 

@@ -15,8 +15,8 @@ from pmmkit import FreeRecord, identify
 from pmmkit.base import DataError
 from pmmkit.diagnosis import Diagnosis
 from pmmkit.diagnosis.free_running.base import movable
-from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
+from pmmkit.diagnosis.free_running.hypotheses import candidates_for
 from pmmkit.diagnosis.free_running.question import records_of
 from pmmkit.equations import State
 from pmmkit.identification import Binding

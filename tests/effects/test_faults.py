@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.base import CaptiveBase
-from pmmkit.diagnosis.captive.columns import columns_of
+from pmmkit.diagnosis.captive.candidate import columns_of
 from pmmkit.effects import CATALOGUE
 from pmmkit.effects.faults.rig import strokes
 from pmmkit.reduction import RunView, View

@@ -15,8 +15,7 @@ import pmmkit as pk
 from pmmkit.diagnosis import begin, candidate_of
 from pmmkit.diagnosis.captive.diagnose import diagnose_captive
 from pmmkit.diagnosis.captive.refit import captive_candidates
-from pmmkit.diagnosis.captive.signature import signatures
-from pmmkit.diagnosis.free_running.candidates import candidates_for
+from pmmkit.diagnosis.free_running.hypotheses import candidates_for
 from pmmkit.effects import CATALOGUE
 from pmmkit.equations import prepare
 from pmmkit.identification import fit_to_forces
@@ -24,6 +23,7 @@ from pmmkit.identification.forces import ForceRecord
 from pmmkit.models import load_model, scaled
 from pmmkit.testing.effects import check_effect
 from scripts.documentation.make_docs import effect_page
+from scripts.documentation.signatures import signatures
 
 FILE = '''"""A skeg that yawing in drift unloads, once the drift is large enough."""
 

@@ -9,13 +9,14 @@ import pytest
 from hidden_effects import hidden_campaign
 from hypothesis import given
 from hypothesis import strategies as st
+from term_candidates import polynomial
 
 import pmmkit as pk
 from pmmkit.base import DataError, ModelError
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis import candidate_of
 from pmmkit.diagnosis.captive.base import CaptiveBase
-from pmmkit.diagnosis.captive.candidate import Candidate, polynomial
+from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.diagnose import diagnose_captive
 from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.models import load_model

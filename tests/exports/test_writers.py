@@ -33,7 +33,7 @@ from pmmkit.effects.primitives import (
 )
 from pmmkit.exports.matlab.model import model_to_mss
 from pmmkit.syntax import CProgram, Unwritable, expression, transcribe
-from pmmkit.syntax.matlab.printed import printed
+from pmmkit.syntax.matlab.transcribe import printed
 
 COMPILER = shutil.which("cc")
 LARGE, SMALL = 1e308, 5e-324

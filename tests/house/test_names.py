@@ -56,7 +56,7 @@ REGISTRIES: Mapping[str, tuple[Collection[str], Mapping[str, str]]] = {
             "simulation/sensitivity.py": OF_MANOEUVRES,
             "simulation/single.py": OF_MANOEUVRES,
             "views/report/tables.py": "a run whose settings ask for nothing",
-            "diagnosis/planning/free_options.py": "which of them are offered",
+            "diagnosis/planning/planned_records.py": "which of them are offered",
             "workbench/desk.py": OF_MANOEUVRES,
             "views/pages/turning.py": OF_MANOEUVRES,
         },
@@ -79,7 +79,7 @@ REGISTRIES = {
     "effects and faults that a diagnosis asks for": (
         [x.name for x in EVERY if x.coefficients or x.moves],
         {
-            "diagnosis/free_running/candidates.py": "what records hold: a wind",
+            "diagnosis/free_running/hypotheses.py": "what records hold: a wind",
             "identification/chosen.py": OTHER_WORDS,
             "identification/methods.py": OTHER_WORDS,
             "seakeeping/explanation.py": "a number of the loading of that name",
@@ -98,7 +98,7 @@ REGISTRIES = {
             "campaigns/file/single_tables.py": OTHER_WORDS,
             "campaigns/run_settings.py": OTHER_WORDS,
             "diagnosis/captive/base.py": "what runs hold: roll",
-            "diagnosis/free_running/candidates.py": "what records hold: roll",
+            "diagnosis/free_running/hypotheses.py": "what records hold: roll",
             "equations/code_generation.py": "a variable of that name",
             "equations/layouts.py": "a constant and an input of that name",
             "exports/campaign_toml.py": OTHER_WORDS,
@@ -118,7 +118,7 @@ REGISTRIES = {
 """Names of a registry, and the files of the package in which they may stand, with the reason."""
 BY_REGISTRY: Mapping[str, Collection[str]] = {
     "captive kinds of test": (
-        "diagnosis/captive/signature.py",
+        "diagnosis/captive/standard.py",
         "intake/checks/motion.py",
         "intake/checks/scales.py",
         "intake/checks/signs.py",
@@ -135,7 +135,6 @@ BY_REGISTRY: Mapping[str, Collection[str]] = {
         "identification/trials/evaluate.py",
         "identification/trials/loading.py",
         "identification/trials/table.py",
-        "identification/trials/verdicts.py",
         "intake/drafts/motion.py",
         "intake/drafts/names.py",
         "views/figures/comparison.py",

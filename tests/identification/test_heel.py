@@ -9,7 +9,7 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.identification import evaluate_trials
-from pmmkit.identification.trials.heel import heel_of_turn
+from pmmkit.identification.trials.evaluate import heel_of_turn
 
 SPEED = 9.0
 

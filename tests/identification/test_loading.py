@@ -12,7 +12,7 @@ from pmmkit import Campaign, imo_turning
 from pmmkit.base import DataError
 from pmmkit.conventions import Ship, Water
 from pmmkit.identification import Corrected, LoadingPrediction, Trial
-from pmmkit.identification.trials.verdicts import verdicts_of
+from pmmkit.identification.trials.evaluate import verdicts_of
 from pmmkit.models import Step, estimated_model
 from pmmkit.models.model import ASTERN
 from pmmkit.views import form_of_trials

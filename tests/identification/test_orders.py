@@ -9,9 +9,8 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.identification import evaluate_trials
-from pmmkit.identification.trials.noise import PositionNoise
 from pmmkit.identification.trials.orders import Order, rudder_orders
-from pmmkit.identification.trials.path import path_of
+from pmmkit.identification.trials.path import PositionNoise, path_of
 from pmmkit.identification.trials.record import Record
 
 EXECUTES = (42.3, 57.6, 80.7, 117.4)

@@ -665,7 +665,7 @@ def test_the_order_is_where_the_ramp_begins(rate):
 
 
 def test_the_bulk_carrier_and_the_patrol_vessel_of_the_paper():
-    from pmmkit.identification.trials.verdicts import verdicts_of
+    from pmmkit.identification.trials.evaluate import verdicts_of
 
     for L, advance, diameter, rudder in (
         (170.0, 3.61, 2.99, -35.0),

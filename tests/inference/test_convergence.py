@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pmmkit.identification.posterior.chains import convergence, ess_bulk, ess_tail, r_hat
+from pmmkit.identification.posterior.ensembles import convergence, ess_bulk, ess_tail, r_hat
 
 
 def chains():

@@ -15,7 +15,7 @@ from pmmkit.campaigns import TypeB
 from pmmkit.models.tables.compare import identical
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.methods.kalman import filtered
-from pmmkit.reduction.methods.over_time import OverTime, channels_over_time
+from pmmkit.reduction.methods.method import OverTime, channels_over_time
 from pmmkit.reduction.methods.registry import METHODS
 from scripts.datasets.virtual_tank import SHIP, SON_NOMOTO, captive, motion, water_forces
 
@@ -123,10 +123,10 @@ def test_the_filter_is_recursive_least_squares():
         design=tuple(design),
         rows=tuple(rows),
     )
-    passed = filtered(channel, ["a", "b", "c"])
+    known, innovations = filtered(channel, ["a", "b", "c"])
     X, y = np.concatenate(design), np.concatenate(rows)
-    np.testing.assert_allclose(passed.value, np.linalg.lstsq(X, y, rcond=None)[0], rtol=1e-4)
-    np.testing.assert_allclose(passed.covariance, np.linalg.inv(X.T @ X), rtol=1e-3)
+    np.testing.assert_allclose(known.mean, np.linalg.lstsq(X, y, rcond=None)[0], rtol=1e-4)
+    np.testing.assert_allclose(known.covariance, np.linalg.inv(X.T @ X), rtol=1e-3)
     size = np.sqrt(np.mean(X**2, axis=0))
     P = np.diag((100.0 * np.sqrt(np.mean(y**2)) / size) ** 2)
     state, new = np.zeros(3), []
@@ -135,7 +135,7 @@ def test_the_filter_is_recursive_least_squares():
         new.append((measured - x @ state) / math.sqrt(S))
         state = state + P @ x / S * (measured - x @ state)
         P = P - np.outer(P @ x, P @ x) / S
-    found = np.concatenate(passed.innovations)
+    found = np.concatenate(innovations)
     learnt = np.isfinite(found)
     assert 100 < learnt.sum() < 125
     np.testing.assert_allclose(found[learnt], np.array(new)[learnt], atol=1e-7)

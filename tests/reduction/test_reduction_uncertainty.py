@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from few_runs import few
+from monte_carlo import monte_carlo
 
 from pmmkit import Campaign, Run
 from pmmkit.campaigns import Settings, TypeB
 from pmmkit.reduction import reduce_campaign
-from pmmkit.reduction.monte_carlo import monte_carlo
 from pmmkit.reduction.observations.noise import degrees, shrunk_levels
 from scripts.datasets.virtual_tank import SHIP, SON_NOMOTO, WATER, captive
 

@@ -11,7 +11,7 @@ from small_campaign import write_campaign
 
 import pmmkit as pk
 from pmmkit.reduction import reduce_campaign
-from pmmkit.reduction.sinkage import squat, squat_frame
+from pmmkit.reduction.reduce import squat
 from pmmkit.views.report.captive.repeatability import repeatability
 
 
@@ -63,7 +63,7 @@ def test_squat_is_the_mean_of_straight_runs_by_speed(reduced):
         return replace(straight, froude=Fn, extras=extras, run=straight.run.with_(id=f"s{place}"))
 
     turned = next(item for item in reduced.runs if item.run.id == "SD_U1_b+08")
-    found = squat(
+    frame = squat(
         [
             sunk(1, 0.2, sinkage=0.004, trim=math.radians(0.1)),
             sunk(2, 0.2005, sinkage=0.006, trim=math.radians(0.3)),
@@ -72,7 +72,6 @@ def test_squat_is_the_mean_of_straight_runs_by_speed(reduced):
             sunk(4, 0.3),
         ]
     )
-    frame = squat_frame(found)
     assert frame["Fn"].round(4).tolist() == [0.1, 0.2002]
     assert frame["sinkage"].tolist() == pytest.approx([0.001, 0.005])
     assert frame["sinkage_std"][1] == pytest.approx(0.002 / math.sqrt(2.0))

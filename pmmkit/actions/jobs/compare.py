@@ -108,11 +108,9 @@ def _chosen(
     path: Path, data: Path | None, runs: Sequence[str]
 ) -> tuple[Campaign, tuple[CheckFinding, ...]]:
     """The tests, those that are wanted, and what the checks say of them."""
-    from pmmkit.identification import matching
-
     opened, findings = sound_campaign(path, data)
     if runs:
-        opened = opened.with_(runs=tuple(matching(opened, patterns(runs) or ())))
+        opened = opened.with_(runs=tuple(opened.matching(patterns(runs) or ())))
     return opened, findings
 
 

@@ -98,13 +98,11 @@ def _loaded(
     """The measures at full load, and where the models' draughts are others."""
     if as_tried is None or full_load is None:
         return (), ()
-    from pmmkit.identification import mean_draught
-
     tried, full = (_prediction(item) for item in (as_tried, full_load))
     return tried.to_full_load(trials, full), tried.notes(
         full,
         L=campaign.ship.L,
-        draught=mean_draught(campaign.imo, campaign.ship.d),
+        draught=campaign.draught,
         full_draught=campaign.imo.get("full_load_draught"),
     )
 

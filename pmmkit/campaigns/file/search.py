@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.base import CampaignError, DataError, Problem, Remedy, setting
+from pmmkit.base import CampaignError, DataError, Problem, Remedy, Way
 from pmmkit.campaigns.run import at_hand
 from pmmkit.files import CAMPAIGN, Origin, Url, matching
 from pmmkit.readers import Contents, Options, Request, reader_for, to_number
@@ -130,7 +130,7 @@ def _outside(message: str) -> DataError:
         remedy=Remedy(
             "A campaign behind a URL names files below its own folder; {} may name another one "
             "besides.",
-            (setting("data"),),
+            (Way.setting("data"),),
         ),
     )
 
@@ -233,7 +233,8 @@ class Search:
         remedy = None
         if self.data is None or self.folder:
             remedy = Remedy(
-                f"{{}} or {DATA_VARIABLE} names the folder of the measurements.", (setting("data"),)
+                f"{{}} or {DATA_VARIABLE} names the folder of the measurements.",
+                (Way.setting("data"),),
             )
         return Problem(
             message=f"the file {file!r} is not there. Looked in: {tried}.",

@@ -13,7 +13,7 @@ from typing import ClassVar, Final, Literal
 
 import numpy as np
 
-from pmmkit.base import Registry, listed_in
+from pmmkit.base import Registry
 from pmmkit.campaigns.settings import Settings
 from pmmkit.numerics import Array
 
@@ -502,10 +502,9 @@ GROUP: Final = "pmmkit.test_kinds"
 """Entry points by which other packages bring their kinds of test."""
 TEST_KINDS: Final = Registry(
     TestKind,
-    listed_in(
-        "pmmkit.campaigns.test_kinds", "KINDS", first=("steady", "oscillating", "free_running")
-    ),
     what="kind of test",
+    listed="pmmkit.campaigns.test_kinds:KINDS",
+    first=("steady", "oscillating", "free_running"),
     group=GROUP,
     unknown="{name!r} is not one of {names}{guess}",
     contract="pmmkit.testing.test_kinds:check_test_kind",

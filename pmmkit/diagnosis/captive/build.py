@@ -12,7 +12,6 @@ import numpy as np
 from pmmkit.campaigns import Run
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.drawn import OwnColumns, RunEffectColumns
 from pmmkit.diagnosis.captive.system import (
     FEATURES,
     MANY,
@@ -29,9 +28,11 @@ from pmmkit.diagnosis.captive.system import (
 )
 from pmmkit.diagnosis.captive.whitening import (
     Channel,
+    OwnColumns,
     Piece,
     Places,
     Projection,
+    RunEffectColumns,
     alike,
     noise_whitened,
     whitened,

@@ -2,25 +2,259 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal
+from types import MappingProxyType
+from typing import Any, Final, Literal
+
+import numpy as np
 
 from pmmkit.base import Problem, Remedy, UnknownNameError, Way, did_you_mean
 from pmmkit.conventions import parse_derivative
-from pmmkit.diagnosis.captive.base import CaptiveBase
-from pmmkit.diagnosis.captive.columns import (
-    Columns,
-    Terms,
-    Together,
-    columns_of,
-    of_terms,
-    terms_of,
-    together_of,
-)
+from pmmkit.diagnosis.captive.base import MOTION, CaptiveBase, ViewSequence, stretches
 from pmmkit.effects import BY_SPEED, Effect
 from pmmkit.numerics import Array
-from pmmkit.reduction import View
+from pmmkit.reduction import RunView, View
+
+# What an effect of the catalogue does to a captive run: harmonics per unit of each coefficient.
+
+
+CHANNELS: Final = ("X", "Y", "N")
+Terms = Sequence[Mapping[str, float]]
+"""Derivatives that each coefficient stands for, with its share of them."""
+Columns = Callable[[View, CaptiveBase, float], Mapping[str, Array]]
+"""Harmonics of an effect in one view by channel, (m, q), at one grid point, q coefficients."""
+Together = Callable[[Sequence[View], CaptiveBase, float], Sequence[Mapping[str, Array]]]
+"""`Columns` of several views."""
+
+
+def columns_of(effect: Effect) -> Columns:
+    """The columns of an effect, by its kind."""
+    if effect.acts is not None:
+        return _of_a_fault(effect)
+    terms = terms_of(effect)
+    if terms:
+        return of_terms(terms)
+    together = of_a_force(effect)
+    return lambda view, base, value: together([view], base, value)[0]
+
+
+def together_of(effect: Effect) -> Together | None:
+    """The columns of an effect in several views at once, of a kind for which that is faster."""
+    given = effect.acts is not None or terms_of(effect)
+    return None if given else of_a_force(effect)
+
+
+def terms_of(effect: Effect) -> Terms:
+    """Derivatives that the coefficients of an effect stand for; none where it is no such effect."""
+    if effect.acts is not None or effect.kind != "terms":
+        return ()
+    return tuple(effect.derivatives_of(name) for name in effect.typical)
+
+
+def spread_over(
+    view: View, parts: Mapping[str, Sequence[Array]], count: int
+) -> Mapping[str, Array]:
+    """Columns by channel from single columns: channel to one array per coefficient."""
+    return MappingProxyType(
+        {
+            channel: np.array(own, float).T
+            for channel, own in parts.items()
+            if channel in view.force and len(own) == count
+        }
+    )
+
+
+def _of_a_fault(effect: Effect) -> Columns:
+    inner, names = effect.nonlinear, list(effect.typical)
+
+    def columns(view: View, base: CaptiveBase, value: float) -> Mapping[str, Array]:
+        at = {inner.name: value} if inner is not None else {}
+        return spread_over(view, effect.slopes(RunView(view, base), at, names), len(names))
+
+    return columns
+
+
+def of_terms(shares: Terms) -> Columns:
+    """Columns of coefficients that stand for derivatives, each with its share of them.
+
+    A derivative with the mark of the speed is multiplied by F at the speed of the run.
+    """
+
+    def columns(view: View, base: CaptiveBase, value: float) -> Mapping[str, Array]:
+        del value
+        acting = (name for name in channels_of_terms([shares]) if name in view.force)
+        return MappingProxyType(
+            {name: of_derivatives([shares], name, [view], base)[0] for name in acting}
+        )
+
+    return columns
+
+
+def channels_of_terms(every: Sequence[Terms]) -> tuple[str, ...]:
+    """Channels that derivatives act in."""
+    return tuple(dict.fromkeys(name[0] for shares in every for own in shares for name in own))
+
+
+def of_derivatives(
+    every: Sequence[Terms], channel: str, views: Sequence[View], base: CaptiveBase
+) -> list[Array]:
+    """Columns (n, q) in one channel of coefficients that stand for derivatives, the views one below
+    the other: what each derivative multiplies is looked at once for all of `every`."""
+    named = (name for shares in every for own in shares for name in own if name[0] == channel)
+    names = list(dict.fromkeys(name.removesuffix(BY_SPEED) for name in named))
+    law = np.repeat([base.law(view.speed) for view in views], [view.rows for view in views])
+    place = {name: k for k, name in enumerate(names)}
+    plain = base.design(names, views)
+    columns = []
+    for shares in every:
+        weights = np.zeros((2, len(names), len(shares)))
+        for k, own in enumerate(shares):
+            for name, share in own.items():
+                if name[0] == channel:
+                    by_speed = int(name.endswith(BY_SPEED))
+                    weights[by_speed, place[name.removesuffix(BY_SPEED)], k] += share
+        still, with_speed = weights
+        made: Array = plain @ still
+        if with_speed.any():
+            made = made + law[:, None] * (plain @ with_speed)
+        columns.append(made)
+    return columns
+
+
+def of_a_force(effect: Effect) -> Together:
+    """Columns of an effect with a force, a share of the mass matrix, or states of its own."""
+    inner = effect.nonlinear
+
+    def columns(
+        views: Sequence[View], base: CaptiveBase, value: float
+    ) -> Sequence[Mapping[str, Array]]:
+        given = {inner.name: value} if inner is not None else {}
+        asked = [{label: 1.0, **given} for label in effect.typical]
+        return [
+            found
+            for stretch in stretches(views)
+            for found in _projected(stretch, histories(effect, stretch, base, asked))
+        ]
+
+    return columns
+
+
+def _projected(
+    stretch: ViewSequence, forces: Sequence[Mapping[str, Array]]
+) -> list[Mapping[str, Array]]:
+    """Columns by channel of each view, from the forces per unit of each coefficient."""
+    count, channels = len(forces), list(forces[0])
+    whole = np.stack([harmonics[name] for name in channels for harmonics in forces], axis=1)
+    by_view: list[Mapping[str, Array]] = []
+    for view, samples in zip(stretch.views, stretch.samples, strict=True):
+        harmonics = view.project(whole[samples])
+        by_view.append(
+            {
+                name: harmonics[:, place * count : (place + 1) * count]
+                for place, name in enumerate(channels)
+                if name in view.force
+            }
+        )
+    return by_view
+
+
+def histories(
+    effect: Effect, stretch: ViewSequence, base: CaptiveBase, asked: Sequence[Mapping[str, float]]
+) -> list[dict[str, Array]]:
+    """Force of an effect of the catalogue along views, its states as in steady oscillation."""
+    ship, water = base.ship, base.water
+    names = effect.arguments
+    there: dict[str, Any] = {
+        "L": ship.L,
+        "B": ship.B,
+        "d": ship.d,
+        "mass": ship.mass,
+        "volume": ship.volume,
+        "rho": water.rho,
+        "g": water.g,
+        "Fn0": ship.froude(base.reference, water.g),
+        **dict.fromkeys(effect.states, 0.0),
+        **dict.fromkeys(effect.options, 0),
+    }
+    if "Fn" in names:
+        there["Fn"] = stretch.each([ship.froude(view.speed, water.g) for view in stretch.views])
+    there |= {name: of(stretch) for name, of in MOTION.items() if name in names}
+    force = effect.force_over_arrays if effect.force else None
+    forces = []
+    for values in asked:
+        own = there | _parameters(effect, values, {*there, *MOTION})
+
+        def outputs(states: Mapping[str, Any], own: Mapping[str, Any] = own) -> dict[str, Array]:
+            given = {name: states[name] if name in states else own[name] for name in names}
+            made = force(**given) if force else ()
+            return dict(zip(effect.outputs, made, strict=True))
+
+        settled = _settled(effect, stretch, outputs) if effect.states else {}
+        forces.append(_forces(stretch, outputs(settled)))
+    return forces
+
+
+def _parameters(
+    effect: Effect, values: Mapping[str, float], known: Container[str]
+) -> dict[str, Any]:
+    """Parameters as given or at their default, and the options that they need."""
+    given: dict[str, Any] = {}
+    for item in effect.parameters:
+        if item.name in values:
+            given[item.name] = values[item.name]
+            if item.form:
+                given[item.form[0]] = effect.options[item.form[0]].index(item.form[1])
+        elif item.name not in known:
+            given[item.name] = (0.0, 0.0) if item.table else item.default or 0.0
+    return given
+
+
+def _forces(stretch: ViewSequence, outputs: Mapping[str, Array]) -> dict[str, Array]:
+    """Forces by channel; a share of the mass matrix is multiplied by its acceleration."""
+    forces: dict[str, Array] = {}
+    for output, force in outputs.items():
+        if output in CHANNELS:
+            forces[output] = np.broadcast_to(force, (stretch.size,))
+        elif output.endswith("dot"):
+            forces[output[0]] = force * stretch.history(output[1:])
+    return forces
+
+
+def _settled(
+    effect: Effect, stretch: ViewSequence, outputs: Callable[..., Mapping[str, Array]]
+) -> dict[str, Array]:
+    """States of an effect as they follow the motion once the start is forgotten.
+
+    The rate of a state must be linear in it, ds/dt = b - a s: it then follows b/a with a lag 1/a,
+    harmonic by harmonic. Where the motion is steady, it has arrived.
+    """
+    settled: dict[str, Array] = {}
+    for state in effect.states:
+        none = dict.fromkeys(effect.states, 0.0) | settled
+        at_rest = outputs(none)[f"{state}_rate"]
+        per_unit = at_rest - outputs(none | {state: 1.0})[f"{state}_rate"]
+        follows = np.broadcast_to(at_rest / per_unit, (stretch.size,))
+        rates = stretch.means(np.broadcast_to(per_unit, (stretch.size,)))
+        settled[state] = np.concatenate(
+            [
+                _late(view, follows[samples], rate)
+                for view, samples, rate in zip(
+                    stretch.views, stretch.samples, rates.tolist(), strict=True
+                )
+            ]
+        )
+    return settled
+
+
+def _late(view: View, follows: Array, rate: float) -> Array:
+    """A state that follows a history with a lag of one over a rate [1/s]."""
+    if not view.omega:
+        return follows
+    return view.filtered(
+        follows, lambda orders: np.asarray(1.0 / (1.0 + 1j * orders * (view.omega / rate)), complex)
+    )
+
 
 LARGE: Final = 5
 """Coefficients from which the linear ones of an effect also compete alone."""
@@ -102,37 +336,6 @@ class Candidate:
             terms=tuple(self.terms[k] for k in places) if self.terms else (),
         )
         return (self, part)
-
-
-def polynomial(
-    name: str,
-    family: str,
-    summary: str,
-    sizes: Mapping[str, float],
-    *,
-    check: str = "",
-    excites: tuple[str, ...] = (),
-) -> Candidate:
-    """An effect whose forces are derivatives that the base does not have.
-
-    Examples
-    --------
-    >>> polynomial("sway_drag", "hull", "Drag of sway.", {"Yv|v|": -0.02}).coefficients
-    ('Yv|v|',)
-    """
-    terms = tuple({label: 1.0} for label in sizes)
-    return Candidate(
-        name=name,
-        family=family,
-        kind="physics",
-        summary=summary,
-        coefficients=tuple(sizes),
-        typical=tuple(sizes.values()),
-        columns=of_terms(terms),
-        terms=terms,
-        check=check,
-        excites=excites,
-    )
 
 
 def candidate_of(effect: Effect, speeds: Sequence[float] = ()) -> Candidate:

@@ -8,17 +8,198 @@ effects pays m times `PRICE`, and is averaged over the grids of its nonlinear pa
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from itertools import combinations, product
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations, pairwise, product
 from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.conditioning import condition_on, spread
+from pmmkit.campaigns import Run
+from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.captive.system import MANY, CandidateColumns, System
-from pmmkit.diagnosis.captive.whitening import Places
+from pmmkit.diagnosis.captive.whitening import Piece, Places, RunEffectColumns
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
+from pmmkit.inference import Normal
+from pmmkit.numerics import Array
+
+# A system beside effects that are known to be there.
+
+
+def condition_on(system: System, blocks: Sequence[CandidateColumns]) -> System:
+    """The system of a base that has some effects, of unknown size within their prior.
+
+    Notes
+    -----
+    With S the columns of what is known, the covariance of the data grows by S S'; of all products
+    the part that S explains, with its unit prior, is taken off.
+    """
+    if not blocks:
+        return system
+    names = {block.candidate.name for block in blocks}
+    rest = [block for block in system.blocks if block.candidate.name not in names]
+    if len(blocks) == 1 and blocks[0].drawn and not any(block.drawn for block in rest):
+        return replace(_beside_drawn(system, blocks[0].drawn), blocks=tuple(rest))
+    if any(block.drawn for block in blocks):
+        system, dense = spread(system, [*blocks, *rest])
+        blocks, rest = dense[: len(blocks)], list(dense[len(blocks) :])
+    return _beside(replace(system, blocks=tuple(rest)), blocks)
+
+
+def _beside(system: System, blocks: Sequence[CandidateColumns]) -> System:
+    taken = system.normal.taken(np.concatenate([block.places for block in blocks]))
+    return replace(
+        system,
+        normal=system.normal.given(taken),
+        blocks=tuple(
+            block if block.drawn is None else replace(block, drawn=block.drawn.beside(taken))
+            for block in system.blocks
+        ),
+    )
+
+
+def _beside_drawn(system: System, drawn: RunEffectColumns) -> System:
+    known = drawn.solve(np.column_stack([drawn.across.T, drawn.score]))
+    normal = system.normal
+    return replace(
+        system,
+        normal=replace(
+            normal,
+            information=normal.information - drawn.across @ known[:, :-1],
+            score=normal.score - drawn.across @ known[:, -1],
+            square=normal.square - float(drawn.score @ known[:, -1]),
+        ),
+    )
+
+
+def spread(
+    system: System, blocks: Sequence[CandidateColumns]
+) -> tuple[System, tuple[CandidateColumns, ...]]:
+    """A system that holds the columns of some blocks, and these blocks in it."""
+    made = []
+    for block in blocks:
+        if block.drawn is not None:
+            system, block = _written_out(system, block)
+        made.append(block)
+    return system, tuple(made)
+
+
+def drawn_in(system: System, asked: CandidateColumns) -> CandidateColumns:
+    """A block that each run draws as it stands in a system, beside what that knows."""
+    key = (asked.candidate.name, asked.value, asked.count)
+    return next(
+        block
+        for block in system.blocks
+        if block.drawn and (block.candidate.name, block.value, block.count) == key
+    )
+
+
+def _written_out(system: System, asked: CandidateColumns) -> tuple[System, CandidateColumns]:
+    """A system with the columns of a block that each run draws, and that block."""
+    old = drawn_in(system, asked)
+    drawn = old.drawn
+    assert drawn is not None
+    normal = system.normal
+    width = len(normal.score)
+    new = replace(old, columns=slice(width, width + drawn.count), drawn=None)
+    blocks = []
+    for block in system.blocks:
+        if block.drawn and block is not old:
+            across = np.vstack([block.drawn.across, drawn.products(block.drawn)])
+            block = replace(block, drawn=replace(block.drawn, across=across))
+        blocks.append(new if block is old else block)
+    edges = np.cumsum([0, *(part.shape[1] for part in drawn.parts)]).tolist()
+    return (
+        replace(
+            system,
+            normal=replace(
+                normal,
+                information=np.block(
+                    [[normal.information, drawn.across], [drawn.across.T, drawn.products(drawn)]]
+                ),
+                score=np.concatenate([normal.score, drawn.score]),
+                centre=np.concatenate([normal.centre, np.zeros(drawn.count)]),
+            ),
+            prior=np.concatenate([system.prior, np.ones(drawn.count)]),
+            blocks=tuple(blocks),
+            pieces=tuple(
+                replace(
+                    piece,
+                    columns=np.hstack([piece.columns, piece.projection.outside(part.toarray())]),
+                    places=np.concatenate([piece.places, width + np.arange(begin, end)]),
+                )
+                for piece, part, (begin, end) in zip(
+                    system.pieces, drawn.parts, pairwise(edges), strict=True
+                )
+            ),
+        ),
+        new,
+    )
+
+
+# What is left of an effect without the one run that shows it best: a run may be wrong.
+
+
+def columns_at(piece: Piece, at: Places) -> Array:
+    """Columns of a piece at places of the system, zeros where it has none (n + D, q)."""
+    where = {place: i for i, place in enumerate(piece.places.tolist())}
+    columns = np.zeros((len(piece.data), len(at)))
+    for k, place in enumerate(at.tolist()):
+        if place in where:
+            columns[:, k] = piece.columns[:, where[place]]
+    return columns
+
+
+def taken_with(
+    system: System, columns: Sequence[Array], named: Callable[[Run], str] = lambda run: run.id
+) -> Mapping[str, Array]:
+    """Products of columns that go when a run is left out, base and floor fitted without it.
+
+    columns (n + D, q).
+
+    Notes
+    -----
+    Whitening is run by run: to leave a run out is to leave its rows out. With S the basis of base
+    and floor at these rows, B the columns there, it takes B' (I - S S')⁻¹ B of their products
+    (`of_others`).
+    """
+    products: dict[str, Array] = {}
+    for piece, columns_here in zip(system.pieces, columns, strict=True):
+        projection = piece.projection
+        channel = projection.channel
+        first = {
+            rows.start: system.views[i].run
+            for i, rows in zip(channel.views, channel.rows, strict=True)
+        }
+        together: dict[str, list[int]] = {}
+        for number, rows in enumerate(channel.runs):
+            together.setdefault(named(first[int(rows[0])]), []).append(number)
+        for name, numbers in together.items():
+            rows = np.concatenate([projection.channel.runs[number] for number in numbers])
+            part = columns_here[rows].T @ projection.without(numbers) @ columns_here[rows]
+            products[name] = products[name] + part if name in products else part
+    return products
+
+
+def least_gains(
+    system: System, blocks: Sequence[CandidateColumns], given: Sequence[CandidateColumns] = ()
+) -> tuple[tuple[float, str], ...]:
+    """ln evidence that each effect of a set adds without the run that helps it most, and that
+    run."""
+    system, every = spread(system, [*blocks, *given])
+    at = np.concatenate([block.places for block in every])
+    columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]
+    known = system.normal.only(at)
+    edges = np.cumsum([0, *(block.count for block in blocks)])
+    rest = [np.delete(np.arange(len(at)), np.arange(a, b)) for a, b in pairwise(edges)]
+    least = [(np.inf, "")] * len(blocks)
+    for run, taken in taken_with(system, columns).items():
+        others = known - Normal.of_products(taken)
+        whole = others.log_evidence
+        for k, keep in enumerate(rest):
+            least[k] = min(least[k], (whole - others.only(keep).log_evidence, run))
+    return tuple(least)
+
 
 MOST: Final = 3
 """Effects in a set; three together are more often one that is not in the catalogue."""
@@ -145,3 +326,14 @@ def gate(system: System, best: float, *, draws: int = 400, seed: int = 0) -> flo
         by_name.setdefault(block.candidate.name, []).append(block.places)
     groups = list(by_name.values())
     return system.normal.only(at).chance_of(best + PRICE, groups, draws=draws, seed=seed)
+
+
+# The grid points of an effect that explain most.
+
+
+def best_blocks(system: System, name: str, count: int = 1) -> list[CandidateColumns]:
+    """The grid points of an effect that explain most by themselves, the best first."""
+    own = [block for block in system.blocks if block.candidate.name == name]
+    if not own:
+        raise no_such_effect(name, (block.candidate.name for block in system.blocks))
+    return sorted(own, key=lambda b: -evidence_of(system, b))[:count]

@@ -12,8 +12,7 @@ from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
-from pmmkit.diagnosis.captive.joint_fit import JointFit
-from pmmkit.diagnosis.captive.least_squares import labels
+from pmmkit.diagnosis.captive.least_squares import JointFit, labels
 from pmmkit.diagnosis.captive.system import CandidateColumns
 from pmmkit.diagnosis.refit import put_back
 from pmmkit.effects import BY_SPEED, CATALOGUE, HULL, Effect

@@ -15,10 +15,8 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.base import CaptiveBase
-from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.columns import channels_of_terms, of_derivatives
-from pmmkit.diagnosis.captive.drawn import OwnColumns, RunEffectColumns
-from pmmkit.diagnosis.captive.whitening import Channel, Piece, Places
+from pmmkit.diagnosis.captive.candidate import Candidate, channels_of_terms, of_derivatives
+from pmmkit.diagnosis.captive.whitening import Channel, OwnColumns, Piece, Places, RunEffectColumns
 from pmmkit.effects import CATALOGUE
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array

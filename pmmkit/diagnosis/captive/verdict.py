@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -11,18 +11,228 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pmmkit.diagnosis.captive.adequacy import LEAST, blocks_of, chosen, flags, refused
-from pmmkit.diagnosis.captive.chosen_anew import chosen_anew
-from pmmkit.diagnosis.captive.conditioning import condition_on
-from pmmkit.diagnosis.captive.coverage import coverage
-from pmmkit.diagnosis.captive.evidence import gate, ranked_sets, sets_of
-from pmmkit.diagnosis.captive.grid import best_blocks
-from pmmkit.diagnosis.captive.held_out import HeldOut, Misfit, held_out
-from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
-from pmmkit.diagnosis.captive.least_squares import labels
-from pmmkit.diagnosis.captive.system import CandidateColumns, System
-from pmmkit.diagnosis.evidence import RankedSet, Visible
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.evidence import (
+    best_blocks,
+    columns_at,
+    condition_on,
+    gate,
+    ranked_sets,
+    sets_of,
+    taken_with,
+    wide,
+)
+from pmmkit.diagnosis.captive.held_out import HeldOut, Misfit, condition, held_out
+from pmmkit.diagnosis.captive.least_squares import (
+    JointFit,
+    effect_columns,
+    joint_fit,
+    labels,
+    refined,
+)
+from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
+from pmmkit.diagnosis.captive.whitening import Places
+from pmmkit.diagnosis.evidence import ROUNDING, SHOWS, RankedSet, Visible, could_hide, mimics
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, SuspectRun, Verdict
-from pmmkit.effects import BY_SPEED
+from pmmkit.effects import BY_SPEED, Effect
+from pmmkit.inference import Normal
+from pmmkit.numerics import Array
+
+# What these runs could show at all, before anybody looks at the residuals.
+
+
+def coverage(system: System) -> tuple[Visible, ...]:
+    """Coverage of every candidate by the runs of a system; the forces do not enter but by noise."""
+    best: dict[str, tuple[float, CandidateColumns]] = {}
+    for block in system.blocks:
+        signal = _signal(system, block)
+        name = block.candidate.name
+        if name not in best or signal > best[name][0]:
+            best[name] = (signal, block)
+    visible = []
+    robust = _without_a_run(system, [block for _, block in best.values()])
+    for (name, (signal, block)), (left, run) in zip(best.items(), robust, strict=True):
+        shown = left >= SHOWS
+        visible.append(
+            Visible(
+                name=name,
+                family=block.candidate.family,
+                signal=signal,
+                without_a_run=left,
+                hides=could_hide(signal),
+                shown=shown,
+                why=""
+                if shown
+                else _why(
+                    block.candidate,
+                    signal,
+                    run,
+                    still=signal <= ROUNDING
+                    and not any(np.any(x) for x in effect_columns(system, block).values()),
+                ),
+                mimics=_mimics(system, block, signal, best) if shown else {},
+            )
+        )
+    # a signal of rounding alone is none: these stand by their names on any machine
+    order = sorted(visible, key=lambda x: (-x.signal if x.signal > ROUNDING else 0.0, x.name))
+    return (*order, *map(_not_held, system.unasked))
+
+
+def _not_held(candidate: Candidate) -> Visible:
+    """An effect for which the runs hold nothing."""
+    return Visible(
+        name=candidate.name,
+        family=candidate.family,
+        signal=0.0,
+        without_a_run=0.0,
+        hides=math.inf,
+        shown=False,
+        why=_why(candidate, 0.0, "", still=True),
+        mimics={},
+    )
+
+
+def _at_usual_size(block: CandidateColumns) -> Array:
+    """Coefficients at the usual size, in units of the prior."""
+    if block.candidate.each_run:
+        return np.full(block.count, 1.0 / WIDER)
+    sizes = np.array(block.candidate.typical)
+    centre = block.candidate.centre
+    usual: Array = np.array(centre) / (WIDER * np.abs(sizes)) if centre else np.sign(sizes) / WIDER
+    return usual
+
+
+def _signal(system: System, block: CandidateColumns) -> float:
+    a = _at_usual_size(block)
+    if block.drawn:
+        return block.drawn.square_of(a)
+    return float(a @ system.normal.information[block.columns, block.columns] @ a)
+
+
+def _signature(system: System, block: CandidateColumns) -> list[Array]:
+    """An effect at its usual size in each channel (n + D,)."""
+    a = _at_usual_size(block)
+    if block.drawn:
+        return block.drawn.left(system.pieces, a)
+    return [columns_at(piece, block.places) @ a for piece in system.pieces]
+
+
+def _without_a_run(system: System, blocks: Sequence[CandidateColumns]) -> list[tuple[float, str]]:
+    """What is left of each signal without the run that shows most of it, and that run."""
+    shown = zip(*(_signature(system, block) for block in blocks), strict=True)
+    columns = [np.column_stack(own) for own in shown]
+    taken = {run: np.diagonal(x) for run, x in taken_with(system, columns).items()}
+    runs = list(taken)
+    lost = np.stack([taken[run] for run in runs])
+    return [
+        (_signal(system, block) - float(lost[:, k].max()), runs[int(np.argmax(lost[:, k]))])
+        for k, block in enumerate(blocks)
+    ]
+
+
+def _why(candidate: Candidate, signal: float, run: str, *, still: bool) -> str:
+    if candidate.excites and signal == 0.0:
+        lacking = (Effect.EXCITES.get(word, word) for word in candidate.excites)
+        return f"these tests lack {' and '.join(lacking)}"
+    if still:
+        return "these tests do not excite it"
+    if signal < 0.1:
+        return "the base absorbs it: its coefficients take it over"
+    if signal >= SHOWS:
+        return f"the run {run} shows it alone; repeat that run"
+    return "too small beside noise, run scatter and floor"
+
+
+def _mimics(
+    system: System,
+    block: CandidateColumns,
+    signal: float,
+    others: Mapping[str, tuple[float, CandidateColumns]],
+) -> dict[str, float]:
+    """Effects that reproduce most of a signature."""
+    information = system.normal.information
+    products = block.drawn.across if block.drawn else information[:, block.columns]
+    name = block.candidate.name
+    places = {x: other.places for x, (_, other) in others.items() if x != name and not wide(other)}
+    return mimics(information, products @ _at_usual_size(block), signal, places)
+
+
+# Predictions of left-out conditions by the set that the other conditions would have chosen.
+
+
+MOST: Final = 12
+"""Sets that stand for election beside the best."""
+HELD: Final = 2**17
+"""Numbers of products that are weighed at once."""
+
+
+def chosen_anew(
+    system: System,
+    entries: Sequence[RankedSet],
+    best: RankedSet,
+    predicted: HeldOut,
+    given: Sequence[CandidateColumns] = (),
+) -> HeldOut:
+    """Held-out errors with the effects chosen anew for each condition, from all others."""
+    blocks = blocks_of(system, best)
+    if any(wide(block) for block in (*blocks, *given)):
+        return predicted
+    loss_of_best = _losses(system, [blocks], given)[0]
+    least = best.log_evidence + min(loss_of_best.values(), default=0.0)
+    rivals = [
+        item
+        for item in entries
+        if item is not best
+        and item.log_evidence > least
+        and not any(wide(block) for block in blocks_of(system, item))
+    ][:MOST]
+    losses = [loss_of_best, *_losses(system, [blocks_of(system, item) for item in rivals], given)]
+    elected: dict[int, list[int]] = {}
+    for number, name in enumerate(predicted.conditions):
+        left = [
+            item.log_evidence + loss.get(name, 0.0)
+            for item, loss in zip((best, *rivals), losses, strict=True)
+        ]
+        elected.setdefault(int(np.argmax(left)), []).append(number)
+    for winner, rows in elected.items():
+        if winner:
+            other = held_out(system, [*given, *blocks_of(system, rivals[winner - 1])])
+            predicted = predicted.with_rows_of(other, rows)
+    return predicted
+
+
+def _losses(
+    system: System, sets: Sequence[Sequence[CandidateColumns]], given: Sequence[CandidateColumns]
+) -> list[Mapping[str, float]]:
+    """Change of the ln evidence of each set, beside what is given, without each condition."""
+    if not sets:
+        return []
+    every = {id(block): block for own in sets for block in (*own, *given)}
+    at = np.concatenate([block.places for block in every.values()])
+    place = {column: k for k, column in enumerate(at.tolist())}
+    where = [
+        np.array([place[x] for block in (*own, *given) for x in block.places.tolist()])
+        for own in sets
+    ]
+    beside = np.array([place[x] for block in given for x in block.places.tolist()], np.intp)
+    columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]
+    whole = system.normal.only(at)
+    taken = taken_with(system, columns, condition)
+    names = list(taken)
+
+    def loss(cut: Places) -> Array:
+        if not len(cut):
+            return np.zeros(len(names))
+        known = whole.only(cut)
+        left, few = [], max(1, HELD // len(cut) ** 2)
+        for begin in range(0, len(names), few):
+            own = np.stack([taken[name] for name in names[begin : begin + few]])
+            left.append((known - Normal.of_products(own).only(cut)).log_evidences)
+        return np.concatenate(left) - known.log_evidence
+
+    before = loss(beside)
+    return [dict(zip(names, (loss(cut) - before).tolist(), strict=True)) for cut in where]
+
 
 CHANCE: Final = 0.01
 """A best effect that chance alone gives more often than this is no finding; nor is a set whose

@@ -13,10 +13,9 @@ from threadpoolctl import threadpool_limits
 
 from pmmkit.base import ModelError, Workers, each, opened
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.findings import NamedSet, model_of
 from pmmkit.diagnosis.free_running.fits import Linearised, SetFit, at_place, fitted, place_at
-from pmmkit.diagnosis.free_running.hypotheses import Names
+from pmmkit.diagnosis.free_running.hypotheses import FreeCandidate, Names
 from pmmkit.diagnosis.free_running.information import Forces
 from pmmkit.diagnosis.free_running.left_out import judged, left_out_error
 from pmmkit.models import Model

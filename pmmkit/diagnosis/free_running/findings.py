@@ -12,9 +12,8 @@ import numpy as np
 
 from pmmkit.diagnosis.evidence import SHOWS, Visible, could_hide, mimics
 from pmmkit.diagnosis.findings import Finding
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.fits import SetFit
-from pmmkit.diagnosis.free_running.hypotheses import WIDER, Names, Numbers, Screen
+from pmmkit.diagnosis.free_running.hypotheses import WIDER, FreeCandidate, Names, Numbers, Screen
 from pmmkit.diagnosis.free_running.left_out import left_out_errors, mean_log
 from pmmkit.diagnosis.refit import Place, put_back
 from pmmkit.effects import OUTSIDE, Parameter

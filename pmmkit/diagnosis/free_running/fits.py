@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.diagnosis.free_running.base import most_likely
 from pmmkit.diagnosis.free_running.hypotheses import (
     Names,
     WeighedScreens,
@@ -21,7 +22,6 @@ from pmmkit.diagnosis.free_running.hypotheses import (
 from pmmkit.diagnosis.free_running.information import Forces, Information, WindowInformation
 from pmmkit.diagnosis.free_running.question import RecordQuestion
 from pmmkit.diagnosis.free_running.slopes import Sheet
-from pmmkit.diagnosis.free_running.unknown import most_likely
 from pmmkit.numerics import Array
 
 STEPS: Final = 15

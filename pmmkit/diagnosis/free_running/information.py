@@ -68,13 +68,10 @@ class Information:
 
     def under(self, forces: Forces) -> WindowInformation:
         """What is known of the values where unknown forces are of some size."""
-        return self._each(forces).by(self.records)
+        return self.windows(forces).by(self.records)
 
     def windows(self, forces: Forces) -> WindowInformation:
         """The same of every window."""
-        return self._each(forces)
-
-    def _each(self, forces: Forces) -> WindowInformation:
         products, volumes, owners = [], [], []
         for item in self.alike:
             root = forces.root(item.spacing, item.pieces)
@@ -106,19 +103,16 @@ class Information:
 
     def at(self, z: Array) -> Information:
         """With nothing but what some numbers leave."""
-        wide = np.append(-z, 1.0)[:, None]
-        return replace(
-            self,
-            alike=tuple(
-                replace(item, cross=item.cross @ wide, values=wide.T @ item.values @ wide)
-                for item in self.alike
-            ),
-        )
+        return self._times(np.append(-z, 1.0)[:, None])
 
     def of_columns(self, T: Array) -> Information:
         """In other numbers: ``values = T numbers``."""
         wide = np.zeros((T.shape[0] + 1, T.shape[1] + 1))
         wide[:-1, :-1], wide[-1, -1] = T, 1.0
+        return self._times(wide)
+
+    def _times(self, wide: Array) -> Information:
+        """The slopes and errors of all rows times a matrix."""
         return replace(
             self,
             alike=tuple(

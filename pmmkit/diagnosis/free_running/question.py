@@ -11,13 +11,11 @@ from numpy.typing import NDArray
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
-from pmmkit.diagnosis.free_running.base import FreeBase
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate
-from pmmkit.diagnosis.free_running.hypotheses import Numbers, numbers_of
+from pmmkit.diagnosis.free_running.base import FreeBase, usual_forces
+from pmmkit.diagnosis.free_running.hypotheses import FreeCandidate, Numbers, numbers_of
 from pmmkit.diagnosis.free_running.information import Forces, Information, information_of
 from pmmkit.diagnosis.free_running.settling import follow, moved_along, settled, told_anew
 from pmmkit.diagnosis.free_running.slopes import Sheet, sheets_of
-from pmmkit.diagnosis.free_running.unknown import usual_forces
 from pmmkit.diagnosis.free_running.windows import (
     SHORT,
     WINDOW,

@@ -54,11 +54,7 @@ class Sheet:
 
 
 def sheets_of(
-    stretch: RecordWindows,
-    change: Array,
-    steps: Mapping[int, float] | None = None,
-    *,
-    jobs: int = JOBS,
+    stretch: RecordWindows, change: Array, steps: Mapping[int, float] | None = None
 ) -> list[Sheet]:
     """The linear problem of each window of a stretch about a change of the values.
 
@@ -77,7 +73,7 @@ def sheets_of(
         return slope
 
     slopes = np.zeros((*now.shape, len(change)))
-    with ThreadPoolExecutor(jobs) as pool:
+    with ThreadPoolExecutor(JOBS) as pool:
         for j, values in zip(asked, pool.map(column, asked), strict=True):
             slopes[:, :, j] = values
         states, forces = _carried(stretch, change, here, pool)

@@ -13,8 +13,7 @@ from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.captive.evidence import Sets, sets_of
-from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
-from pmmkit.diagnosis.captive.least_squares import labels
+from pmmkit.diagnosis.captive.least_squares import JointFit, joint_fit, labels, refined
 from pmmkit.diagnosis.captive.refit import in_convention, refitted
 from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
 from pmmkit.diagnosis.captive.verdict import answer, taken_as_given

@@ -13,14 +13,18 @@ from pmmkit.base import ModelError, SimulationError
 from pmmkit.diagnosis.evidence import PRICE
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.base import FreeBase
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.contest import Contest, steady, why_not
-from pmmkit.diagnosis.free_running.diagnose import answer, contest_about, with_given
+from pmmkit.diagnosis.free_running.diagnose import (
+    FreeSystem,
+    answer,
+    contest_about,
+    free_system,
+    with_given,
+)
 from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import SetFit, fitted, place_at
-from pmmkit.diagnosis.free_running.hypotheses import WIDER
+from pmmkit.diagnosis.free_running.hypotheses import WIDER, FreeCandidate
 from pmmkit.diagnosis.free_running.left_out import left_out_error
-from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues
 from pmmkit.diagnosis.joint.captive_vote import Ballot, Kind, Names, asked_in, fault_sets, of_ship
 from pmmkit.identification import FreeRecord

@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from itertools import combinations
 from types import MappingProxyType
 from typing import Any, Final
+
+import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.adequacy import LEAST
-from pmmkit.diagnosis.captive.system import System
+from pmmkit.diagnosis.captive.system import WIDER, System
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
 from pmmkit.diagnosis.evidence import PRICE
 from pmmkit.diagnosis.findings import Verdict
 from pmmkit.diagnosis.joint.another import others
-from pmmkit.diagnosis.joint.belongings import belongings
+from pmmkit.diagnosis.joint.belongs import (
+    SCATTER,
+    LaboratoryValues,
+    found_size,
+    log_shared,
+    owner,
+    third,
+)
 from pmmkit.diagnosis.joint.captive_vote import (
     Ballot,
     CaptiveVote,
@@ -28,9 +38,185 @@ from pmmkit.diagnosis.joint.captive_vote import (
 )
 from pmmkit.diagnosis.joint.records_vote import RecordsVote, records_vote
 from pmmkit.diagnosis.joint.result import Another, Belonging, JointEntry, Together
-from pmmkit.diagnosis.joint.weighing import weigh
 from pmmkit.identification import Chosen, FreeRecord
 from pmmkit.models import Model, scaled
+
+# Which sets of effects all campaigns are asked for, and what they say.
+
+
+SINGLES: Final = 6
+"""Single effects in front that are fitted to all campaigns; the others are by linear problems."""
+SETS: Final = 5
+"""Sets of several effects that are fitted to all campaigns."""
+TRIED: Final = 15
+"""Sets that are tried for that at most: a promise of the linear problem may not be kept."""
+NAMED: Final = 3
+"""Sets in front of each campaign that are tried beside those of the others."""
+
+
+BEAM: Final = 3
+"""Sets in front whose parts are tried, and what is larger by one of the single effects in front."""
+
+
+def weigh(
+    votes: Sequence[Vote], every: Sequence[str], tell: Callable[[str], None]
+) -> tuple[tuple[JointEntry, ...], tuple[tuple[str, Names], ...]]:
+    """Single effects, the sets of several that promise most, and what is near those in front."""
+    entries: dict[Names, JointEntry] = {}
+    refused: dict[Names, str] = {}
+
+    def look(names: Names) -> bool:
+        if names not in entries and names not in refused:
+            tell(f"All campaigns with {' and '.join(names)}")
+            found = _entry(votes, names)
+            if isinstance(found, JointEntry):
+                entries[names] = found
+            else:
+                refused[names] = found
+        return names in entries
+
+    def hopeful(names: Names) -> bool:
+        """Whether nothing in a set was refused but inside of another that a campaign has kept."""
+        inside = [set(x) for vote in votes for x in vote.kept if set(x) <= set(names)]
+        bad = [set(x) for x in refused if set(x) <= set(names)]
+        return all(any(x <= own for own in inside) for x in bad)
+
+    singles = _ranked(_promised(votes, (name,)) for name in every)
+    for item in singles[:SINGLES]:
+        look(item.names)
+    promised = [_promised(votes, names) for names in _several(votes)]
+    kept = tried = 0
+    for item in _ranked(promised):
+        front = max((x.log_evidence for x in entries.values()), default=0.0)
+        if kept == SETS or tried == TRIED or item.log_evidence < front - RIVALS:
+            break
+        if hopeful(item.names):
+            tried += 1
+            kept += look(item.names)
+    several = [x.names[0] for x in singles[:SINGLES]]
+    seen: set[Names] = set()
+    while ahead := [x.names for x in _ranked(entries.values())[:BEAM] if x.names not in seen]:
+        seen.add(ahead[0])
+        for near in (*_parts(ahead[0]), *_larger(ahead[0], several)):
+            if hopeful(near):
+                look(near)
+    others = [x for x in singles if x.names not in entries and x.names not in refused]
+    return (
+        (*_ranked(entries.values()), *_ranked(others)),
+        tuple((who, names) for names, who in refused.items()),
+    )
+
+
+def _several(votes: Sequence[Vote]) -> list[Names]:
+    """Sets of several effects that any campaign looked at, and those that several name together."""
+    ranked = [sorted(x.diagnosis.entries, key=lambda item: -item.log_evidence) for x in votes]
+    pool = {of_ship(entry.names) for own in ranked for entry in own}
+    front = [
+        list(dict.fromkeys(of_ship(item.names) for item in own if item.log_evidence > 0.0))[:NAMED]
+        for own in ranked
+    ]
+    pool |= {of_ship({*one, *two}) for a, b in combinations(front, 2) for one in a for two in b}
+    return sorted(names for names in pool if len(names) > 1)
+
+
+def _ranked(entries: Iterable[JointEntry]) -> tuple[JointEntry, ...]:
+    return tuple(sorted(entries, key=lambda item: -item.log_evidence))
+
+
+def _promised(votes: Sequence[Vote], names: Names) -> JointEntry:
+    """A set as far as it is known without another fit."""
+    return _sum(names, {x.name: x.promised(names) for x in votes if _votes(x, names)})
+
+
+def _entry(votes: Sequence[Vote], names: Names) -> JointEntry | str:
+    """A set with the evidence of all campaigns; the name of the campaign that refuses it."""
+    ballots = {}
+    for item in votes:
+        if not _votes(item, names):
+            continue
+        ballot = item.weighed(names)
+        if ballot is None:
+            return item.name
+        ballots[item.name] = ballot
+    return _sum(names, ballots)
+
+
+def _votes(vote: Vote, names: Names) -> bool:
+    """Whether a campaign was asked for any of a set."""
+    return bool(vote.asked.intersection(names))
+
+
+def _sum(names: Names, ballots: dict[str, Ballot]) -> JointEntry:
+    total = sum(item.log_evidence for item in ballots.values()) - PRICE * len(names)
+    return JointEntry(names=names, log_evidence=total, ballots=MappingProxyType(ballots))
+
+
+def _parts(names: Names) -> list[Names]:
+    """A set without each of its effects; none of a single one."""
+    found = [tuple(x for x in names if x != name) for name in names]
+    return [rest for rest in found if rest]
+
+
+def _larger(names: Names, more: Sequence[str]) -> list[Names]:
+    """A set with each of some other effects."""
+    return [of_ship((*names, name)) for name in more if name not in names]
+
+
+# Whose the effects of a set are, by the coefficients that each campaign measures.
+
+
+def belongings(votes: Sequence[Vote], best: JointEntry) -> tuple[Belonging, ...]:
+    """Whose each effect of the best set is.
+
+    Of an effect that comes to values which the model has, the captive tests say nothing by
+    themselves; the model, which is taken to be of the first of them, says how well these are known.
+    """
+    sizes = [
+        item.sizes(best.names, best.ballots[item.name].faults)
+        for item in votes
+        if item.name in best.ballots
+    ]
+    tests = [item.name for item in votes if isinstance(item, CaptiveVote)]
+    records = [item for item in votes if isinstance(item, RecordsVote)]
+    stated = records[0].stated(tests[0]) if tests and records else {}
+    if stated:
+        measured = {name for own in sizes for name, x in own.items() if x.laboratory in tests}
+        sizes = [{name: x for name, x in stated.items() if name not in measured}, *sizes]
+    return tuple(
+        _belonging(name, [own[name] for own in sizes if name in own]) for name in best.names
+    )
+
+
+def _belonging(name: str, found: Sequence[LaboratoryValues]) -> Belonging:
+    """Whose an effect is, by the coefficients that all have."""
+    common = (
+        [x for x in found[0].coefficients if all(x in own.coefficients for own in found)]
+        if found
+        else []
+    )
+    measured = tuple(own.only(common) for own in found)
+    typical = dict(zip(found[0].coefficients, found[0].typical, strict=True)) if found else {}
+    usual = np.array([abs(typical[x]) for x in common])
+    size = found_size(measured, usual) if common else 1.0
+    asked = len(found) > 1 and bool(common)
+    prior = np.diag((WIDER * usual) ** 2)
+    ratio = log_shared(measured, prior) if asked else math.nan
+    return Belonging(
+        effect=name,
+        owner=owner(ratio) if asked else "cannot tell",
+        log_odds=ratio,
+        coefficients=tuple(common),
+        usual=tuple(usual.tolist()),
+        size=size,
+        measured=measured,
+        thirds=tuple(
+            third(measured, prior, size * usual, scale=x)
+            for x in (SCATTER, SCATTER / 2, SCATTER * 2)
+        )
+        if common
+        else (),
+    )
+
 
 # The base of each campaign of one ship: what captive tests know of it, at the length tested.
 

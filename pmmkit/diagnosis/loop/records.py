@@ -9,38 +9,246 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.base import DataError, ModelError
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from pmmkit.base import DataError, ModelError, Problem, Remedy, Way
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Structure
 from pmmkit.diagnosis.any_campaign import complete_model
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.evidence import RankedSet, Visible
 from pmmkit.diagnosis.findings import UNITS, Diagnosis
-from pmmkit.diagnosis.free_running.alone import Paths, alone_in_records
-from pmmkit.diagnosis.free_running.base import known_faults
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate, why_not_asked
+from pmmkit.diagnosis.free_running.base import FLOOR, known_faults
 from pmmkit.diagnosis.free_running.contest import MOST, Contest
-from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer, contest_about
+from pmmkit.diagnosis.free_running.diagnose import (
+    TOLERANCE,
+    FreeSystem,
+    answer,
+    contest_about,
+    free_system,
+)
 from pmmkit.diagnosis.free_running.findings import held_out_errors, model_of, moved
 from pmmkit.diagnosis.free_running.fits import SetFit
-from pmmkit.diagnosis.free_running.hypotheses import Names
-from pmmkit.diagnosis.free_running.left_out import ERRORS, band, each, left_out_windows, predicted
-from pmmkit.diagnosis.free_running.noise_level import noise_level
+from pmmkit.diagnosis.free_running.hypotheses import (
+    WIDER,
+    FreeCandidate,
+    Names,
+    probable,
+    why_not_asked,
+)
+from pmmkit.diagnosis.free_running.left_out import (
+    ERRORS,
+    band,
+    each,
+    left_out_windows,
+    noise_level,
+    pooled,
+    predicted,
+    unimportant,
+)
 from pmmkit.diagnosis.free_running.question import records_of
-from pmmkit.diagnosis.free_running.refit import refitted
-from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
-from pmmkit.diagnosis.free_running.unknown import FLOOR
-from pmmkit.diagnosis.free_running.windows import WINDOW
+from pmmkit.diagnosis.free_running.windows import WINDOW, joined, sailed, shown
 from pmmkit.diagnosis.loop.captive import only_campaign
 from pmmkit.diagnosis.loop.fall import ALL, BASE, ErrorWords, Fall, FallRow
 from pmmkit.diagnosis.record_figures import Sailed, before_and_after
+from pmmkit.diagnosis.refit import stepped
 from pmmkit.effects import OUTSIDE, Effect
+from pmmkit.equations import State
 from pmmkit.identification import FreeRecord
 from pmmkit.models import Model, Step
+from pmmkit.numerics import Array
 from pmmkit.presentation import counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+# A model fitted to free-running records together with effects that it lacked.
+
+
+HEADING: Final = "heading"
+"""The error of records that a step tells [deg]."""
+
+
+def refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -> Model:
+    """The model with its uncertain values and effects fitted together, a step for each."""
+    with threadpool_limits(1):
+        return _refitted(system, begun, steps)
+
+
+def _refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -> Model:
+    every = {item.name: item for item in system.every}
+    names = (*begun, *(step.effect for step in steps))
+    sets = [names[: len(begun) + number] for number in range(len(steps) + 1)]
+    for step, own in zip(steps, sets[1:], strict=True):
+        taken = system.fit(own)
+        if not np.any(taken.z[taken.place.question.numbers.columns[step.effect]]):
+            raise DataError(_not_found(step.effect))
+    fit = system.fit(names)
+    made = model_of(system.model, system.every, fit, system.speed)
+    title = FreeRecord.title_of(system.records)
+    kept = [
+        step if step.campaign not in ("", title) else _as_fitted(step, every, fit, title)
+        for step in made.steps
+    ]
+    plain = Step(
+        action="fitted",
+        campaign=title,
+        count=int(np.count_nonzero(np.diagonal(fit.covariance) > 0.0)),
+        faults=tuple(name for name in names if every[name].kind == "fault"),
+    )
+    errors = [system.errors(own, names)[HEADING] for own in sets]
+    return stepped(
+        system.model,
+        made.with_(steps=tuple(kept)),
+        plain,
+        [replace(step, parameter="", value=None) for step in steps],
+        [
+            (_coefficients(item, fit), _places(item, made))
+            for item in (every[step.effect] for step in steps)
+        ],
+        errors,
+        HEADING,
+    )
+
+
+def _as_fitted(step: Step, every: Mapping[str, FreeCandidate], fit: SetFit, title: str) -> Step:
+    """A step with what the last fit says of its fault: it belongs to that fit's model."""
+    if step.action != "fault_corrected" or step.effect not in fit.names:
+        return step
+    return replace(step, campaign=title, coefficients=_coefficients(every[step.effect], fit))
+
+
+def _coefficients(item: FreeCandidate, fit: SetFit) -> dict[str, float]:
+    """Coefficients of an effect by a fit."""
+    columns = fit.place.question.numbers.columns[item.name].tolist()
+    return {
+        label: WIDER * typical * float(fit.z[column])
+        for (label, typical), column in zip(item.typical.items(), columns, strict=True)
+    }
+
+
+def _places(item: FreeCandidate, made: Model) -> tuple[str, ...]:
+    """Where an effect stands in a ship that has it; a fault nowhere."""
+    if item.kind == "fault":
+        return ()
+    part = () if item.part is None else (item.part.effect,)
+    home = {name: f"{effect}.{name}" for effect, own in made.parts.items() for name in own.values}
+    return (*part, *(home.get(name, name) for name in item.values))
+
+
+def _not_found(name: str) -> Problem:
+    return Problem(
+        message=f"These records give {name} no size: from the model as it is no step towards it "
+        "makes them more probable.",
+        remedy=Remedy(
+            "{} says what is wrong with the records: cut them to what is sound (trim), state what "
+            "their sensors are uncertain by, or begin with a model that sails them.",
+            (Way("pmmkit.intake.checks.examine(campaign)", "pmmkit check"),),
+        ),
+    )
+
+
+# What each candidate alone would do to the records, from what a contest has fitted already.
+
+
+MOTION: Final = ("x", "y", "psi", "u", "v", "r")
+"""What is told of a path: places [m], heading [rad], velocities [m/s], yaw rate [rad/s]."""
+SAMPLES: Final = (40, 200)
+"""Least and most samples of a path."""
+WORSE: Final = -10.0
+"""A share below which the motion of some record is lost: it is none."""
+Paths = dict[str, dict[str, Array]]
+"""By record its time ``t`` [s] and `MOTION`, places in ship lengths."""
+
+
+def alone_in_records(
+    contest: Contest, names: Sequence[str], heard: Callable[[int, str], None], numbers: int
+) -> tuple[dict[str, dict[str, float]], dict[str, Paths], Paths]:
+    """By candidate its share of the misfit and its paths, and the paths of the base alone."""
+    null = alone(contest)
+    records = [item.record for item in null.followed.stretches]
+    wanted = numbers // (len(records) * (len(names) + 1) * len(MOTION))
+    count = min(max(wanted, SAMPLES[0]), SAMPLES[1])
+    length = null.place.question.model.ship.L
+
+    def paths(fit: SetFit) -> Paths:
+        return {
+            record.name: _thinned(whole_path(fit, number), count, length)
+            for number, record in enumerate(records)
+        }
+
+    before = errors_of(null)
+    shares, beside = {}, {}
+    for number, name in enumerate(names):
+        heard(number, name)
+        fit = alone(contest, name)
+        after = errors_of(fit)
+        whole = taken_away(fit, before, after)
+        if whole < WORSE:
+            continue
+        shares[name] = {"all": whole} | {
+            kind: 1.0 - (after[kind] / x) ** 2 if x > 0.0 else 0.0 for kind, x in before.items()
+        }
+        beside[name] = paths(fit)
+    return shares, beside, paths(null)
+
+
+def _thinned(path: Mapping[str, Array], count: int, length: float) -> dict[str, Array]:
+    """A path at so many instants, evenly over its samples, its places in ship lengths."""
+    kept = np.unique(np.linspace(0, len(path["t"]) - 1, count).round().astype(int))
+    return {
+        name: 1.0 / length * values[kept] if name in ("x", "y") else values[kept]
+        for name, values in path.items()
+    }
+
+
+def alone(contest: Contest, name: str | None = None) -> SetFit:
+    """The base with one candidate or without any, nothing fitted anew."""
+    null = contest.null
+    if name is None:
+        return null
+    for item in contest.settled:
+        if item.names == (name,):
+            return item.fit
+    numbers = null.place.question.numbers
+    z, covariance = probable(null.known, numbers, (name,), null.spread)
+    return replace(null, names=(name,), z=z, covariance=covariance)
+
+
+def errors_of(fit: SetFit) -> dict[str, float]:
+    """Errors of records that are left out one after another, as a diagnosis tells them."""
+    return pooled(predicted(fit, each([item.record for item in fit.followed.stretches])))
+
+
+def taken_away(fit: SetFit, before: Mapping[str, float], after: Mapping[str, float]) -> float:
+    """Share of the mean square errors that an effect takes away, over all kinds of errors."""
+    small = unimportant(fit.place.question)
+    left = [(after[k] ** 2 + small[k] ** 2) / (x**2 + small[k] ** 2) for k, x in before.items()]
+    return 1.0 - sum(left) / len(left)
+
+
+def whole_path(fit: SetFit, record: int) -> dict[str, Array]:
+    """A record sailed from its begin to its end with the measured rudder.
+
+    Notes
+    -----
+    It begins where the most probable path does: sensors alone tell the sway of a start too badly
+    for a record that is sailed in one. The numbers are those of the linear problem where the fit
+    ended, as for the errors of records left out.
+    """
+    question = fit.place.question
+    z = probable(fit.known, question.numbers, fit.names, fit.spread)[0]
+    stretch = question.stretches[record]
+    whole = joined(stretch, len(stretch.begins)).free
+    change = question.numbers.T @ z
+    states = sailed(whole, change)
+    seen = shown(whole, states, change)
+    found = {name: states[:, State[name]] for name in MOTION}
+    found |= {name: seen[:, place] for place, name in enumerate(whole.channels) if name in MOTION}
+    return {"t": whole.record.t, **found}
+
 
 DRAWN: Final = 3
 """Records of which tracks are drawn."""

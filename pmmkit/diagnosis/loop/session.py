@@ -12,7 +12,7 @@ from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Structure
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
 from pmmkit.diagnosis.findings import Diagnosis, Finding
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate
+from pmmkit.diagnosis.free_running.hypotheses import FreeCandidate
 from pmmkit.diagnosis.joint.result import Together
 from pmmkit.diagnosis.loop.captive import SessionEvidence, captive_tests
 from pmmkit.diagnosis.loop.fall import Fall

@@ -13,16 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError, SimulationError
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate
+from pmmkit.diagnosis.free_running.diagnose import FreeSystem
 from pmmkit.diagnosis.free_running.fits import SetFit, fitted
-from pmmkit.diagnosis.free_running.hypotheses import WIDER, probable, screen, weighed
+from pmmkit.diagnosis.free_running.hypotheses import WIDER, FreeCandidate, probable, screen, weighed
 from pmmkit.diagnosis.free_running.information import WindowInformation
 from pmmkit.diagnosis.free_running.settling import follow
-from pmmkit.diagnosis.free_running.system import FreeSystem
 from pmmkit.diagnosis.free_running.windows import WINDOW, stretches_of
-from pmmkit.diagnosis.planning.free_options import FreeOption
 from pmmkit.diagnosis.planning.options import Option
-from pmmkit.diagnosis.planning.planned_records import planned_record, sea_of
+from pmmkit.diagnosis.planning.planned_records import FreeOption, planned_record, sea_of
 from pmmkit.diagnosis.planning.separation import Likely, UsualEffects
 from pmmkit.effects import CURRENT, OUTSIDE
 from pmmkit.identification import FreeRecord

@@ -17,7 +17,7 @@ from pmmkit.conventions import Structure
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
-from pmmkit.diagnosis.captive.grid import best_blocks
+from pmmkit.diagnosis.captive.evidence import best_blocks
 from pmmkit.diagnosis.captive.refit import eligible
 from pmmkit.diagnosis.captive.system import System, channels_of
 from pmmkit.diagnosis.planning.information import (

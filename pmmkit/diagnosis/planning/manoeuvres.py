@@ -13,15 +13,13 @@ from pmmkit.diagnosis.any_campaign import complete_model
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.base import known_faults
-from pmmkit.diagnosis.free_running.diagnose import answer
-from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
-from pmmkit.diagnosis.planning.advice import Advice
+from pmmkit.diagnosis.free_running.diagnose import FreeSystem, answer, free_system
 from pmmkit.diagnosis.planning.free_offer import FreeOffer, free_offer
-from pmmkit.diagnosis.planning.free_options import COURSES, RUN_UP, free_options
 from pmmkit.diagnosis.planning.ground import Asked, ground_of
 from pmmkit.diagnosis.planning.options import Limits, Option
+from pmmkit.diagnosis.planning.planned_records import COURSES, RUN_UP, free_options
 from pmmkit.diagnosis.planning.programme import TestPlan, plan, sights
-from pmmkit.diagnosis.planning.ranking import apart, apart_at_usual_size, shown
+from pmmkit.diagnosis.planning.ranking import Advice, apart, apart_at_usual_size, shown
 from pmmkit.effects import CATALOGUE, CURRENT
 from pmmkit.identification import FreeRecord
 from pmmkit.models import Model, scaled

@@ -13,11 +13,18 @@ from threadpoolctl import threadpool_limits
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.diagnosis.planning.advice import Advice, NextRun
 from pmmkit.diagnosis.planning.ground import Asked, Ground, ground_of
 from pmmkit.diagnosis.planning.manoeuvres import next_manoeuvres
 from pmmkit.diagnosis.planning.options import Limits, Option, timed
-from pmmkit.diagnosis.planning.ranking import apart, apart_at_usual_size, checks_of, resolved, shown
+from pmmkit.diagnosis.planning.ranking import (
+    Advice,
+    NextRun,
+    apart,
+    apart_at_usual_size,
+    checks_of,
+    resolved,
+    shown,
+)
 from pmmkit.diagnosis.planning.separation import expected_odds
 from pmmkit.identification import FreeRecord
 from pmmkit.models import odds

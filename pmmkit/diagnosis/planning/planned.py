@@ -108,13 +108,13 @@ def piece_of(view: View) -> PlannedPiece:
 
 
 def planned_views(
-    option: Option, base: CaptiveBase, noise: NoiseOf, *, motion_x: float = 0.0, number: int = 0
+    option: Option, base: CaptiveBase, noise: NoiseOf, *, motion_x: float = 0.0
 ) -> tuple[View, ...]:
     """A run that is not yet made: forces as the base predicts them, noise as stated.
 
     motion_x [m].
     """
-    run = option.run(number)
+    run = option.run(0)
     if not run.dynamic:
         middle = np.array([option.record / 2])
         return (_view(run, base, noise, middle, np.ones((1, 1)), option.record, motion_x),)

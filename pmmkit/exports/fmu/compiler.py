@@ -13,14 +13,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from pmmkit.base import DataError, Remedy, setting
+from pmmkit.base import DataError, Remedy, Way
 from pmmkit.presentation import printable
 
 _COMPILERS: Final = ("cc", "gcc", "clang", "cl")
 _SYSTEMS: Final = {"win32": ("windows", "win", ".dll"), "darwin": ("darwin", "darwin", ".dylib")}
 _OTHERS: Final = ("linux", "linux", ".so")
 _MACHINES: Final = {"amd64": "x86_64", "x86_64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
-_COMPILE: Final = setting("compile", True)
+_COMPILE: Final = Way.setting("compile", True)
 _LONGEST: Final = 2000
 """Letters of a compiler's message that are shown."""
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final, Literal
 
-from pmmkit.base import DataError, ModelError, Remedy, setting
+from pmmkit.base import DataError, ModelError, Remedy, Way
 from pmmkit.equations import prepare
 from pmmkit.exports.archive import write_archive
 from pmmkit.exports.fmu.compiler import library
@@ -56,7 +56,7 @@ def model_to_fmu(
             f"FMI {fmi} is not written: versions {known} are.",
             remedy=Remedy(
                 "Leave {} out for FMI 3, or say {} for programs that read no other.",
-                (setting("fmi"), setting("fmi", 2)),
+                (Way.setting("fmi"), Way.setting("fmi", 2)),
             ),
         )
     at = approach_of(model, speed)

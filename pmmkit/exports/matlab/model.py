@@ -24,7 +24,6 @@ from pmmkit.syntax import (
     is_matlab_name,
     matlab_name,
     matlab_value,
-    needed,
     transcribe,
 )
 
@@ -350,7 +349,12 @@ def _path(states: Sequence[str], rates: Mapping[str, str], *, rolls: bool) -> _S
 
 def _alive(sections: Sequence[_Section], wanted: Iterable[str]) -> list[_Section]:
     """The sections with the lines on which something depends."""
-    kept = {id(line) for line in needed([x for section in sections for x in section.lines], wanted)}
+    alive, kept = set(wanted), set()
+    for line in reversed([x for section in sections for x in section.lines]):
+        if line.target in alive:
+            alive.discard(line.target)
+            alive |= line.uses
+            kept.add(id(line))
     trimmed = [
         replace(section, lines=[line for line in section.lines if id(line) in kept])
         for section in sections

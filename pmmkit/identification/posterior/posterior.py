@@ -12,7 +12,6 @@ import numpy as np
 
 from pmmkit.base import DataError, Progress, SimulationError, Workers
 from pmmkit.identification.lack import LackOfFit
-from pmmkit.identification.posterior.chains import R_HAT, Convergence
 from pmmkit.identification.posterior.density import (
     DEGREES,
     PROCESS_NOISE,
@@ -22,6 +21,8 @@ from pmmkit.identification.posterior.density import (
 )
 from pmmkit.identification.posterior.ensembles import (
     ENSEMBLES,
+    R_HAT,
+    Convergence,
     EnsembleDraws,
     check_emcee,
     drawn_from,

@@ -5,27 +5,174 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from pmmkit.base import DataError, Problem
-from pmmkit.campaigns import Campaign, Run
-from pmmkit.identification.local_fits import true_wind, velocity
+from pmmkit.campaigns import TEST_KINDS, Campaign, Run
+from pmmkit.conventions import METRICS, Criterion
+from pmmkit.identification.local_fits import local, true_wind, velocity
 from pmmkit.identification.trials.circle import Circle, fit_circle
 from pmmkit.identification.trials.current import Current, mean_current
-from pmmkit.identification.trials.heel import Heel, heel_of_turn
 from pmmkit.identification.trials.measures import of_stopping, of_turning, of_zigzag
-from pmmkit.identification.trials.noise import PositionNoise
 from pmmkit.identification.trials.orders import Order, astern_order, held_until, rudder_orders
-from pmmkit.identification.trials.path import path_of
+from pmmkit.identification.trials.path import PositionNoise, path_of
 from pmmkit.identification.trials.record import Record, read_record
 from pmmkit.identification.trials.table import Trial, Wind
-from pmmkit.identification.trials.verdicts import verdicts_of
-from pmmkit.imo import Condition, FullAstern
+from pmmkit.imo import Condition, FullAstern, Verdict, judge
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
 from pmmkit.signals import white_noise
+
+# Criteria of IMO MSC.137(76) beside the measures of a trial.
+
+
+def verdicts_of(
+    test: str,
+    metrics: Mapping[str, float],
+    std: Mapping[str, float],
+    *,
+    L: float,
+    speed: float,
+    rudder_deg: float,
+    switch_deg: float = math.nan,
+    conditions: tuple[str, ...] = (),
+    full_astern: FullAstern | None = None,
+) -> tuple[Verdict, ...]:
+    """Every criterion that a run of that kind is judged by.
+
+    L, speed [m].
+
+    Examples
+    --------
+    >>> found = verdicts_of("stopping", {"track_reach_L": 14.2}, {"track_reach_L": 0.1}, L=170.0,
+    ...                     speed=7.25, rudder_deg=0.0)
+    >>> [(item.criterion, item.limit, item.passed, round(item.probability, 6)) for item in found]
+    [('track_reach', 15.0, True, 1.0)]
+    """
+    size = abs(rudder_deg)
+    asked = [pair for pair in METRICS.criteria if _applies(pair[1], test, size, switch_deg)]
+    own_first = sorted(asked, key=lambda pair: pair[1].manoeuvre != test)
+    kind = TEST_KINDS[test]
+    found = [
+        judge(
+            metric,
+            criterion,
+            metrics,
+            std=std,
+            L=L,
+            speed=speed,
+            scale=f"as measured, L = {L:.4g} m",
+            manoeuvre=test,
+            rudder_deg=rudder_deg if kind.turns_rudder else 0.0,
+            switch_deg=switch_deg if kind.switches else None,
+            conditions=(*conditions, *([Verdict.LARGE] if kind is TEST_KINDS["stopping"] else [])),
+            alone=kind is TEST_KINDS["turning"],
+            measured=True,
+        )
+        for metric, criterion in own_first
+    ]
+    return tuple(replace(verdict, full_astern=full_astern) for verdict in found)
+
+
+def _applies(criterion: Criterion, test: str, rudder: float, switch: float) -> bool:
+    """Whether a run is the test of a criterion: the manoeuvre, and its angles within reach."""
+    if test not in (criterion.manoeuvre, *criterion.shown_by):
+        return False
+    if not TEST_KINDS[test].switches:
+        return True
+    settings = criterion.settings
+    heading = settings.get("switch_deg", settings.get("heading_deg", math.nan))
+    return abs(rudder - settings["rudder_deg"]) < 1.0 and abs(switch - heading) < 0.5
+
+
+# Heel of a turning circle: the largest, and that of the steady turn.
+
+
+SMOOTH: Final = 0.05
+"""Half of the window in which heel is smoothed, in ship lengths over the speed."""
+SETTLED: Final = math.pi
+"""Change of heading from which a turn counts as steady."""
+LEAST: Final = math.pi / 2.0
+"""Change of heading over which the steady heel is averaged at least."""
+LISTED: Final = math.radians(0.5)
+"""Heel of the approach that is said."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heel:
+    """Heel of a turning circle [rad].
+
+    `upright`: mean of the approach, positive to starboard, from which the others count: a list,
+    or the zero of the instrument. `largest, largest_std`: either way; its uncertainty is that
+    of the noise, waves are part of it. `steady, steady_std`: outwards; NaN where the turn is
+    too short.
+    """
+
+    upright: float
+    largest: float
+    largest_std: float
+    steady: float
+    steady_std: float
+
+    @property
+    def words(self) -> str:
+        """The heel of the approach, if it is worth a word."""
+        if abs(self.upright) < LISTED:
+            return ""
+        side = "starboard" if self.upright > 0.0 else "port"
+        return (
+            f"The ship heels by {math.degrees(abs(self.upright)):.1f}° to {side} in the approach; "
+            "heel counts from there."
+        )
+
+
+def heel_of_turn(
+    t: Array, phi: Array, psi: Array, *, order: float, until: float, side: float, pace: float
+) -> Heel | None:
+    """Heel of a turning circle; None where too little of it was recorded.
+
+    t, phi, psi [s]; order, until [s]; pace [s].
+
+    Notes
+    -----
+    The largest heel is that of parabolas through the samples about each; the steady one a mean from
+    half a turn on, with the scatter of means over a ship length and half of what it still changes
+    by. Without an approach heel counts from zero.
+    """
+    known = np.isfinite(phi)
+    t, phi, psi = t[known], phi[known], psi[known]
+    before, turning = t < order, (t >= order) & (t <= until)
+    if np.count_nonzero(turning) < 10:
+        return None
+    upright = float(phi[before].mean()) if np.count_nonzero(before) >= 5 else 0.0
+    heel, own = phi[turning] - upright, t[turning]
+    found = local(own, heel, own, SMOOTH * pace)
+    most = int(np.argmax(np.abs(found.value)))
+    # Third differences hold the noise alone: 20 is the sum of their squared weights.
+    noise = math.sqrt(float(np.mean(np.diff(heel, 3) ** 2)) / 20.0)
+    turned = side * (psi[turning] - np.interp(order, t, psi))
+    late = turned >= SETTLED
+    steady, std = math.nan, math.nan
+    if late.any() and turned[late].max() - turned[late].min() >= LEAST:
+        steady = -side * float(heel[late].mean())
+        block = ((own[late] - own[late][0]) / pace).astype(int)
+        means = np.bincount(block, heel[late]) / np.maximum(np.bincount(block), 1)
+        means = means[np.bincount(block) > 0]
+        if len(means) > 1:
+            # What the heel still changes by is no noise, and does not go down with the blocks.
+            half = len(means) // 2
+            change = float(means[half:].mean() - means[:half].mean())
+            std = math.hypot(float(means.std(ddof=1)) / math.sqrt(len(means)), 0.5 * change)
+    return Heel(
+        upright=upright,
+        largest=abs(float(found.value[most])),
+        largest_std=noise * math.sqrt(found.leverage[most]),
+        steady=steady,
+        steady_std=std,
+    )
+
 
 # What is around a trial: the wind, and the noise of the fixes where no circle shows it.
 
@@ -92,7 +239,7 @@ def trial_conditions(
     shown = ""
     if current is not None:
         shown = f"{current.speed:.2f} m/s to {current.direction_deg:03.0f}°, removed"
-    draught = mean_draught(stated, ship.d)
+    draught = campaign.draught
     return (
         Condition.of_length(ship.L),
         Condition.of_depth(campaign.water.depth, draught),
@@ -111,18 +258,6 @@ def said(conditions: Sequence[Condition]) -> tuple[str, ...]:
         *(item.words for item in conditions if item.met is False),
         *([f"Not shown of what the standard asks for: {listed(unknown)}."] if unknown else []),
     )
-
-
-def mean_draught(stated: Mapping[str, Any], otherwise: float) -> float:
-    """Mean draught as tried [m]: that of the stated ends, else the other one.
-
-    Examples
-    --------
-    >>> mean_draught({"draught_fore": 9.0, "draught_aft": 11.0}, 20.8), mean_draught({}, 20.8)
-    (10.0, 20.8)
-    """
-    fore, aft = stated.get("draught_fore"), stated.get("draught_aft")
-    return otherwise if fore is None or aft is None else 0.5 * (fore + aft)
 
 
 # The current by the drift between equal headings of a turn, as the explanatory notes have it.

@@ -12,9 +12,8 @@ import numpy as np
 from pmmkit.campaigns import Attitude
 from pmmkit.identification.local_fits import crossing, local, way_along
 from pmmkit.identification.trials.circle import Circle
-from pmmkit.identification.trials.noise import straight_line
 from pmmkit.identification.trials.orders import Order
-from pmmkit.identification.trials.path import TrialPath
+from pmmkit.identification.trials.path import TrialPath, straight_line
 from pmmkit.identification.trials.record import GAP
 from pmmkit.identification.trials.table import Measures
 from pmmkit.presentation import number

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pmmkit.conventions import METRICS, Metric
 from pmmkit.identification.trials.current import Current, mean_current
-from pmmkit.identification.trials.noise import PositionNoise
+from pmmkit.identification.trials.path import PositionNoise
 from pmmkit.imo import Condition, Verdict
 from pmmkit.numerics import Array
 from pmmkit.presentation import ABSENT, WIDE, Grid, Group, Section, number, plus_minus

@@ -10,16 +10,7 @@ from typing import Final
 
 from threadpoolctl import threadpool_limits
 
-from pmmkit.base import (
-    CampaignError,
-    DataError,
-    Problem,
-    Registry,
-    Workers,
-    each,
-    listed_in,
-    opened,
-)
+from pmmkit.base import CampaignError, DataError, Problem, Registry, Workers, each, opened
 from pmmkit.campaigns import Campaign, Run
 from pmmkit.effects import CATALOGUE
 from pmmkit.intake.checks import gauges, particulars, record
@@ -39,17 +30,14 @@ __all__ = [
 
 CHECKS: Final = Registry(
     Check,
-    listed_in(
-        "pmmkit.intake.checks",
-        "CHECKS",
-        first=(
-            *("inertia", "signs", "reference", "scales", "copies", "motion", "carriage", "stated"),
-            *("clock", "gauges", "agreement.examine", "record", "particulars", "frequency"),
-            *("static", "rest", "positions", "free_running", "density", "whole_files"),
-            "reach",
-        ),
-    ),
     what="check",
+    listed="pmmkit.intake.checks:CHECKS",
+    first=(
+        *("inertia", "signs", "reference", "scales", "copies", "motion", "carriage", "stated"),
+        *("clock", "gauges", "agreement.examine", "record", "particulars", "frequency"),
+        *("static", "rest", "positions", "free_running", "density", "whole_files"),
+        "reach",
+    ),
 )
 """All checks by name, each with a line on what it looks for, in the order of their findings; those
 of a new file come last."""

@@ -7,7 +7,7 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
-from pmmkit.base import ExtrapolationError, Problem, Remedy, TableError, setting
+from pmmkit.base import ExtrapolationError, Problem, Remedy, TableError, Way
 from pmmkit.models.tables.points import mapped
 from pmmkit.models.tables.table import DerivativeTable
 from pmmkit.numerics import Array
@@ -85,7 +85,7 @@ def interpolate(
             raise ExtrapolationError(
                 Problem(
                     message=f"Fn {beyond} is outside of the table, which holds {span}.",
-                    remedy=Remedy("Measure there, or say {}.", (setting("extrapolate", True),)),
+                    remedy=Remedy("Measure there, or say {}.", (Way.setting("extrapolate", True),)),
                 )
             )
         notes = (

@@ -15,9 +15,9 @@ from pmmkit.campaigns import TypeB
 from pmmkit.inference import root
 from pmmkit.numerics import Array
 from pmmkit.reduction.budgets.budget import Budget, BudgetResult, Source
-from pmmkit.reduction.joint import Push
 from pmmkit.reduction.observations.equations import sensitivity
 from pmmkit.reduction.observations.stated import acts
+from pmmkit.reduction.solve import Push
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,11 +6,46 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from pmmkit.campaigns import TEST_KINDS, Campaign
-from pmmkit.conventions import Convention, parse_derivative
+from pmmkit.conventions import STRUCTURES, Convention, Structure, parse_derivative
 from pmmkit.models import DerivativeTable
 from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.observations.equations import Rows, Sensitivity
 from pmmkit.reduction.solve import Solution, solve, to_table
+
+# The terms among which a method may choose.
+
+
+def library_of(
+    columns: DerivativeNames, structure: Structure, library: str | Sequence[str] | Structure | None
+) -> dict[str, tuple[str, ...]]:
+    """Terms by channel: those asked for, then those of the library.
+
+    Examples
+    --------
+    >>> from pmmkit.conventions import STRUCTURES
+    >>> asked = DerivativeNames(required={"Y": ("Yv", "Yvvv")}, optional={"Y": ("Y0",)})
+    >>> library_of(asked, Structure.meant_by("Yv Yvvv"), None)["Y"]
+    ('Yv', 'Yvvv', 'Y0', 'Yv|v|')
+    """
+    if library is None:
+        known = {factor for name in structure.derivatives for factor in _variables(name)}
+        more = [
+            name
+            for other in STRUCTURES.values()
+            if other.surge == structure.surge
+            for name in other.derivatives
+            if _variables(name) <= known
+        ]
+    else:
+        more = list(Structure.meant_by(library).derivatives)
+    return {
+        channel: tuple(dict.fromkeys((*own, *(name for name in more if name[0] == channel))))
+        for channel, own in columns.names.items()
+    }
+
+
+def _variables(name: str) -> frozenset[str]:
+    return parse_derivative(name).variables
 
 
 def by_family(

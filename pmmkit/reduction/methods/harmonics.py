@@ -15,9 +15,9 @@ from pmmkit.conventions import parse_derivative
 from pmmkit.inference import LeastSquares
 from pmmkit.numerics import Array
 from pmmkit.reduction.estimate import ChannelFit, RunBlock, blocks_of, origins_of
-from pmmkit.reduction.joint import join
 from pmmkit.reduction.methods.method import Estimate, MethodInputs
 from pmmkit.reduction.observations.equations import Rows
+from pmmkit.reduction.solve import join
 
 TITLE: Final = "harmonics"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -11,8 +11,7 @@ import numpy as np
 from pmmkit.inference import Consistency, InformationRoot, Innovations
 from pmmkit.numerics import Array
 from pmmkit.reduction.estimate import ChannelFit
-from pmmkit.reduction.methods.method import Estimate, MethodInputs
-from pmmkit.reduction.methods.over_time import OverTime, determined
+from pmmkit.reduction.methods.method import Estimate, MethodInputs, OverTime, determined
 
 TITLE: Final = "Kalman filter"
 VAGUE: Final = 100.0
@@ -21,20 +20,6 @@ TABLES: Final = "means and harmonics"
 """Record of the runs without a history, one after the other."""
 LEARNING: Final = 2.0
 """Variance of an innovation over its noise above which it tells of the prior, not of the filter."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Passed:
-    """What a filter made of one channel.
-
-    `value (p,)`: states at the end. `innovations (k_i,)`: by block: each sample less what the
-    samples before it predict, over the standard deviation that the filter gave it; NaN while it
-    learns.
-    """
-
-    value: Array
-    covariance: Array
-    innovations: tuple[Array, ...]
 
 
 def by_filter(evidence: MethodInputs) -> Estimate:
@@ -56,10 +41,10 @@ def by_filter(evidence: MethodInputs) -> Estimate:
         names = determined(channel.base)
         if not names:
             continue
-        passed = filtered(channel, names)
+        known, innovations = filtered(channel, names)
         found = channel.fitted(names)
-        fits.append((group, replace(found, fit=replace(found.fit, value=passed.value))))
-        for block, values in zip(channel.blocks, passed.innovations, strict=True):
+        fits.append((group, replace(found, fit=replace(found.fit, value=known.mean))))
+        for block, values in zip(channel.blocks, innovations, strict=True):
             run = evidence.rows[evidence.solution.groups[group][block.run]].result.run
             own = seen.setdefault(run.id if run.kind == "history" else TABLES, {})
             before = own.get(channel.base.channel, np.zeros(0))
@@ -69,12 +54,15 @@ def by_filter(evidence: MethodInputs) -> Estimate:
     return Estimate(method=TITLE, table=table, notes=tests.words(), tests=tests)
 
 
-def filtered(channel: OverTime, names: Sequence[str]) -> Passed:
-    """Run the filter through the blocks of a channel in their order.
+def filtered(channel: OverTime, names: Sequence[str]) -> tuple[InformationRoot, list[Array]]:
+    """What is known after the blocks of a channel in their order, and innovations (k_i,) of each.
+
+    An innovation is a sample less what the samples before it predict, over the standard deviation
+    that the filter gave it; NaN while it learns.
 
     Notes
     -----
-    A square-root information filter, `InformationRoot`; a block is one update.
+    A square-root information filter; a block is one update.
     """
     at = [channel.names.index(name) for name in names]
     whole, rows = np.concatenate(channel.design)[:, at], np.concatenate(channel.rows)
@@ -85,7 +73,7 @@ def filtered(channel: OverTime, names: Sequence[str]) -> Passed:
         new, variance = known.innovations(design[:, at], y)
         innovations.append(np.where(variance <= LEARNING, new, np.nan))
         known = known.with_rows(design[:, at], y)
-    return Passed(value=known.mean, covariance=known.covariance, innovations=tuple(innovations))
+    return known, innovations
 
 
 def _innovations(own: Mapping[str, Array]) -> Innovations:

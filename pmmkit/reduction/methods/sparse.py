@@ -12,8 +12,7 @@ from pmmkit.inference import EffectiveSample, Equations, Resampling, Selection, 
 from pmmkit.numerics import Array
 from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.estimate import ChannelFit, optional_columns
-from pmmkit.reduction.methods.method import Estimate, MethodInputs
-from pmmkit.reduction.methods.over_time import OverTime, determined
+from pmmkit.reduction.methods.method import Estimate, MethodInputs, OverTime, determined
 from pmmkit.reduction.solve import Solution
 
 TITLE: Final = "sparse regression"

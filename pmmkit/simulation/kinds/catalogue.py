@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from pmmkit.base import Registry, listed_in
+from pmmkit.base import Registry
 from pmmkit.simulation.kinds.manoeuvre import Manoeuvre
 
 GROUP: Final = "pmmkit.manoeuvres"
@@ -13,8 +13,8 @@ GROUP: Final = "pmmkit.manoeuvres"
 
 MANOEUVRES: Final = Registry(
     Manoeuvre,
-    listed_in("pmmkit.simulation.kinds", "MANOEUVRES"),
     what="manoeuvre",
+    listed="pmmkit.simulation.kinds:MANOEUVRES",
     group=GROUP,
     contract="pmmkit.testing.manoeuvres:check_manoeuvre",
 )

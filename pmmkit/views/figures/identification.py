@@ -11,7 +11,6 @@ import numpy as np
 from pmmkit.base import UnknownNameError
 from pmmkit.conventions import Convention
 from pmmkit.effects import CATALOGUE
-from pmmkit.identification import parameter_symbol
 from pmmkit.plotting import (
     INK,
     LIMIT,
@@ -117,7 +116,7 @@ def parameter_histories(
             axis.plot(t, histories[:, i], color=colour_style(0), label=f"{found.method}")
             for start in starts[1:]:
                 axis.axvline(start, color="#999999", lw=0.8, ls=":")
-            axis.set_title(f"{parameter_symbol(name, convention or Convention())} [{_unit(name)}]")
+            axis.set_title(f"{(convention or Convention()).symbol(name)} [{_unit(name)}]")
             axis.set_xlim(t[0], t[-1])
             axis.locator_params(axis="y", nbins=4)
         in_powers(axes[: len(shown)])

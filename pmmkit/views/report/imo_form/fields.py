@@ -9,7 +9,6 @@ from typing import Any, Final
 
 from pmmkit.base import DataError
 from pmmkit.conventions import Ship
-from pmmkit.identification import mean_draught
 from pmmkit.imo import Condition
 from pmmkit.views.report.imo_form.form import FormField
 
@@ -92,12 +91,12 @@ def loading_entries(
 ) -> tuple[FormField, ...]:
     """The loading as tried."""
     fore, aft = stated.get("draught_fore"), stated.get("draught_aft")
-    trim = None if fore is None or aft is None else aft - fore
+    draught, trim = ship.d, None
+    if fore is not None and aft is not None:
+        draught, trim = 0.5 * (fore + aft), aft - fore
     return (
         FormField(name="loading", title="loading condition", value=loading),
-        FormField(
-            name="draught", title="mean draught", value=mean_draught(stated, ship.d), unit="m"
-        ),
+        FormField(name="draught", title="mean draught", value=draught, unit="m"),
         FormField(name="trim", title="trim, by the stern", value=trim, unit="m"),
     )
 

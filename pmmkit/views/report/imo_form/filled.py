@@ -10,7 +10,7 @@ from typing import Any, Final
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Criterion
 from pmmkit.equations import prepare
-from pmmkit.identification import Corrected, Trial, mean_draught
+from pmmkit.identification import Corrected, Trial
 from pmmkit.imo import Condition, Verdict, simulated_conditions
 from pmmkit.models import Model
 from pmmkit.views.report.imo_form.fields import (
@@ -125,7 +125,7 @@ def form_of_trials(
     """
     said, ship = campaign.imo, campaign.ship
     trials = _with_most_rudder(trials)
-    draught, full = mean_draught(said, ship.d), said.get("full_load_draught")
+    draught, full = campaign.draught, said.get("full_load_draught")
     speeds = [item.speed for item in trials]
     speed = sum(speeds) / len(speeds)
     turns = [item.revolutions for item in trials if math.isfinite(item.revolutions)]

@@ -1,4 +1,4 @@
-"""Uncertainty by Monte Carlo: the whole fit repeated with perturbed records and settings."""
+"""An independent check of the covariance: the whole fit repeated with drawn errors."""
 
 from __future__ import annotations
 
