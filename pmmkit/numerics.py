@@ -27,6 +27,19 @@ def rms(values: ArrayLike) -> float:
         return float(np.sqrt(np.mean(np.square(known)))) if known.size else float("nan")
 
 
+def stretches(flags: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Where stretches that are true begin, and the first place after each.
+
+    Examples
+    --------
+    >>> starts, stops = stretches(np.array([True, False, True, True]))
+    >>> starts.tolist(), stops.tolist()
+    ([0, 2], [1, 4])
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
+    return edges[::2], edges[1::2]
+
+
 def coverage_factor(dof: ArrayLike, confidence: float = 0.95) -> Array:
     """Half width of an interval over the standard uncertainty, by Student's t (JCGM 100:2008, G.3).
 

@@ -65,7 +65,7 @@ def over_depths(
         title = f"In water of {part.depth_in_words}, h/T = {_ratio(part):.4g}"
         lines += ["", title, "=" * len(title)]
         try:
-            outcome, reduction = reduce(part, out / _name(part))
+            outcome, reduction = reduce(part, out / f"{FOLDER}{_ratio(part):.2f}")
         except PmmkitError as error:  # the other depths are reduced
             lines.append(words_of(error))
             content.append(
@@ -109,10 +109,6 @@ def over_depths(
 
 def _ratio(part: Campaign) -> float:
     return (part.water.depth or math.nan) / part.ship.d
-
-
-def _name(part: Campaign) -> str:
-    return f"{FOLDER}{_ratio(part):.2f}"
 
 
 def _by_ratio(found: Sequence[Reduction]) -> list[tuple[float, Reduction]]:

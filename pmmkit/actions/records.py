@@ -1,17 +1,32 @@
-"""What commands ask of free-running records: which, which channels, how well they are known."""
+"""What commands ask of free-running records and of sound campaigns, and sessions about them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pmmkit.actions.setting import SettingError, setting, settings
-from pmmkit.actions.text import numbers, patterns, present, sensors_of, words
+from pmmkit.actions.outcome import say
+from pmmkit.actions.setting import (
+    SettingError,
+    numbers,
+    patterns,
+    present,
+    sensors_of,
+    setting,
+    settings,
+    stated,
+    words,
+)
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
+    from pmmkit.base import Workers
     from pmmkit.campaigns import Campaign
+    from pmmkit.diagnosis import Session
+    from pmmkit.effects import Effect
     from pmmkit.identification import Chosen
+    from pmmkit.intake import CheckFinding
     from pmmkit.models import Model
 
 
@@ -138,3 +153,76 @@ def errors_table(errors: Mapping[str, Mapping[str, float]]) -> str:
         for what, row in errors.items()
     ]
     return aligned(["", *head], rows)
+
+
+# Sessions of jobs: a model and the campaigns that were named.
+
+
+# Campaigns that do not contradict themselves.
+
+
+def sound_campaign(
+    path: Path, data: Path | None, executor: Workers = None
+) -> tuple[Campaign, tuple[CheckFinding, ...]]:
+    """A campaign that does not contradict itself, and what the checks say of it."""
+    from pmmkit.campaigns import open_campaign
+    from pmmkit.intake import examine, refuse
+
+    campaign = open_campaign(path, data=data)
+    findings = examine(campaign, executor=executor)
+    refuse(findings)
+    return campaign, findings
+
+
+def sound_campaigns(
+    paths: Sequence[Path], data: Path | None
+) -> dict[str, tuple[Campaign, tuple[CheckFinding, ...]]]:
+    """The same of several campaigns, by their titles as a session knows them."""
+    from pmmkit.campaigns import Campaign
+
+    sound = [sound_campaign(path, data) for path in paths]
+    return dict(zip(Campaign.by_title([campaign for campaign, _ in sound]), sound, strict=True))
+
+
+def session_about(
+    model: Model,
+    campaigns: Mapping[str, Campaign],
+    effects: Sequence[str],
+    asked: RecordSettings,
+    floor: float | None,
+    noise: float | None,
+    own: Sequence[Effect],
+) -> Session[Any]:
+    """A session in which free-running records are asked for nothing but the effects."""
+    from pmmkit.base import DataError
+    from pmmkit.diagnosis import begin
+
+    one = max(campaigns.values(), key=lambda item: item.kind == "free-running")
+    names = [name.partition("@")[0] for name in effects]
+    if one.kind != "free-running":
+        if stated(asked):
+            raise DataError("Options of free-running records are of no use for captive tests.")
+        tests = campaigns if len(campaigns) > 1 else one
+        return begin(model, tests, floor=floor, noise=noise, own=own)
+    if len(campaigns) > 1:
+        return begin(
+            model,
+            campaigns,
+            floor=floor,
+            noise=noise,
+            own=own,
+            candidates=names,
+            progress=say,
+            **asked.several(),
+        )
+    used, kept = asked.chosen(one, model)
+    return begin(
+        model,
+        used.records,
+        floor=floor,
+        noise=noise,
+        own=own,
+        candidates=names,
+        progress=say,
+        **asked.settings(kept),
+    )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from pmmkit.actions.setting import SettingError, setting, settings
@@ -48,24 +47,13 @@ class WaveSettings:
         return sea("bretschneider", Hs=self.wave_height, Tp=self.wave_period)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Carried:
-    """A model in a sea.
-
-    `model`: that feels its mean drift; the one that was given in a calm. `motions`: from which
-    the drift was found; None where the model has a table of its own. `notes`: what there is to
-    say of the sea.
-    """
-
-    model: Model
-    motions: Rao | None = None
-    notes: tuple[str, ...] = ()
-
-
-def carried(model: Model, waves: WaveSettings, name: str, speed: float) -> Carried:
+def carried(
+    model: Model, waves: WaveSettings, name: str, speed: float
+) -> tuple[Model, Rao | None, tuple[str, ...]]:
     """A model that feels the mean drift of a sea: by its own table, else by strip theory.
 
-    speed [m/s].
+    With the motions from which the drift was found, where the model has no table of its own, and
+    what there is to say of the sea. The model itself in a calm; speed [m/s].
     """
     from pmmkit.identification import other_period
 
@@ -73,27 +61,27 @@ def carried(model: Model, waves: WaveSettings, name: str, speed: float) -> Carri
     if sea is None:
         if speeds is not None:
             raise SettingError(WAVES)
-        return Carried(model=model)
+        return model, None, ()
     own = model.in_role("waves")
     if own:
         if speeds is not None:
             raise SettingError("The model has its table of drift: leave --wave-speeds out.")
         told = other_period(model, [sea.Tp], "this sea has")
         rough = model.with_values(own[0], Hs=sea.Hs, from_deg=from_deg)
-        return Carried(model=rough, notes=(told,) if told else ())
+        return rough, None, (told,) if told else ()
     from pmmkit.seakeeping import in_waves
 
     motions = _motions(model, sea, name, _table(speeds, model) or speed)
-    return Carried(model=in_waves(model, sea, motions=motions, from_deg=from_deg), motions=motions)
+    return in_waves(model, sea, motions=motions, from_deg=from_deg), motions, ()
 
 
 def first_order(
-    track: Track, rough: Carried, sea: Sea, name: str, from_deg: float, seed: int
+    track: Track, rough: Model, motions: Rao | None, sea: Sea, name: str, from_deg: float, seed: int
 ) -> MotionInWaves:
     """Motions at the frequency of the waves along a track."""
     from pmmkit.seakeeping import superposed
 
-    found = rough.motions or _motions(rough.model, sea, name, track.speed)
+    found = motions or _motions(rough, sea, name, track.speed)
     return superposed(track, found, sea, from_deg=from_deg, seed=seed)
 
 
@@ -108,7 +96,7 @@ def _table(speeds: str | None, model: Model) -> list[float]:
     return [item.of(model.ship, model.water) for item in typed]
 
 
-def new_notes(rough: Carried, before: Model) -> list[str]:
+def new_notes(rough: Model, of_sea: Sequence[str], before: Model) -> list[str]:
     """What a model in a sea has to say beyond what it said in a calm."""
-    fresh = [text for text in rough.model.notes if text not in before.notes]
-    return [f"note: {text}" for text in (*fresh, *rough.notes)]
+    fresh = [text for text in rough.notes if text not in before.notes]
+    return [f"note: {text}" for text in (*fresh, *of_sea)]

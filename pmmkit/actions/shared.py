@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pmmkit.actions.setting import Help, SettingError, setting, settings, stated
-from pmmkit.actions.text import orders_of
+from pmmkit.actions.setting import Help, SettingError, orders_of, setting, settings, stated
 
 Data = Annotated[
     Path | None, Help("Folder or URL of measurements that do not lie beside the campaign file.")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pmmkit.base import CampaignError
 from pmmkit.campaigns.run import Run
-from pmmkit.numerics import Array, unwrapped
+from pmmkit.numerics import Array, stretches, unwrapped
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -420,5 +420,4 @@ def _jumps(t: Array, rows: Array, fresh: Flags, limit: float) -> tuple[Jump, ...
 
 def _runs(flags: Flags) -> list[tuple[int, int]]:
     """First and last index of each stretch that is true."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
-    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return [(int(a), int(b) - 1) for a, b in zip(*stretches(flags), strict=True)]

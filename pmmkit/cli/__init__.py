@@ -45,8 +45,7 @@ def _run(given: list[str]) -> int:
     import typer
 
     from pmmkit.cli.app import application
-    from pmmkit.cli.output import tell_error
-    from pmmkit.cli.usage import tell_usage
+    from pmmkit.cli.output import tell_error, tell_usage
 
     as_json = "--json" in given
     usage_error: Any = typer.BadParameter.__base__

@@ -6,8 +6,7 @@ from pmmkit.base import lazy
 
 if TYPE_CHECKING:
     from pmmkit.exports.fmu.unit import approach_of
-    from pmmkit.exports.subject import read_subject
-    from pmmkit.exports.write import ENDINGS, export, file_name
+    from pmmkit.exports.write import ENDINGS, export, file_name, read_subject
 
 __all__ = ["ENDINGS", "approach_of", "export", "file_name", "read_subject"]
 

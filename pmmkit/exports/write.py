@@ -1,29 +1,200 @@
-"""One word for all exports: what it is and in which format decide who writes."""
+"""All exports: what a path stands for and its format decide who writes; tracks as CSV."""
 
 from __future__ import annotations
 
+import csv
+import json
+import math
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.base import DataError, FileExists, Remedy, UnknownNameError, Way
-from pmmkit.campaigns import Campaign, save_campaign
+from pmmkit.base import CampaignError, DataError, FileExists, Remedy, UnknownNameError, Way
+from pmmkit.campaigns import Campaign, open_campaign, read_columns, save_campaign
+from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.exports.campaign_csv import write_campaign_csv
 from pmmkit.exports.fmu.unit import VERSIONS, Version, model_to_fmu
+from pmmkit.exports.matlab.hull import table_to_mss
 from pmmkit.exports.matlab.model import model_to_mss
-from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
 from pmmkit.exports.simman.write import write_simman
-from pmmkit.exports.subject import read_subject
-from pmmkit.exports.track import write_track_csv, write_track_netcdf
-from pmmkit.files import atomic_path, write_text
-from pmmkit.models import DerivativeTable, Model, write_table
+from pmmkit.files import CAMPAIGN, Url, atomic_path, write_text
+from pmmkit.models import DerivativeTable, Model, load_model, read_table, ships, write_table
+from pmmkit.presentation import printable
+from pmmkit.readers import Options, Request, recognise
 from pmmkit.simulation import Track
 from pmmkit.syntax import matlab_name
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+# Tracks of manoeuvres as files: CSV with units in the headers, NetCDF with what belongs to it.
+
+
+def read_track(path: str | Path) -> xr.Dataset:
+    """A ``track.csv`` that a simulation wrote, with the metrics beside it."""
+    file = Path(path)
+    request = Request(path=file, shown=file.name, options=Options(format="csv"))
+    read, picked, _ = read_columns(request, {}, Campaign.REQUIRED["free-running"])
+    values = {
+        column.name: column.apply(numbers)
+        for column, numbers in zip(picked, read.values, strict=True)
+    }
+    taken = {column.position for column in picked}
+    left = [title for place, title in enumerate(read.headers) if place not in taken]
+    beside = file.with_name(file.name.replace("track", "metrics", 1)).with_suffix(".json")
+    attributes = _metrics(beside) if beside != file else {}
+    return _dataset(values, attributes | ({"left_out": "; ".join(left)} if left else {}))
+
+
+def write_track_csv(track: xr.Dataset, path: str | Path) -> None:
+    """Write a track as CSV with ``name [unit]`` headers, all or nothing."""
+    import pandas as pd
+
+    names = ["t", *(str(name) for name in track.data_vars)]
+    frame = pd.DataFrame({f"{name} [{CHANNEL_UNITS[name]}]": track[name].values for name in names})
+    with atomic_path(path) as part:
+        frame.to_csv(part, index=False, encoding="utf-8", lineterminator="\n")
+
+
+def write_track_netcdf(track: xr.Dataset, path: str | Path) -> None:
+    """Write a track as NetCDF4, all or nothing; metrics are attributes."""
+    from pmmkit.base import __version__
+
+    named = track.assign_attrs(Conventions="CF-1.8", pmmkit=__version__)
+    with atomic_path(path) as part:
+        named.to_netcdf(part, engine="h5netcdf")
+
+
+def _dataset(values: dict[str, Any], attributes: dict[str, Any]) -> xr.Dataset:
+    import xarray as xr
+
+    def described(name: str) -> dict[str, str]:
+        unit, text = Track.CHANNELS.get(name, (CHANNEL_UNITS[name], name))
+        return {"units": unit, "long_name": text}
+
+    times = values.pop("t")
+    return xr.Dataset(
+        {name: ("t", numbers, described(name)) for name, numbers in values.items()},
+        coords={"t": ("t", times, {"units": "s", "long_name": "time from the rudder order"})},
+        attrs=attributes,
+    )
+
+
+def _metrics(path: Path) -> dict[str, Any]:
+    """Numbers and texts of the metrics file; none where it is not there."""
+    if not path.is_file():
+        return {}
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise CampaignError(
+            f"cannot be read as JSON: {error}.",
+            file=path.name,
+            remedy="Simulate again, or take it away to export the track without metrics.",
+        ) from error
+    if not isinstance(content, dict):
+        return {}
+    content = {name: value for name, value in content.items() if name.isidentifier()}
+    if isinstance(content.get("standing"), dict):
+        content["standing"] = content["standing"].get("sentences")
+    texts = {
+        name: printable("; ".join(value))
+        for name, value in content.items()
+        if isinstance(value, list) and value and all(isinstance(item, str) for item in value)
+    }
+    numbers = {
+        name: math.nan if value is None else printable(value) if isinstance(value, str) else value
+        for name, value in content.items()
+        if value is None or (isinstance(value, str | int | float) and not isinstance(value, bool))
+    }
+    return numbers | texts
+
+
+# What a name or a path stands for: a model, a table, a campaign or a track.
+
+
+_HDF5: Final = (".h5", ".hdf5", ".nc")
+_REMEDY: Final = (
+    "Name a library ship (pmmkit ships), a model file, a campaign, a derivative table or the "
+    "track.csv of a simulation."
+)
+
+
+def read_subject(
+    what: str | Path, *, data: str | Path | None = None
+) -> Model | DerivativeTable | Campaign | xr.Dataset:
+    """Read what is to be exported, whatever it is.
+
+    Parameters
+    ----------
+    what : str or path
+        A library ship; a model file; a folder with ``campaign.toml``, such a file, a saved or
+        a packed campaign, or the URL of one; a derivative table (``.csv``, ``.nc``, ``.h5``,
+        ``.xlsx``); a ``track.csv``.
+    data : path, optional
+        Of a campaign, as for `open_campaign`.
+
+    Returns
+    -------
+    Model, DerivativeTable, Campaign or Dataset
+        A Dataset is a track.
+
+    Raises
+    ------
+    DataError
+        If it is nothing of these, or damaged.
+
+    Examples
+    --------
+    >>> read_subject("kvlcc2-l7").name
+    'kvlcc2-l7'
+    """
+    if Url.of(what) is not None:
+        return open_campaign(what, data=data)
+    path = Path(what).expanduser()
+    if not path.exists():
+        if str(what) in ships():
+            return load_model(str(what))
+        if path.parts[:1] != ("datasets",):
+            raise DataError(
+                "there is no such file, folder or library ship.", file=str(what), remedy=_REMEDY
+            )
+    suffix = path.suffix.lower()
+    if path.is_file() and suffix == ".csv":
+        return read_track(path) if _is_track(path) else read_table(path)
+    if path.is_file() and suffix == ".xlsx":
+        return read_table(path)
+    if path.is_file() and suffix in _HDF5 and recognise(path) != "pmmkit":
+        return read_table(path)
+    if path.is_file() and suffix == ".toml" and _is_model(path):
+        return load_model(path)
+    if path.is_file() and suffix not in (".toml", ".zip", *_HDF5):
+        raise DataError("is nothing that can be exported.", file=str(what), remedy=_REMEDY)
+    return open_campaign(path, data=data)
+
+
+def _is_track(path: Path) -> bool:
+    """Whether a CSV file has a column of times and none of derivatives."""
+    with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
+        titles = next(csv.reader([stream.readline(65536)]), [])
+    names = {title.split("[")[0].strip() for title in titles}
+    return "t" in names and "derivative" not in names
+
+
+def _is_model(path: Path) -> bool:
+    """Whether a TOML file has what only model files have; the rest are campaign files."""
+    if path.name == CAMPAIGN.file:
+        return False
+    try:
+        content = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except (OSError, ValueError, RecursionError):
+        return True
+    return "campaign" not in content
+
 
 FORMATS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
         write_text,
     )
     from pmmkit.files.remote.copies import local_copy
-    from pmmkit.files.remote.objects import Origin
-    from pmmkit.files.remote.urls import Url
+    from pmmkit.files.remote.objects import Origin, Url
     from pmmkit.files.toml import (
         CAMPAIGN,
         MODEL,

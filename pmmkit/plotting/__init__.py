@@ -5,9 +5,7 @@ from typing import TYPE_CHECKING
 from pmmkit.base import lazy
 
 if TYPE_CHECKING:
-    from pmmkit.plotting.bands import band_histories
-    from pmmkit.plotting.history import TrackLike
-    from pmmkit.plotting.marks import beyond, dimension, open_mark
+    from pmmkit.plotting.bands import TrackLike, band_histories
     from pmmkit.plotting.style import (
         INK,
         LIMIT,
@@ -26,7 +24,7 @@ if TYPE_CHECKING:
         widened,
     )
     from pmmkit.plotting.time_series import Drawn, manoeuvre, steady_turns
-    from pmmkit.plotting.turns import trajectory
+    from pmmkit.plotting.turns import beyond, dimension, open_mark, trajectory
 
 __all__ = [
     "INK",

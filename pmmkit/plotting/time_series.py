@@ -12,15 +12,14 @@ from pmmkit.base import DataError
 from pmmkit.conventions import METRICS, Criterion
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
-from pmmkit.plotting.marks import open_mark, path_axes
-from pmmkit.plotting.turns import trajectory, turn_histories
+from pmmkit.plotting.turns import open_mark, path_axes, trajectory, turn_histories
 from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pmmkit.plotting.history import TrackLike
+    from pmmkit.plotting.bands import TrackLike
 
 
 def zigzag(tracks: Sequence[TrackLike], names: Sequence[str] | None = None) -> Figure:

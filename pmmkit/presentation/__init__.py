@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 from pmmkit.base import lazy
 
 if TYPE_CHECKING:
-    from pmmkit.presentation.escaping import figure_text, printable, quoted, safe_cell, text_of_cell
     from pmmkit.presentation.layout import (
         Cell,
         Described,
@@ -14,7 +13,12 @@ if TYPE_CHECKING:
         Picture,
         Section,
         aligned,
+        figure_text,
+        printable,
+        quoted,
+        safe_cell,
         text_of,
+        text_of_cell,
     )
     from pmmkit.presentation.numbers import (
         ABSENT,

@@ -14,9 +14,9 @@ import numpy as np
 
 from pmmkit.base import ModelError, PmmkitError
 from pmmkit.conventions import CHANNELS, bibliography, parse_derivative
+from pmmkit.diagnosis import candidate_of, standard_tests
 from pmmkit.diagnosis import candidate_of as captive_candidate
 from pmmkit.diagnosis import free_candidate_of as free_candidate
-from pmmkit.diagnosis import standard_tests
 from pmmkit.effects import BY_SPEED, CATALOGUE, OUTSIDE, Effect
 from pmmkit.equations import ACCELERATIONS, GIVEN, Conditions, Prepared, prepare
 from pmmkit.models import (
@@ -29,7 +29,60 @@ from pmmkit.models import (
     with_effect,
     without_effect,
 )
-from pmmkit.testing.faults import acts_on_records, declared_fault
+from pmmkit.numerics import Array
+from pmmkit.reduction import RunView
+from pmmkit.testing import hold
+
+# What every fault of a measurement must hold.
+
+
+def declared_fault(effect: Effect) -> Iterator[str]:
+    """What is wrong with what a fault says of itself."""
+    if effect.acts is None and not effect.not_captive:
+        yield "it does not act on records"
+    if not (effect.coefficients or effect.suspects):
+        yield "it has no size, and the checks do not suspect it"
+    if effect.roles:
+        yield "a fault has no role in a model"
+    known = {item.name for item in effect.parameters}
+    for form in effect.suspects:
+        named = {form.unknown, *(name for value in form.grid for name in form.at(value))} - {""}
+        lost = sorted(named - known)
+        if lost:
+            yield f"it is suspected by {', '.join(lost)}, which are none of its parameters"
+
+
+def acts_on_records(case: _Case) -> Iterator[str]:
+    """Forces are shown in their form; nothing at zero, and in proportion where it says so."""
+    effect = case.effect
+    if effect.acts is None or not effect.coefficients:
+        return
+    views, base = standard_tests()
+    speeds = sorted({view.speed for view in views})
+    for view, value in product(views, candidate_of(effect, speeds).grid):
+        run = RunView(view, base)
+        at = {effect.nonlinear.name: value} if effect.nonlinear else {}
+        for item in effect.coefficients:
+            none, once, twice = (
+                effect.shown(run, {**at, item.name: times * item.step}) for times in (0, 1, 2)
+            )
+            for channel, shown in once.items():
+                true = run.forces[channel]
+                if shown.shape != true.shape:
+                    yield f"what it shows of {channel} has the shape {shown.shape}"
+                    continue
+                change, size = shown - true, float(np.abs(true).max())
+                if not _alike(none.get(channel, true), true, size):
+                    yield f"it shows something of {channel} where {item.name} is zero"
+                elif item.step == 1.0 and not _alike(twice[channel] - true, 2.0 * change, size):
+                    yield f"it is not in proportion to {item.name}: state a step"
+
+
+def _alike(one: Array, other: Array, size: float) -> bool:
+    """Whether forces are the same but for rounding; what is not finite is told elsewhere."""
+    finite = np.isfinite(one) & np.isfinite(other)
+    return bool(np.allclose(one[finite], other[finite], rtol=1e-9, atol=1e-9 * size))
+
 
 _FROUDE: Final = 0.142
 """Froude number at which models are tried."""
@@ -167,8 +220,7 @@ def check_effect(effect: Effect, model: Model | None = None) -> None:
     found = [f"{rule}: {fault}" for rule in DECLARED for fault in _faults(DECLARED[rule], case)]
     if not found:
         found = [f"{rule}: {fault}" for rule in RULES for fault in _faults(RULES[rule], case)]
-    if found:
-        raise AssertionError("\n- ".join([f"Effect {effect.name!r}:", *found]))
+    hold(f"Effect {effect.name!r}", found)
 
 
 def _faults(rule: Callable[[_Case], Iterator[str]], case: _Case) -> list[str]:
@@ -508,10 +560,6 @@ def _compiled(case: _Case) -> Iterator[str]:
             yield "compiled equations are not those that are interpreted"
 
 
-def _on_records(case: _Case) -> Iterator[str]:
-    return acts_on_records(case.effect)
-
-
 def _captive(case: _Case) -> Iterator[str]:
     effect = case.effect
     if not effect.asked_in_captive:
@@ -579,7 +627,7 @@ RULES: Final[Mapping[str, Callable[[_Case], Iterator[str]]]] = {
     "in and out of a model": _enters,
     "Froude's law": _by_froude,
     "compiled and interpreted": _compiled,
-    "what records show": _on_records,
+    "what records show": acts_on_records,
     "captive tests can be asked": _captive,
     "free-running records can be asked": _free_running,
 }

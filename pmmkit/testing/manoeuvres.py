@@ -12,6 +12,7 @@ import numpy as np
 from pmmkit.base import DataError, PmmkitError
 from pmmkit.conventions import METRICS, Metric
 from pmmkit.simulation import MANOEUVRES, Manoeuvre, Setting, Track, simulate
+from pmmkit.testing import hold
 
 UNITS: Final = {"m": "", "s": "", "-": "", "m/s": "", "deg": "_deg", "deg/s": "_deg_s"}
 """Units of metrics, and what then stands in their names."""
@@ -49,7 +50,7 @@ def check_metric(metric: Metric) -> None:
     - its name is not of small letters, digits and underscores
     - its name does not say its unit: _deg
     """
-    _hold(f"Metric {metric.name!r}", [*_faults_of_metric(metric)])
+    hold(f"Metric {metric.name!r}", _faults_of_metric(metric))
 
 
 def check_manoeuvre(
@@ -83,19 +84,14 @@ def check_manoeuvre(
     >>> check_manoeuvre(MANOEUVRES["initial_turning"])
     """
     named = f"Manoeuvre {manoeuvre.name!r}"
-    _hold(named, [*_faults_of_entry(manoeuvre)])
-    _hold(named, [*_faults_of_plan(manoeuvre, settings)])
+    hold(named, _faults_of_entry(manoeuvre))
+    hold(named, _faults_of_plan(manoeuvre, settings))
     try:
         track = simulate(ship, manoeuvre, speed=speed, compiled=False, **settings)
     except PmmkitError as error:
-        _hold(named, [f"it does not run: {error}"])
+        hold(named, [f"it does not run: {error}"])
         raise
-    _hold(named, [*_faults_of_run(manoeuvre, track, ship, settings)])
-
-
-def _hold(named: str, found: list[str]) -> None:
-    if found:
-        raise AssertionError("\n- ".join([f"{named}:", *found]))
+    hold(named, _faults_of_run(manoeuvre, track, ship, settings))
 
 
 def _plain(name: str) -> bool:

@@ -19,6 +19,7 @@ from pmmkit.conventions import CHANNEL_UNITS, split_unit
 from pmmkit.files import sha256
 from pmmkit.numerics import Array
 from pmmkit.readers import READERS, Choose, Columns, Options, Reader, Request, head_of, to_number
+from pmmkit.testing import hold
 
 _CUTS: Final = 24
 """Places at which a file is cut short."""
@@ -149,9 +150,7 @@ def check_reader(
         found.append(f"a good file is read: {_told(error)}")
     else:
         found += [f"{rule}: {fault}" for rule in RULES for fault in _faults(rule, case)]
-    if found:
-        name = getattr(reader, "name", type(reader).__name__)
-        raise AssertionError("\n- ".join([f"Reader {name!r}:", *found]))
+    hold(f"Reader {getattr(reader, 'name', type(reader).__name__)!r}", found)
 
 
 def _faults(rule: str, case: _Case) -> list[str]:

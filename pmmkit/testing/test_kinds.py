@@ -12,6 +12,7 @@ import numpy as np
 from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, RunSetting, Settings, TestKind
 from pmmkit.conventions import is_unit
 from pmmkit.numerics import Array
+from pmmkit.testing import hold
 
 SPEED: Final = 1.5
 _ANGLES: Final = ("drift", "heel", "rudder")
@@ -65,8 +66,7 @@ def check_test_kind(kind: TestKind) -> None:
     found = [*_words(kind), *(described := list(_settings(kind)))]
     if kind.captive and not described:
         found += _moves(kind)
-    if found:
-        raise AssertionError("\n- ".join([f"Kind of test {kind.name!r}:", *found]))
+    hold(f"Kind of test {kind.name!r}", found)
 
 
 def check_run_setting(setting: RunSetting) -> None:
@@ -95,8 +95,7 @@ def check_run_setting(setting: RunSetting) -> None:
     - its key 'drift' is in degrees and does not end in _deg
     - its uncertainty can be stated, and it has no word
     """
-    if found := list(_faults(setting)):
-        raise AssertionError("\n- ".join([f"Setting {setting.name!r}:", *found]))
+    hold(f"Setting {setting.name!r}", _faults(setting))
 
 
 def _faults(setting: RunSetting) -> Iterator[str]:

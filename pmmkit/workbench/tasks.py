@@ -1,21 +1,21 @@
-"""Long work: opening tests and a base, asking what is missing, adding effects."""
+"""Long work: opening tests and a base, asking what is missing, adding effects, keeping rivals."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.base import DataError
+from pmmkit.base import DataError, ModelError
 from pmmkit.campaigns import Campaign, open_campaign
 from pmmkit.conventions import STRUCTURES
-from pmmkit.diagnosis import Session, SeveralCampaigns, begin, carried
+from pmmkit.diagnosis import Diagnosis, Session, SeveralCampaigns, Together, begin, carried
 from pmmkit.intake import CheckFinding, examine, refuse
 from pmmkit.models import Model, load_model, save_model
 from pmmkit.views import page_of
-from pmmkit.workbench.rivals import save_rivals
 from pmmkit.workbench.saved import (
     OPENED,
     STEPS,
@@ -30,6 +30,46 @@ from pmmkit.workbench.worker import Tell
 
 if TYPE_CHECKING:
     from pmmkit.workbench.worker import Task
+
+
+# Ships that the tests accept: the sets that a diagnosis named, kept as models.
+
+
+RESULT: Final = "rivals"
+
+
+def save_rivals(folder: Path, session: Session[Any], found: Diagnosis | Together) -> None:
+    """Keep the sets that a diagnosis named and that can be sailed, each with its odds and ship."""
+    effects = tuple(step.effect for step in session.steps)
+    kept: list[dict[str, Any]] = []
+    for names, odds in found.group:
+        file = folder / f"rival_{len(effects)}_{len(kept)}.toml"
+        with suppress(ModelError):
+            save_model(session.evidence.rival(session.steps, names), file)
+            kept.append({"effects": names, "odds": odds, "file": file.name})
+    save_result(folder, RESULT, effects, kept)
+
+
+def find_rivals(
+    folder: Path, effects: tuple[str, ...]
+) -> tuple[tuple[Model, float, tuple[str, ...]], ...]:
+    """Ships that the tests accept beside the model with some effects: odds, and what it lacks then.
+
+    They are those of the last diagnosis that named any, while what was added since is part of one
+    of its sets; none after other steps.
+    """
+    for count in range(len(effects), -1, -1):
+        found = find_result(folder, RESULT, effects[:count])
+        if not found:
+            continue
+        if not any(set(effects[count:]) <= set(item["effects"]) for item in found):
+            return ()
+        return tuple(
+            (load_model(folder / item["file"]), item["odds"], tuple(item["effects"]))
+            for item in found
+        )
+    return ()
+
 
 WHOLE: Final = 100
 PARTS: Final = (30, 75)
@@ -194,7 +234,7 @@ class Tasks:
                 tell(0, WHOLE, "reading the tests")
                 tests = self._tests(work)
                 free = any(item.kind == "free-running" for item in tests.values())
-                heard = {"progress": partial(_heard, tell)} if free or len(tests) > 1 else {}
+                heard = {"progress": partial(tell, 0, 0)} if free or len(tests) > 1 else {}
                 given: dict[str, Any] = {**work.settings, **heard}
                 asked = tests if len(tests) > 1 else next(iter(tests.values()))
                 self._sessions[first] = begin(load_model(base), asked, own=own, **given)
@@ -203,10 +243,6 @@ class Tasks:
                 session = session.add(step, step.note)
             self._sessions[key] = session
         return self._sessions[key]
-
-
-def _heard(tell: Tell, text: str) -> None:
-    tell(0, 0, text)
 
 
 def _checked(tests: Mapping[str, Campaign]) -> list[tuple[CheckFinding, ...]]:

@@ -16,7 +16,7 @@ import pmmkit as pk
 from pmmkit.base import CampaignError, DataError
 from pmmkit.cli import main
 from pmmkit.files import Origin, Url
-from pmmkit.files.remote import copies, objects, urls
+from pmmkit.files.remote import copies, objects
 from pmmkit.files.remote.copies import SHEET
 from pmmkit.files.remote.objects import is_absent, told
 from pmmkit.reduction.reading import all_runs
@@ -47,8 +47,8 @@ def memory(monkeypatch):
     """fsspec's store in memory, as if it were one of the protocols."""
     import fsspec
 
-    packages = MappingProxyType({**urls.PACKAGES, "memory": "fsspec"})
-    monkeypatch.setattr(urls, "PACKAGES", packages)
+    packages = MappingProxyType({**objects.PACKAGES, "memory": "fsspec"})
+    monkeypatch.setattr(objects, "PACKAGES", packages)
     monkeypatch.setattr(objects, "PACKAGES", packages)
     store = fsspec.filesystem("memory")
     yield store

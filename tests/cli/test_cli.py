@@ -441,7 +441,7 @@ def test_a_stopped_command_leaves_nothing_behind(
             raise KeyboardInterrupt
         os.kill(os.getpid(), signal.SIGTERM)
 
-    monkeypatch.setattr("pmmkit.views.report.results.write_table", interrupted)
+    monkeypatch.setattr("pmmkit.views.report.build.write_table", interrupted)
     before = tmp_path / "r"
     before.mkdir()
     (before / "derivatives.csv").write_text("mine")

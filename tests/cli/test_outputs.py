@@ -7,7 +7,7 @@ import json
 import pytest
 from small_campaign import write_campaign
 
-from pmmkit.actions.text import stem
+from pmmkit.actions.setting import stem
 from pmmkit.cli import main
 from pmmkit.models import load_model, save_model
 

@@ -20,7 +20,7 @@ from pmmkit import Campaign, Run
 from pmmkit.base import CampaignError, DataError, FileExists
 from pmmkit.campaigns import Correction, Settings, TypeB
 from pmmkit.cli import main
-from pmmkit.exports.matlab.table import table_to_mss
+from pmmkit.exports.matlab.hull import table_to_mss
 from pmmkit.exports.write import FORMATS
 from pmmkit.models import from_values
 from pmmkit.models.tables.compare import identical

@@ -21,8 +21,8 @@ from hypothesis import strategies as st
 from small_campaign import write_campaign
 
 import pmmkit as pk
+from pmmkit.exports.matlab.hull import table_to_mss
 from pmmkit.exports.matlab.model import model_to_mss
-from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
 from pmmkit.files import toml_string, write_results
 from pmmkit.models import Part, Step, from_values

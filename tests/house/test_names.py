@@ -101,7 +101,7 @@ REGISTRIES = {
             "diagnosis/free_running/hypotheses.py": "what records hold: roll",
             "equations/code_generation.py": "a variable of that name",
             "equations/layouts.py": "a constant and an input of that name",
-            "exports/campaign_toml.py": OTHER_WORDS,
+            "exports/campaign_csv.py": OTHER_WORDS,
             "exports/matlab/model.py": "each part is written in MATLAB by hand",
             "exports/shipmmg.py": "the parts that shipmmg knows",
             "identification/binding.py": "the role of that name",
@@ -128,7 +128,6 @@ BY_REGISTRY: Mapping[str, Collection[str]] = {
         "intake/drafts/motion.py",
         "models/model.py",
         "models/revise.py",
-        "views/report/pictures.py",
     ),
     "free-running kinds of test": (
         "identification/trials/drawing.py",

@@ -26,9 +26,9 @@ CODE = re.compile(r"^```python\n(.*?)^```", re.S | re.M)
 COMMAND = re.compile(r"^    pmmkit (.*)$", re.M)
 TYPED = """
 import sys
-import pmmkit.views.report.drawn
+import pmmkit.views.figures.captions
 from pmmkit.cli import main
-pmmkit.views.report.drawn.svg = lambda figure: "<svg></svg>"
+pmmkit.views.figures.captions.svg = lambda figure: "<svg></svg>"
 sys.exit(main(sys.argv[1:]))
 """
 """A command as it is typed, but for the pictures of its report, at which no recipe looks."""

@@ -284,7 +284,7 @@ def test_the_command_keeps_beside_its_output_and_clears_away(
         written.append(found)
         return []
 
-    monkeypatch.setattr("pmmkit.views.report.results.write_reduction", write)
+    monkeypatch.setattr("pmmkit.views.report.build.write_reduction", write)
     reduced(folder, executor=1, resume=kept)
     arguments = ["reduce", str(folder), "--structure", "cubic", "--out", str(out), "--jobs", "1"]
     assert main(arguments) == 0

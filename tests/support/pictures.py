@@ -18,6 +18,6 @@ def blank(_: Any) -> str:
 def without_pictures() -> Iterator[None]:
     """Figures are not drawn: that takes most of the time of a report."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pmmkit.views.report.drawn.svg", blank)
+        patch.setattr("pmmkit.views.figures.captions.svg", blank)
         patch.setattr("pmmkit.plotting.style.svg", blank)
         yield

@@ -26,7 +26,7 @@ from pmmkit.validation.misfit import Standout, cells
 from pmmkit.validation.uncertainty import SHARES
 from pmmkit.views import comparison_figures
 from pmmkit.views.figures.comparison import errors_beside_uncertainty, loops, worst_of_each_test
-from pmmkit.views.figures.residuals import residuals_over
+from pmmkit.views.figures.workshop import residuals_over
 from scripts.datasets.s175_truth import load_truth
 
 HALF = 0.5 * small_campaign.RHO * small_campaign.L**2

@@ -12,7 +12,7 @@ from small_campaign import HEAD, RHO, TRUTH, L
 import pmmkit as pk
 from pmmkit.cli import main
 from pmmkit.reduction import reduce_campaign
-from pmmkit.views.report.captive.repeatability import repeatability
+from pmmkit.views.report.captive.result_chapters import repeatability
 
 SPEED, BETWEEN = 2.0, 8.0
 DRIFTS = (-8.0, -4.0, 4.0, 8.0)

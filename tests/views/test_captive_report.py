@@ -22,15 +22,14 @@ from pmmkit.actions.jobs import report as command
 from pmmkit.base import CampaignError, DataError, UnknownNameError
 from pmmkit.campaigns import CampaignFile, campaign_of
 from pmmkit.cli import main
-from pmmkit.exports.campaign_toml import campaign_text
+from pmmkit.exports.campaign_csv import campaign_text
 from pmmkit.presentation import Grid, Group, Section
 from pmmkit.views import captive_document, write_report
+from pmmkit.views.figures.captions import drawn
 from pmmkit.views.pages.sections import Symbol
-from pmmkit.views.report.captive.build import STANDARDS
+from pmmkit.views.report.captive.build import FORMATS, STANDARDS, html_of
 from pmmkit.views.report.captive.columns import columns_of
 from pmmkit.views.report.captive.document import NOT_SUPPLIED, Chapter, Document, Item
-from pmmkit.views.report.captive.html import FORMATS, html_of
-from pmmkit.views.report.drawn import drawn
 
 HOSTILE = '"; } @import url(x)</style></title><script>alert(1)</script>{{ 7*7 }}{% raise %}&'
 """A text that would end a string, a style, an element, or be a field of a template."""

@@ -19,9 +19,13 @@ from pmmkit.plotting import save, style, svg, trajectory
 from pmmkit.plotting.turns import turn_histories
 from pmmkit.simulation import measures_over_froude
 from pmmkit.views import beside_reference
-from pmmkit.views.figures.cycles_by_froude import cycles_by_froude
 from pmmkit.views.figures.derivatives import derivatives_over_froude
-from pmmkit.views.figures.forces import DriftPoints, forces_over_drift, over_a_cycle
+from pmmkit.views.figures.forces import (
+    DriftPoints,
+    cycles_by_froude,
+    forces_over_drift,
+    over_a_cycle,
+)
 from pmmkit.views.figures.forests import forest
 from pmmkit.views.report.pictures import cycles_at_speeds, drift_points, typical_cycles
 

@@ -14,9 +14,8 @@ from pmmkit.cli import main
 from pmmkit.models import save_model
 from pmmkit.presentation import Grid, Group, Picture, Section
 from pmmkit.views import page_file
-from pmmkit.views.pages.page_file import state_of
-from pmmkit.views.pages.page_room import MOST, fitted, size_of, with_runs
-from pmmkit.views.pages.sections import PageSection, Symbol, told_page
+from pmmkit.views.pages.page_file import MOST, fitted, size_of, state_of, with_runs
+from pmmkit.views.pages.sections import Symbol, told_page
 
 
 @pytest.fixture(scope="module")
@@ -80,11 +79,10 @@ def big(runs):
         Picture(svg=f"<svg>{'x' * size}</svg>", caption=f"{size}", file="large" * (size > 1e6))
         for size in (1000, 600_000, 1_500_000)
     ]
-    place = PageSection(after=[Section(title="Pictures", figures=figures)])
     return {
         "state": state_of(title="Large", kind="captive", runs=runs, model="m"),
         "misfit 0": {"kind": "captive", "groups": [{"test": "static_drift", "rows": rows}]},
-        "told where": told_page(place),
+        "told where": told_page(after=[Section(title="Pictures", figures=figures)]),
     }
 
 
@@ -155,6 +153,6 @@ def test_histories_are_as_fine_as_there_is_room_for():
 def test_a_derivative_is_typeset_and_reads_as_text():
     symbol = Symbol("N′", "vvr")
     grid = Grid(head=["", "Fn 0.2"], groups=[Group(rows=[[symbol, None]])])
-    (section,) = told_page(PageSection(before=[Section(tables=[grid])]))["before"]
+    (section,) = told_page(before=[Section(tables=[grid])])["before"]
     assert section["tables"][0]["groups"][0]["rows"] == [[{"letter": "N′", "below": "vvr"}, None]]
     assert f"{symbol} = 0" == "N′vvr = 0"

@@ -26,11 +26,11 @@ from pmmkit.simulation import Bands
 from pmmkit.simulation.figures import importance
 from pmmkit.views import window_figure
 from pmmkit.views.figures.captions import seen
-from pmmkit.views.figures.correlations import correlated, correlations
+from pmmkit.views.figures.derivatives import correlated, correlations
 from pmmkit.views.figures.forces import Cycle, over_a_cycle
 from pmmkit.views.figures.forests import farthest, forest
-from pmmkit.views.figures.residuals import summed_up
-from pmmkit.views.pages.sections import PageSection, told_page
+from pmmkit.views.figures.workshop import summed_up
+from pmmkit.views.pages.sections import told_page
 from pmmkit.views.report.pictures import of_derivatives
 
 SHIP = Ship(name="m", L=L, B=0.705556, d=0.236111, volume=0.454861, mass=454.476, Izz=618.332)
@@ -419,9 +419,7 @@ def test_alternative_texts_of_the_report_say_numbers_beyond_the_caption(table):
     few = table.select(["Yv", "Yr", "Nv"])
     (matrix,) = of_derivatives(few, None)
     assert matrix.alt.startswith("Strongest correlations: Yv and Yr +0.00, ")
-    (section,) = told_page(PageSection(after=[Section(title="Derivatives", figures=[matrix])]))[
-        "after"
-    ]
+    (section,) = told_page(after=[Section(title="Derivatives", figures=[matrix])])["after"]
     assert section["figures"][0]["alt"] == matrix.alt
     assert section["figures"][0]["caption"] == matrix.caption
 

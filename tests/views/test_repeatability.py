@@ -12,7 +12,7 @@ from small_campaign import write_campaign
 import pmmkit as pk
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.reduce import squat
-from pmmkit.views.report.captive.repeatability import repeatability
+from pmmkit.views.report.captive.result_chapters import repeatability
 
 
 @pytest.fixture(scope="module")

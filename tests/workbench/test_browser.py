@@ -20,7 +20,7 @@ from pmmkit.models import load_model
 from pmmkit.presentation import Grid, Group, Picture, Section
 from pmmkit.views import page_file
 from pmmkit.views.pages.page_file import state_of
-from pmmkit.views.pages.sections import PageSection, Symbol, told_page
+from pmmkit.views.pages.sections import Symbol, told_page
 from pmmkit.workbench import Desk, frozen_page
 from pmmkit.workbench.application import application
 
@@ -283,7 +283,7 @@ def test_what_is_told_is_shown_as_text_and_pictures_that_run_nothing(page, tmp_p
     )
     answers = {
         "state": state_of(title="Told", kind="captive", runs=1, model=""),
-        "told data": told_page(PageSection(facts={evil: evil}, before=[section], folded=[section])),
+        "told data": told_page(facts={evil: evil}, before=[section], folded=[section]),
     }
     file = tmp_path / "told.html"
     file.write_text(page_file(answers), encoding="utf-8")

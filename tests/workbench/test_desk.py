@@ -19,8 +19,8 @@ from pmmkit.models import Standing, load_model
 from pmmkit.views.pages.page_file import bundle
 from pmmkit.workbench import Desk, WorkbenchState, frozen_page
 from pmmkit.workbench.application import answers, application
-from pmmkit.workbench.rivals import find_rivals
 from pmmkit.workbench.saved import STATE
+from pmmkit.workbench.tasks import find_rivals
 from pmmkit.workbench.worker import Job
 
 
@@ -91,11 +91,11 @@ def test_the_band_of_a_turn_is_of_all_ships_that_the_tests_accept(looped, desk):
     asked = {"manoeuvre": "turning", "speed": speed, "rudder_deg": 35.0, "band": True}
     band = desk.sail(asked)["band"]
     rivals = find_rivals(desk.folder, tuple(looped["named"]))
-    assert band["rivals"] == [list(item.effects) for item in rivals]
-    mine = next(item for item in rivals if set(item.effects) == set(looped["named"]))
+    assert band["rivals"] == [list(effects) for _, _, effects in rivals]
+    mine = next(model for model, _, effects in rivals if set(effects) == set(looped["named"]))
     made = load_model(desk.folder / "model_2.toml")
     for name, part in made.parts.items():
-        assert mine.model.parts[name].values == pytest.approx(part.values), name
+        assert mine.parts[name].values == pytest.approx(part.values), name
     assert find_rivals(desk.folder, ("memory",)) == ()
 
 

@@ -9,7 +9,7 @@ from pmmkit.actions import action
 from pmmkit.reduction import reduce_campaign
 from pmmkit.views import page_of
 from pmmkit.workbench import WorkbenchState
-from pmmkit.workbench.commands import command_lines
+from pmmkit.workbench.desk import command_lines
 from pmmkit.workbench.saved import model_file
 from pmmkit.workbench.tasks import Tasks, Work
 from tests.support.small_campaign import write_campaign

@@ -16,8 +16,8 @@ from pmmkit.models import load_model
 from pmmkit.simulation import simulate
 from pmmkit.validation.statistics import STATISTICS
 from pmmkit.views import page_of, trials_page
-from pmmkit.views.pages.history import history_page
 from pmmkit.views.pages.numbers import BUCKETS, short, thinned
+from pmmkit.views.pages.records import history_page
 from tests.support.uncoupled import uncoupled
 
 

@@ -11,7 +11,7 @@ from pmmkit.base import DataError
 from pmmkit.intake import DraftAnswers, examine
 from pmmkit.views import page_of
 from pmmkit.views.pages import runs
-from pmmkit.workbench.windows import drawn, taken_back
+from pmmkit.workbench.data_routes import drawn, taken_back
 
 FREE = """\
 [campaign]

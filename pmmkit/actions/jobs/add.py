@@ -7,14 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.actions.outcome import Outcome, marked
-from pmmkit.actions.places import results_file, results_folder
-from pmmkit.actions.records import RecordSettings, errors_table
-from pmmkit.actions.sessions import session_about
-from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.outcome import Outcome, marked, results_file, results_folder
+from pmmkit.actions.records import RecordSettings, errors_table, session_about, sound_campaigns
+from pmmkit.actions.setting import SettingError, sensors_of, setting, settings
 from pmmkit.actions.shared import Data, DrawFigures, Force, NoiseSettings, Out, Own
-from pmmkit.actions.sound import sound_campaigns
-from pmmkit.actions.text import sensors_of
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:

@@ -6,9 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.actions.outcome import NOT_USABLE, Outcome
-from pmmkit.actions.places import results_folder
-from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.outcome import NOT_USABLE, Outcome, results_folder
+from pmmkit.actions.setting import SettingError, numbers, setting, settings, stem, words
 from pmmkit.actions.shared import (
     STRUCTURE,
     Campaign,
@@ -20,7 +19,6 @@ from pmmkit.actions.shared import (
     StructureName,
 )
 from pmmkit.actions.speeds import Speed, approach
-from pmmkit.actions.text import numbers, stem, words
 
 if TYPE_CHECKING:
     from pmmkit.reduction import Budget, GridStudy

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
-from pmmkit.actions.outcome import Outcome
-from pmmkit.actions.places import check_folder
+from pmmkit.actions.outcome import Outcome, check_folder
 from pmmkit.actions.setting import settings
 from pmmkit.actions.shared import Campaign, Data, Out
 

@@ -2,24 +2,119 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.actions.outcome import Outcome, marked, warned, written
-from pmmkit.actions.places import figure_files, results_folder
-from pmmkit.actions.sea import Carried, WaveSettings, carried, new_notes
-from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.outcome import Outcome, figure_files, marked, results_folder, warned, written
+from pmmkit.actions.records import sound_campaign
+from pmmkit.actions.sea import WaveSettings, carried, new_notes
+from pmmkit.actions.setting import SettingError, patterns, setting, settings, stem
 from pmmkit.actions.shared import Data, Figures, Out
-from pmmkit.actions.sound import sound_campaign
-from pmmkit.actions.submissions import compare_tables, submitted
-from pmmkit.actions.text import patterns, stem
+from pmmkit.base import TableError
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
     from pmmkit.intake import CheckFinding
+    from pmmkit.models import DerivativeTable
     from pmmkit.validation import Comparison
+
+
+# What is compared with tests and is no model: the campaign or the table of somebody else.
+
+
+def submitted(what: str, data: Path | None) -> Campaign | DerivativeTable | None:
+    """A campaign or a derivative table by its path; None where a model is meant."""
+    from pmmkit.campaigns import Campaign
+    from pmmkit.exports import read_subject
+    from pmmkit.files import Url
+    from pmmkit.models import DerivativeTable, ships
+
+    here = Url.of(what) is None
+    if what in ships() or (here and not Path(what).expanduser().exists()):
+        return None
+    found = read_subject(what, data=data)
+    return found if isinstance(found, Campaign | DerivativeTable) else None
+
+
+def compare_tables(
+    table: DerivativeTable, measured: Path, folder: Path, names: tuple[str, str], *, drawn: bool
+) -> Outcome:
+    """A derivative table beside another: differences with their uncertainty, bars side by side."""
+    from pmmkit.exports import read_subject
+    from pmmkit.models import DerivativeTable, compare
+
+    reference = read_subject(measured)
+    if not isinstance(reference, DerivativeTable):
+        raise SettingError(f"A table is compared with a table, and {measured} is none.")
+    beside = compare(table, reference)
+    try:
+        worst = [f"Farthest apart: {worst_deviation(table, reference)[1]}."]
+    except ValueError:
+        worst = []
+    inside = int(beside["inside"].sum())
+    known = int(beside["std"].notna().sum())
+    lines = [
+        f"{names[0]} beside {names[1]}: {len(beside)} derivatives; {inside} of {known} 95 % "
+        "intervals hold the value compared with.",
+        *worst,
+        "",
+    ]
+    results = _table_files(beside, table, reference, names, drawn)
+    return written(folder, results, {"derivatives": beside.to_dict("records")}, lines)
+
+
+def _table_files(
+    beside: Any,
+    table: DerivativeTable,
+    reference: DerivativeTable,
+    names: tuple[str, str],
+    drawn: bool,
+) -> Iterator[tuple[str, Any]]:
+    from pmmkit.views import beside_reference, derivative_bars
+
+    yield "derivatives_beside.csv", beside
+    if drawn:
+        figures = {
+            "derivative_bars": derivative_bars({names[1]: reference, names[0]: table}),
+            "derivatives_beside": beside_reference(table, reference, reference_name=names[1]),
+        }
+        yield from figure_files(figures, "png")
+
+
+def worst_deviation(
+    table: DerivativeTable,
+    reference: DerivativeTable | Mapping[str, float | Sequence[float]],
+    *,
+    names: Sequence[str] | None = None,
+) -> tuple[float, str]:
+    """How far the value is from its reference that is farthest, in standard uncertainties.
+
+    With its sign, and in words. Values whose uncertainty is not known do not count.
+
+    Examples
+    --------
+    >>> from pmmkit.conventions import Ship, Water
+    >>> from pmmkit.models import from_values
+    >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
+    >>> table = from_values({"Yv": -.0118}, std={"Yv": .0001}, ship=ship, water=Water())
+    >>> print(worst_deviation(table, {"Yv": -.0116})[1])
+    Yv: -2.00 standard deviations, the largest of 1
+    """
+    from pmmkit.models import compare
+
+    frame = compare(table, reference, names=names)
+    frame = frame[frame["difference_std"].notna()]
+    if frame.empty:
+        raise TableError("No value has an uncertainty and a reference to compare it with.")
+    row = frame.iloc[int(frame["difference_std"].abs().to_numpy().argmax())]
+    place = "" if math.isnan(row["Fn"]) else f" at Fn {row['Fn']:.4g}"
+    far = float(row["difference_std"])
+    return far, (
+        f"{row['derivative']}{place}: {far:+.2f} standard deviations, the largest of {len(frame)}"
+    )
 
 
 EXAMPLE: Final = "pmmkit compare model.toml my-campaign"
@@ -85,23 +180,25 @@ def compare(job: CompareSettings) -> Outcome:
         return compare_tables(other, job.campaign, folder, names, drawn=job.figures)
     known = load_model(job.model)
     opened, findings = _chosen(job.campaign, job.data, job.runs)
-    rough = Carried(model=known)
+    rough, of_sea = known, tuple[str, ...]()
     if job.waves.sea is not None:
         if opened.kind != "free-running":
             raise SettingError("A tank is calm while a model is towed: leave the waves out.")
         tested, _ = as_tested(known, opened)
         pace = float(median([run.settings.speed for run in opened]))
-        rough = carried(tested, job.waves, job.model, pace)
+        rough, _, of_sea = carried(tested, job.waves, job.model, pace)
     with shown() as progress:
         found = compare_comparison(
-            rough.model,
+            rough,
             opened,
             floor=job.floor,
             window=job.window,
             extrapolate=job.extrapolate,
             progress=progress,
         )
-    return marked(_written(found, findings, folder, job.figures, new_notes(rough, known)), known)
+    return marked(
+        _written(found, findings, folder, job.figures, new_notes(rough, of_sea, known)), known
+    )
 
 
 def _chosen(

@@ -6,11 +6,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Final, Literal
 
-from pmmkit.actions.outcome import Outcome
-from pmmkit.actions.places import check_folder, results_file
-from pmmkit.actions.setting import setting, settings
+from pmmkit.actions.outcome import Outcome, check_folder, results_file
+from pmmkit.actions.setting import present, setting, settings
 from pmmkit.actions.shared import Out
-from pmmkit.actions.text import present
 
 EXAMPLE: Final = "pmmkit convert derivatives.csv --system bis --format xlsx"
 

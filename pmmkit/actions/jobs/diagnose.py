@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from pathlib import Path
@@ -12,10 +11,18 @@ from typing import TYPE_CHECKING, Any, Final
 from pmmkit.actions.jobs.add import AddSettings
 from pmmkit.actions.jobs.plan import PlanSettings
 from pmmkit.actions.jobs.reduce import ReduceSettings
-from pmmkit.actions.outcome import Outcome, marked, say, warned, written
-from pmmkit.actions.places import results_folder
-from pmmkit.actions.records import RecordSettings, errors_table
-from pmmkit.actions.setting import as_typed, setting, settings, settings_from, stated
+from pmmkit.actions.outcome import Outcome, marked, results_folder, say, warned, written
+from pmmkit.actions.records import RecordSettings, errors_table, sound_campaign, sound_campaigns
+from pmmkit.actions.setting import (
+    as_typed,
+    present,
+    setting,
+    settings,
+    settings_from,
+    stated,
+    stem,
+    words,
+)
 from pmmkit.actions.shared import (
     Data,
     DrawFigures,
@@ -26,13 +33,65 @@ from pmmkit.actions.shared import (
     Out,
     Own,
 )
-from pmmkit.actions.sound import sound_campaign
-from pmmkit.actions.text import present, stem, words
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns import Campaign
     from pmmkit.campaigns import Campaign as Tests
     from pmmkit.diagnosis import Diagnosis
     from pmmkit.intake import CheckFinding
+
+
+# ``pmmkit diagnose`` with several campaigns.
+
+
+def together_outcome(
+    name: str,
+    paths: Sequence[Path],
+    folder: Path,
+    *,
+    data: Path | None,
+    captive: dict[str, Any],
+    free: dict[str, Any],
+    drawn: bool,
+) -> Outcome:
+    """The answer of several campaigns, printed and written."""
+    from pmmkit.base import DataError
+    from pmmkit.conventions import STRUCTURES
+    from pmmkit.diagnosis import joint_diagnosis
+    from pmmkit.models import load_model, save_model
+    from pmmkit.plotting import save
+
+    if name in STRUCTURES:
+        raise DataError(
+            f"{name} is a structure: several campaigns are asked about a model. Give a model file "
+            f"or a library ship; pmmkit reduce writes a model from captive tests."
+        )
+    model = load_model(name)
+    asked: dict[str, Campaign] = {}
+    head, warnings, checks = [], [], {}
+    for title, (campaign, checked) in sound_campaigns(paths, data).items():
+        asked[title] = campaign
+        head.append(f"{title}: {len(campaign.runs)} runs, {campaign.kind}")
+        warnings += warned(checked)
+        checks[title] = [item.to_dict() for item in checked]
+    found = joint_diagnosis(
+        model, asked, captive=present(**captive), free=present(**free), progress=say
+    )
+    content = {**found.to_dict(), "model": model.name, "checks": checks}
+    results: list[tuple[str, Any]] = [
+        ("diagnosis.json", content),
+        ("effects.csv", found.to_pandas()),
+    ]
+    if found.model is not None:
+        results.append(("model.toml", partial(save_model, found.model)))
+    if found.others:
+        another = found.others[0].model
+        results.append(("another_laboratory.toml", partial(save_model, another)))
+    if drawn:
+        results.append(("evidence.svg", partial(save, found.plot())))
+    lines = [*head, *warnings, str(found), ""]
+    return marked(written(folder, results, content, lines), model)
+
 
 EXAMPLE: Final = "pmmkit diagnose cubic my-campaign"
 
@@ -81,7 +140,6 @@ def diagnose(job: DiagnoseSettings) -> Outcome:
                 "--given, --own, --test-runs, --window, --workers and --scheduler belong to the "
                 "diagnosis of one campaign."
             )
-        from pmmkit.actions.together import together_outcome
 
         return together_outcome(
             job.model,
@@ -98,33 +156,27 @@ def diagnose(job: DiagnoseSettings) -> Outcome:
             raise DataError(
                 "--given, --noise and --own belong to captive tests; these runs run free."
             )
-        answer = _of_records(job, opened, checked, names)
+        found, more, files, head, tail = _of_records(job, opened, checked, names)
     elif names is not None or stated(asked):
         raise DataError("Options of free-running records are of no use for captive tests.")
     else:
-        answer = _of_captive_tests(job, opened, checked, known)
-    found = answer.found
+        found, more, files, head, tail = _of_captive_tests(job, opened, checked, known)
     content = {
         **found.to_dict(),
         "campaign": opened.title,
-        **answer.content,
+        **more,
         "checks": [item.to_dict() for item in checked],
     }
-    results = [("diagnosis.json", content), ("effects.csv", found.to_pandas()), *answer.files]
-    lines = [*answer.head, *warned(checked), str(found), "", *answer.tail]
+    results = [("diagnosis.json", content), ("effects.csv", found.to_pandas()), *files]
+    lines = [*head, *warned(checked), str(found), "", *tail]
     done = written(folder, results, content, lines).then(*_next(job, found, known))
     return marked(done, job.model)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Answer:
-    """A diagnosis with what is said of it, and written, beside it."""
-
-    found: Diagnosis
-    content: Mapping[str, Any]
-    files: Sequence[tuple[str, Any]]
-    head: Sequence[str]
-    tail: Sequence[str] = ()
+_Answer = tuple[
+    "Diagnosis", Mapping[str, Any], Sequence[tuple[str, Any]], Sequence[str], Sequence[str]
+]
+"""A diagnosis, what is told of it to programs, files, and lines above and below it."""
 
 
 def _of_captive_tests(
@@ -146,14 +198,15 @@ def _of_captive_tests(
     loop = Loop.of(session, job.model)
     count = len(campaign.runs)
     page = partial(write_report, loop, title=campaign.title, runs=count, findings=checked)
-    return _Answer(
-        found=loop.diagnosis,
-        content={"model": job.model},
-        files=[
+    return (
+        loop.diagnosis,
+        {"model": job.model},
+        [
             ("error_fall.csv", loop.fall.to_pandas()),
             *([("report.html", page)] if job.figures else []),
         ],
-        head=[f"{campaign.title}: {count} runs against {job.model}"],
+        [f"{campaign.title}: {count} runs against {job.model}"],
+        (),
     )
 
 
@@ -181,24 +234,21 @@ def _of_records(
     found = session.diagnose()
     page = partial(write_report, found, session=session, title=campaign.title, findings=checked)
     errors = {name: dict(row) for name, row in found.errors.items()}
-    return _Answer(
-        found=found,
-        content={
+    return (
+        found,
+        {
             "model": model.name,
             "errors": errors,
             "used": used.content(),
             "held_out": kept.content() if kept else None,
         },
-        files=[
-            *_record_files(found, job.figures),
-            *([("report.html", page)] if job.figures else []),
-        ],
-        head=[
+        [*_record_files(found, job.figures), *([("report.html", page)] if job.figures else [])],
+        [
             f"{campaign.title}: {len(used.records)} records against {model.name}",
             *used.words("Used"),
             *(kept.words("Held out") if kept else []),
         ],
-        tail=[
+        [
             "Root mean square errors over windows with the measured rudder:",
             errors_table(errors),
             "",

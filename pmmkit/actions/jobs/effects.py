@@ -32,7 +32,7 @@ def effects(job: EffectsSettings) -> Outcome:
     whole = job.names and len(found) <= len(job.names)
     return Outcome(
         content={"effects": [_content(item) for item in found]},
-        lines=_each(found) if whole else _list(found),
+        lines="\n\n".join(map(str, found)).split("\n") if whole else _list(found),
     )
 
 
@@ -43,10 +43,6 @@ def _named(text: str) -> list[str]:
     every = CATALOGUE
     word = text.lower()
     return [word] if word in every else [x for x in every if word in x] or [CATALOGUE[text].name]
-
-
-def _each(found: Iterable[Effect]) -> list[str]:
-    return "\n\n".join(map(str, found)).split("\n")
 
 
 def _list(found: Iterable[Effect]) -> list[str]:

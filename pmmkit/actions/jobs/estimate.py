@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
-from pmmkit.actions.outcome import Outcome
-from pmmkit.actions.places import results_folder
+from pmmkit.actions.outcome import Outcome, results_folder
 from pmmkit.actions.setting import setting, settings
 from pmmkit.actions.shared import Out
 from pmmkit.actions.speeds import WAYS, TypedSpeed, typed
@@ -95,7 +94,10 @@ def estimate(job: EstimateSettings) -> Outcome:
         _stability(found, ship),
         "",
         f"Values of {job.method}:",
-        _values(found[job.method]),
+        aligned(
+            ["", "value"],
+            [[name, _told(found[job.method], name)] for name in found[job.method].values],
+        ),
         f"Their uncertainty is how far ships lie from the formulas ("
         f"{_grounds(found[job.method])}).",
         "",
@@ -163,12 +165,6 @@ def _stability(found: Mapping[str, HullEstimate], ship: Ship) -> str:
         for item, it in ((item, guess.straight_line(ship)) for item, guess in found.items())
     ]
     return aligned(["method", "lever of yaw", "of sway", "C × 10⁶", "straight line"], rows)
-
-
-def _values(guess: HullEstimate) -> str:
-    """All values of the method that the model is made by."""
-    rows = [[name, _told(guess, name)] for name in guess.values]
-    return aligned(["", "value"], rows)
 
 
 def _grounds(guess: HullEstimate) -> str:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final, Literal
 
-from pmmkit.actions.outcome import Outcome, marked
-from pmmkit.actions.places import results_file
-from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.outcome import Outcome, marked, results_file
+from pmmkit.actions.setting import SettingError, setting, settings, stem
 from pmmkit.actions.shared import Data
 from pmmkit.actions.speeds import WAYS, TypedSpeed, typed
-from pmmkit.actions.text import stem
 
 EXAMPLE: Final = "pmmkit export kvlcc2 --to mss --speed 8"
 

@@ -7,12 +7,18 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from pmmkit.actions.outcome import Outcome, marked, warned, written
-from pmmkit.actions.places import results_folder
-from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.outcome import Outcome, marked, results_folder, warned, written
+from pmmkit.actions.records import sound_campaign
+from pmmkit.actions.setting import (
+    SettingError,
+    patterns,
+    sensors_of,
+    setting,
+    settings,
+    stem,
+    words,
+)
 from pmmkit.actions.shared import Campaign, Data, ExecutionSettings, Force, Out
-from pmmkit.actions.sound import sound_campaign
-from pmmkit.actions.text import patterns, sensors_of, stem, words
 from pmmkit.base import did_you_mean
 
 if TYPE_CHECKING:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
-from pmmkit.actions.outcome import Outcome, marked, written
-from pmmkit.actions.places import results_folder
-from pmmkit.actions.setting import setting, settings
+from pmmkit.actions.outcome import Outcome, marked, results_folder, written
+from pmmkit.actions.setting import setting, settings, stem
 from pmmkit.actions.shared import Depth, Extrapolate, Follow, Form, Model, Out, Spread
 from pmmkit.actions.speeds import Speed, approach
-from pmmkit.actions.text import stem
 from pmmkit.presentation import counted, text_of
 
 if TYPE_CHECKING:

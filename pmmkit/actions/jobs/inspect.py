@@ -6,8 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.actions.outcome import Outcome
-from pmmkit.actions.places import check_folder
+from pmmkit.actions.outcome import Outcome, check_folder
 from pmmkit.actions.setting import setting, settings
 from pmmkit.actions.shared import Out
 from pmmkit.presentation import quoted

@@ -7,16 +7,13 @@ Examples: pmmkit model show model.toml · pmmkit model set model.toml rudder.are
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
-from pmmkit.actions.outcome import Outcome, marked
-from pmmkit.actions.places import results_file
-from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.outcome import Outcome, marked, results_file
+from pmmkit.actions.setting import SettingError, setting, settings, stem
 from pmmkit.actions.shared import Force
-from pmmkit.actions.text import stem
 
 if TYPE_CHECKING:
     from pmmkit.models import Model
@@ -104,7 +101,8 @@ def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
                         own: {
                             "value": value,
                             "source": part.source_of(own),
-                            "std": part.std.get(own) or _first(model.std, part.place(own)),
+                            "std": part.std.get(own)
+                            or next(iter(model.std.get(part.place(own), ())), None),
                         }
                         for own, value in part.values.items()
                     },
@@ -118,10 +116,6 @@ def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
         lines=[str(model), "", said, *(["", *done] if done else [])],
     )
     return marked(told, model)
-
-
-def _first(std: Mapping[str, tuple[float, ...]], name: str) -> float | None:
-    return std[name][0] if name in std else None
 
 
 def _values(words: list[str]) -> dict[str, float]:

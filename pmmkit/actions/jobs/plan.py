@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.actions.outcome import Outcome, marked, say, written
-from pmmkit.actions.places import results_folder
+from pmmkit.actions.outcome import Outcome, marked, results_folder, say, written
 from pmmkit.actions.records import RecordSettings
-from pmmkit.actions.setting import setting, settings, stated
+from pmmkit.actions.setting import present, setting, settings, stated, stem, words
 from pmmkit.actions.shared import Data, Given, Out
 from pmmkit.actions.speeds import TypedSpeed, typed_list
-from pmmkit.actions.text import present, stem, words
 from pmmkit.base import DataError
 from pmmkit.presentation import aligned
 

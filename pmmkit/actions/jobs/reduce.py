@@ -13,9 +13,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from pmmkit.actions.outcome import NOT_USABLE, Outcome, say, words_of
-from pmmkit.actions.places import results_folder
-from pmmkit.actions.setting import setting, settings
+from pmmkit.actions.outcome import NOT_USABLE, Outcome, results_folder, say, words_of
+from pmmkit.actions.setting import cycles_of, setting, settings, stem
 from pmmkit.actions.shared import (
     STRUCTURE,
     Campaign,
@@ -26,7 +25,6 @@ from pmmkit.actions.shared import (
     Sets,
     StructureName,
 )
-from pmmkit.actions.text import cycles_of, stem
 from pmmkit.presentation import aligned, counted
 
 if TYPE_CHECKING:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final, Literal
 
-from pmmkit.actions.outcome import NOT_USABLE, Outcome, say
-from pmmkit.actions.places import results_file
-from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.outcome import NOT_USABLE, Outcome, results_file, say
+from pmmkit.actions.setting import SettingError, cycles_of, setting, settings, stem
 from pmmkit.actions.shared import (
     STRUCTURE,
     Campaign,
@@ -17,7 +16,6 @@ from pmmkit.actions.shared import (
     Sets,
     StructureName,
 )
-from pmmkit.actions.text import cycles_of, stem
 from pmmkit.presentation import counted
 
 EXAMPLE: Final = "pmmkit report my-campaign --standard ittc"

@@ -9,12 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from pmmkit.actions.outcome import Outcome, marked
-from pmmkit.actions.places import results_folder
-from pmmkit.actions.setting import SettingError, setting, settings, stated
+from pmmkit.actions.outcome import Outcome, marked, results_folder
+from pmmkit.actions.setting import SettingError, setting, settings, stated, stem
 from pmmkit.actions.shared import Data, Force, Model, Out
 from pmmkit.actions.speeds import WAYS, TypedSpeed, typed
-from pmmkit.actions.text import stem
 
 EXAMPLE: Final = "pmmkit scale kvlcc2-l7 --length 320 --speed 8"
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from pmmkit.actions.outcome import Outcome, marked, written
-from pmmkit.actions.places import figure_files, results_folder
+from pmmkit.actions.outcome import Outcome, figure_files, marked, results_folder, written
 from pmmkit.actions.sea import WAVES, WaveSettings, carried, first_order, new_notes
-from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.setting import SettingError, setting, settings, stem
 from pmmkit.actions.shared import (
     Depth,
     Extrapolate,
@@ -19,7 +18,6 @@ from pmmkit.actions.shared import (
     Out,
 )
 from pmmkit.actions.speeds import CurrentSpeed, Speed, WindSpeed, approach
-from pmmkit.actions.text import stem
 from pmmkit.presentation import text_of
 
 EXAMPLE: Final = "pmmkit simulate kvlcc2 --manoeuvre zigzag --rudder-deg 10 --speed '15.5 kn'"
@@ -103,9 +101,9 @@ def simulate(job: SimulateSettings) -> Outcome:
     sea = job.waves.sea
     if job.waves.wave_motion and sea is None:
         raise SettingError(WAVES)
-    rough = carried(loaded, job.waves, job.model, pace)
+    rough, motions, of_sea = carried(loaded, job.waves, job.model, pace)
     track = simulate(
-        rough.model,
+        rough,
         job.manoeuvre,
         speed=pace,
         fn=job.fn,
@@ -117,7 +115,9 @@ def simulate(job: SimulateSettings) -> Outcome:
     results: list[tuple[str, Any]] = [("track.csv", track.to_csv()), ("metrics.json", metrics)]
     moved = None
     if job.waves.wave_motion and sea is not None:
-        moved = first_order(track, rough, sea, job.model, job.waves.waves_from_deg, job.waves.seed)
+        moved = first_order(
+            track, rough, motions, sea, job.model, job.waves.waves_from_deg, job.waves.seed
+        )
         results.append(("wave_motion.csv", moved.to_pandas()))
         drawn |= {"wave_motion": moved.plot()} if job.figures else {}
     if drawn:
@@ -126,6 +126,6 @@ def simulate(job: SimulateSettings) -> Outcome:
     judged = [text_of(verdict_sections(verdicts)), ""] if verdicts else []
     if judged and sea is not None:
         judged.append("note: The standard asks for a calm; these numbers are those in waves.")
-    told = [*new_notes(rough, loaded), "", *([str(moved), ""] if moved else [])]
+    told = [*new_notes(rough, of_sea, loaded), "", *([str(moved), ""] if moved else [])]
     lines = [str(track), "", *(told if sea else []), *judged]
     return marked(written(folder, results, metrics, lines), loaded)

@@ -5,12 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import Final
 
-from pmmkit.actions.outcome import Outcome, marked, written
-from pmmkit.actions.places import results_folder
-from pmmkit.actions.setting import settings
+from pmmkit.actions.outcome import Outcome, marked, results_folder, written
+from pmmkit.actions.setting import settings, stem
 from pmmkit.actions.shared import Depth, Extrapolate, Model, Out
 from pmmkit.actions.speeds import Speed, approach
-from pmmkit.actions.text import stem
 
 EXAMPLE: Final = "pmmkit stability kvlcc2 --speed 8"
 

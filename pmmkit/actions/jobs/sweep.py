@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.actions.depths import swept_over_depth, told_metric, told_metrics
-from pmmkit.actions.outcome import Outcome, marked, written
-from pmmkit.actions.places import results_folder
-from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.outcome import Outcome, marked, results_folder, written
+from pmmkit.actions.setting import SettingError, numbers, present, setting, settings, stem
 from pmmkit.actions.shared import (
     Depth,
     ExecutionSettings,
@@ -23,7 +22,6 @@ from pmmkit.actions.shared import (
     Spread,
 )
 from pmmkit.actions.speeds import typed_list
-from pmmkit.actions.text import numbers, present, stem
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:

@@ -9,12 +9,10 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.actions.outcome import Outcome, warned, written
-from pmmkit.actions.places import results_folder
-from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.outcome import Outcome, results_folder, warned, written
+from pmmkit.actions.records import sound_campaign
+from pmmkit.actions.setting import SettingError, numbers, setting, settings, stem
 from pmmkit.actions.shared import Campaign, Data, Form, Out
-from pmmkit.actions.sound import sound_campaign
-from pmmkit.actions.text import numbers, stem
 from pmmkit.presentation import Section, counted, text_of
 
 if TYPE_CHECKING:

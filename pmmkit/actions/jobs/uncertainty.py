@@ -6,9 +6,8 @@ from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from pmmkit.actions.outcome import Outcome, marked, written
-from pmmkit.actions.places import figure_files, results_folder
-from pmmkit.actions.setting import setting, settings
+from pmmkit.actions.outcome import Outcome, figure_files, marked, results_folder, written
+from pmmkit.actions.setting import present, setting, settings, stem
 from pmmkit.actions.shared import (
     Depth,
     ExecutionSettings,
@@ -20,7 +19,6 @@ from pmmkit.actions.shared import (
     Spread,
 )
 from pmmkit.actions.speeds import Speed, approach
-from pmmkit.actions.text import present, stem
 from pmmkit.base import did_you_mean
 from pmmkit.presentation import number, text_of
 

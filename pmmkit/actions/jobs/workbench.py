@@ -10,11 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from pmmkit.actions.catalogue import action
-from pmmkit.actions.outcome import Outcome, say
-from pmmkit.actions.places import check_folder
-from pmmkit.actions.setting import SettingError, setting, settings
+from pmmkit.actions.outcome import Outcome, check_folder, say
+from pmmkit.actions.setting import SettingError, setting, settings, stem
 from pmmkit.actions.shared import Data, NoiseSettings, Out
-from pmmkit.actions.text import stem
 
 if TYPE_CHECKING:
     from pmmkit.workbench import Desk

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 from pmmkit.base import ModelError, Problem
@@ -12,9 +13,8 @@ from pmmkit.conventions import CHANNELS
 from pmmkit.effects import CATALOGUE, INERTIA, function_of_text
 from pmmkit.equations import ACCELERATIONS, POLYNOMIALS, Prepared, Used, prepare
 from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
-from pmmkit.exports.matlab.words import heading, meaning
-from pmmkit.exports.text import WHICH_SPEED
-from pmmkit.models import Model
+from pmmkit.exports.text import WHICH_SPEED, written_by
+from pmmkit.models import Model, model_text
 from pmmkit.syntax import (
     Binary,
     MatlabLine,
@@ -26,6 +26,98 @@ from pmmkit.syntax import (
     matlab_value,
     transcribe,
 )
+
+# What the function of a model says of itself: the comment that MATLAB shows as its help.
+
+
+_STATES: Final = {
+    "u": ("surge velocity", "m/s"),
+    "v": ("sway velocity", "m/s"),
+    "r": ("yaw velocity", "rad/s"),
+    "x": ("position in x-direction", "m"),
+    "y": ("position in y-direction", "m"),
+    "psi": ("yaw angle", "rad"),
+    "p": ("roll velocity", "rad/s"),
+    "phi": ("roll angle", "rad"),
+    "delta": ("actual rudder angle", "rad"),
+    "n": ("actual shaft velocity", "rpm"),
+}
+
+
+def meaning(model: Model) -> str:
+    """What the derivatives of a model are, in words."""
+    convention = model.convention
+    unit = {
+        "prime": "forces over rho/2 L^2 U^2, moments over rho/2 L^3 U^2",
+        "prime-d": "forces over rho/2 L d U^2, moments over rho/2 L^2 d U^2",
+        "bis": "forces over rho g volume, moments over rho g volume L, speeds over sqrt(g L)",
+    }[convention.system]
+    coriolis = {
+        "separate": "Coriolis terms of the added mass in the equations of motion",
+        "in-derivatives": "Coriolis terms of the added mass inside the derivatives",
+    }[convention.coriolis]
+    return f"derivatives in the {convention.system} system ({unit}), {coriolis}"
+
+
+def heading(
+    model: Model,
+    called: str,
+    states: Sequence[str],
+    inputs: Sequence[str],
+    *,
+    speed: float | None,
+    revolutions: float | None,
+    about: bool,
+) -> list[str]:
+    """The comment behind the first line: states, inputs, axes, sources, the program.
+
+    speed [m/s]; revolutions [1/s].
+    """
+    listed = " ".join(states)
+    lines = comment(
+        f"[xdot,U] = {called} returns the speed U in m/s (optionally) and the time derivative of "
+        f"the state vector x = [ {listed} ]' for {model.title or model.name}, "
+        f"L = {model.ship.L:g} m."
+    )
+    lines.append("%")
+    for name in states:
+        text, unit = _STATES[name]
+        if name == "u" and about:
+            text = "perturbed surge velocity about U0"
+        lines += comment(f"{name:<5} = {text} ({unit})")
+    lines += ["%", *comment(f"Input: ui = [ {' '.join(inputs)} ]'"), "%"]
+    lines += comment("delta_c = commanded rudder angle (rad)")
+    if "n_c" in inputs:
+        follows = "" if "n" in states else ", which the shaft has at once"
+        lines += comment(f"n_c = commanded shaft velocity (rpm){follows}")
+        if revolutions is not None:
+            lines += comment(
+                f"Without n_c: {60 * revolutions:.6g} rpm, self-propulsion at {speed:g} m/s."
+            )
+    if ",U0)" in called:
+        lines += comment(f"U0 = nominal speed (m/s), {speed:g} m/s if left out")
+    lines += [
+        "%",
+        *comment(
+            "Axes: x forward, y to starboard, z down, origin midship. A positive rudder angle "
+            "(delta and delta_c) turns the ship to starboard. Calm water, no current."
+        ),
+    ]
+    if model.Fn:
+        assert speed is not None
+        froude = model.ship.froude(speed, model.water.g)
+        ends = ", ".join(f"{x:.4g}" for x in model.Fn)
+        lines += comment(f"Values at Fn {froude:.4g} ({speed:g} m/s), from those at Fn {ends}.")
+    lines += comment(f"Scale: {model.scale}") if model.scale else []
+    for note in model.notes:
+        lines += comment(f"Note: {note}")
+    digest = hashlib.sha256(model_text(model).encode()).hexdigest()
+    lines += ["%", *written_by()]
+    lines += comment(f"Model: {model.name}; SHA-256 of its file as pmmkit writes it: {digest}")
+    for step in model.history:
+        lines += comment(f"Step: {step}")
+    return lines
+
 
 _WIDTH: Final = 80
 _ANY_FROUDE: Final = 0.2
@@ -69,12 +161,8 @@ end""",
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Section:
-    """Lines under a heading."""
-
-    title: str
-    lines: Sequence[MatlabLine]
+_Section = tuple[str, Sequence[MatlabLine]]
+"""A heading, and the lines below it."""
 
 
 def model_to_mss(model: Model, *, name: str | None = None, speed: float | None = None) -> str:
@@ -113,24 +201,24 @@ def model_to_mss(model: Model, *, name: str | None = None, speed: float | None =
     sections = [
         _inputs(states, inputs, about=about),
         _ship(model, ready.k[ready.place("wave_height")]),
-        _Section(
-            title=f"Hull: {meaning(model)}. Source: {model.parts['hull_polynomial'].source}",
-            lines=_with_sources(
+        (
+            f"Hull: {meaning(model)}. Source: {model.parts['hull_polynomial'].source}",
+            _with_sources(
                 model, POLYNOMIALS, hull_lines(values, model.convention, rolls=ready.rolls)
             ),
         ),
         *effects,
-        _Section(
-            title=f"Mass and inertia. Source: {model.parts['added_mass'].source}",
-            lines=_with_sources(
+        (
+            f"Mass and inertia. Source: {model.parts['added_mass'].source}",
+            _with_sources(
                 model,
                 (INERTIA,),
                 mass_lines(values[INERTIA], model.convention) + _levers(values[INERTIA]),
             ),
         ),
-        _Section(
-            title="Equations of motion about midship",
-            lines=motion_lines(values[INERTIA], extra, model.convention, rolls=ready.rolls),
+        (
+            "Equations of motion about midship",
+            motion_lines(values[INERTIA], extra, model.convention, rolls=ready.rolls),
         ),
         _steering(model),
         _path(states, rates, rolls=ready.rolls),
@@ -140,13 +228,13 @@ def model_to_mss(model: Model, *, name: str | None = None, speed: float | None =
         ready.self_propulsion() if speed is not None and ready.structure.revolutions else None
     )
     body = _alive(sections, ("xdot", "U"))
-    used = frozenset().union(*(line.uses for section in body for line in section.lines))
+    used = frozenset().union(*(line.uses for _, own in body for line in own))
     lines = [
         f"function [xdot,U] = {called}",
         *heading(model, called, states, inputs, speed=speed, revolutions=revolutions, about=about),
         "",
         *_checks(states, inputs, speed=speed, revolutions=revolutions, approach=approach),
-        *(text for section in body for text in _written(section)),
+        *(text for title, own in body for text in _written(title, own)),
         "",
         "end",
         *(f"\n{text}" for name, text in _HELPERS.items() if name in used),
@@ -173,7 +261,8 @@ def _effects(
     model: Model, ready: Prepared, values: Mapping[str, Mapping[str, Any]]
 ) -> tuple[list[_Section], dict[str, list[str]], dict[str, str]]:
     """The effects besides the polynomials, their shares of the mass, the rates of their states."""
-    problems, sections = [], []
+    problems: list[str] = []
+    sections: list[_Section] = []
     extra: dict[str, list[str]] = {}
     rates: dict[str, str] = {}
     signals: dict[str, str] = {}
@@ -214,7 +303,7 @@ def _effects(
                 rates[output[:-5]] = name
             else:
                 signals[output] = name
-        sections.append(_Section(title=_named(model, item), lines=[*head, *lines]))
+        sections.append((_named(model, item), [*head, *lines]))
     if problems:
         found = [
             Problem(message=text, remedy="Leave it out to export the rest.") for text in problems
@@ -286,7 +375,7 @@ def _inputs(states: Sequence[str], inputs: Sequence[str], *, about: bool) -> _Se
         MatlabLine("U", "max(sqrt(u**2 + v**2), 1e-9)", "speed (m/s)"),
         MatlabLine("beta", "atan2(-v, u)", "drift angle (rad)"),
     ]
-    return _Section(title="States and inputs", lines=lines)
+    return ("States and inputs", lines)
 
 
 def _ship(model: Model, sea: float) -> _Section:
@@ -303,7 +392,7 @@ def _ship(model: Model, sea: float) -> _Section:
         MatlabLine("wave_direction", 0.0, "where it comes from (rad)"),
         MatlabLine("Fn", "U/sqrt(g*L)", "Froude number"),
     ]
-    return _Section(title="Ship and water", lines=lines)
+    return ("Ship and water", lines)
 
 
 def _levers(added: Mapping[str, float]) -> list[MatlabLine]:
@@ -329,7 +418,7 @@ def _steering(model: Model) -> _Section:
         MatlabLine("wanted", "max(min(delta_c, delta_max), -delta_max)"),
         MatlabLine("delta_dot", "max(min((wanted - delta)/T_delta, delta_rate), -delta_rate)"),
     ]
-    return _Section(title="Steering gear", lines=lines)
+    return ("Steering gear", lines)
 
 
 def _path(states: Sequence[str], rates: Mapping[str, str], *, rolls: bool) -> _Section:
@@ -344,27 +433,24 @@ def _path(states: Sequence[str], rates: Mapping[str, str], *, rolls: bool) -> _S
     if "n" in states:
         lines.append(MatlabLine("n_dot", f"60*{rates['n']}", "rpm/s"))
     lines.append(MatlabLine("xdot", f"column({', '.join(f'{name}_dot' for name in states)})"))
-    return _Section(title="Time derivative of the states", lines=lines)
+    return ("Time derivative of the states", lines)
 
 
 def _alive(sections: Sequence[_Section], wanted: Iterable[str]) -> list[_Section]:
     """The sections with the lines on which something depends."""
     alive, kept = set(wanted), set()
-    for line in reversed([x for section in sections for x in section.lines]):
+    for line in reversed([x for _, lines in sections for x in lines]):
         if line.target in alive:
             alive.discard(line.target)
             alive |= line.uses
             kept.add(id(line))
-    trimmed = [
-        replace(section, lines=[line for line in section.lines if id(line) in kept])
-        for section in sections
-    ]
-    return [section for section in trimmed if section.lines]
+    trimmed = [(title, [line for line in lines if id(line) in kept]) for title, lines in sections]
+    return [section for section in trimmed if section[1]]
 
 
-def _written(section: _Section) -> list[str]:
-    lines = ["", *comment(section.title)]
-    for item in section.lines:
+def _written(title: str, section: Sequence[MatlabLine]) -> list[str]:
+    lines = ["", *comment(title)]
+    for item in section:
         notes = comment(item.note) if item.note else []
         beside = f"{item.text:<38} {' '.join(notes)}".rstrip()
         if len(notes) < 2 and len(beside) <= _WIDTH + 20:

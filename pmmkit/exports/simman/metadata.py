@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.campaigns import Campaign
-from pmmkit.exports.simman.results import SimmanResult
+from pmmkit.exports.simman.tables import SimmanResult
 from pmmkit.exports.text import written_by
 from pmmkit.presentation import counted, number
 from pmmkit.syntax import plain

@@ -11,11 +11,11 @@ import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
-from pmmkit.exports.archive import write_archive
 from pmmkit.exports.campaign_csv import LONGEST, write_campaign_csv
 from pmmkit.exports.simman import tables
 from pmmkit.exports.simman.metadata import metadata
-from pmmkit.exports.simman.results import SimmanResult, results_of
+from pmmkit.exports.simman.tables import SimmanResult, results_of
+from pmmkit.exports.text import write_archive
 from pmmkit.files import CAMPAIGN, atomic_path
 from pmmkit.readers import safe_names
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pmmkit.campaigns import Attitude, Fixes
 from pmmkit.intake.checks.finding import Check, CheckFinding, Severity, figure
 from pmmkit.intake.checks.track import rate_facts
-from pmmkit.numerics import Array, unwrapped
+from pmmkit.numerics import Array, stretches, unwrapped
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -219,11 +219,11 @@ def _speed(t: Array, column: Mapping[str, Array]) -> Array:
 
 def _laid(t: Array, near: NDArray[np.bool_], seconds: float) -> int:
     """Where the rudder first comes to its angle and stays there for a while."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], near.astype(np.int8), [0]))))
-    for start, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+    starts, stops = stretches(near)
+    for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
         if t[stop - 1] - t[start] > seconds:
             return int(start)
-    return int(edges[0])
+    return int(starts[0])
 
 
 def _switches(

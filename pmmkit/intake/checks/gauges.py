@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.intake.checks.finding import Check, CheckFinding, Severity, figure
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, stretches
 from pmmkit.signals import design_matrix
 
 if TYPE_CHECKING:
@@ -54,8 +54,8 @@ def hold_facts(values: Array) -> Mapping[str, float]:
     same = steps == 0
     if not same.any():
         return found
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], same.astype(np.int8), [0]))))
-    starts, lengths = edges[::2], edges[1::2] - edges[::2] + 1
+    starts, stops = stretches(same)
+    lengths = stops - starts + 1
     long = lengths >= HOLD
     loose = np.count_nonzero(same) - int((lengths[long] - 1).sum())
     usual = loose / max(len(same) - int((lengths[long] - 1).sum()), 1)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.intake.checks.expected import prime_unit
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, stretches
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
@@ -43,7 +43,7 @@ def flat_facts(values: Array) -> Mapping[str, float]:
     found = {"share": 0.0, "level": 0.0, "stretches": 0.0}
     if len(finite) < 10 * FLAT_SAMPLES or finite.max() == finite.min():
         return found
-    share, stretches, level = 0.0, 0, 0.0
+    share, pieces, level = 0.0, 0, 0.0
     for extreme in (finite.max(), finite.min()):
         at = finite == extreme
         count = np.count_nonzero(at)
@@ -51,14 +51,14 @@ def flat_facts(values: Array) -> Mapping[str, float]:
         next_level = rest.max() if extreme == finite.max() else rest.min()
         if count < FLAT_DENSITY * np.count_nonzero(rest == next_level):
             continue
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], at.astype(np.int8), [0]))))
-        lengths = edges[1::2] - edges[::2]
+        starts, stops = stretches(at)
+        lengths = stops - starts
         long = lengths >= FLAT_SAMPLES
         if long.any():
             share += float(lengths[long].sum()) / len(finite)
-            stretches += int(long.sum())
+            pieces += int(long.sum())
             level = float(extreme)
-    return {"share": share, "level": level, "stretches": float(stretches)}
+    return {"share": share, "level": level, "stretches": float(pieces)}
 
 
 def examine_saturation(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:

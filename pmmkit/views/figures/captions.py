@@ -1,18 +1,21 @@
-"""What a figure shows, in words, read from what was drawn: for those who do not see it."""
+"""Figures as they stand in reports, with what they show in words, for those who do not see it."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from pmmkit.numerics import Array
+from pmmkit.plotting import svg
+from pmmkit.presentation import Picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
 
 _PANELS: Final = 6
 """Panels that are told one by one."""
@@ -196,3 +199,16 @@ def plain(text: str) -> str:
     text = re.sub(r"\\dot\{(.*?)\}", r"\1-dot", text)
     text = text.replace("^3", "³").replace("\\,", " ").replace("\\", "")
     return " ".join(re.sub(r"[${}]", "", text).split())
+
+
+# A figure as it stands in a report: drawn, with its caption and what is seen in words.
+
+
+def drawn(
+    figure: Figure, caption: str, *, facts: Iterable[str] = (), narrow: bool = False, file: str = ""
+) -> Picture:
+    """A figure with its caption, and an alternative text from what it holds."""
+    alt = " ".join([*facts, seen(figure)]) or caption
+    return Picture(
+        svg=svg(figure), caption=caption, narrow=narrow, alt=alt, file=file, figure=figure
+    )

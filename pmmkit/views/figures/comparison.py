@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -11,11 +11,13 @@ import numpy as np
 from pmmkit.campaigns import TEST_KINDS
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.identification import Trial
-from pmmkit.numerics import Array
+from pmmkit.inference import COVERAGE
+from pmmkit.numerics import Array, rms
 from pmmkit.plotting import (
     LIMIT,
     canvas,
     colour,
+    hatch,
     in_powers,
     legend_below,
     manoeuvre,
@@ -25,15 +27,62 @@ from pmmkit.plotting import (
 from pmmkit.presentation import figure_text
 from pmmkit.signals import design_matrix
 from pmmkit.simulation import Track
-from pmmkit.validation import CaptiveRun, Comparison
-from pmmkit.views.figures.bars import Bar, errors_and_uncertainties
-from pmmkit.views.figures.comparison_free import force_residuals
-from pmmkit.views.figures.residuals import residuals_over
-from pmmkit.views.figures.workshop import forces_over_phase, static_forces
+from pmmkit.validation import CaptiveRun, Comparison, FreeRun
+from pmmkit.views.figures.workshop import (
+    channels_of,
+    forces_over_phase,
+    residuals_over,
+    static_forces,
+)
 
 if TYPE_CHECKING:
     from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure
+
+
+# Bars of an error beside the uncertainty that judges it.
+
+
+def errors_and_uncertainties(bars: Mapping[str, Sequence[tuple[str, float, float]]]) -> Figure:
+    """E as bars and U_V as brackets on them, a panel a channel.
+
+    bars: by channel names with both, in per cent of one force. Within U_V nothing can be said.
+    """
+    names = list(dict.fromkeys(name for own in bars.values() for name, _, _ in own))
+    with styled():
+        figure = canvas(0.24 * len(names) + 1.2)
+        axes = figure.subplots(1, len(bars), squeeze=False, sharey=True)[0]
+        for axis, (channel, own) in zip(axes, bars.items(), strict=True):
+            for within, label in ((False, "E beyond $U_V$"), (True, "E within $U_V$")):
+                some = [bar for bar in own if (bar[1] <= bar[2]) == within]
+                axis.barh(
+                    [names.index(name) for name, _, _ in some],
+                    [error for _, error, _ in some],
+                    height=0.66,
+                    color="#c9cdd3" if within else colour(0),
+                    hatch=hatch(1) if within else "",
+                    edgecolor="white",
+                    lw=0.0,
+                    label=label,
+                )
+            axis.errorbar(
+                [doubt for _, _, doubt in own],
+                [names.index(name) for name, _, _ in own],
+                yerr=0.42,
+                ls="",
+                color=colour(2),
+                elinewidth=2.6,
+                label="$U_V$ (k = 2)",
+                zorder=4,
+            )
+            axis.set_title(f"{channel}")
+            axis.set_xlabel("part of the rms force [%]")
+            axis.set_xlim(left=0.0)
+            axis.grid(visible=False, axis="y")
+        axes[0].set_yticks(np.arange(len(names)), [figure_text(name) for name in names])
+        axes[0].set_ylim(len(names) - 0.4, -0.6)
+        legend_below(figure, list(axes))
+    return figure
 
 
 # Measured manoeuvres with simulated or submitted ones over them: turning circles, zigzags.
@@ -91,30 +140,26 @@ def errors_beside_uncertainty(comparison: Comparison) -> Figure:
     """The comparison error E of captive tests beside its validation uncertainty U_V."""
     bars = {
         channel: _bars([run for run in comparison.captive if channel in run.channels], channel)
-        for channel in dict.fromkeys(x for run in comparison.captive for x in run.channels)
+        for channel in channels_of(comparison.captive)
     }
     return errors_and_uncertainties(bars)
 
 
-def _bars(runs: Sequence[CaptiveRun], channel: str) -> list[Bar]:
-    size = _rms([run.rms(run.view.force[channel]) for run in runs])
+def _bars(runs: Sequence[CaptiveRun], channel: str) -> list[tuple[str, float, float]]:
+    size = rms([run.rms(run.view.force[channel]) for run in runs])
     groups: dict[str, list[CaptiveRun]] = {}
     for run in runs:
         kind = run.view.run.kind_of_test.title
         name = run.view.run.id if len(runs) <= _MOST else f"{kind}, Fn {run.Fn:.3f}"
         groups.setdefault(name, []).append(run)
     return [
-        Bar(
-            name=name,
-            error=100 * _rms([x.rms(x.error(channel)) for x in own]) / size,
-            doubt=100 * _rms([x.rms(x.uncertainty(channel)) for x in own]) / size,
+        (
+            name,
+            100 * rms([x.rms(x.error(channel)) for x in own]) / size,
+            100 * rms([x.rms(x.uncertainty(channel)) for x in own]) / size,
         )
         for name, own in groups.items()
     ]
-
-
-def _rms(values: Sequence[float]) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
 
 
 MEASURED, PREDICTED = colour(0), colour(2)
@@ -183,7 +228,7 @@ def _worst(runs: Sequence[CaptiveRun]) -> CaptiveRun:
 
 def loops(runs: Sequence[CaptiveRun]) -> Figure:
     """Hysteresis loops: force over velocity in a cycle, measured and predicted."""
-    channels = list(dict.fromkeys(name for run in runs for name in run.channels))
+    channels = channels_of(runs)
     with styled():
         figure = canvas(2.1 * len(channels) + 0.7)
         axes = figure.subplots(len(channels), len(runs), squeeze=False, sharex="col")
@@ -203,7 +248,8 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
                 if channel not in run.channels:
                     continue
                 measured = basis @ run.view.force[channel]
-                half = _band(run, channel, basis)
+                # That of its harmonics added up.
+                half = np.sqrt(basis**2 @ run.uncertainty(channel) ** 2)
                 axis.add_collection(_around(whole, measured, half))
                 axis.plot(whole, measured, color=MEASURED, label="measured")
                 axis.plot(
@@ -219,12 +265,6 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
             axes[-1, column].set_xlabel(what)
         legend_below(figure, list(axes.ravel()))
     return figure
-
-
-def _band(run: CaptiveRun, channel: str, basis: Array) -> Array:
-    """Expanded validation uncertainty along the cycle, that of its harmonics added up."""
-    found: Array = np.sqrt(basis**2 @ run.uncertainty(channel) ** 2)
-    return found
 
 
 def _around(x: Array, y: Array, half: Array) -> PolyCollection:
@@ -281,7 +321,7 @@ def residual_in_time(comparison: Comparison, run: str) -> Figure:
                 lw=0.9,
                 label="predicted less measured",
             )
-            half = _in_time(own, channel)
+            half = own.rms(own.uncertainty(channel))
             right.axhspan(
                 -half, half, color=MEASURED, alpha=0.2, lw=0, label=f"{EXPANDED} of the error"
             )
@@ -294,6 +334,37 @@ def residual_in_time(comparison: Comparison, run: str) -> Figure:
     return figure
 
 
-def _in_time(run: CaptiveRun, channel: str) -> float:
-    """Root mean square in time of the expanded validation uncertainty."""
-    return run.rms(run.uncertainty(channel))
+# A model beside free-running records: track and histories, forces through the smoother.
+
+
+def force_residuals(run: FreeRun) -> Figure:
+    """Forces that the measured motion implies and those of the model, in time."""
+    t = run.t - run.t[0]
+    with styled():
+        figure = canvas(1.75 * len(run.force) + 0.9)
+        axes = figure.subplots(len(run.force), 2, squeeze=False, sharex=True)
+        in_powers(axes.flat)
+        for (left, right), (channel, force) in zip(axes, run.force.items(), strict=True):
+            half = COVERAGE * run.force_std[channel]
+            predicted = run.force_predicted[channel]
+            left.fill_between(t, force - half, force + half, color=MEASURED, alpha=0.25, lw=0)
+            left.plot(t, force, color=MEASURED, lw=0.5, label="from the measured motion")
+            left.plot(t, predicted, color=PREDICTED, ls="--", label="model on that motion")
+            left.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
+            right.fill_between(
+                t,
+                -half,
+                half,
+                color=MEASURED,
+                alpha=0.3,
+                zorder=3,
+                lw=0,
+                label="expanded uncertainty",
+            )
+            right.plot(t, predicted - force, color=LIMIT, lw=0.5, label="predicted less measured")
+        axes[0, 0].set_title(f"{run.run.kind_of_test.title} {figure_text(run.name)}")
+        axes[0, 1].set_title("what is left")
+        for axis in axes[-1]:
+            axis.set_xlabel("time [s]")
+        legend_below(figure, list(axes.ravel()))
+    return figure

@@ -13,14 +13,69 @@ from pmmkit.effects import Regressors, State
 from pmmkit.inference import std_along
 from pmmkit.models import DerivativeTable
 from pmmkit.numerics import Array
-from pmmkit.plotting import canvas, in_powers, legend_below, marker, styled
-from pmmkit.plotting import colour as colour_style
+from pmmkit.plotting import canvas, colour, dash, in_powers, legend_below, marker, styled
 from pmmkit.presentation import WIDE
 from pmmkit.signals import design_matrix
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+# Forces of one oscillating test at several Froude numbers, on top of each other.
+
+
+CycleForces = tuple[float, Mapping[str, Array], Mapping[str, Array]]
+"""A run: its Froude number, harmonics C0, C1, S1, C2, S2 … [-] of each channel over the phase of
+the motion, and their covariances; a channel without has no band."""
+
+
+def cycles_by_froude(
+    tests: Mapping[str, Sequence[CycleForces]],
+    *,
+    channels: Sequence[str] = ("X", "Y", "N"),
+    stroke: str = "'",
+) -> Figure:
+    """Forces over a cycle at several Froude numbers: what of them changes with the speed."""
+    theta = np.linspace(0.0, 2.0 * np.pi, 241)
+    with styled():
+        figure = canvas(1.9 * len(channels) + 0.8)
+        axes = figure.subplots(len(channels), len(tests), squeeze=False, sharex=True)
+        for column, (title, runs) in enumerate(tests.items()):
+            for axis, channel in zip(axes[:, column], channels, strict=True):
+                for number, (froude, coefficients, covariance) in enumerate(runs):
+                    if channel not in coefficients:
+                        continue
+                    known = np.nan_to_num(coefficients[channel])
+                    basis = design_matrix(theta, (len(known) - 1) // 2)
+                    value = 1e3 * basis @ known
+                    axis.plot(
+                        np.degrees(theta),
+                        value,
+                        color=colour(number),
+                        ls=dash(number),
+                        label=f"Fn {froude:.3f}",
+                    )
+                    if channel in covariance:
+                        V = np.nan_to_num(covariance[channel])
+                        half = WIDE * 1e3 * std_along(basis, V)
+                        axis.fill_between(
+                            np.degrees(theta),
+                            value - half,
+                            value + half,
+                            color=colour(number),
+                            alpha=0.18,
+                            lw=0,
+                        )
+                if column == 0:
+                    axis.set_ylabel(f"$10^3\\,{channel}{stroke}$ [-]")
+            axes[0, column].set_title(title)
+            axes[-1, column].set_xlabel("phase θ [deg]")
+            axes[-1, column].set_xlim(0, 360)
+            axes[-1, column].set_xticks([0, 90, 180, 270, 360])
+        legend_below(figure, list(axes.ravel()))
+    return figure
+
 
 _ROOMY: Final = 40
 """Points of one Froude number from which on their marks shrink."""
@@ -85,7 +140,7 @@ def forces_over_drift(
                 shrunk = min(1.0, math.sqrt(_ROOMY / len(group.drift)))
                 scale = factor / divide
                 if table:
-                    _curve(axis, table, channel, group, scale, colour_style(number))
+                    _curve(axis, table, channel, group, scale, colour(number))
                 known = np.isfinite(group.std[channel]).any()
                 axis.errorbar(
                     np.degrees(group.drift),
@@ -93,7 +148,7 @@ def forces_over_drift(
                     np.nan_to_num(WIDE * scale * group.std[channel]) if known else None,
                     ls="",
                     marker=marker(number),
-                    color=colour_style(number),
+                    color=colour(number),
                     capsize=2 * shrunk,
                     ms=4.5 * shrunk,
                     label=f"Fn {group.froude:.3f}",
@@ -116,7 +171,7 @@ def unit_in(table: DerivativeTable, channel: str, froude: float) -> float:
 
 
 def _curve(
-    axis: Axes, table: DerivativeTable, channel: str, points: DriftPoints, scale: float, colour: str
+    axis: Axes, table: DerivativeTable, channel: str, points: DriftPoints, scale: float, hue: str
 ) -> None:
     """The table's force over the drift angle with its 95 % band."""
     near = np.flatnonzero(np.isclose(table.Fn, points.froude, rtol=0.01))
@@ -143,8 +198,8 @@ def _curve(
     value = design @ table.value[row, columns]
     covariance = table.covariance[row, columns][:, row, columns]
     half = WIDE * std_along(design, covariance)
-    axis.plot(np.degrees(drift), value, color=colour, lw=1.3)
-    axis.fill_between(np.degrees(drift), value - half, value + half, color=colour, alpha=0.18, lw=0)
+    axis.plot(np.degrees(drift), value, color=hue, lw=1.3)
+    axis.fill_between(np.degrees(drift), value - half, value + half, color=hue, alpha=0.18, lw=0)
 
 
 def over_a_cycle(cycles: Sequence[Cycle], *, channels: Sequence[str] = ("X", "Y", "N")) -> Figure:
@@ -178,9 +233,7 @@ def over_a_cycle(cycles: Sequence[Cycle], *, channels: Sequence[str] = ("X", "Y"
                 )
                 order = (len(cycle.coefficients[channel]) - 1) // 2
                 fit = design_matrix(fine, order) @ np.nan_to_num(cycle.coefficients[channel])
-                axis.plot(
-                    np.degrees(fine), fit, color=colour_style(0), label=f"harmonics 0 to {order}"
-                )
+                axis.plot(np.degrees(fine), fit, color=colour(0), label=f"harmonics 0 to {order}")
             axes[0, column].set_title(cycle.title)
             axes[-1, column].set_xlabel("phase θ [deg]")
             axes[-1, column].set_xlim(0, 360)

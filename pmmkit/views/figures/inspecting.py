@@ -1,4 +1,4 @@
-"""A first look at the columns of a file."""
+"""A first look at the columns of a file, and at the zeros of the gauges."""
 
 from __future__ import annotations
 
@@ -10,11 +10,50 @@ import numpy as np
 from pmmkit.base import DataError
 from pmmkit.intake import ColumnLook, FileGroup, FileLook, Look, seen_values
 from pmmkit.numerics import Array
-from pmmkit.plotting import INK, canvas, colour, in_powers, styled, widened
-from pmmkit.presentation import figure_text
+from pmmkit.plotting import INK, REFERENCE, canvas, colour, in_powers, marker, styled, widened
+from pmmkit.presentation import WIDE, figure_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+# Zeros of the gauges over the day.
+
+
+_NAMED: Final = 30
+"""Runs up to which each is named below the figure."""
+
+
+def zeros_over_the_day(
+    names: Sequence[str],
+    value: Mapping[str, Array],
+    std: Mapping[str, Array],
+    units: Mapping[str, str],
+) -> Figure:
+    """What each gauge shows at rest, run by run, a panel a gauge."""
+    place = np.arange(len(names))
+    with styled():
+        figure = canvas(1.35 * len(value) + 1.0)
+        axes = figure.subplots(len(value), 1, squeeze=False, sharex=True)[:, 0]
+        for number, (axis, (channel, zeros)) in enumerate(zip(axes, value.items(), strict=True)):
+            axis.axhline(float(np.nanmean(zeros)), color=REFERENCE, lw=0.9, ls="--")
+            axis.errorbar(
+                place,
+                zeros,
+                yerr=WIDE * std[channel],
+                ls="-",
+                lw=0.7,
+                marker=marker(number),
+                ms=4,
+                color=colour(number),
+            )
+            widened(axis)
+            axis.set_title(f"{channel} at rest [{units[channel]}]")
+        few = len(names) <= _NAMED
+        axes[-1].set_xlabel("" if few else "runs in the order of the day")
+        if few:
+            axes[-1].set_xticks(place, [figure_text(name) for name in names], rotation=90)
+    return figure
 
 
 PANELS: Final = 24
@@ -44,7 +83,8 @@ def columns_over_time(
         for place in range(max(0, len(drawn) - across), len(drawn)):
             axes.flat[place].tick_params(labelbottom=True)
             axes.flat[place].set_xlabel(figure_text(time_label))
-        figure.suptitle(figure_text(_cut(title, 100)), x=0.01, ha="left", fontsize=11, color=INK)
+        title = title if len(title) <= 100 else title[:98] + " …"
+        figure.suptitle(figure_text(title), x=0.01, ha="left", fontsize=11, color=INK)
     return figure
 
 
@@ -70,10 +110,6 @@ def envelope(time: Sequence[float] | Array, values: Array) -> tuple[Array, Array
     highest = np.where(np.isnan(parts), -np.inf, parts).argmax(axis=1)
     kept = np.unique(np.concatenate([starts + lowest, starts + highest, np.arange(whole, len(y))]))
     return t[kept], y[kept]
-
-
-def _cut(text: str, length: int) -> str:
-    return text if len(text) <= length else text[: length - 2] + " …"
 
 
 def first_look(found: Look) -> Figure | None:

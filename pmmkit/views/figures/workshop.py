@@ -1,24 +1,174 @@
-"""Measured and predicted as workshops draw them: over the condition, over the phase, as tracks."""
+"""Captive runs as workshops draw them: over the condition, over the phase, what is left."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from pmmkit.conventions import Convention
 from pmmkit.numerics import Array
 from pmmkit.plotting import REFERENCE, WIDTH, canvas, in_powers, legend_below, marker, styled
 from pmmkit.plotting import colour as colour_style
 from pmmkit.presentation import figure_text
 from pmmkit.signals import design_matrix
 from pmmkit.validation import CaptiveRun, Comparison
-from pmmkit.views.figures.residuals import SPEED, abscissa, prime_scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+# What a model leaves of captive forces, a panel a channel and kind of test.
+
+
+_BINS: Final = 21
+"""Stretches of the abscissa in which oscillating runs are summed up; odd, so that one is at 0."""
+SPEED: Final = "Froude number [-]"
+_SMALL: Final = 1e-6
+_NARROW: Final = 1.75
+"""Width of a panel [inch]."""
+
+
+def residuals_over(comparison: Comparison) -> Figure:
+    """Residual coefficients over what each kind of test varies, a colour a Froude number."""
+    runs = comparison.captive
+    channels = channels_of(runs)
+    speeds = sorted({_speed(run) for run in runs})
+    tests = list(dict.fromkeys(run.view.run.test for run in runs))
+    with styled():
+        figure = canvas(1.9 * len(channels) + 1.1, max(WIDTH, _NARROW * len(tests) + 0.8))
+        axes = figure.subplots(len(channels), len(tests), squeeze=False, sharex="col", sharey="row")
+        in_powers(axes[:, 0])
+        for column, test in enumerate(tests):
+            group = [run for run in runs if run.view.run.test == test]
+            what, values = abscissa(group, comparison.ship.L)
+            for row, channel in enumerate(channels):
+                axes[row, column].axhline(0.0, color=REFERENCE, lw=0.8, zorder=1)
+                for number, speed in enumerate(speeds):
+                    own = [
+                        (run, x)
+                        for run, x in zip(group, values, strict=True)
+                        if _speed(run) == speed and channel in run.channels
+                    ]
+                    if own:
+                        _drawn(axes[row, column], own, channel, comparison, number)
+            axes[0, column].set_title(group[0].view.run.kind_of_test.title)
+            axes[-1, column].set_xlabel(what)
+        for row, channel in enumerate(channels):
+            axes[row, 0].set_ylabel(f"error in $10^3\\,{channel}'$ [-]")
+        legend_below(figure, list(axes.ravel()))
+    return figure
+
+
+def _speed(run: CaptiveRun) -> float:
+    return round(run.Fn, 3)
+
+
+def abscissa(runs: Sequence[CaptiveRun], L: float) -> tuple[str, list[Array]]:
+    """What a kind of test varies, with its unit, and its values at the samples of each run.
+
+    L [m].
+    """
+    motions = [run.view.motion for run in runs]
+    every: Mapping[str, list[Array]] = {
+        "yaw rate r' [-]": [x.r * L / run.view.speed for x, run in zip(motions, runs, strict=True)],
+        "sway velocity v' [-]": [x.v / x.speed for x in motions],
+        "surge velocity u/U [-]": [
+            x.u / run.view.speed for x, run in zip(motions, runs, strict=True)
+        ],
+        "rudder δ [deg]": [np.degrees(x.delta) for x in motions],
+        "heel φ [deg]": [np.degrees(x.phi) for x in motions],
+        SPEED: [np.full_like(x.u, run.Fn) for x, run in zip(motions, runs, strict=True)],
+    }
+    kind = runs[0].view.run.kind_of_test
+    if kind.surges and not (kind.sways or kind.yaws):
+        chosen = "surge velocity u/U [-]"
+    else:
+        moved = [
+            name
+            for name, values in every.items()
+            if not name.startswith("surge") and np.ptp(np.concatenate(values)) > _SMALL
+        ]
+        chosen = moved[0] if moved else SPEED
+    return chosen, every[chosen]
+
+
+def _drawn(
+    axis: Axes,
+    runs: Sequence[tuple[CaptiveRun, Array]],
+    channel: str,
+    comparison: Comparison,
+    number: int,
+) -> None:
+    """Runs of one kind at one Froude number in one channel."""
+    colour, label = colour_style(number), f"Fn {_speed(runs[0][0]):.3f}"
+    scales = [prime_scale(run, channel, comparison) for run, _ in runs]
+    if not runs[0][0].view.run.dynamic:
+        axis.errorbar(
+            [float(run.view.projection[0] @ x) for run, x in runs],
+            [k * float(run.error(channel)[0]) for k, (run, _) in zip(scales, runs, strict=True)],
+            [
+                k * float(run.uncertainty(channel)[0])
+                for k, (run, _) in zip(scales, runs, strict=True)
+            ],
+            ls="",
+            marker=marker(number),
+            ms=4,
+            color=colour,
+            elinewidth=0.8,
+            label=label,
+        )
+        return
+    x = np.concatenate([values for _, values in runs])
+    y = np.concatenate(
+        [
+            k * (_at_samples(run) @ run.error(channel))
+            for k, (run, _) in zip(scales, runs, strict=True)
+        ]
+    )
+    middle, low, mean, high = summed_up(x, y)
+    axis.fill_between(middle, low, high, color=colour, alpha=0.22, lw=0)
+    axis.plot(
+        middle, mean, color=colour, marker=marker(number), ms=3, markevery=4, lw=1.3, label=label
+    )
+
+
+def _at_samples(run: CaptiveRun) -> Array:
+    """From the harmonics that a run has to its samples."""
+    kept = run.view.kept
+    return run.view.basis if kept is None else run.view.basis[:, kept]
+
+
+def prime_scale(run: CaptiveRun, channel: str, comparison: Comparison) -> float:
+    """What makes 10³ times a coefficient of a force: over ½ρL²U², moments ½ρL³U²."""
+    ship, water = comparison.ship, comparison.water
+    return 1e3 / Convention(system="prime").force_unit(
+        channel, ship=ship, water=water, U=run.view.speed
+    )
+
+
+def summed_up(x: Array, y: Array) -> tuple[Array, Array, Array, Array]:
+    """Middles of stretches of x, and there the least, the mean and the largest of y.
+
+    Examples
+    --------
+    >>> x = np.linspace(-1.0, 1.0, 2101)
+    >>> middle, low, mean, high = summed_up(x, 2.0 * x)
+    >>> bool(np.allclose(mean, 2.0 * middle, atol=1e-2)), len(middle)
+    (True, 21)
+    """
+    edges = np.linspace(x.min(), x.max(), _BINS + 1)
+    places = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, _BINS - 1)
+    order = np.argsort(places, kind="stable")
+    kept, starts = np.unique(places[order], return_index=True)
+    parts = np.split(y[order], starts[1:])
+    middle = ((edges[:-1] + edges[1:]) / 2)[kept]
+    low, mean, high = (np.array([of(part) for part in parts]) for of in (np.min, np.mean, np.max))
+    return middle, low, mean, high
+
 
 _FINE: Final = 121
 """Phases of a cycle."""
@@ -31,7 +181,7 @@ _SLENDER: Final = 0.6
 def static_forces(comparison: Comparison) -> Figure:
     """Coefficients of static runs over what they vary, with the uncertainty of the measurement."""
     runs = [run for run in comparison.captive if not run.view.run.dynamic]
-    channels = _channels(runs)
+    channels = channels_of(runs)
     tests = list(dict.fromkeys(run.view.run.test for run in runs))
     looks: dict[str, int] = {}
     with styled():
@@ -109,13 +259,14 @@ def _predicted(comparison: Comparison) -> str:
     return figure_text(comparison.model)[:40] or "predicted"
 
 
-def _channels(runs: Sequence[CaptiveRun]) -> list[str]:
+def channels_of(runs: Sequence[CaptiveRun]) -> list[str]:
+    """All channels of some runs, each once."""
     return list(dict.fromkeys(name for run in runs for name in run.channels))
 
 
 def forces_over_phase(comparison: Comparison, runs: Sequence[CaptiveRun]) -> Figure:
     """Coefficients of oscillating runs over the phase of a cycle, measured and predicted."""
-    channels = _channels(runs)
+    channels = channels_of(runs)
     theta = np.linspace(0.0, 2 * np.pi, _FINE)
     with styled():
         figure = canvas(1.9 * len(channels) + 1.1, max(WIDTH * _SLENDER, _PANEL * len(runs) + 0.8))

@@ -12,7 +12,7 @@ from pmmkit.models import DerivativeTable, ReferenceTable, compare
 from pmmkit.numerics import Array
 from pmmkit.presentation import plus_minus
 from pmmkit.reduction import Reduction
-from pmmkit.views.figures.correlations import correlated
+from pmmkit.views.figures.derivatives import correlated
 from pmmkit.views.pages.numbers import short
 
 TOLD: Final = 6

@@ -3,15 +3,105 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, Final
 
-from pmmkit.diagnosis import Diagnosis, Session
+from pmmkit.diagnosis import Diagnosis, Fall, Session, Together
 from pmmkit.effects import CATALOGUE, Effect, is_fault
-from pmmkit.models import odds
+from pmmkit.models import Step, odds
+from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE
-from pmmkit.views.pages.drawn import NUMBERS, drawn_over
 from pmmkit.views.pages.numbers import short
+from pmmkit.views.pages.records import MOTIONS
+
+# How the error of what is left out falls with each step.
+
+
+def fall_page(fall: Fall) -> dict[str, Any]:
+    """The waterfall: a row per step."""
+    if len(fall.campaigns) > 1:
+        return {
+            "campaigns": [
+                {**fall_page(fall.only(name)), "title": name, "steps": _steps(fall, name)}
+                for name in fall.campaigns
+            ]
+        }
+    return {
+        "unit": fall.unit,
+        "of": fall.of,
+        "how": fall.how,
+        "remarks": list(fall.remarks()),
+        "useless": list(fall.useless),
+        "steps": _steps(fall, fall.campaigns[0]),
+    }
+
+
+def _steps(fall: Fall, name: str) -> list[dict[str, Any]]:
+    """The errors of one campaign after each step."""
+    of, units = fall.told[name].of, fall.units(name)
+    errors = {x: fall.errors(x, name) for x in fall.quantities(name)}
+    levels = fall.levels(of, name)
+    return [
+        {
+            "step": step,
+            "error": short(errors[of][place]),
+            "level": short(levels[place]),
+            "channels": {
+                x: {"error": short(own[place]), "unit": units[x]}
+                for x, own in errors.items()
+                if units[x] != "%"
+            },
+        }
+        for place, step in enumerate(fall.steps)
+    ]
+
+
+# What each candidate alone would do to the tests, before anything is added.
+
+
+NUMBERS: Final = 120_000
+"""Of all paths together, where a page holds one campaign: it stays small enough for one file."""
+
+
+def drawn_over(
+    evidence: Any,
+    steps: Sequence[Step],
+    chosen: Sequence[Any],
+    heard: Callable[[float, str], None],
+    *,
+    numbers: int = NUMBERS,
+) -> dict[str, dict[str, Any]]:
+    """What each candidate would do, alone beside the base as it stands."""
+    shares, overlays, base = evidence.alone(
+        steps, chosen, lambda number, name: heard(number / len(chosen), name), numbers=numbers
+    )
+    return {
+        "shares": {
+            name: {
+                "all": short(own["all"]),
+                "channels": {key: short(x) for key, x in own.items() if key != "all"},
+            }
+            for name, own in shares.items()
+        },
+        "overlays": {
+            name: {
+                run: {key: values for key, values in _on_screen(own).items() if key != "t"}
+                for run, own in runs.items()
+            }
+            for name, runs in overlays.items()
+        },
+        "base": {run: _on_screen(own) for run, own in base.items()},
+    }
+
+
+def _on_screen(columns: Mapping[str, Array]) -> dict[str, list[float]]:
+    """Forces as they are, motions in the units of the screen; paths have their times."""
+    return {
+        name: short(MOTIONS[name][1] * values if name in MOTIONS else values)
+        for name, values in columns.items()
+    }
+
 
 # One candidate of what may be missing, as the page reads it.
 
@@ -145,3 +235,135 @@ def _unasked(session: Session[Diagnosis], found: Diagnosis) -> list[dict[str, st
     evidence: Any = session.evidence
     absent = [item for item in evidence.own if item.name not in evidence.kinds]
     return [{"effect": x.name, "why": evidence.why_not_asked(x, found.covered)} for x in absent]
+
+
+# What is missing, as several campaigns say together.
+
+
+def joint_page(
+    found: Together,
+    session: Session[Together],
+    heard: Callable[[float, str], None] = lambda _done, _: None,
+) -> dict[str, Any]:
+    """A diagnosis of several campaigns, with what each candidate would do to each of them."""
+    own = {item.name: item for item in session.evidence.own}
+    entries = {**CATALOGUE, **own}
+    named = [item for item in found.singles if item.names[0] in found.best]
+    others = [item for item in found.singles if item.names[0] not in found.best][:SHOWN]
+    sentences = {item.effect: item.sentence for item in found.belongs}
+    ship = [
+        _candidate(
+            item.names[0],
+            entries,
+            found,
+            # Nothing of a campaign that cannot be asked for it.
+            [_vote(name, ballot.log_evidence) for name, ballot in item.ballots.items()],
+            sentences,
+        )
+        for item in (*named, *others)
+    ]
+    faults = [
+        _fault(name, fault, entries, found)
+        for name in found.names
+        for fault in found.faults_of(name)
+    ]
+    candidates = [item for item in (*ship, *faults) if item["named"]]
+    candidates += [item for item in ship if not item["named"]]
+    return {
+        "verdict": found.verdict,
+        "sentence": found.sentence,
+        "answer": found.answer,
+        "remarks": [*found.flags, *sentences.values(), *found.notes],
+        "floor": session.evidence.floor,
+        "candidates": candidates,
+        "sets": [{"effects": list(names), "odds": short(x)} for names, x in found.group],
+        "suspected": [],
+        "hidden": [{"effect": x.name, "why": x.why, "size": short(x.hides)} for x in found.hidden],
+        "covered": [],
+        "overlays": {},
+        "base": {},
+        "drawn": _drawn(session, found, candidates, heard),
+        "unasked": [
+            {"effect": name, "why": ""} for name in own if name not in session.evidence.kinds
+        ],
+    }
+
+
+def _drawn(
+    session: Session[Together],
+    found: Together,
+    candidates: Sequence[Mapping[str, Any]],
+    heard: Callable[[float, str], None],
+) -> list[dict[str, Any]]:
+    """What candidates would do to each campaign; nothing of those that it is not asked for."""
+    evidence: Any = session.evidence  # of several campaigns
+    tables = []
+    for number, (name, (item, asked)) in enumerate(evidence.each(session.steps).items()):
+        singles = {x.names: x for x in found.diagnoses[name].entries}
+        names = [x["effect"] for x in candidates if x["campaign"] in ("", name)]
+        chosen = [singles[own,] for own in names if (own,) in singles]
+        tables.append(
+            drawn_over(
+                item,
+                asked,
+                [x for x in chosen if math.isfinite(x.log_evidence)],
+                partial(_told, heard, number, len(found.names)),
+                numbers=NUMBERS // len(found.names),
+            )
+        )
+    return tables
+
+
+def _told(
+    heard: Callable[[float, str], None], number: int, count: int, done: float, effect: str
+) -> None:
+    heard((number + done) / count, effect)
+
+
+def _candidate(
+    name: str,
+    entries: Mapping[str, Effect],
+    found: Together,
+    votes: list[dict[str, Any]],
+    sentences: Mapping[str, str],
+) -> dict[str, Any]:
+    """An effect of the ship, beside the others of the best set if it is one of them."""
+    single = next(item for item in found.singles if item.names == (name,))
+    measured = next((item for item in found.belongs if item.effect == name), None)
+    third = measured.thirds[0] if measured and measured.thirds else None
+    return candidate_page(
+        name,
+        entries.get(name),
+        log_odds=found.added.get(name, single.log_evidence),
+        named=name in found.best,
+        kind="physics",
+        votes=votes,
+        rivals=[" + ".join(names) for names in found.rivals_of(name)],
+        coefficients=coefficients_page(
+            measured.coefficients, third.values.tolist(), third.std.tolist(), measured.usual
+        )
+        if measured and third
+        else [],
+        said=sentences.get(name, ""),
+    )
+
+
+def _fault(
+    campaign: str, name: str, entries: Mapping[str, Effect], found: Together
+) -> dict[str, Any]:
+    """A fault of one campaign, as it alone says it."""
+    own = next((x for x in found.diagnoses[campaign].findings if x.effect == name), None)
+    size = own.log_odds if own else 0.0
+    return candidate_page(
+        name,
+        entries.get(name),
+        log_odds=size,
+        named=True,
+        kind="fault",
+        campaign=campaign,
+        votes=[_vote(campaign, size)],
+    )
+
+
+def _vote(campaign: str, log_odds: float) -> dict[str, Any]:
+    return {"campaign": campaign, "log_odds": short(log_odds), "evidence": odds(log_odds)}

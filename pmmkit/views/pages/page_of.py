@@ -12,13 +12,10 @@ from pmmkit.models import Model
 from pmmkit.reduction import Reduction
 from pmmkit.validation import Comparison
 from pmmkit.views.pages.derivatives import derivatives_page
-from pmmkit.views.pages.fall import fall_page
 from pmmkit.views.pages.files import files_page
-from pmmkit.views.pages.joint import joint_page
-from pmmkit.views.pages.misfit import misfit_page
-from pmmkit.views.pages.missing import missing_page
+from pmmkit.views.pages.missing import fall_page, joint_page, missing_page
 from pmmkit.views.pages.numbers import BUCKETS
-from pmmkit.views.pages.records import run_page
+from pmmkit.views.pages.records import misfit_page, run_page
 from pmmkit.views.pages.runs import runs_page
 from pmmkit.views.pages.turning import sailed_page
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,11 +12,97 @@ import numpy as np
 from pmmkit.base import DataError, PmmkitError
 from pmmkit.campaigns import TEST_KINDS, Campaign, Correction, Run, usable
 from pmmkit.conventions import CHANNEL_UNITS
-from pmmkit.intake import LARGE
-from pmmkit.numerics import Array
+from pmmkit.intake import FLAT_SAMPLES, LARGE
+from pmmkit.numerics import Array, stretches
 from pmmkit.reduction import PreparedRun
-from pmmkit.views.pages.marks import marks_of
 from pmmkit.views.pages.numbers import BUCKETS, short, thinned
+
+# Where in a record stands what the checks speak of.
+
+
+MARKS: Final = 40
+"""Marks of a record."""
+GAP: Final = 1.5
+"""Steps of time over the usual one that are a gap."""
+
+
+def marks_of(
+    t: Array,
+    columns: Mapping[str, Array],
+    findings: Sequence[Mapping[str, Any]],
+    *,
+    steady: bool = True,
+) -> list[dict[str, Any]]:
+    """The places of a record, [s] from its first sample, of what the checks found there.
+
+    t [s].
+
+    Examples
+    --------
+    >>> t = np.array([0.0, 0.1, 0.2, 5.0, 5.1])
+    >>> found = {"check": "time stamps", "severity": "warning", "message": "1 gap"}
+    >>> [(mark["from"], mark["to"]) for mark in marks_of(t, {}, [found])]
+    [(0.2, 5.0)]
+    """
+    found = []
+    for item in findings:
+        for channel, start, stop in _places(t, columns, item, steady):
+            found.append(
+                {
+                    "from": short(start - t[0]),
+                    "to": short(stop - t[0]),
+                    "channel": channel,
+                    "text": item["message"],
+                    "severity": item["severity"],
+                }
+            )
+    return found[:MARKS]
+
+
+def _places(
+    t: Array, columns: Mapping[str, Array], item: Mapping[str, Any], steady: bool
+) -> Iterator[tuple[str, float, float]]:
+    if item["check"] == "time stamps":
+        yield from _clock(t)
+    for channel in item.get("channels", ()):
+        values = columns.get(channel)
+        if values is None:
+            continue
+        numbers = item.get("numbers", {})
+        if item["check"] == "saturation":
+            yield from ((channel, *span) for span in _flat(t, values, numbers["level"]))
+        elif "step" in numbers and steady:
+            at = _step(t, values)
+            yield channel, at, at
+
+
+def _clock(t: Array) -> Iterator[tuple[str, float, float]]:
+    """Gaps, and places where time stands or goes back."""
+    steps = np.diff(t)
+    forward = steps[steps > 0]
+    usual = float(np.median(forward)) if len(forward) else 0.0
+    for place in np.flatnonzero((steps > GAP * usual) | (steps <= 0)):
+        low, high = sorted((float(t[place]), float(t[place + 1])))
+        yield "", low, high
+
+
+def _flat(t: Array, values: Array, level: float) -> Iterator[tuple[float, float]]:
+    """Stretches in which a channel stands at a level."""
+    at = np.isclose(values, level, rtol=1e-9, atol=0.0)
+    for start, stop in zip(*stretches(at), strict=True):
+        if stop - start >= FLAT_SAMPLES:
+            yield float(t[start]), float(t[stop - 1])
+
+
+def _step(t: Array, values: Array) -> float:
+    """Where the means before and after differ most for their number: the zero jumped there."""
+    count = len(values)
+    before = np.cumsum(values)[:-1]
+    sizes = np.arange(1, count)
+    left, right = before / sizes, (values.sum() - before) / (count - sizes)
+    gain = (right - left) ** 2 * sizes * (count - sizes)
+    return float(t[int(np.argmax(gain)) + 1])
+
 
 AT_ONCE: Final = 60
 """Runs that are shown together."""
@@ -107,7 +193,7 @@ def _shown(
     page |= {"begin": short(t[0]), "seconds": short(t[-1] - t[0]), "samples": len(t)}
     page["marks"] = marks_of(t, columns, own, steady=not run.dynamic)
     entry = window_entry(campaign, run.id)
-    stated = _stated(run, entry["action"])
+    stated = next((x for x in reversed(run.corrections) if x.action == entry["action"]), None)
     page["stated"] = (
         None
         if stated is None
@@ -157,10 +243,6 @@ def _lacking(size: int) -> str:
         f"This record takes about {MEMORY * size / 1e9:.0f} GB of memory to be read whole, and "
         f"{int(found[1]) / 1e6:.0f} GB are free. Keep fewer of its samples, or cut it in parts."
     )
-
-
-def _stated(run: Run, action: str) -> Correction | None:
-    return next((item for item in reversed(run.corrections) if item.action == action), None)
 
 
 def _ends(stated: Correction, t: Array) -> list[float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 from pmmkit.presentation import Cell, Grid, Picture, Section
@@ -31,36 +31,23 @@ class Symbol(str):
         return made
 
 
-@dataclass(frozen=True, kw_only=True)
-class PageSection:
-    """What a place of the page tells beside what it draws.
+def told_page(
+    *,
+    facts: Mapping[str, str] = MappingProxyType({}),
+    before: Sequence[Section] = (),
+    after: Sequence[Section] = (),
+    folded: Sequence[Section] = (),
+) -> dict[str, Any]:
+    """What a place of the page tells beside what it draws, as the page reads it.
 
-    `facts`: the largest numbers, by what they are. `before, after`: above and below what is
-    drawn. `folded`: below that, as the command line tells it.
+    facts: the largest numbers, by what they are. before, after: above and below what is drawn.
+    folded: below that, as the command line tells it.
     """
-
-    facts: Mapping[str, str] = field(default_factory=dict)
-    before: Sequence[Section] = ()
-    after: Sequence[Section] = ()
-    folded: Sequence[Section] = ()
-
-    @property
-    def pictures(self) -> list[Picture]:
-        """All figures."""
-        return [
-            picture
-            for section in (*self.before, *self.after, *self.folded)
-            for picture in section.figures
-        ]
-
-
-def told_page(place: PageSection) -> dict[str, Any]:
-    """What a place tells, as the page reads it."""
     return {
-        "facts": [{"name": name, "value": value} for name, value in place.facts.items()],
-        "before": [_section(item) for item in place.before],
-        "after": [_section(item) for item in place.after],
-        "folded": [_section(item) for item in place.folded],
+        "facts": [{"name": name, "value": value} for name, value in facts.items()],
+        "before": [_section(item) for item in before],
+        "after": [_section(item) for item in after],
+        "folded": [_section(item) for item in folded],
     }
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -26,48 +25,30 @@ LENGTHS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diam
 """Measures of a turn that stand beside its path."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Rival:
-    """A ship that the tests accept.
-
-    Parameters
-    ----------
-    effects : tuple of str
-        What the base lacks if this is the ship.
-    odds : float
-        Against the most probable one.
-    model : Model
-        With what is unknown of it.
-    """
-
-    effects: tuple[str, ...]
-    odds: float
-    model: Model
-
-
 def sailed_page(
     model: Model,
     manoeuvre: str,
     *,
     speed: float,
     band: bool = False,
-    rivals: Sequence[Rival] = (),
+    rivals: Sequence[tuple[Model, float, tuple[str, ...]]] = (),
     **settings: Any,
 ) -> dict[str, Any]:
     """A manoeuvre as the page draws it.
 
-    speed [m/s].
+    speed [m/s]. rivals: ships that the tests accept, each with its odds against the most probable
+    one, and what the base lacks if this is the ship.
     """
     if manoeuvre == "spiral":
         return spiral_page(model, speed=speed)
     track = simulate(model, manoeuvre, speed=speed, compiled=False, **settings)
     page = track_page(track)
     if band and (rivals or model.covariance is not None):
-        among = [(item.model, item.odds) for item in rivals]
+        among = [(rival, odds) for rival, odds, _ in rivals]
         how = {"speed": speed, "n": SHIPS, **settings}
         try:
             found = Bands.of(model, manoeuvre, among=among, **how)
-            page["band"] = {**_band(found), "rivals": [list(item.effects) for item in rivals]}
+            page["band"] = {**_band(found), "rivals": [list(effects) for _, _, effects in rivals]}
         except PmmkitError as error:
             page["notes"] = [*page["notes"], str(error)]
     return page

@@ -14,13 +14,25 @@ from pmmkit.intake import CheckFinding
 from pmmkit.models import ReferenceTable
 from pmmkit.presentation import Picture, figure_text
 from pmmkit.reduction import Reduction, Rows, RunResult
-from pmmkit.views.figures.correlations import correlated, correlations, strongest
-from pmmkit.views.figures.cycles_by_froude import CycleForces, cycles_by_froude
-from pmmkit.views.figures.derivatives import beside_reference, derivatives_over_froude
-from pmmkit.views.figures.forces import Cycle, DriftPoints, forces_over_drift, over_a_cycle, unit_in
+from pmmkit.views.figures.captions import drawn
+from pmmkit.views.figures.derivatives import (
+    beside_reference,
+    correlated,
+    correlations,
+    derivatives_over_froude,
+    strongest,
+)
+from pmmkit.views.figures.forces import (
+    Cycle,
+    CycleForces,
+    DriftPoints,
+    cycles_by_froude,
+    forces_over_drift,
+    over_a_cycle,
+    unit_in,
+)
 from pmmkit.views.figures.forests import farthest, forest
-from pmmkit.views.figures.zeros import zeros_over_the_day
-from pmmkit.views.report.drawn import drawn
+from pmmkit.views.figures.inspecting import zeros_over_the_day
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -186,8 +198,9 @@ def of_findings(reduction: Reduction) -> Iterator[Picture]:
 
 
 def drift_points(reduction: Reduction) -> list[DriftPoints]:
-    """Means of the static drift runs, a set per Froude number of the runs."""
-    found = [item for item in reduction.rows if item.result.run.test == "static_drift"]
+    """Means of the steady runs that drift and do nothing else, a set per Froude number."""
+    steady = [item for item in reduction.rows if item.result.run.kind_of_test.steady]
+    found = [item for item in steady if item.result.run.kind_of_test.varies == ("v",)]
     sets = []
     for froude in sorted({round(item.result.froude, 3) for item in found}):
         rows = [item for item in found if round(item.result.froude, 3) == froude]
@@ -250,7 +263,8 @@ def cycles_at_speeds(reduction: Reduction) -> dict[str, list[CycleForces]]:
 
 def _motion_of(result: RunResult, table: DerivativeTable) -> tuple[float, ...]:
     """Amplitudes over length and speed, drift and reduced frequency, as near as counts."""
-    settings, pace = result.run.settings, _pace(result, table)
+    settings = result.run.settings
+    pace = table.ship.speed(result.froude, table.water.g) / table.ship.L
     omega = (result.frequency or 0.0) / pace
     sway = (settings.amplitude or 0.0) / table.ship.L * omega
     yaw = (settings.yaw_amplitude or 0.0) * omega
@@ -258,18 +272,13 @@ def _motion_of(result: RunResult, table: DerivativeTable) -> tuple[float, ...]:
     return *(round(x, 2) for x in (sway, yaw, rudder, settings.drift)), round(omega, 1)
 
 
-def _pace(result: RunResult, table: DerivativeTable) -> float:
-    """Speed over ship length [1/s]."""
-    return table.ship.speed(result.froude, table.water.g) / table.ship.L
-
-
 def _non_dimensional(item: Rows, table: DerivativeTable) -> CycleForces:
     result = item.result
     units = {channel: unit_in(table, channel, result.froude) for channel in item.force}
-    return CycleForces(
-        froude=result.froude,
-        coefficients={channel: x / units[channel] for channel, x in item.force.items()},
-        covariance={
+    return (
+        result.froude,
+        {channel: x / units[channel] for channel, x in item.force.items()},
+        {
             channel: V / units[channel] ** 2
             for channel, V in result.covariance.items()
             if V is not None and channel in units

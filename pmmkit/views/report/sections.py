@@ -2,15 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
+from pmmkit.intake import CheckFinding, name_runs
 from pmmkit.models import ReferenceTable
-from pmmkit.presentation import Grid, Group, Section
+from pmmkit.presentation import Grid, Group, Picture, Section
 from pmmkit.reduction import Reduction
+from pmmkit.views.figures.captions import drawn
 from pmmkit.views.report import pictures, tables
-from pmmkit.views.report.drawn import drawn
 from pmmkit.views.report.tables import flattened, gathered
+
+# What the checks found, as a section.
+
+
+def checked_section(findings: Sequence[CheckFinding], figures: Sequence[Picture] = ()) -> Section:
+    """What the checks found, with the zeros of the gauges where they tell them."""
+    shown = [
+        {
+            "severity": item.severity,
+            "check": item.check,
+            "message": item.message,
+            "runs": name_runs(item.runs, 12),
+            "remedy": item.remedy,
+        }
+        for item in findings
+    ]
+    return Section(
+        title="What the checks found",
+        paragraphs=[] if shown else ["The checks found nothing to say."],
+        findings=shown,
+        tables=[item.grid() for item in findings if item.by_run],
+        figures=list(figures),
+    )
 
 
 def influence(reduction: Reduction) -> Section:

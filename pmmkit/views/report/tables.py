@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -275,24 +274,12 @@ def corrections(campaign: Campaign) -> list[Grid]:
     return [Grid(head=head, groups=[group], texts=(1, 2))] if rows else []
 
 
-@dataclass(frozen=True, kw_only=True)
-class Particular:
-    """A number of the model or of the water.
+def particulars_of(ship: Ship, water: Water) -> Sequence[tuple[str, float | None, str, str, str]]:
+    """The model as tested and the water, those too that are not known.
 
-    `what, unit`: what it is, and its unit. `value`: SI; None where it is not known. `table,
-    key`: where the campaign file states it.
+    What each is, its value [SI], its unit, and table and key of the campaign file that state it.
     """
-
-    what: str
-    value: float | None
-    unit: str
-    table: str
-    key: str
-
-
-def particulars_of(ship: Ship, water: Water) -> tuple[Particular, ...]:
-    """The model as tested and the water, those too that are not known."""
-    entries: Sequence[tuple[str, float | None, str, str, str]] = (
+    return (
         ("Length between perpendiculars L", ship.L, "m", "ship", "L"),
         ("Breadth B", ship.B, "m", "ship", "B"),
         ("Draught d", ship.d, "m", "ship", "d"),
@@ -310,18 +297,14 @@ def particulars_of(ship: Ship, water: Water) -> tuple[Particular, ...]:
         ("Width of the tank", water.tank_width, "m", "water", "tank_width"),
         ("Depth of the tank", water.tank_depth, "m", "water", "tank_depth"),
     )
-    return tuple(
-        Particular(what=what, value=value, unit=unit, table=table, key=key)
-        for what, value, unit, table, key in entries
-    )
 
 
 def particulars(reduction: Reduction) -> Grid:
     """The model as tested, and the water."""
     ship, water = reduction.campaign.ship, reduction.campaign.water
     rows = [
-        [item.what, number(item.value, 6), item.unit]
-        for item in particulars_of(ship, water)
-        if item.value is not None
+        [what, number(value, 6), unit]
+        for what, value, unit, _, _ in particulars_of(ship, water)
+        if value is not None
     ]
     return Grid(head=[ship.name, "", ""], groups=[Group(rows=rows)], texts=(2,))

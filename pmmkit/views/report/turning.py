@@ -15,7 +15,7 @@ from pmmkit.models import Model, ReferenceTable
 from pmmkit.plotting import manoeuvre
 from pmmkit.presentation import Cell, Grid, Group, Section, fixed, number, percent
 from pmmkit.simulation import froude_sweep, measures_over_froude, simulate
-from pmmkit.views.report.drawn import drawn
+from pmmkit.views.figures.captions import drawn
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -12,10 +12,16 @@ from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.models import SECTIONS
 from pmmkit.presentation import Cell, Grid, Group, Section, counted, number
 from pmmkit.reduction import Reduction, RunResult
+from pmmkit.views.figures.captions import drawn
 from pmmkit.views.report import tables
-from pmmkit.views.report.captive.document import Chapter, Item
-from pmmkit.views.report.captive.stated import of_gauges, of_part, of_particulars, of_report
-from pmmkit.views.report.drawn import drawn
+from pmmkit.views.report.captive.document import (
+    Chapter,
+    Item,
+    of_gauges,
+    of_part,
+    of_particulars,
+    of_report,
+)
 
 
 def technique(reduction: Reduction) -> Chapter:

@@ -1,4 +1,4 @@
-"""The chapters on what was found: analysis, derivatives, uncertainty, checks, use, origin."""
+"""The chapters on what was found: repeats, analysis, derivatives, uncertainty, checks, use."""
 
 from __future__ import annotations
 
@@ -10,17 +10,200 @@ from dataclasses import replace
 import numpy as np
 
 from pmmkit.base import DataError
-from pmmkit.campaigns import TEST_KINDS
-from pmmkit.conventions import Convention
+from pmmkit.campaigns import TEST_KINDS, Run
+from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, bibliography, cite
 from pmmkit.intake import CheckFinding
-from pmmkit.presentation import Cell, Grid, Group, Section, at_froude
-from pmmkit.reduction import Budget, Reduction, derivative_budget
-from pmmkit.views.report import pictures, sections
-from pmmkit.views.report.captive.document import Chapter, Item, untitled
-from pmmkit.views.report.captive.stated import of_report, of_uncertainties
-from pmmkit.views.report.checked import checked_section
-from pmmkit.views.report.drawn import drawn
+from pmmkit.numerics import Array, coverage_factor
+from pmmkit.presentation import Cell, Grid, Group, Section, at_froude, counted, number, plus_minus
+from pmmkit.reduction import Budget, Reduction, RunResult, derivative_budget
+from pmmkit.views.figures.captions import drawn
+from pmmkit.views.report import pictures, sections, tables
+from pmmkit.views.report.captive.document import (
+    Chapter,
+    Item,
+    of_report,
+    of_uncertainties,
+    untitled,
+)
+from pmmkit.views.report.sections import checked_section
 from pmmkit.views.report.tables import symbol
+
+# The chapter on runs that repeat each other: how far their forces scatter.
+
+
+LISTED = 40
+"""Conditions that are listed one by one; of more, the first."""
+
+
+def repeatability(reduction: Reduction) -> Chapter:
+    """Repeated runs: mean, standard deviation and range, by kind of test and one by one."""
+    results = {item.run.id: item for item in reduction.runs}
+    groups = [
+        tuple(results[run.id] for run in group)
+        for group in Run.repeats([item.run for item in reduction.runs])
+        if len(group) > 1
+    ]
+    count = sum(map(len, groups))
+    said = f"{counted(count, 'run')} of {counted(len(groups), 'condition')}" if groups else "none"
+    channels = [x for x in ("X", "Y", "N", "K") if any(x in it.measured for it in reduction.runs)]
+    return Chapter(
+        title="Repeatability",
+        items=[Item(what="Runs that repeat each other", value=said)],
+        sections=[
+            Section(
+                paragraphs=[
+                    "Runs repeat each other where the campaign says so, or where they were set "
+                    "alike. The standard deviation is pooled over the conditions; the range is "
+                    "the largest between two runs of one condition. Of oscillating tests the "
+                    "number is the root mean square over the first harmonic."
+                ],
+                tables=[_by_kind(groups, channels), _one_by_one(groups, channels)],
+            )
+        ]
+        if groups
+        else [],
+    )
+
+
+def _by_kind(groups: Sequence[Sequence[RunResult]], channels: Sequence[str]) -> Grid:
+    """A row per kind of test: pooled standard deviation and largest range of each channel."""
+    kinds: dict[str, list[Sequence[RunResult]]] = {}
+    for group in groups:
+        kinds.setdefault(group[0].run.kind_of_test.title, []).append(group)
+    rows: list[list[Cell]] = []
+    for title, own in kinds.items():
+        row: list[Cell] = [title, str(len(own)), str(sum(map(len, own)))]
+        for channel in channels:
+            apart = [_apart(group, channel) for group in own]
+            known = [x for x in apart if x is not None]
+            if not known:
+                row += [None, None]
+                continue
+            freedom = sum(len(x) - 1 for x in known)
+            row.append(number((sum(float(np.sum(x**2)) for x in known) / freedom) ** 0.5, 3))
+            row.append(number(max(_range(group, channel) for group in own), 3))
+        rows.append(row)
+    head = ["kind of test", "conditions", "runs"]
+    for channel in channels:
+        head += [f"{channel} std [{CHANNEL_UNITS[channel]}]", "range"]
+    return Grid(head=head, groups=[Group(rows=rows)], caption="By kind of test")
+
+
+def _one_by_one(groups: Sequence[Sequence[RunResult]], channels: Sequence[str]) -> Grid:
+    """A row per condition: its first run, how many, mean and standard deviation."""
+    rows: list[list[Cell]] = []
+    for group in groups[:LISTED]:
+        row: list[Cell] = [_setting(group[0].run), str(len(group))]
+        for channel in channels:
+            apart = _apart(group, channel)
+            mean = np.mean([_level(item, channel) for item in group if channel in item.measured])
+            row.append(None if apart is None else number(float(mean), 4))
+            std = None if apart is None else float(np.sqrt(np.sum(apart**2) / (len(apart) - 1)))
+            row.append(None if std is None else number(std, 3))
+        rows.append(row)
+    left = f"; {len(groups) - LISTED} more are in runs.csv" if len(groups) > LISTED else ""
+    head = ["condition", "runs"]
+    for channel in channels:
+        head += [f"{channel} mean [{CHANNEL_UNITS[channel]}]", "std"]
+    return Grid(head=head, groups=[Group(rows=rows)], caption=f"Conditions{left}", texts=(0,))
+
+
+def _setting(run: Run) -> str:
+    said = ", ".join(run.settings.words)
+    return f"{run.id}: {run.settings.speed:.4g} m/s{f', {said}' if said else ''}"
+
+
+def _values(item: RunResult, channel: str) -> Array:
+    """The mean of a steady run; cosine and sine of the first harmonic of an oscillating one."""
+    measured = item.measured[channel]
+    if not item.run.dynamic:
+        return measured[:1]
+    places = [place for place, label in enumerate(item.labels) if label in ("C1", "S1")]
+    return measured[places]
+
+
+def _level(item: RunResult, channel: str) -> float:
+    values = _values(item, channel)
+    return float(np.hypot(*values)) if len(values) > 1 else float(values[0])
+
+
+def _apart(group: Sequence[RunResult], channel: str) -> Array | None:
+    """How far each run is from the mean of its condition [N, N m]; None of fewer than two."""
+    own = [item for item in group if channel in item.measured]
+    if len(own) < 2:
+        return None
+    values = np.stack([_values(item, channel) for item in own])
+    apart = values - values.mean(axis=0)
+    found: Array = np.sqrt(np.mean(apart**2, axis=1))
+    return found
+
+
+def _range(group: Sequence[RunResult], channel: str) -> float:
+    levels = [_level(item, channel) for item in group if channel in item.measured]
+    return max(levels) - min(levels) if levels else 0.0
+
+
+# The appendices: every run with what was measured, and where everything comes from.
+
+
+OSCILLATING = (("X", "C0"), ("Y", "C1"), ("Y", "S1"), ("N", "C1"), ("N", "S1"))
+"""Parts of the forces that oscillating tests are for."""
+
+
+def runs(reduction: Reduction) -> Chapter:
+    """Every run with its settings, what of its record counts, and what was measured."""
+    steady = [item for item in reduction.runs if not item.run.dynamic]
+    swung = [item for item in reduction.runs if item.run.dynamic]
+    parts = (
+        ("Forces of steady tests", steady, [(channel, "C0") for channel in CHANNELS]),
+        ("Harmonics of oscillating tests", swung, OSCILLATING),
+    )
+    forces = [
+        Section(title=title, tables=[_forces(own, what)]) for title, own, what in parts if own
+    ]
+    every = Section(tables=[tables.settings(reduction)])
+    return Chapter(title="Runs", sections=[every, *forces], appendix=True)
+
+
+def _forces(results: Sequence[RunResult], parts: Sequence[tuple[str, str]]) -> Grid:
+    """Parts of the forces of some runs with half of their 95 % intervals, as recorded."""
+    kept = [part for part in parts if any(_force(result, *part) for result in results)]
+    rows = [[result.run.id, *(_force(result, *part) for part in kept)] for result in results]
+    units = {channel: CHANNEL_UNITS[channel] for channel, _ in kept}
+    told = ""
+    if results[0].run.dynamic:
+        told = " cos θ goes with the velocity of the motion, sin θ with its displacement."
+    names = {"C0": "mean", "C1": "cos θ", "S1": "sin θ"}
+    return Grid(
+        head=["Run", *(f"{channel}, {names[part]} [{units[channel]}]" for channel, part in kept)],
+        groups=[Group(rows=rows)],
+        caption="As recorded, in SI and ship axes, ± half of the 95 % interval where the record "
+        f"tells one.{told}",
+    )
+
+
+def _force(result: RunResult, channel: str, part: str) -> Cell:
+    if channel not in result.measured or part not in result.labels:
+        return None
+    place = result.labels.index(part)
+    covariance = result.covariance.get(channel)
+    half = math.nan
+    if covariance is not None:
+        factor = coverage_factor(result.dof.get(channel, math.inf))
+        half = float(factor * np.sqrt(covariance[place, place]))
+    return plus_minus(float(result.measured[channel][place]), half) or None
+
+
+def origin(reduction: Reduction, sources: Sequence[str]) -> Chapter:
+    """Sources, versions, files and their hashes."""
+    section = sections.provenance(reduction, None)
+    named = [f"{cite(key)}: {bibliography()[key].title}." for key in sources]
+    return Chapter(
+        title=section.title,
+        sections=[untitled(section), Section(title="Procedures named", points=named)],
+        appendix=True,
+    )
+
 
 SHARED = ("Yv", "Nv", "Yr", "Nr")
 """Derivatives whose uncertainty is shared out: those of straight-line stability."""

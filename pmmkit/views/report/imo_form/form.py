@@ -12,7 +12,7 @@ from pmmkit.conventions import METRICS, Criterion, Metric, cite
 from pmmkit.imo import Condition, Verdict
 from pmmkit.presentation import Described, Grid, Group, Section, counted, fixed, number
 from pmmkit.simulation import MANOEUVRES
-from pmmkit.views.report.bare_page import bare_page
+from pmmkit.views.pages.page_file import bare_page
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import DataError
+from pmmkit.plotting import styled
 from pmmkit.presentation import Grid, Picture, Section, printable
 from pmmkit.views.report.captive.columns import columns_for
 from pmmkit.views.report.captive.document import Chapter, Document, Item
@@ -27,7 +28,6 @@ from pmmkit.views.report.captive.word.own_style import (
     thin,
 )
 from pmmkit.views.report.captive.word.tables import GRID, grid_table, items_table
-from pmmkit.views.report.drawn import PictureWithData
 
 if TYPE_CHECKING:
     from docx.document import Document as WordFile
@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 
 
 # Pages of a Word document, upright and across.
+
+DOTS: Final = 170
+"""Dots per inch of a figure."""
 
 
 def inside(file: WordFile) -> tuple[float, float]:
@@ -228,14 +231,18 @@ def _table(sheet: _Sheet, table: Grid) -> None:
 def _figure(sheet: _Sheet, figure: Picture) -> None:
     from docx.shared import Cm
 
-    if isinstance(figure, PictureWithData):
+    if figure.figure is not None:
         lay(sheet.file, across=False)
         across, along = inside(sheet.file)
         wide, high = figure.figure.get_size_inches()
         width = min(across * (NARROW if figure.narrow else 1.0), HIGHEST * along * wide / high)
         place = sheet.file.add_paragraph()
         place.paragraph_format.keep_with_next = True
-        shape = place.add_run().add_picture(io.BytesIO(figure.png()), width=Cm(width))
+        png = io.BytesIO()
+        with styled():
+            figure.figure.savefig(png, format="png", dpi=DOTS, metadata={"Software": None})
+        png.seek(0)
+        shape = place.add_run().add_picture(png, width=Cm(width))
         shape._inline.docPr.set("descr", printable(figure.alt))
     _caption(sheet, "Figure", figure.caption)
 
