@@ -17,6 +17,8 @@ PRICE: Final = math.log(80.0)
 asked, one is missing in every second ship. It is the same whatever else is asked, so that the odds
 of an effect do not hang on how many others the catalogue holds. scripts/studies/hidden_effects.py:
 at ln 62 and more nothing is named in 160 empty campaigns, and 27 of 29 effects alone."""
+RIVALS: Final = math.log(20.0)
+"""Answers within these odds of the best cannot be told from it (docs/theory/evidence.md)."""
 SHOWS: Final = 12.0
 """Squared signal over noise at its usual size from which an effect can be seen, whichever run is
 left out."""

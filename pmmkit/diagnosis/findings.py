@@ -208,6 +208,36 @@ class SuspectRun:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Disagreement:
+    """A group of runs in which a channel reads otherwise than in all others.
+
+    `channel, group`: the channel, and the group in words. `runs`: their names. `gain`: what it
+    reads more, as a share of the force. `offset`: what its means read more, over the rms force.
+    `log_odds`: ln of the odds for it beside the answer, `instead` in its place. `rival`: whether
+    it is told because it explains as much in the answer's place.
+    """
+
+    channel: str
+    group: str
+    runs: tuple[str, ...]
+    gain: float
+    offset: float
+    log_odds: float
+    instead: float
+    rival: bool = False
+
+    def __str__(self) -> str:
+        who = f"{self.channel} {self.group} ({counted(len(self.runs), 'run')})"
+        if self.rival:
+            return f"an error of {who} would explain as much"
+        size, side = 100.0 * abs(self.gain), "more" if self.gain > 0.0 else "less"
+        return (
+            f"{who} disagrees with the others ({odds(self.log_odds)}): "
+            f"it reads {size:.1f} % {side}, offset {100.0 * self.offset:+.1f} % of the rms force"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
 class Nearest:
     """The set of effects that comes nearest to something that is not in the catalogue.
 
@@ -289,6 +319,9 @@ class Diagnosis(Described):
         Effects that one run alone decides.
     nearest : Nearest, optional
         What comes nearest where something is unexplained (captive tests).
+    disagreements : tuple of Disagreement
+        Groups of runs that disagree with the others beside the answer, or explain as much in its
+        place (captive tests).
     """
 
     verdict: Verdict
@@ -308,6 +341,7 @@ class Diagnosis(Described):
     notes: tuple[str, ...] = ()
     suspected: tuple[SuspectRun, ...] = ()
     nearest: Nearest | None = None
+    disagreements: tuple[Disagreement, ...] = ()
 
     @property
     def best(self) -> tuple[str, ...]:
@@ -460,6 +494,7 @@ class Diagnosis(Described):
                 for item in self.suspected
             ],
             "nearest": None if self.nearest is None else asdict(self.nearest),
+            "disagreements": [asdict(item) for item in self.disagreements],
             "findings": [item.to_dict() for item in self.findings],
             "not_testable": [
                 {"effect": item.name, "why": item.why, "size_that_could_hide": finite(item.hides)}

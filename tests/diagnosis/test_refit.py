@@ -8,6 +8,7 @@ from hidden_effects import hidden_campaign
 
 import pmmkit as pk
 from pmmkit.diagnosis.captive.least_squares import joint_fit
+from pmmkit.diagnosis.captive.verdict import about
 from pmmkit.diagnosis.refit import put_back, stepped
 from pmmkit.models import Step
 from tests.support.uncoupled import uncoupled
@@ -94,7 +95,7 @@ def test_an_effect_that_is_a_part_is_as_uncertain_as_its_fit_says():
     session = pk.begin(uncoupled(), hidden_campaign("small", {"crossflow_drag": 1.0}, seed=1))
     session = session.add("crossflow_drag")
     tests = session.evidence
-    fit = joint_fit(tests.system, tests.blocks(("crossflow_drag",)), floor=tests.floor)
+    fit = joint_fit(*about(tests.system, ("crossflow_drag",)), floor=tests.floor)
     made = session.model()
     names = made.covariance_names
     own = ["crossflow_drag: CD", "Yvvv", "Nvvv", "Nv"]

@@ -173,9 +173,9 @@ def flags(
     system: System,
     blocks: Sequence[CandidateColumns],
     given: Sequence[CandidateColumns] = (),
-    refused: Sequence[RefusedEffect] = (),
+    more: Sequence[str] = (),
 ) -> tuple[str, ...]:
-    """Reasons to think that something else is left beside an answer."""
+    """Reasons to think that something else is left beside an answer, with `more` of them."""
     known, reasons = condition_on(system, given), []
     if remainder(known, blocks) > SMOOTH:
         reasons.append("something smooth in the motion is left")
@@ -185,7 +185,7 @@ def flags(
     if len(blocks) >= MANY:
         reasons.append(f"{len(blocks)} effects are needed at once")
     reasons += [f"{name} {MAY_ERR}" for name in _lesser_kin(known, blocks)]
-    reasons += [str(item) for item in refused]
+    reasons += more
     return ("not_the_whole_story", *reasons) if reasons else ()
 
 

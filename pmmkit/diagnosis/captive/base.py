@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import accumulate, pairwise
 from types import MappingProxyType
@@ -13,7 +13,7 @@ import numpy as np
 
 from pmmkit.campaigns import Run
 from pmmkit.conventions import Convention, Ship, Water
-from pmmkit.effects import Regressors, State
+from pmmkit.effects import BY_SPEED, Regressors, State
 from pmmkit.numerics import Array
 from pmmkit.reduction import View
 
@@ -92,6 +92,8 @@ MOTION: Final[Mapping[str, Callable[[ViewSequence], Array]]] = MappingProxyType(
 
 Forces = dict[str, Array]
 """Histories (n,) or (n, q), or their harmonics, by channel."""
+Acting = Callable[[Sequence[View], "CaptiveBase"], Sequence[Mapping[str, Array]]]
+"""Harmonics (m, q) of an effect in each view, by channel, at a value of its nonlinear parameter."""
 LARGE: Final = (0.3, 0.8)
 """Sway over speed, and yaw rate r', from which terms of high order are looked for."""
 
@@ -101,7 +103,10 @@ class CaptiveBase:
     """Derivatives with their meaning and values.
 
     `convention`: what the derivatives mean. `reference`: speed [m/s] at which F =
-    (U/reference)² - 1 is zero.
+    (U/reference)² - 1 is zero. `added`: derivatives of effects that act beside them, those with
+    the mark of the speed times F. `beside`: effects that are no derivatives, each with what a
+    unit of its coefficients does in views, and these coefficients (q,). A fault of the motion
+    changes the force of all of them.
     """
 
     names: Mapping[str, tuple[str, ...]]
@@ -110,6 +115,13 @@ class CaptiveBase:
     water: Water
     convention: Convention
     reference: float
+    added: Mapping[str, float] = field(default_factory=dict)
+    beside: tuple[tuple[Acting, Array], ...] = ()
+
+    @property
+    def stands_alone(self) -> bool:
+        """Whether nothing acts beside its derivatives."""
+        return not self.added and not self.beside
 
     def columns(self, names: Sequence[str], motion: State, speed: float | Array) -> Array:
         """What derivatives multiply along a motion [N, N m], (n, len(names))."""
@@ -123,14 +135,26 @@ class CaptiveBase:
         ).columns
 
     def forces(self, motion: State, speed: float) -> Forces:
-        """Predicted forces of the water along a motion [N, N m]."""
-        every = [name for names in self.names.values() for name in names]
-        columns = self.columns(every, motion, speed) * [self.values[name] for name in every]
-        edges = np.cumsum([0, *map(len, self.names.values())]).tolist()
+        """Predicted forces of the water along a motion [N, N m], of what are derivatives."""
+        acting = self._acting(speed)
+        columns = self.columns([*acting], motion, speed) * [*acting.values()]
+        edges = [0, *accumulate(sum(x[0] == channel for x in acting) for channel in self.names)]
         return {
             channel: columns[:, begin:end].sum(axis=1)
             for channel, (begin, end) in zip(self.names, pairwise(edges), strict=True)
         }
+
+    def _acting(self, speed: float) -> dict[str, float]:
+        """All derivatives at a speed, channel by channel."""
+        acting: dict[str, float] = {}
+        for channel, names in self.names.items():
+            acting |= {name: self.values[name] for name in names}
+            for marked, value in self.added.items():
+                if marked[0] == channel:
+                    name = marked.removesuffix(BY_SPEED)
+                    share = value if name == marked else value * self.law(speed)
+                    acting[name] = acting.get(name, 0.0) + share
+        return acting
 
     def expected(self, view: View) -> Forces:
         """All harmonics of the forces that are predicted in a view."""
@@ -157,7 +181,19 @@ class CaptiveBase:
 
     def along(self, view: View, motion: State, speed: float) -> Forces:
         """All harmonics of the forces that are predicted if the model went otherwise in a view."""
-        return {name: view.harmonics(x) for name, x in self.forces(motion, speed).items()}
+        found = {name: view.harmonics(x) for name, x in self.forces(motion, speed).items()}
+        if not self.beside:
+            return found
+        run = view.run
+        if speed != view.speed:
+            run = replace(run, settings=replace(run.settings, speed=speed))
+        whole = view.projection if view.every is None else view.every
+        moved = replace(view, run=run, motion=motion, projection=whole, every=None, kept=None)
+        bare = replace(self, beside=())
+        for along, sizes in self.beside:
+            for name, columns in along([moved], bare)[0].items():
+                found[name] = found[name] + columns @ sizes
+        return found
 
     def excited(self, views: Sequence[View]) -> frozenset[str]:
         """What runs hold, in the words of `Effect.EXCITES`."""

@@ -58,16 +58,15 @@ def build(
     floor: float = FLOOR,
     scatter: Mapping[str, Array] | None = None,
 ) -> System:
-    """The system of a campaign.
+    """The system of a campaign, about its base and what stands beside that.
 
     scatter (4,).
     """
     channels = channels_of(views, base)
-    base = fitted(base, channels, views)
+    if base.stands_alone:
+        base = fitted(base, channels, views)
     views = [replace(view, expected=base.predicted(view)) for view in views]
-    predicted = {
-        c.name: c.design @ [base.values[name] for name in base.names[c.name]] for c in channels
-    }
+    predicted = {c.name: predicted_rows(c, views, base) for c in channels}
     for_all = [item for item in candidates if not item.each_run]
     for_each = [item for item in candidates if item.each_run]
     raw = _raw(for_all, channels, views, base)
@@ -234,6 +233,15 @@ def fitted(base: CaptiveBase, channels: Sequence[Channel], views: Sequence[View]
         )
         values |= dict(zip(base.names[c.name], solution.tolist(), strict=True))
     return replace(base, values=values)
+
+
+def predicted_rows(c: Channel, views: Sequence[View], base: CaptiveBase) -> Array:
+    """What a base, and all that acts beside it, predicts of the rows of a channel (n,)."""
+    found: Array = c.design @ [base.values[name] for name in base.names[c.name]]
+    if not base.stands_alone:
+        for i, rows in zip(c.views, c.rows, strict=True):
+            found[rows] = views[i].pick(views[i].expected[c.name])
+    return found
 
 
 def prior_sizes(candidate: Candidate) -> Array:

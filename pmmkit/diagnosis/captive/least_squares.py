@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.base import CaptiveBase
-from pmmkit.diagnosis.captive.build import prior_sizes
+from pmmkit.diagnosis.captive.build import build, predicted_rows, prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.system import (
     CandidateColumns,
@@ -114,7 +114,7 @@ def effect_columns(system: System, block: CandidateColumns) -> Mapping[str, Arra
             c,
             system.views,
             base,
-            c.design @ [base.values[name] for name in base.names[c.name]],
+            predicted_rows(c, system.views, base),
         ).dense()
         for c in system.channels
     }
@@ -316,3 +316,38 @@ def _misfit(stack: Stack) -> float:
     left = stack.white[:, -1] - stack.white[:, :-1] @ fit.solution
     away = fit.solution[stack.begin :] - stack.centre
     return float(left @ left + away @ away)
+
+
+def linearised(system: System, effects: Sequence[CandidateColumns]) -> System:
+    """A system whose candidates act on the base with some effects, at the values of a joint fit.
+
+    What a fault of the motion or of the balance changes is the force of the whole ship, so of all
+    that is known of her: one round of Gauss and Newton.
+    """
+    fit = joint_fit(system, effects, floor=system.floor)
+    known = dict(zip(fit.names, np.nan_to_num(fit.values).tolist(), strict=True))
+    added: dict[str, float] = {}
+    beside = []
+    for block in effects:
+        c = block.candidate
+        if c.kind == "fault" or c.each_run:
+            continue
+        sizes = [known[label] for label in labels(c)]
+        for shares, size in zip(c.terms, sizes, strict=False):
+            for name, share in shares.items():
+                added[name] = added.get(name, 0.0) + share * size
+        if not c.terms:
+            beside.append((partial(c.along, value=block.value), np.array(sizes)))
+    base = replace(
+        system.base,
+        values={name: known.get(name, value) for name, value in system.base.values.items()},
+        added=added,
+        beside=tuple(beside),
+    )
+    forms = {(block.candidate.name, block.candidate.size) for block in system.blocks}
+    every = {x.candidate.name: x.candidate for x in system.blocks if not x.candidate.partial}
+    made = build(
+        system.views, base, list(every.values()), floor=system.floor, scatter=system.scatter
+    )
+    kept = [x for x in made.blocks if (x.candidate.name, x.candidate.size) in forms]
+    return replace(made, blocks=tuple(kept), unasked=system.unasked)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -12,7 +12,9 @@ from threadpoolctl import threadpool_limits
 
 from pmmkit.diagnosis.captive.adequacy import LEAST, blocks_of, chosen, flags, refused
 from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.disagreement import telling
 from pmmkit.diagnosis.captive.evidence import (
+    Sets,
     best_blocks,
     columns_at,
     condition_on,
@@ -28,11 +30,20 @@ from pmmkit.diagnosis.captive.least_squares import (
     effect_columns,
     joint_fit,
     labels,
+    linearised,
     refined,
 )
 from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
 from pmmkit.diagnosis.captive.whitening import Places
-from pmmkit.diagnosis.evidence import ROUNDING, SHOWS, RankedSet, Visible, could_hide, mimics
+from pmmkit.diagnosis.evidence import (
+    RIVALS,
+    ROUNDING,
+    SHOWS,
+    RankedSet,
+    Visible,
+    could_hide,
+    mimics,
+)
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, SuspectRun, Verdict
 from pmmkit.effects import BY_SPEED, Effect
 from pmmkit.inference import Normal
@@ -237,30 +248,106 @@ def _losses(
 CHANCE: Final = 0.01
 """A best effect that chance alone gives more often than this is no finding; nor is a set whose
 errors of left-out conditions noise gives less often."""
+ROUNDS: Final = 2
+"""So often sets are ranked anew, at most, about what the last ranking names."""
 ABOVE: Final = "errors of left-out conditions stay above noise"
-RIVALS: Final = math.log(20.0)
-"""Sets within these odds of the best cannot be told from it (docs/theory/evidence.md)."""
 
 
 def answer(system: System, given: Sequence[str] = (), *, floor: float, seed: int = 0) -> Diagnosis:
     """Ask a system which effects the base lacks."""
+    return told(ranked(system, given, seed), given, floor=floor)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RankedSets:
+    """The sets of effects of a system, and the best of which every effect is needed.
+
+    `beside`: the system beside what is given, whose columns are `used`; `known` are those at the
+    best grid points. `chance`: how often noise alone gives so much evidence.
+    """
+
+    system: System
+    beside: System
+    used: tuple[CandidateColumns, ...]
+    known: tuple[CandidateColumns, ...]
+    sets: Sets
+    entries: Sequence[RankedSet]
+    chance: float
+    best: RankedSet | None
+
+    @classmethod
+    def of(cls, system: System, given: Sequence[str], seed: int) -> RankedSets:
+        """Of a system as it stands."""
+        beside, used, known = taken_as_given(system, given)
+        sets = sets_of(beside)
+        entries = ranked_sets(sets)
+        singles = [item for item in entries if len(item.names) == 1]
+        chance = gate(beside, max(item.log_evidence for item in singles), seed=seed)
+        return cls(
+            system=system,
+            beside=beside,
+            used=used,
+            known=known,
+            sets=sets,
+            entries=entries,
+            chance=chance,
+            best=chosen(system, entries, used) if chance < CHANCE else None,
+        )
+
+    @property
+    def together(self) -> list[CandidateColumns]:
+        """What is given, and the best set, needed or not, where chance does not give it."""
+        if self.chance >= CHANCE:
+            return list(self.known)
+        return [*self.known, *blocks_of(self.beside, self.best or self.entries[0])]
+
+
+def ranked(system: System, given: Sequence[str], seed: int) -> RankedSets:
+    """Sets about the model of the moment: the base, what is given, and what the best set names,
+    until that stays."""
     with threadpool_limits(1):
-        return _answered(system, tuple(given), floor, seed)
+        system, known = about(system, given)
+        acting = _acting(known)
+        ranking = RankedSets.of(system, given, seed)
+        for _ in range(ROUNDS):
+            if _acting(ranking.together) == acting:
+                break
+            acting = _acting(ranking.together)
+            system = linearised(system, refined(system, ranking.together))
+            ranking = RankedSets.of(system, given, seed)
+        return ranking
 
 
-def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -> Diagnosis:
-    beside, used, known = taken_as_given(system, given)
-    sets = sets_of(beside)
-    entries = ranked_sets(sets)
+def _acting(effects: Sequence[CandidateColumns]) -> frozenset[str]:
+    """Effects of the ship and the water, on whose force faults act."""
+    return frozenset(x.candidate.name for x in effects if x.candidate.kind == "physics")
+
+
+def about(system: System, names: Sequence[str]) -> tuple[System, tuple[CandidateColumns, ...]]:
+    """A system about its base with some effects, and these, nonlinear parameters off the grid."""
+    known = refined(system, taken_as_given(system, names)[-1])
+    if not _acting(known):
+        return system, known
+    system = linearised(system, known)
+    return system, refined(system, taken_as_given(system, names)[-1])
+
+
+def told(ranking: RankedSets, given: Sequence[str], *, floor: float) -> Diagnosis:
+    """What a ranking says: a verdict, and the effects with their rivals."""
+    with threadpool_limits(1):
+        return _told(ranking, tuple(given), floor)
+
+
+def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosis:
+    system, beside, used, known = ranking.system, ranking.beside, ranking.used, ranking.known
+    sets, entries, chance, best = ranking.sets, ranking.entries, ranking.chance, ranking.best
     covered = coverage(beside)
-    singles = [item for item in entries if len(item.names) == 1]
-    chance = gate(beside, max(item.log_evidence for item in singles), seed=seed)
-    best = chosen(system, entries, used) if chance < CHANCE else None
     blocks = blocks_of(beside, best) if best else []
     first = entries[0] if chance < CHANCE and entries[0].log_evidence > LEAST else None
     left = refused(system, sets, first, blocks, used) if first else ()
     hanging = tuple(item for item in left if item.run)
-    doubts = flags(system, blocks, used, left)
+    apart = telling(system, used, blocks, best.log_evidence if best else math.inf)
+    doubts = flags(system, blocks, used, (*map(str, left), *map(str, apart)))
     nearest: Nearest | None = None
     findings: tuple[Finding, ...] = ()
     verdict: Verdict = "unexplained" if doubts else "noise"
@@ -300,7 +387,20 @@ def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -
             for item in hanging
         ),
         nearest=nearest,
+        disagreements=apart,
     )
+
+
+def _about(
+    system: System, given: Sequence[str], blocks: Sequence[CandidateColumns]
+) -> tuple[System, tuple[str, ...]]:
+    """A system about the base with what it is given and the effects of a set; and which of them
+    act on the ship."""
+    whole = [*taken_as_given(system, given)[-1], *blocks] if given else list(blocks)
+    names = tuple(sorted(x.candidate.name for x in whole if x.candidate.kind == "physics"))
+    if not names:
+        return system, ()
+    return linearised(system, refined(system, whole)), names
 
 
 def _leads_on(system: System, named: Sequence[str]) -> bool:

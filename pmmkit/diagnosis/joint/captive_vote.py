@@ -12,11 +12,11 @@ from pmmkit.base import ModelError, TableError
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
-from pmmkit.diagnosis.captive.evidence import Sets, sets_of
+from pmmkit.diagnosis.captive.evidence import Sets
 from pmmkit.diagnosis.captive.least_squares import JointFit, joint_fit, labels, refined
 from pmmkit.diagnosis.captive.refit import in_convention, refitted
 from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
-from pmmkit.diagnosis.captive.verdict import answer, taken_as_given
+from pmmkit.diagnosis.captive.verdict import ranked, told
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues
@@ -300,16 +300,15 @@ def vote_of_tests(
     seed: int = 0,
 ) -> CaptiveVote:
     """Diagnose a system of captive tests and keep what more sets need."""
-    diagnosis = answer(system, tuple(given), floor=system.floor, seed=seed)
-    beside, _, blocks = taken_as_given(system, given)
+    ranking = ranked(system, given, seed)
     return CaptiveVote(
         name=name,
         campaign=campaign,
         model=model,
-        diagnosis=diagnosis,
-        system=system,
-        given=blocks,
-        sets=sets_of(beside),
-        faults=[(), *fault_sets(diagnosis.entries, FAULTS)],
+        diagnosis=told(ranking, given, floor=system.floor),
+        system=ranking.system,
+        given=ranking.known,
+        sets=ranking.sets,
+        faults=[(), *fault_sets(ranking.entries, FAULTS)],
         own=tuple(own),
     )

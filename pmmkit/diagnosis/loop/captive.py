@@ -23,14 +23,13 @@ from pmmkit.diagnosis.captive.least_squares import (
     JointFit,
     Stack,
     joint_fit,
-    refined,
     sizes_of,
     solved,
     stacked,
 )
 from pmmkit.diagnosis.captive.refit import froude_numbers, places_of, refitted
 from pmmkit.diagnosis.captive.system import CandidateColumns, System
-from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
+from pmmkit.diagnosis.captive.verdict import about, answer, coefficients_of, taken_as_given
 from pmmkit.diagnosis.evidence import RankedSet, Visible
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.joint.result import Together
@@ -230,22 +229,14 @@ class CaptiveTests:
         return {block.candidate.name: block.candidate.kind for block in self.system.blocks}
 
     @cached_property
-    def blocks(self) -> Callable[[tuple[str, ...]], tuple[CandidateColumns, ...]]:
-        """The effects of the base at the values of their nonlinear parameters, by their names."""
-        return cache(lambda given: refined(self.system, taken_as_given(self.system, given)[-1]))
+    def _about(self) -> Callable[[tuple[str, ...]], tuple[System, tuple[CandidateColumns, ...]]]:
+        """The system about its base with some effects, and these, each set of names once."""
+        return cache(lambda names: about(self.system, names))
 
     @cached_property
-    def _left_out(self) -> Callable[[Sequence[CandidateColumns]], HeldOut]:
-        """Errors of what is left out with some blocks, each set of them once."""
-        known: dict[tuple[tuple[str, float, int], ...], HeldOut] = {}
-
-        def found(blocks: Sequence[CandidateColumns]) -> HeldOut:
-            key = tuple((x.candidate.name, x.value, x.columns.start) for x in blocks)
-            if key not in known:
-                known[key] = held_out(self.system, blocks)
-            return known[key]
-
-        return found
+    def _left_out(self) -> Callable[[tuple[str, ...]], HeldOut]:
+        """Errors of what is left out with some effects, each set of them once."""
+        return cache(lambda names: held_out(*self._about(names)))
 
     def named(self, effect: str, campaign: str) -> str:
         """Nothing: there is one campaign alone."""
@@ -275,10 +266,10 @@ class CaptiveTests:
 
     def fall(self, steps: Sequence[Step]) -> Fall:
         """Held-out errors of the base and after each step."""
-        blocks = self._with(steps)
+        named = self._names(steps)
         first = len(self.begun)
         names = (BASE, *(step.effect for step in steps))
-        found = [self._left_out(blocks[: first + number]) for number in range(len(names))]
+        found = [self._left_out(named[: first + number]) for number in range(len(names))]
         rows = [
             row
             for name, before, after in zip(names, [None, *found], found, strict=False)
@@ -319,7 +310,7 @@ class CaptiveTests:
         """The model with base and effects fitted together, and with a step per effect."""
         source, fit, ship, notes = self._sailing(self._names(steps))
         made = ship.with_(notes=tuple(dict.fromkeys((*ship.notes, *notes))))
-        blocks = self._with(steps)
+        _, blocks = self._about(self._names(steps))
         plain = Step(
             action="fitted",
             campaign=self.campaign.title or self.campaign.ship.name,
@@ -356,13 +347,10 @@ class CaptiveTests:
                 f"The base {self.source!r} is a list of derivatives. Begin with a model: reduce "
                 f"the campaign first, then take its model.toml."
             )
-        blocks = self.blocks(effects)
-        fit = joint_fit(self.system, blocks, floor=self.floor)
-        ship, notes = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
+        system, blocks = self._about(effects)
+        fit = joint_fit(system, blocks, floor=self.floor)
+        ship, notes = refitted(self.source, fit, blocks, system.base, self.campaign, self.own)
         return self.source, fit, ship, notes
-
-    def _with(self, steps: Sequence[Step]) -> tuple[CandidateColumns, ...]:
-        return self.blocks(self._names(steps))
 
     def _names(self, steps: Sequence[Step]) -> tuple[str, ...]:
         return (*self.begun, *(step.effect for step in steps))

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.base import CaptiveBase
-from pmmkit.diagnosis.captive.build import prior_sizes
+from pmmkit.diagnosis.captive.build import predicted_rows, prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.system import (
     FEATURES,
@@ -94,9 +94,7 @@ def rows_of(
     ]
     of_run: dict[str, dict[str, Array]] = {view.run.id: {} for view in views}
     null, prior = {}, {}
-    predicted = {
-        c.name: c.design @ [base.values[name] for name in base.names[c.name]] for c in channels
-    }
+    predicted = {c.name: predicted_rows(c, views, base) for c in channels}
     own = run_columns(channels, views, base, predicted)
     for c in channels:
         p = c.design.shape[1]

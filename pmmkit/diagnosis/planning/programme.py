@@ -16,8 +16,7 @@ from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.system import FEATURES
-from pmmkit.diagnosis.captive.verdict import RIVALS
-from pmmkit.diagnosis.evidence import SHOWS, could_hide
+from pmmkit.diagnosis.evidence import RIVALS, SHOWS, could_hide
 from pmmkit.diagnosis.planning.ground import Asked, Ground, ground_of
 from pmmkit.diagnosis.planning.information import Reduced, RunInformation, known
 from pmmkit.diagnosis.planning.options import Limits, Option

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.verdict import RIVALS
-from pmmkit.diagnosis.evidence import SHOWS
+from pmmkit.diagnosis.evidence import RIVALS, SHOWS
 from pmmkit.diagnosis.planning.options import Option
 from pmmkit.diagnosis.planning.plan_file import entries_text
 from pmmkit.diagnosis.planning.separation import Likely, expected_odds

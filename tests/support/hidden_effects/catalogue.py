@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .hull import TRUTH, Force, add, along, hull_force, one_pole, prime, stations, times
+from .hull import TRUTH, Force, add, along, one_pole, prime, stations, times
 from .motion import Array, Motion, Rig, motion_of
 from .sizes import SHIP, SIZES
 
@@ -131,8 +131,9 @@ RIG_EFFECTS = (
 )
 
 
-def rig_change(m: Motion, effects: dict[str, float]) -> Force:
-    """Faults of the motion to first order, rows 25, 40, 48, 51 and 52.
+def rig_change(m: Motion, effects: dict[str, float], force: Callable[[Motion], Force]) -> Force:
+    """Faults of the motion to first order in the force of the whole ship, rows 25, 40, 48, 51 and
+    52.
 
     The amplitude fault is one of the sway motion alone (row 51), that of the phase a sway
     v = (U φ/ω) r in yaw tests (row 52); the others are the tangent of the exact motion.
@@ -154,5 +155,5 @@ def rig_change(m: Motion, effects: dict[str, float]) -> Force:
             other = replace(m, v=m.v + turn * m.r, vdot=m.vdot + turn * m.rdot)
         else:
             other = motion_of(m.plan, m.t, rig_of({name: 1.0}))
-        changes.append(times(size, along(hull_force, m, other)))
+        changes.append(times(size, along(force, m, other)))
     return add(*changes)

@@ -167,10 +167,14 @@ def water_force(m: Motion, effects: Mapping[str, float], truth: Truth) -> Force:
     """Force of the water with all hidden physics, and the catalogue's faults of motion."""
     forms = {**(sources.FORCES if truth == "foreign" else catalogue.FORCES), **outside.FORCES}
     forms |= beyond.FORCES
-    parts = [times(size, forms[name](m)) for name, size in effects.items() if name in forms]
-    if truth == "catalogue":
-        parts.append(catalogue.rig_change(m, dict(effects)))
-    return add(hull_force(m), *parts)
+
+    def force(m: Motion) -> Force:
+        parts = [times(size, forms[name](m)) for name, size in effects.items() if name in forms]
+        return add(hull_force(m), *parts)
+
+    if truth == "foreign":
+        return force(m)
+    return add(force(m), catalogue.rig_change(m, dict(effects), force))
 
 
 def _sample(
