@@ -131,7 +131,7 @@ def fit_to_forces(
 
     Examples
     --------
-    >>> from pmmkit.simulation import prepare
+    >>> from pmmkit.equations import prepare
     >>> from pmmkit.models import load_model
     >>> ship = load_model("s175-3dof")
     >>> motion = {"u": np.full(5, 9.0), "v": np.linspace(-1.0, 1.0, 5), "n": np.full(5, 1.4)}

@@ -160,7 +160,7 @@ def test_one_bad_run_is_not_named():
     assert chosen(system, entries) is None
     left = refused(system, sets, entries[0], [])
     assert {item.run for item in left} == {"DR_1.5_6_20"}
-    assert "DR_1.5_6_20 alone: repeat it" in "".join(flags(system, [], refused=left))
+    assert "DR_1.5_6_20 alone: repeat it" in "".join(flags(system, [], more=tuple(map(str, left))))
     listed = {item.name: item for item in coverage(system)}
     assert "DR_1.5_6_20" in listed["rudder_cross_terms"].why
 

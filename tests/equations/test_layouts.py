@@ -40,7 +40,7 @@ DISTURBED = {
     "EventField": turned(4),
     **{name: turned(-1) for name in (*REORDERED, "End", "Ask", "OverGround")},
 }
-file = Path(find_spec("pmmkit").origin).parent / "simulation" / "equations" / "layouts.py"
+file = Path(find_spec("pmmkit").origin).parent / "equations" / "layouts.py"
 tree = ast.parse(file.read_text(encoding="utf-8"))
 for node in tree.body:
     if isinstance(node, ast.Assign) and node.targets[0].id in DISTURBED:

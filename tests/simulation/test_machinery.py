@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -226,9 +226,8 @@ def test_a_verdict_by_assumptions_is_settled_where_nearly_all_of_them_agree(monk
     low, high = many.interval("track_reach_L")
     found = []
     for limit in (high, 0.5 * (low + high), low):
-        monkeypatch.setattr(
-            judged, "criteria", lambda limit=limit: ((metric, replace(item, limit=limit)),)
-        )
+        moved = SimpleNamespace(criteria=((metric, replace(item, limit=limit)),))
+        monkeypatch.setattr(judged, "METRICS", moved)
         found.append(pk.imo_verdicts("s175-3dof", 9.0, n=200)[-1])
     assert [verdict.passed for verdict in found] == [True, None, False]
     assert [verdict.settled for verdict in found] == [True, False, True]

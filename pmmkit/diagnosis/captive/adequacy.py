@@ -100,7 +100,9 @@ NEEDED: Final = 3.0
 KIN: Final = 0.25
 """Share of the gain of another of its family below which an effect may be an error of its form."""
 LEAST: Final = 1.0
-"""Least ln evidence of a finding, `PRICE` taken off."""
+"""Least ln evidence of a finding, `PRICE` taken off, without its best run too. With the price alone
+two more of 84 effects at .3 of the usual size are named, but the fifth step of the S175 programme
+is a misalignment that she has not."""
 MAY_ERR: Final = "may stand for an error of form of the others"
 LOOKED_AT: Final = 80
 """Oscillating runs that are looked at for a lack of fit."""

@@ -250,6 +250,10 @@ CHANCE: Final = 0.01
 errors of left-out conditions noise gives less often."""
 ROUNDS: Final = 2
 """So often sets are ranked anew, at most, about what the last ranking names."""
+FALLS: Final = 0.001
+"""Share by which the error of left-out conditions falls with an effect that tells something of
+others. Of 66 names at .3 of the usual size it falls by .5 % and more with 64, all right; with the
+two others, a transient and a late clock, it does not fall."""
 ABOVE: Final = "errors of left-out conditions stay above noise"
 
 
@@ -306,8 +310,10 @@ def ranked(system: System, given: Sequence[str], seed: int) -> RankedSets:
     """Sets about the model of the moment: the base, what is given, and what the best set names,
     until that stays."""
     with threadpool_limits(1):
-        system, known = about(system, given)
+        known = refined(system, taken_as_given(system, given)[-1])
         acting = _acting(known)
+        if acting:
+            system = linearised(system, known)
         ranking = RankedSets.of(system, given, seed)
         for _ in range(ROUNDS):
             if _acting(ranking.together) == acting:
@@ -324,9 +330,10 @@ def _acting(effects: Sequence[CandidateColumns]) -> frozenset[str]:
 
 
 def about(system: System, names: Sequence[str]) -> tuple[System, tuple[CandidateColumns, ...]]:
-    """A system about its base with some effects, and these, nonlinear parameters off the grid."""
+    """A system about its base with some effects, where faults among them act on the others; and
+    these, nonlinear parameters off the grid."""
     known = refined(system, taken_as_given(system, names)[-1])
-    if not _acting(known):
+    if len({block.candidate.kind for block in known}) < 2:
         return system, known
     system = linearised(system, known)
     return system, refined(system, taken_as_given(system, names)[-1])
@@ -360,6 +367,12 @@ def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosi
             findings = _findings(
                 system, sets.added(best), together, len(known), after, covered, floor
             )
+            still = [x.effect for x in findings if x.error_after > (1.0 - FALLS) * x.error_before]
+            if still:
+                doubts = (
+                    *(doubts or ("not_the_whole_story",)),
+                    f"the error of left-out conditions does not fall with {' and '.join(still)}",
+                )
         else:
             before = held_out(system, together[: len(known)], with_level=False)
             nearest = _nearest(best, before, after, misfit)
@@ -389,18 +402,6 @@ def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosi
         nearest=nearest,
         disagreements=apart,
     )
-
-
-def _about(
-    system: System, given: Sequence[str], blocks: Sequence[CandidateColumns]
-) -> tuple[System, tuple[str, ...]]:
-    """A system about the base with what it is given and the effects of a set; and which of them
-    act on the ship."""
-    whole = [*taken_as_given(system, given)[-1], *blocks] if given else list(blocks)
-    names = tuple(sorted(x.candidate.name for x in whole if x.candidate.kind == "physics"))
-    if not names:
-        return system, ()
-    return linearised(system, refined(system, whole)), names
 
 
 def _leads_on(system: System, named: Sequence[str]) -> bool:
@@ -500,12 +501,22 @@ def _findings(
             fit,
             visible[block.candidate.name],
             log_odds,
-            held_out(system, [item for item in together if item is not block], with_level=False),
+            _without(system, block, [item for item in together if item is not block]),
             after,
         )
         for block, log_odds in zip(together[given:], evidence, strict=True)
     ]
     return tuple(sorted(findings, key=lambda item: -item.error_before))
+
+
+def _without(
+    system: System, effect: CandidateColumns, others: Sequence[CandidateColumns]
+) -> HeldOut:
+    """Held-out errors without an effect: faults among the others act on what is left."""
+    if effect.candidate.kind == "physics" and any(x.candidate.kind == "fault" for x in others):
+        system = linearised(system, others)
+        others = [replace(x, made=None) for x in others]
+    return held_out(system, others, with_level=False)
 
 
 def _finding(

@@ -97,7 +97,7 @@ def sparse_regression(
 
     Examples
     --------
-    >>> from pmmkit.simulation import prepare
+    >>> from pmmkit.equations import prepare
     >>> from pmmkit.models import load_model
     >>> ship, rng = load_model("kvlcc2-l7"), np.random.default_rng(1)
     >>> ready = prepare(ship, 1.2)

@@ -54,6 +54,18 @@ def test_a_gauge_that_is_changed_in_the_day_is_told_with_its_runs():
 
 
 @pytest.mark.slow
+def test_a_name_that_tells_nothing_of_the_others_is_doubted():
+    """A transient is of each run: without it conditions are predicted as well."""
+    found = diagnose_captive(hidden_campaign("full", {"fault_transient": 0.3}, seed=9226), BASE)
+    (named,) = found.findings
+    assert named.error_after >= 0.999 * named.error_before
+    assert found.flags == (
+        "not_the_whole_story",
+        "the error of left-out conditions does not fall with fault_transient",
+    )
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [31, 32, 33])
 def test_runs_that_agree_say_nothing(seed):
     found = diagnose_captive(hidden_campaign("full", seed=seed), BASE)
