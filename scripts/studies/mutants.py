@@ -54,7 +54,7 @@ MODULES = (
     "pmmkit/diagnosis/captive/evidence.py",
     "pmmkit/intake/checks/inertia.py",
     "pmmkit/campaigns/motion/kinematics.py",
-    "pmmkit/simulation/run.py",
+    "pmmkit/equations/run.py",
 )
 WARM = ("scipy.optimize", "scipy.linalg", "scipy.stats", "pandas", "xarray", "numba", "h5py")
 SWAPPED: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
