@@ -11,6 +11,7 @@ import pmmkit
 from pmmkit import testing
 from pmmkit.effects import Effect
 from scripts.documentation import rooms
+from scripts.studies import mutants
 
 ROOT = Path(__file__).parents[2]
 PLAN = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
@@ -42,6 +43,10 @@ def test_tests_stand_in_folders_of_rooms():
     folders = {item.name for item in (ROOT / "tests").iterdir() if item.is_dir()}
     others = {"data", "house", "support", "__pycache__"}
     assert folders - others <= STANDING
+
+
+def test_the_modules_in_which_mistakes_are_made_on_purpose_are_there():
+    assert [module for module in mutants.MODULES if not (ROOT / module).is_file()] == []
 
 
 def test_the_plan_names_no_file_that_is_not_there():
