@@ -267,7 +267,8 @@ class RankedSets:
     """The sets of effects of a system, and the best of which every effect is needed.
 
     `beside`: the system beside what is given, whose columns are `used`; `known` are those at the
-    best grid points. `chance`: how often noise alone gives so much evidence.
+    best grid points. `chance`: how often noise alone gives so much evidence. `covered`: what the
+    runs could show beside what is given, before anything was ranked.
     """
 
     system: System
@@ -278,9 +279,12 @@ class RankedSets:
     entries: Sequence[RankedSet]
     chance: float
     best: RankedSet | None
+    covered: tuple[Visible, ...]
 
     @classmethod
-    def of(cls, system: System, given: Sequence[str], seed: int) -> RankedSets:
+    def of(
+        cls, system: System, given: Sequence[str], covered: tuple[Visible, ...], seed: int
+    ) -> RankedSets:
         """Of a system as it stands."""
         beside, used, known = taken_as_given(system, given)
         sets = sets_of(beside)
@@ -296,6 +300,7 @@ class RankedSets:
             entries=entries,
             chance=chance,
             best=chosen(system, entries, used) if chance < CHANCE else None,
+            covered=covered,
         )
 
     @property
@@ -310,17 +315,21 @@ def ranked(system: System, given: Sequence[str], seed: int) -> RankedSets:
     """Sets about the model of the moment: the base, what is given, and what the best set names,
     until that stays."""
     with threadpool_limits(1):
-        known = refined(system, taken_as_given(system, given)[-1])
+        # What the runs could show is asked about the base alone: beside a coefficient that has a
+        # prior, a gain that the base absorbs seems to be seen.
+        beside, _, blocks = taken_as_given(system, given)
+        covered = coverage(beside)
+        known = refined(system, blocks)
         acting = _acting(known)
         if acting:
             system = linearised(system, known)
-        ranking = RankedSets.of(system, given, seed)
+        ranking = RankedSets.of(system, given, covered, seed)
         for _ in range(ROUNDS):
             if _acting(ranking.together) == acting:
                 break
             acting = _acting(ranking.together)
             system = linearised(system, refined(system, ranking.together))
-            ranking = RankedSets.of(system, given, seed)
+            ranking = RankedSets.of(system, given, covered, seed)
         return ranking
 
 
@@ -348,7 +357,7 @@ def told(ranking: RankedSets, given: Sequence[str], *, floor: float) -> Diagnosi
 def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosis:
     system, beside, used, known = ranking.system, ranking.beside, ranking.used, ranking.known
     sets, entries, chance, best = ranking.sets, ranking.entries, ranking.chance, ranking.best
-    covered = coverage(beside)
+    covered = ranking.covered
     blocks = blocks_of(beside, best) if best else []
     first = entries[0] if chance < CHANCE and entries[0].log_evidence > LEAST else None
     left = refused(system, sets, first, blocks, used) if first else ()
