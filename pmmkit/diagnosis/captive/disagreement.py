@@ -109,11 +109,12 @@ def _of_channel(
     """The groups of one channel that have a force in it, beside what is given and beside all."""
     channel, views = piece.projection.channel, system.views
     drift = np.array([view.run.settings.drift for view in views])
+    steepest = float(np.max(np.abs(drift))) or 1.0
     offset = offset_column(channel, views, system.base)
     columns = np.column_stack([predicted_rows(channel, views, system.base), offset, offset])
     inside = {words: np.zeros(len(channel.y)) for words in groups}
     for i, rows in zip(channel.views, channel.rows, strict=True):
-        columns[rows, 2] *= drift[i] / (np.max(np.abs(drift)) or 1.0)
+        columns[rows, 2] *= drift[i] / steepest
         for words, ids in groups.items():
             inside[words][rows] = views[i].run.id in ids
     there = [words for words, rows in inside.items() if np.any(rows) and not np.all(rows)]
@@ -149,6 +150,6 @@ def _added(columns: Array, known: Normal, own: Array, data: Array) -> tuple[floa
             centre=np.concatenate([known.centre, np.zeros(len(score))]),
         )
         tried.append((float(both.log_evidence - known.log_evidence), size, both))
-    top, size, best = max(tried, key=lambda item: item[0])
-    mean = math.log(float(np.mean(np.exp([value - top for value, _, _ in tried]))))
-    return top + mean, size * best.posterior[0][-len(score) :]
+    _, size, best = max(tried, key=lambda item: item[0])
+    total = float(np.logaddexp.reduce([value for value, _, _ in tried]))
+    return total - math.log(len(SIZES)), size * best.posterior[0][-len(score) :]
