@@ -94,7 +94,7 @@ DAMAGE = {
 def test_a_damaged_entry_is_made_again(how, ending, tmp_path):
     place = tmp_path / "doubled.py"
     place.write_text("def doubled(x):\n    return 2 * x\n")
-    known = {}
+    known = {"__name__": __name__}  # numba looks the module of a kept function up
     exec(compile(place.read_text(), str(place), "exec"), known)
 
     def hits():
