@@ -1,10 +1,11 @@
 """What is said of truths that stand in no catalogue: campaigns of the virtual tank.
 
     python -m scripts.studies.beyond_catalogue [--seeds 6] [--first 7000] [--programme full]
-                                               [--noise standard] [--size 1]
+                                               [--noise standard] [--size 1] [--of beyond]
 
 Eight kinds of truth, unlike those of which `hidden_effects` counts the answers, are hidden one at a
-time; programmes, noise and base are those of that study. The only wrong answer is a name without
+time (twelve others with ``--of outside``, six that no rule was tried on with ``--of unseen``);
+programmes, noise and base are those of that study. The only wrong answer is a name without
 a flag: nobody adds an effect that is called the nearest relative of something else.
 
 unflagged : an effect is named, and nothing says that it is not the whole story.
@@ -38,10 +39,11 @@ def main() -> None:
     parser.add_argument("--programme", default="full", choices=("full", "middle", "small"))
     parser.add_argument("--noise", default="standard", choices=("standard", "hard", "double"))
     parser.add_argument("--size", type=float, default=1.0)
+    parser.add_argument("--of", default="beyond", choices=("beyond", "outside", "unseen"))
     o = parser.parse_args()
     print(f"{'':24}" + "".join(f"{word:>13}" for word in SAID) + "  best sets")
     every: Counter[str] = Counter()
-    for name in tank().BEYOND:
+    for name in getattr(tank(), o.of.upper()):
         answers = [
             diagnosed(Job(((name, o.size),), seed, o.programme, o.noise, "catalogue"))
             for seed in range(o.first, o.first + o.seeds)
@@ -49,7 +51,7 @@ def main() -> None:
         counts = Counter(said(answer) for answer in answers)
         best = Counter(" + ".join(answer.best) for answer in answers if answer.best)
         print(
-            f"{name.removeprefix('beyond_'):24}"
+            f"{name.removeprefix(f'{o.of}_'):24}"
             + "".join(f"{counts[word]:13}" for word in SAID)
             + "  "
             + ", ".join(f"{names} {count}" for names, count in best.most_common()),

@@ -45,6 +45,17 @@ def test_a_fault_beside_a_missing_coupling_is_named_without_doubt(fault, seed):
 
 
 @pytest.mark.slow
+def test_a_fault_alone_does_not_borrow_the_force_of_the_effect_that_is_found():
+    """A gain, or a moment about another point, is taken over by the base: alone it explains nothing
+    of what a coupling leaves, though it would act on the force of the coupling too."""
+    found = diagnose_captive(hidden_campaign("full", {COUPLING: 1.0}, seed=904), BASE)
+    assert [names for names, _ in found.group] == [(COUPLING,)]
+    alone = {item.names[0]: item.log_evidence for item in found.entries if len(item.names) == 1}
+    assert alone["fault_gauge_gain"] < 0.0
+    assert alone["fault_moment_point"] < 0.0
+
+
+@pytest.mark.slow
 def test_the_model_that_is_written_knows_how_far_the_model_was_turned():
     campaign = tank("fault_misalignment")
     session = pk.begin(uncoupled(), campaign).add(COUPLING).add("fault_misalignment")

@@ -20,6 +20,7 @@ from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.captive.system import MANY, CandidateColumns, System
 from pmmkit.diagnosis.captive.whitening import Piece, Places, RunEffectColumns
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
+from pmmkit.effects import is_fault
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 
@@ -220,13 +221,22 @@ class Sets:
 
     `system`: runs, base and candidates. `by_name`: each effect at its grid points, and in its
     forms. `near`: those that explain most, which stand in sets of several. `beside`: evidence
-    of each wide block, and the system beside it.
+    of each wide block, and the system beside it. `acting`: effects on whose force the faults of
+    this system act; `less`: the sets of the system where they do not.
     """
 
     system: System
     by_name: Mapping[str, list[CandidateColumns]]
     near: Mapping[str, list[CandidateColumns]]
     beside: Mapping[int, tuple[float, System]]
+    acting: frozenset[str] = frozenset()
+    less: Sets | None = None
+
+    def home(self, names: Sequence[str]) -> Sets:
+        """Where a set is asked: its faults act on the effects that it names and on no others."""
+        if self.less is None or self.acting.issubset(names) or not any(map(is_fault, names)):
+            return self
+        return self.less
 
     def value_of(self, blocks: Sequence[CandidateColumns]) -> float:
         """ln evidence of blocks; one with many columns is taken into account once for all sets."""
@@ -241,6 +251,8 @@ class Sets:
 
     def entry(self, names: Sequence[str]) -> RankedSet:
         """A set with its evidence, averaged over grids and forms."""
+        if (home := self.home(names)) is not self:
+            return home.entry(names)
         points = self.by_name if len(names) == 1 else self.near
         tried = [(self.value_of(blocks), blocks) for blocks in product(*(points[x] for x in names))]
         top, best = max(tried, key=lambda item: item[0])
@@ -268,7 +280,7 @@ def _at(system: System, blocks: Sequence[CandidateColumns]) -> float:
     return system.normal.only(np.concatenate([block.places for block in blocks])).log_evidence
 
 
-def sets_of(system: System) -> Sets:
+def sets_of(system: System, acting: frozenset[str] = frozenset(), less: Sets | None = None) -> Sets:
     """Sets that can be asked for."""
     by_name: dict[str, list[CandidateColumns]] = {}
     for block in system.blocks:
@@ -283,7 +295,7 @@ def sets_of(system: System) -> Sets:
         for block in own
         if wide(block)
     }
-    return Sets(system=system, by_name=by_name, near=near, beside=beside)
+    return Sets(system=system, by_name=by_name, near=near, beside=beside, acting=acting, less=less)
 
 
 def ranked_sets(sets: Sets, *, most: int = MOST) -> list[RankedSet]:

@@ -268,7 +268,8 @@ class RankedSets:
 
     `beside`: the system beside what is given, whose columns are `used`; `known` are those at the
     best grid points. `chance`: how often noise alone gives so much evidence. `covered`: what the
-    runs could show beside what is given, before anything was ranked.
+    runs could show beside what is given, before anything was ranked. `less`: the ranking before
+    faults acted on the best set.
     """
 
     system: System
@@ -280,17 +281,28 @@ class RankedSets:
     chance: float
     best: RankedSet | None
     covered: tuple[Visible, ...]
+    less: RankedSets | None = None
 
     @classmethod
     def of(
-        cls, system: System, given: Sequence[str], covered: tuple[Visible, ...], seed: int
+        cls,
+        system: System,
+        given: Sequence[str],
+        covered: tuple[Visible, ...],
+        seed: int,
+        acting: frozenset[str] = frozenset(),
+        less: RankedSets | None = None,
     ) -> RankedSets:
-        """Of a system as it stands."""
+        """Of a system as it stands, whose faults act on some effects beside what is given."""
         beside, used, known = taken_as_given(system, given)
-        sets = sets_of(beside)
+        sets = sets_of(beside, acting, less.sets if less else None)
         entries = ranked_sets(sets)
-        singles = [item for item in entries if len(item.names) == 1]
-        chance = gate(beside, max(item.log_evidence for item in singles), seed=seed)
+        if less:
+            chance = less.chance
+        else:
+            singles = [item.log_evidence for item in entries if len(item.names) == 1]
+            chance = gate(beside, max(singles), seed=seed)
+        own = _at_home(entries, sets)
         return cls(
             system=system,
             beside=beside,
@@ -299,16 +311,31 @@ class RankedSets:
             sets=sets,
             entries=entries,
             chance=chance,
-            best=chosen(system, entries, used) if chance < CHANCE else None,
+            best=chosen(system, own, used) if chance < CHANCE else None,
             covered=covered,
+            less=less,
         )
+
+    def home(self, names: Sequence[str]) -> RankedSets:
+        """The ranking in whose system a set is asked, and fitted."""
+        return self if self.less is None or self.sets.home(names) is self.sets else self.less
+
+    @property
+    def at_home(self) -> list[RankedSet]:
+        """The sets that are asked in this system, whose columns are theirs."""
+        return _at_home(self.entries, self.sets)
 
     @property
     def together(self) -> list[CandidateColumns]:
         """What is given, and the best set, needed or not, where chance does not give it."""
         if self.chance >= CHANCE:
             return list(self.known)
-        return [*self.known, *blocks_of(self.beside, self.best or self.entries[0])]
+        return [*self.known, *blocks_of(self.beside, self.best or self.at_home[0])]
+
+
+def _at_home(entries: Sequence[RankedSet], sets: Sets) -> list[RankedSet]:
+    """Entries whose columns are those of the system of these sets."""
+    return [item for item in entries if sets.home(item.names) is sets]
 
 
 def ranked(system: System, given: Sequence[str], seed: int) -> RankedSets:
@@ -320,16 +347,15 @@ def ranked(system: System, given: Sequence[str], seed: int) -> RankedSets:
         beside, _, blocks = taken_as_given(system, given)
         covered = coverage(beside)
         known = refined(system, blocks)
-        acting = _acting(known)
-        if acting:
+        if _acting(known):
             system = linearised(system, known)
-        ranking = RankedSets.of(system, given, covered, seed)
+        first = ranking = RankedSets.of(system, given, covered, seed)
         for _ in range(ROUNDS):
-            if _acting(ranking.together) == acting:
+            acting = _acting(ranking.together) - _acting(ranking.known)
+            if acting == ranking.sets.acting:
                 break
-            acting = _acting(ranking.together)
             system = linearised(system, refined(system, ranking.together))
-            ranking = RankedSets.of(system, given, covered, seed)
+            ranking = RankedSets.of(system, given, covered, seed, acting, first)
         return ranking
 
 
@@ -356,7 +382,7 @@ def told(ranking: RankedSets, given: Sequence[str], *, floor: float) -> Diagnosi
 
 def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosis:
     system, beside, used, known = ranking.system, ranking.beside, ranking.used, ranking.known
-    sets, entries, chance, best = ranking.sets, ranking.entries, ranking.chance, ranking.best
+    sets, entries, chance, best = ranking.sets, ranking.at_home, ranking.chance, ranking.best
     covered = ranking.covered
     blocks = blocks_of(beside, best) if best else []
     first = entries[0] if chance < CHANCE and entries[0].log_evidence > LEAST else None
@@ -395,12 +421,12 @@ def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosi
         nearest = _nearest(first, before, after, after.misfit)
     return Diagnosis(
         verdict=verdict,
-        group=_group(entries, best) if findings and best else (),
+        group=_group(ranking.entries, best) if findings and best else (),
         flags=doubts,
         findings=findings,
         chance=chance,
         covered=covered,
-        entries=tuple(entries),
+        entries=tuple(ranking.entries),
         floor=floor,
         base=system.base.values,
         given=given,

@@ -12,11 +12,10 @@ from pmmkit.base import ModelError, TableError
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
-from pmmkit.diagnosis.captive.evidence import Sets
 from pmmkit.diagnosis.captive.least_squares import JointFit, joint_fit, labels, refined
 from pmmkit.diagnosis.captive.refit import in_convention, refitted
 from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
-from pmmkit.diagnosis.captive.verdict import ranked, told
+from pmmkit.diagnosis.captive.verdict import RankedSets, ranked, told
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues
@@ -132,18 +131,16 @@ class Beside:
 class CaptiveVote:
     """Captive tests that have been diagnosed.
 
-    `model`: whose derivatives are the base. `diagnosis`: of these tests alone. `system`: runs,
-    base and candidates. `given`: the effects that the model has. `sets`: sets of the others
-    beside these. `faults`: none, and the best sets of faults. `own`: effects of the user.
+    `model`: whose derivatives are the base. `diagnosis`: of these tests alone. `ranking`: runs,
+    base and candidates, the effects that the model has, and sets of the others beside these.
+    `faults`: none, and the best sets of faults. `own`: effects of the user.
     """
 
     name: str
     campaign: Campaign
     model: Model
     diagnosis: Diagnosis
-    system: System
-    given: tuple[CandidateColumns, ...]
-    sets: Sets
+    ranking: RankedSets
     faults: list[Names]
     own: tuple[Effect, ...] = ()
 
@@ -164,7 +161,7 @@ class CaptiveVote:
 
     def promised(self, names: Names) -> Ballot:
         """A set of effects: all sets are one linear problem."""
-        mine = tuple(name for name in names if name in self.sets.by_name)
+        mine = tuple(name for name in names if name in self.ranking.sets.by_name)
         if not mine:
             return Ballot(log_evidence=0.0)
         paid = PRICE * len(mine)
@@ -229,7 +226,7 @@ class CaptiveVote:
 
     @property
     def _derivatives(self) -> frozenset[str]:
-        return frozenset(name for own in self.system.base.names.values() for name in own)
+        return frozenset(name for own in self.ranking.system.base.names.values() for name in own)
 
     def _converted(
         self, fit: JointFit, base: Sequence[int], along: Array | None
@@ -242,7 +239,9 @@ class CaptiveVote:
                 values=values,
                 covariance=fit.covariance[np.ix_(base, base)],
             )
-            return in_convention(own, self.system.base, self.campaign, self.model.convention)
+            return in_convention(
+                own, self.ranking.system.base, self.campaign, self.model.convention
+            )
 
         first = told(fit.values[base])
         changes = [] if along is None else [told(fit.values[base] + row) for row in along]
@@ -253,7 +252,7 @@ class CaptiveVote:
         """The model with a set, all fitted together; None if these tests excite too little."""
         blocks, fit = self._fitted(names, faults)
         try:
-            base = self.system.base
+            base = self.ranking.system.base
             return refitted(self.model, fit, blocks, base, self.campaign, self.own)[0]
         except (TableError, ModelError):
             return None
@@ -264,13 +263,14 @@ class CaptiveVote:
         return [*self.faults, *([found] if found not in self.faults else [])]
 
     def _evidence(self, names: Names) -> float:
-        return self.sets.entry(names).log_evidence if names else 0.0
+        return self.ranking.sets.entry(names).log_evidence if names else 0.0
 
     def _fitted(self, names: Names, faults: Names) -> tuple[tuple[CandidateColumns, ...], JointFit]:
-        mine = [name for name in (*names, *faults) if name in self.sets.by_name]
-        blocks = blocks_of(self.sets.system, self.sets.entry(mine)) if mine else []
-        together = refined(self.system, [*self.given, *blocks])
-        return together, joint_fit(self.system, together, floor=self.system.floor)
+        mine = [name for name in (*names, *faults) if name in self.ranking.sets.by_name]
+        home = self.ranking.home(mine)
+        blocks = blocks_of(home.beside, home.sets.entry(mine)) if mine else []
+        together = refined(home.system, [*home.known, *blocks])
+        return together, joint_fit(home.system, together, floor=home.system.floor)
 
 
 def captive_vote(
@@ -306,9 +306,7 @@ def vote_of_tests(
         campaign=campaign,
         model=model,
         diagnosis=told(ranking, given, floor=system.floor),
-        system=ranking.system,
-        given=ranking.known,
-        sets=ranking.sets,
+        ranking=ranking,
         faults=[(), *fault_sets(ranking.entries, FAULTS)],
         own=tuple(own),
     )

@@ -347,7 +347,7 @@ def joint_diagnosis(
         tell(f"{name}: captive tests")
         captives.append(captive_vote(name, model, tested, **captive))
     known, said = known_from(
-        model, [(x.name, x.system, partial(x.model_with, (), ())) for x in captives]
+        model, [(x.name, x.ranking.system, partial(x.model_with, (), ())) for x in captives]
     )
     notes += said
     votes: list[Vote] = list(captives)

@@ -6,7 +6,7 @@ foreign truth puts each effect in at its physical source.
 
 from .hull import BASE
 from .sizes import SHIP, SIZES, WATER
-from .tank import BEYOND, EFFECTS, INSIDE, OUTSIDE, hidden_campaign
+from .tank import BEYOND, EFFECTS, INSIDE, OUTSIDE, UNSEEN, hidden_campaign
 
 __all__ = [
     "BASE",
@@ -16,6 +16,7 @@ __all__ = [
     "OUTSIDE",
     "SHIP",
     "SIZES",
+    "UNSEEN",
     "WATER",
     "hidden_campaign",
 ]

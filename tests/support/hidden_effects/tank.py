@@ -13,7 +13,7 @@ import xarray as xr
 from pmmkit import Campaign, Run
 from pmmkit.campaigns import Settings, TypeB
 
-from . import beyond, catalogue, outside, sources
+from . import beyond, catalogue, outside, sources, unseen
 from .gauges import GAUGE_EFFECTS, inertia, read
 from .hull import Force, add, heel, hull_force, times
 from .motion import Array, Motion, motion_of
@@ -43,7 +43,9 @@ OUTSIDE = (*outside.FORCES, "outside_dead_zone")
 """Effects that no catalogue holds."""
 BEYOND = tuple(beyond.FORCES)
 """Others that no catalogue holds, of kinds that nothing was tried on before."""
-EFFECTS = (*INSIDE, *OUTSIDE, *BEYOND)
+UNSEEN = tuple(unseen.FORCES)
+"""Others, made before the rules and no part of what they were tried on."""
+EFFECTS = (*INSIDE, *OUTSIDE, *BEYOND, *UNSEEN)
 
 
 def hidden_campaign(
@@ -166,7 +168,7 @@ def motions(
 def water_force(m: Motion, effects: Mapping[str, float], truth: Truth) -> Force:
     """Force of the water with all hidden physics, and the catalogue's faults of motion."""
     forms = {**(sources.FORCES if truth == "foreign" else catalogue.FORCES), **outside.FORCES}
-    forms |= beyond.FORCES
+    forms |= beyond.FORCES | unseen.FORCES
 
     def force(m: Motion) -> Force:
         parts = [times(size, forms[name](m)) for name, size in effects.items() if name in forms]
