@@ -463,11 +463,17 @@ class Desk:
         """Add an effect, or correct a fault, of several campaigns the one that has it."""
         with self._changing:
             state = self._current(revision)
+            shown = self._candidate(effect, campaign)
+            if shown.get("asks_why") and not why.strip():
+                raise DataError(
+                    f"{effect} takes nothing of the misfit away. Say why in a sentence to add it "
+                    f"all the same: the reason stands in the model."
+                )
             more = {
                 "effect": effect,
-                "why": why,
+                "why": why.strip(),
                 "of": campaign,
-                "log_odds": self._log_odds(effect, campaign),
+                "log_odds": shown["log_odds"] if shown.get("named") else None,
             }
             return self._worker.start("add", self._asked(state) | more)
 
@@ -591,14 +597,11 @@ class Desk:
         )
         return {"work": work}
 
-    def _log_odds(self, effect: str, campaign: str) -> float | None:
-        found = self.missing()
-        for item in (found or {}).get("candidates", ()):
-            mine = (item["effect"], item.get("campaign", "")) == (effect, campaign)
-            if mine and item["named"]:
-                odds: float | None = item["log_odds"]
-                return odds
-        return None
+    def _candidate(self, effect: str, campaign: str) -> Mapping[str, Any]:
+        """What the page shows of a candidate; nothing where it shows none of this name."""
+        shown = (self.missing() or {}).get("candidates", ())
+        mine = (x for x in shown if (x["effect"], x.get("campaign", "")) == (effect, campaign))
+        return next(mine, {})
 
     def _effects(self, count: int | None) -> tuple[str, ...]:
         effects = self._opened().effects

@@ -233,3 +233,16 @@ def test_words_of_all_languages_are_those_that_the_page_says():
         for key, text in own.items():
             marks = {part.split("}")[0] for part in text.split("{")[1:]}
             assert marks == {part.split("}")[0] for part in english[key].split("{")[1:]}, key
+
+
+@pytest.mark.slow
+def test_what_takes_nothing_of_the_misfit_away_is_added_for_a_reason_alone(looped, browser, desk):
+    done(browser, "diagnose")
+    candidates = desk.missing()["candidates"]
+    useless = [item for item in candidates if item["asks_why"]]
+    assert useless
+    assert not any(item["named"] for item in useless)
+    assert all(item["share"]["all"] < 0.005 for item in useless)
+    for blank in ("", "  "):
+        with pytest.raises(DataError, match="takes nothing of the misfit away. Say why"):
+            desk.add(desk.page()["revision"], useless[0]["effect"], blank)

@@ -222,7 +222,9 @@ class Sets:
     `system`: runs, base and candidates. `by_name`: each effect at its grid points, and in its
     forms. `near`: those that explain most, which stand in sets of several. `beside`: evidence
     of each wide block, and the system beside it. `acting`: effects on whose force the faults of
-    this system act; `less`: the sets of the system where they do not.
+    this system act; `less`: the sets of the system where they do not. `ahead`: ln
+    evidence that no effect at all has more here than there, as runs may scatter by a share of all
+    that acts: evidence is against no effect there, for every set.
     """
 
     system: System
@@ -231,6 +233,7 @@ class Sets:
     beside: Mapping[int, tuple[float, System]]
     acting: frozenset[str] = frozenset()
     less: Sets | None = None
+    ahead: float = 0.0
 
     def home(self, names: Sequence[str]) -> Sets:
         """Where a set is asked: its faults act on the effects that it names and on no others."""
@@ -262,7 +265,7 @@ class Sets:
             names=tuple(names),
             values=tuple(block.value for block in best),
             terms=tuple(block.candidate.size for block in best),
-            log_evidence=top + math.log(total / share) - PRICE * len(names),
+            log_evidence=self.ahead + top + math.log(total / share) - PRICE * len(names),
         )
 
     def added(self, entry: RankedSet) -> tuple[float, ...]:
@@ -295,7 +298,11 @@ def sets_of(system: System, acting: frozenset[str] = frozenset(), less: Sets | N
         for block in own
         if wide(block)
     }
-    return Sets(system=system, by_name=by_name, near=near, beside=beside, acting=acting, less=less)
+    sets = Sets(system=system, by_name=by_name, near=near, beside=beside, acting=acting, less=less)
+    if less is None or not acting:
+        return sets
+    names = sorted(acting)
+    return replace(sets, ahead=less.entry(names).log_evidence - sets.entry(names).log_evidence)
 
 
 def ranked_sets(sets: Sets, *, most: int = MOST) -> list[RankedSet]:

@@ -106,10 +106,23 @@ def _on_screen(columns: Mapping[str, Array]) -> dict[str, list[float]]:
 # One candidate of what may be missing, as the page reads it.
 
 
+REMOVES: Final = 0.005
+"""Share of the misfit from which the page does not show 0 %: below it only a reason adds an
+effect that is not named."""
+
+
 def candidate_page(
-    name: str, effect: Effect | None, *, log_odds: float, named: bool, kind: str, **more: Any
+    name: str,
+    effect: Effect | None,
+    *,
+    log_odds: float,
+    named: bool,
+    kind: str,
+    best: float = math.nan,
+    **more: Any,
 ) -> dict[str, Any]:
-    """A candidate."""
+    """A candidate; `best`: ln evidence of the answer, where one is named."""
+    share = more.get("share")
     told: dict[str, Any] = {
         "family": effect.family if effect else "",
         "campaign": "",
@@ -129,6 +142,8 @@ def candidate_page(
         "summary": (effect.summary or effect.text) if effect else "",
         "log_odds": short(log_odds),
         "evidence": odds(log_odds),
+        "behind": "" if named or math.isnan(best) else odds(best - log_odds),
+        "asks_why": not named and share is not None and share["all"] < REMOVES,
         "named": named,
         **told,
         **more,
@@ -174,6 +189,7 @@ def missing_page(
     ]
     drawn = drawn_over(evidence, session.steps, chosen, heard, numbers=NUMBERS if overlays else 0)
     entries = {**CATALOGUE, **own}
+    best = next((x.log_evidence for x in found.entries if x.names == found.best), math.nan)
     candidates = []
     for entry in chosen:
         name = entry.names[0]
@@ -186,6 +202,7 @@ def missing_page(
                 log_odds=finding.log_odds if finding else entry.log_evidence,
                 named=finding is not None,
                 kind="fault" if is_fault(name) else "physics",
+                best=best,
                 family=seen.family if seen else "",
                 share=drawn["shares"].get(name),
                 lost=name not in drawn["shares"],
