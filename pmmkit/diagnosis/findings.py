@@ -322,6 +322,8 @@ class Diagnosis(Described):
     disagreements : tuple of Disagreement
         Groups of runs that disagree with the others beside the answer, or explain as much in its
         place (captive tests).
+    not_asked : mapping of str to str
+        The rest of the catalogue, and why such runs are not asked for it (captive tests).
     """
 
     verdict: Verdict
@@ -342,6 +344,7 @@ class Diagnosis(Described):
     suspected: tuple[SuspectRun, ...] = ()
     nearest: Nearest | None = None
     disagreements: tuple[Disagreement, ...] = ()
+    not_asked: Mapping[str, str] = field(default_factory=_none)
 
     @property
     def best(self) -> tuple[str, ...]:
@@ -450,6 +453,11 @@ class Diagnosis(Described):
         )
         rivals = [f"{' and '.join(names)} ({_against(odds)})" for names, odds in self.group[1:]]
         hidden = [f"{item.name}: {item.why}{_hides(item.hides)}" for item in self.not_testable]
+        if self.not_asked:
+            hidden.append(
+                f"the rest of the catalogue ({len(self.not_asked)}): captive tests are not asked "
+                f"for it; --json gives the reason of each"
+            )
         told = [
             Section(title="These runs cannot tell it from", points=rivals),
             Section(title="These runs could not show", points=hidden),
@@ -497,8 +505,14 @@ class Diagnosis(Described):
             "disagreements": [asdict(item) for item in self.disagreements],
             "findings": [item.to_dict() for item in self.findings],
             "not_testable": [
-                {"effect": item.name, "why": item.why, "size_that_could_hide": finite(item.hides)}
-                for item in self.not_testable
+                *(
+                    {"effect": x.name, "why": x.why, "size_that_could_hide": finite(x.hides)}
+                    for x in self.not_testable
+                ),
+                *(
+                    {"effect": name, "why": why, "size_that_could_hide": None}
+                    for name, why in self.not_asked.items()
+                ),
             ],
             "chance": self.chance,
             "floor": self.floor,

@@ -17,6 +17,7 @@ from pmmkit.base import DataError
 from pmmkit.conventions import STRUCTURES
 from pmmkit.diagnosis import diagnose
 from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
+from pmmkit.effects import CATALOGUE
 from pmmkit.models import load_model, odds
 
 HERE = Path(__file__).parent
@@ -176,6 +177,22 @@ def test_one_speed_cannot_show_what_changes_with_speed():
 
 
 @pytest.mark.slow
+@pytest.mark.slow
+@pytest.mark.parametrize("programme", ["small", "full"])
+def test_each_entry_of_the_catalogue_is_asked_in_the_base_or_told_why_not(programme):
+    found = diagnosed({}, programme=programme)
+    told = {x["effect"] for x in found.to_dict()["not_testable"] if x["why"]}
+    asked = {item.name for item in found.covered if item.shown}
+    assert not told & asked
+    rest = [CATALOGUE[name] for name in CATALOGUE.keys() - told - asked]
+    assert {item.name for item in rest} == {
+        "cubic_hull_terms",
+        "surge_quadratic",
+        "acceleration_cross_terms",
+    }
+    assert all(set(item.typical) <= set(BASE) for item in rest)
+
+
 def test_coverage_grows_with_the_programme():
     small, full = (
         {item.name: item.signal for item in diagnosed({}, programme=name).covered}

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal
+from scipy.stats import multivariate_normal, ncx2
 
 from pmmkit.diagnosis.captive import evidence
 from pmmkit.diagnosis.captive.evidence import Sets, gate, ranked_sets, sets_of
@@ -154,7 +154,29 @@ def test_a_mimic_reproduces_the_square_of_the_correlation():
 
 
 def test_what_nothing_shows_may_be_of_any_size():
-    assert could_hide(0.0) == math.inf
-    assert could_hide(1e-9) == math.inf
-    assert could_hide(15.0) == pytest.approx(1.0)
-    assert could_hide(1500.0) == pytest.approx(0.1)
+    assert could_hide(np.zeros((2, 2)), np.ones(2)) == math.inf
+    assert could_hide(np.full(1, 1e-9), np.ones(1)) == math.inf
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_what_could_hide_is_the_size_that_a_noncentral_chi_square_finds(count):
+    """Of a signal far above noise ln E is half a noncentral χ² less half of ln|1 + G|."""
+    G = np.diag(np.full(count, 1e6))
+    usual = np.full(count, 0.1)
+    size = could_hide(G, usual, price=6.0)
+    needed = 2.0 * 6.0 + count * math.log(1e6)
+    found = ncx2.sf(needed, df=count, nc=size**2 * float(usual @ G @ usual))
+    assert found == pytest.approx(0.95, abs=0.02)
+    turned = np.linalg.qr(np.random.default_rng(2).normal(size=(count, count)))[0]
+    spread = np.diag(np.linspace(1.0, 2.0, count)) * 1e4
+    assert could_hide(turned @ spread @ turned.T, turned @ usual) == pytest.approx(
+        could_hide(spread, usual), rel=0.05
+    )
+
+
+def test_a_small_effect_speaks_against_what_is_expected_of_it():
+    """A size that is three standard deviations of the prior off costs 9/2 of ln evidence."""
+    G, usual = np.diag([1e8]), np.ones(1)
+    about_three = could_hide(G, usual, np.array([3.0]), price=6.0)
+    assert about_three == pytest.approx(could_hide(G, usual, price=6.0 + 4.5), rel=1e-3)
+    assert about_three > 1.05 * could_hide(G, usual, price=6.0)

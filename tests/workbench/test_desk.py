@@ -244,5 +244,5 @@ def test_what_takes_nothing_of_the_misfit_away_is_added_for_a_reason_alone(loope
     assert not any(item["named"] for item in useless)
     assert all(item["share"]["all"] < 0.005 for item in useless)
     for blank in ("", "  "):
-        with pytest.raises(DataError, match="takes nothing of the misfit away. Say why"):
+        with pytest.raises(DataError, match=r"takes nothing of the misfit away\. Say why"):
             desk.add(desk.page()["revision"], useless[0]["effect"], blank)

@@ -26,7 +26,7 @@ from pmmkit.diagnosis.captive.evidence import (
 )
 from pmmkit.diagnosis.captive.system import FEATURES, CandidateColumns, System, is_even
 from pmmkit.diagnosis.captive.whitening import Channel, Piece, Places
-from pmmkit.diagnosis.evidence import PRICE, RankedSet
+from pmmkit.diagnosis.evidence import LEAST, PRICE, RankedSet
 from pmmkit.models import odds
 from pmmkit.numerics import Array
 from pmmkit.reduction import View
@@ -99,10 +99,6 @@ NEEDED: Final = 3.0
 """ln evidence that an effect must keep beside others whose form may err."""
 KIN: Final = 0.25
 """Share of the gain of another of its family below which an effect may be an error of its form."""
-LEAST: Final = 1.0
-"""Least ln evidence of a finding, `PRICE` taken off, without its best run too. With the price alone
-two more of 84 effects at .3 of the usual size are named, but the fifth step of the S175 programme
-is a misalignment that she has not."""
 MAY_ERR: Final = "may stand for an error of form of the others"
 LOOKED_AT: Final = 80
 """Oscillating runs that are looked at for a lack of fit."""

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from pmmkit.diagnosis.captive.adequacy import LEAST, blocks_of, chosen, flags, refused
+from pmmkit.diagnosis.captive.adequacy import blocks_of, chosen, flags, refused
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.disagreement import telling
 from pmmkit.diagnosis.captive.evidence import (
@@ -36,6 +36,7 @@ from pmmkit.diagnosis.captive.least_squares import (
 from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
 from pmmkit.diagnosis.captive.whitening import Places
 from pmmkit.diagnosis.evidence import (
+    LEAST,
     RIVALS,
     ROUNDING,
     SHOWS,
@@ -45,7 +46,7 @@ from pmmkit.diagnosis.evidence import (
     mimics,
 )
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, SuspectRun, Verdict
-from pmmkit.effects import BY_SPEED, Effect
+from pmmkit.effects import BY_SPEED, CATALOGUE, Effect
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
 
@@ -70,7 +71,7 @@ def coverage(system: System) -> tuple[Visible, ...]:
                 family=block.candidate.family,
                 signal=signal,
                 without_a_run=left,
-                hides=could_hide(signal),
+                hides=_could_hide(system, block, left / signal if signal > 0.0 else 0.0),
                 shown=shown,
                 why=""
                 if shown
@@ -118,6 +119,23 @@ def _signal(system: System, block: CandidateColumns) -> float:
     if block.drawn:
         return block.drawn.square_of(a)
     return float(a @ system.normal.information[block.columns, block.columns] @ a)
+
+
+def _could_hide(system: System, best: CandidateColumns, share: float) -> float:
+    """Share of its usual size that could hide without the run that shows most of it, in the middle
+    of the grid; `share` is what that leaves of the signal."""
+    name, size, share = best.candidate.name, best.candidate.size, max(share, 0.0)
+    sizes = []
+    for block in system.blocks:
+        if (block.candidate.name, block.candidate.size) != (name, size):
+            continue
+        usual, at = _at_usual_size(block), block.columns
+        if block.drawn:
+            sizes.append(could_hide(share * block.drawn.squares, usual))
+        else:
+            inside, centre = system.normal.information[at, at], system.normal.centre[at]
+            sizes.append(could_hide(share * inside, usual, centre))
+    return sorted(sizes)[len(sizes) // 2]
 
 
 def _signature(system: System, block: CandidateColumns) -> list[Array]:
@@ -436,7 +454,27 @@ def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosi
         ),
         nearest=nearest,
         disagreements=apart,
+        not_asked=_not_asked(ranking, given),
     )
+
+
+def _not_asked(ranking: RankedSets, given: Sequence[str]) -> dict[str, str]:
+    """The catalogue without what was asked and what the base has, with the reason of each entry."""
+    known = {name for names in ranking.system.base.names.values() for name in names}
+    done = {item.name for item in ranking.covered} | set(given)
+    reasons = {}
+    for name, effect in CATALOGUE.items():
+        if name in done or (effect.coefficients and known.issuperset(effect.typical)):
+            continue
+        if effect.not_captive:
+            reasons[name] = effect.not_captive
+        elif effect.coefficients:
+            reasons[name] = "asked once the base has the terms that it changes"
+        elif effect.faulty:
+            reasons[name] = "the checks of the runs look for it: pmmkit check"
+        else:
+            reasons[name] = "a part of the model, not a size: pmmkit compare shows where it fails"
+    return reasons
 
 
 def _leads_on(system: System, named: Sequence[str]) -> bool:

@@ -13,10 +13,9 @@ import numpy as np
 
 from pmmkit.base import Workers
 from pmmkit.campaigns import Campaign
-from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.captive.verdict import CHANCE
-from pmmkit.diagnosis.evidence import PRICE, RIVALS, Visible
+from pmmkit.diagnosis.evidence import LEAST, PRICE, RIVALS, Visible
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict
 from pmmkit.diagnosis.free_running.base import FLOOR, SPREAD, FreeBase, base_of, stated_base
 from pmmkit.diagnosis.free_running.contest import (

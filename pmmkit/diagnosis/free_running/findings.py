@@ -205,7 +205,7 @@ def coverage_of(
                 family=item.family,
                 signal=strength,
                 without_a_run=min(_signal(x, item.name, a) for x in fewer),
-                hides=could_hide(strength),
+                hides=could_hide(seen.normal.information[np.ix_(own, own)], a),
                 shown=shown,
                 why="" if shown else _why(strength),
                 mimics=mimics(seen.normal.information, across, strength, others)

@@ -14,10 +14,9 @@ import numpy as np
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import parse_derivative
-from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.system import WIDER, System
 from pmmkit.diagnosis.captive.verdict import CHANCE
-from pmmkit.diagnosis.evidence import PRICE, RIVALS
+from pmmkit.diagnosis.evidence import LEAST, PRICE, RIVALS
 from pmmkit.diagnosis.findings import Verdict
 from pmmkit.diagnosis.joint.another import others
 from pmmkit.diagnosis.joint.belongs import (

@@ -353,8 +353,9 @@ def sights(ground: Ground, state: RunInformation | Iterable[str]) -> tuple[Sight
     state = state if isinstance(state, RunInformation) else known(ground.rows, state)
     reduced = state.reduced()
     sizes = usual(ground.rows)
-    signals = sizes.signals(reduced.normal.information)
-    apart = sizes.separations(reduced.normal.information) >= 2 * RIVALS
+    gram = reduced.normal.information
+    signals = sizes.signals(gram)
+    apart = sizes.separations(gram) >= 2 * RIVALS
     all_runs = known(ground.rows, [*ground.made, *ground.options])
     possible, plain = (
         sizes.signals(x) for x in (all_runs.reduced().normal.information, all_runs.plain())
@@ -362,6 +363,7 @@ def sights(ground: Ground, state: RunInformation | Iterable[str]) -> tuple[Sight
     found = []
     for i, name in enumerate(sizes.names):
         candidate, signal = ground.candidates[name], float(signals[i])
+        at = np.flatnonzero(sizes.sizes[:, i])
         shown = signal >= SHOWS
         twins = [other for other, yes in zip(sizes.names, apart[i], strict=True) if not yes]
         found.append(
@@ -370,7 +372,7 @@ def sights(ground: Ground, state: RunInformation | Iterable[str]) -> tuple[Sight
                 family=candidate.family,
                 signal=signal,
                 shown=shown,
-                hides=could_hide(signal),
+                hides=could_hide(gram[np.ix_(at, at)], sizes.sizes[at, i]),
                 twins=tuple(twins) if shown else (),
                 why="" if shown else _why(possible[i], plain[i], candidate),
             )
