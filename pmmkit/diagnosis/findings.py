@@ -28,7 +28,7 @@ Verdict = Literal["noise", "missing_effect", "suspected", "unexplained"]
 VERDICTS: Final[Mapping[Verdict, str]] = {
     "noise": "Nothing is missing that these runs could show.",
     "missing_effect": "An effect is missing.",
-    "suspected": "An effect is suspected: one run alone shows it.",
+    "suspected": "An effect is suspected: one run shows most of it.",
     "unexplained": "Something is missing that nothing in the catalogue explains.",
 }
 LARGE: Final = 3.0
@@ -193,15 +193,23 @@ class Finding(Described):
 
 @dataclass(frozen=True, kw_only=True)
 class SuspectRun:
-    """An effect that one run alone decides: that run may be wrong.
+    """An effect that one run decides: where the others do not agree, that run may be wrong.
 
     `effect, run`: the effect, and the run to repeat. `log_odds`: ln of the odds for it with
-    that run.
+    that run. `others`: ln evidence for it without that run, before any price. Of 24 clean campaigns
+    with one run that misreads by 6 % the suspected one has -5; of eight effects at .3 of the usual
+    size that hang on a sound run five have more than 0, and no other run shows the three others.
     """
 
     effect: str
     run: str
     log_odds: float
+    others: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the other runs speak for the effect too."""
+        return self.others > 0.0
 
     def __str__(self) -> str:
         return f"{self.effect} (run {self.run})"
@@ -498,7 +506,12 @@ class Diagnosis(Described):
             "flags": list(self.flags),
             "proposed": [item.effect for item in self.proposed],
             "suspected": [
-                {"effect": item.effect, "run": item.run, "evidence": odds(item.log_odds)}
+                {
+                    "effect": item.effect,
+                    "run": item.run,
+                    "evidence": odds(item.log_odds),
+                    "others_agree": item.agrees,
+                }
                 for item in self.suspected
             ],
             "nearest": None if self.nearest is None else asdict(self.nearest),

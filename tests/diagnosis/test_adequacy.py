@@ -21,7 +21,7 @@ from pmmkit.diagnosis.captive.adequacy import (
     remainder,
 )
 from pmmkit.diagnosis.captive.build import build
-from pmmkit.diagnosis.captive.diagnose import captive_system
+from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
 from pmmkit.diagnosis.captive.evidence import least_gains, ranked_sets, sets_of
 from pmmkit.diagnosis.captive.system import channels_of
 from pmmkit.diagnosis.captive.verdict import coverage
@@ -163,6 +163,16 @@ def test_one_bad_run_is_not_named():
     assert "DR_1.5_6_20 alone: repeat it" in "".join(flags(system, [], more=tuple(map(str, left))))
     listed = {item.name: item for item in coverage(system)}
     assert "DR_1.5_6_20" in listed["rudder_cross_terms"].why
+
+
+@pytest.mark.slow
+def test_a_sound_run_that_carries_most_of_an_effect_is_not_accused():
+    """Drag of sway at .3 of its usual size: the steepest run shows most of it, the others some."""
+    found = diagnose_captive(hidden_campaign("full", {"modulus_sway_drag": 0.3}, seed=8001), BASE)
+    assert found.verdict == "suspected"
+    (item,) = found.suspected
+    assert (item.effect, item.agrees) == ("modulus_sway_drag", True)
+    assert f"the run {item.run} carries most of it, and the other runs agree" in found.flags[1]
 
 
 def _off(run, newtons):

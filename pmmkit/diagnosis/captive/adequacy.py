@@ -192,18 +192,23 @@ class RefusedEffect:
     """An effect of the set of the greatest evidence that is not named.
 
     `log_odds`: ln of the odds for it beside the others of the set. `run`: the run without which
-    it would not pay its price; empty where it may be an error of form.
+    it would not pay its price; empty where it may be an error of form. `others`: ln evidence for
+    it without that run, before any price.
     """
 
     block: CandidateColumns
     log_odds: float
     run: str = ""
+    others: float = 0.0
 
     def __str__(self) -> str:
         name = self.block.candidate.name
         if not self.run:
             return f"{name} {MAY_ERR}"
-        return f"{name} ({odds(self.log_odds)}) hangs on the run {self.run} alone: repeat it"
+        who = f"{name} ({odds(self.log_odds)})"
+        if self.others > 0.0:
+            return f"{who}: the run {self.run} carries most of it, and the other runs agree"
+        return f"{who} hangs on the run {self.run} alone: repeat it"
 
 
 def refused(
@@ -223,7 +228,7 @@ def refused(
     tried = blocks_of(sets.system, first)
     least = PRICE + LEAST
     return tuple(
-        RefusedEffect(block=block, log_odds=log_odds, run=run if left < least else "")
+        RefusedEffect(block=block, log_odds=log_odds, run=run if left < least else "", others=left)
         for block, log_odds, (left, run) in zip(
             tried, sets.added(first), least_gains(system, tried, given), strict=True
         )

@@ -449,7 +449,12 @@ def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosi
         base=system.base.values,
         given=given,
         suspected=tuple(
-            SuspectRun(effect=item.block.candidate.name, run=item.run, log_odds=item.log_odds)
+            SuspectRun(
+                effect=item.block.candidate.name,
+                run=item.run,
+                log_odds=item.log_odds,
+                others=item.others,
+            )
             for item in hanging
         ),
         nearest=nearest,

@@ -232,7 +232,9 @@ def missing_page(
         "sets": [
             {"effects": list(names), "odds": short(against)} for names, against in found.group
         ],
-        "suspected": [{"effect": x.effect, "run": x.run} for x in found.suspected],
+        "suspected": [
+            {"effect": x.effect, "run": x.run, "agrees": x.agrees} for x in found.suspected
+        ],
         "hidden": [
             {"effect": item.name, "why": item.why, "size": short(item.hides)}
             for item in found.not_testable

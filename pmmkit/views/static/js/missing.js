@@ -135,7 +135,7 @@ function rivals(found) {
   return el("section", { class: "panel" }, el("h2", {}, t("rivals")),
     el("ul", { class: "sentences" },
       found.sets.slice(1).map((set) => el("li", {}, `${set.effects.map(plainWord).join(" + ")}: ${set.odds > 0.7 ? t("as_likely") : t("odds_against", { odds: num(1 / set.odds, 2) })}`)),
-      found.suspected.map((item) => el("li", {}, t("suspected", { effect: plainWord(item.effect), run: item.run })))));
+      found.suspected.map((item) => el("li", {}, t(item.agrees ? "carried" : "suspected", { effect: plainWord(item.effect), run: item.run })))));
 }
 
 function hidden(found) {
