@@ -89,6 +89,43 @@ def coverage(names: Sequence[str], hides: Sequence[float], shown: Sequence[bool]
     return figure
 
 
+def homogeneity(rows: Sequence[tuple[str, str, str, float, float]]) -> Figure:
+    """Sizes by level of each factor, an axis for each effect.
+
+    Rows: effect, factor, level in words, size over that of all tests, half of its 95 % interval.
+    """
+    effects = list(dict.fromkeys(row[0] for row in rows))
+    levels = list(dict.fromkeys((row[1], row[2]) for row in rows))
+    factors = list(dict.fromkeys(factor for factor, _ in levels))
+    levels.sort(key=lambda level: factors.index(level[0]))
+    gaps = [factors.index(factor) for factor, _ in levels]
+    places = dict(zip(levels, (k + 0.6 * gap for k, gap in enumerate(gaps)), strict=True))
+    with styled():
+        figure = canvas(1.1 + 0.22 * (len(levels) + 0.6 * len(factors)))
+        axes = figure.subplots(1, max(len(effects), 1), sharey=True, squeeze=False)[0]
+        for axis, effect in zip(axes, effects, strict=False):
+            for _, factor, words, size, half in (row for row in rows if row[0] == effect):
+                shown, reach = min(max(size, -_FAR), 2.0 + _FAR), min(half, 2.0 * _FAR)
+                axis.errorbar(
+                    shown,
+                    places[factor, words],
+                    xerr=reach,
+                    fmt="o",
+                    ms=4,
+                    color=colour_style(factors.index(factor)),
+                )
+            axis.axvline(1.0, color=INK, lw=0.8)
+            axis.set_xlim(-_FAR, 2.0 + _FAR)
+            axis.grid(visible=False, axis="y")
+            axis.set_title(_words((effect,)))
+            axis.set_xlabel("size here over size of all tests [-]")
+        axes[0].set_yticks([places[level] for level in levels], [words for _, words in levels])
+        axes[0].set_ylim(max(places.values(), default=0.0) + 0.7, -0.7)
+    return figure
+
+
+_FAR: Final = 0.5
+"""How far the axis of sizes goes below 0 and above 2."""
 _LARGEST: Final = 30.0
 
 

@@ -245,6 +245,38 @@ class Disagreement:
         )
 
 
+VARIES: Final = 0.25
+"""Share of its size by which an effect must differ between tests to be told. Effects at a physical
+source, whose form is not quite that of the catalogue, do by up to .21 beyond their intervals."""
+CHANCE: Final = 0.01
+"""Chance, over all factors of all named effects, that one of one size is said to vary."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Homogeneity:
+    """Sizes of an effect in some tests, over the size that all tests together give.
+
+    `effect, factor`: what may vary over what. `sizes, std`: by level of the factor in words.
+    `chance`: that an effect of one size varies so, over all that was asked (Holm).
+    """
+
+    effect: str
+    factor: str
+    sizes: Mapping[str, float]
+    std: Mapping[str, float]
+    chance: float
+
+    @property
+    def varies(self) -> bool:
+        """Whether the size is another in some tests, by more than `VARIES` beyond the interval."""
+        beyond = (abs(size - 1.0) - WIDE * self.std[x] for x, size in self.sizes.items())
+        return self.chance < CHANCE and max(beyond) > VARIES
+
+    def __str__(self) -> str:
+        told = ", ".join(f"{size:.2f} {words}" for words, size in self.sizes.items())
+        return f"{self.effect} is not constant over {self.factor} (over its size: {told})"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Nearest:
     """The set of effects that comes nearest to something that is not in the catalogue.
@@ -330,6 +362,9 @@ class Diagnosis(Described):
     disagreements : tuple of Disagreement
         Groups of runs that disagree with the others beside the answer, or explain as much in its
         place (captive tests).
+    homogeneity : tuple of Homogeneity
+        Sizes of each named effect by kind of test, speed, side, amplitude and frequency (captive
+        tests).
     not_asked : mapping of str to str
         The rest of the catalogue, and why such runs are not asked for it (captive tests).
     """
@@ -352,6 +387,7 @@ class Diagnosis(Described):
     suspected: tuple[SuspectRun, ...] = ()
     nearest: Nearest | None = None
     disagreements: tuple[Disagreement, ...] = ()
+    homogeneity: tuple[Homogeneity, ...] = ()
     not_asked: Mapping[str, str] = field(default_factory=_none)
 
     @property
@@ -450,6 +486,18 @@ class Diagnosis(Described):
             [item.shown for item in self.covered],
         )
 
+    def plot_homogeneity(self) -> Figure:
+        """Size of each named effect by kind of test, speed, side, amplitude and frequency."""
+        from pmmkit.diagnosis.figures import homogeneity
+
+        return homogeneity(
+            [
+                (item.effect, item.factor, words, size, WIDE * item.std[words])
+                for item in self.homogeneity
+                for words, size in item.sizes.items()
+            ]
+        )
+
     def _headline(self) -> str:
         rivals = f", {counted(len(self.group) - 1, 'rival')}" if len(self.group) > 1 else ""
         return f"{self.verdict.replace('_', ' ')}: {self.answer}{rivals}"
@@ -516,6 +564,7 @@ class Diagnosis(Described):
             ],
             "nearest": None if self.nearest is None else asdict(self.nearest),
             "disagreements": [asdict(item) for item in self.disagreements],
+            "homogeneity": [{**asdict(item), "varies": item.varies} for item in self.homogeneity],
             "findings": [item.to_dict() for item in self.findings],
             "not_testable": [
                 *(

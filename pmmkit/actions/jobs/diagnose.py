@@ -184,6 +184,7 @@ def _of_captive_tests(
 ) -> _Answer:
     from pmmkit.diagnosis import begin
     from pmmkit.effects import own_effects
+    from pmmkit.plotting import save
     from pmmkit.views import Loop, write_report
 
     session = begin(
@@ -198,13 +199,13 @@ def _of_captive_tests(
     loop = Loop.of(session, job.model)
     count = len(campaign.runs)
     page = partial(write_report, loop, title=campaign.title, runs=count, findings=checked)
+    drawn: list[tuple[str, Any]] = [("report.html", page)] if job.figures else []
+    if job.figures and loop.diagnosis.homogeneity:
+        drawn.append(("homogeneity.svg", partial(save, loop.diagnosis.plot_homogeneity())))
     return (
         loop.diagnosis,
         {"model": job.model},
-        [
-            ("error_fall.csv", loop.fall.to_pandas()),
-            *([("report.html", page)] if job.figures else []),
-        ],
+        [("error_fall.csv", loop.fall.to_pandas()), *drawn],
         [f"{campaign.title}: {count} runs against {job.model}"],
         (),
     )

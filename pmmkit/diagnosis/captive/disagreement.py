@@ -9,7 +9,7 @@ means in one kind of test do not go with those of another.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -70,30 +70,49 @@ def telling(
     return tuple(told)
 
 
+Levels = Mapping[str, frozenset[str]]
+"""Runs by the level of a factor in words."""
+
+
+def levels_of(views: Sequence[View]) -> dict[str, Levels]:
+    """Kinds of test, speeds, sides and frequencies of some runs."""
+    of_run = {view.run.id: view for view in views}
+    sides = {1.0: "at positive drift", -1.0: "at negative drift"}
+
+    def by(words: Callable[[View], str], order: Callable[[View], float]) -> Levels:
+        levels: dict[str, list[str]] = {}
+        for name, view in sorted(of_run.items(), key=lambda item: order(item[1])):
+            levels.setdefault(words(view), []).append(name)
+        return {level: frozenset(own) for level, own in levels.items() if level}
+
+    return {
+        "kind of test": by(lambda view: f"in {view.run.kind_of_test.title}", lambda _: 0.0),
+        "speed": by(lambda view: f"at {round(view.speed, 6):g} m/s", lambda view: view.speed),
+        "side": by(
+            lambda view: sides.get(float(np.sign(view.run.settings.drift)), ""), lambda _: 0.0
+        ),
+        "frequency": by(
+            lambda view: f"at {view.omega:.3g} rad/s" if view.omega else "", lambda view: view.omega
+        ),
+    }
+
+
 def groups_of(views: Sequence[View]) -> dict[str, frozenset[str]]:
     """Groups of runs that may have been tested otherwise than the rest, in words."""
     of_run = {view.run.id: view for view in views}
-    kinds: dict[str, list[View]] = {}
-    for view in of_run.values():
-        kinds.setdefault(view.run.kind_of_test.title, []).append(view)
-    asked = {f"in {kind}": own for kind, own in kinds.items()}
-    asked |= {"in steady runs": [view for view in of_run.values() if not view.run.dynamic]}
-    for speed in sorted({round(view.speed, 6) for view in views}):
-        asked[f"at {speed:g} m/s"] = [x for x in of_run.values() if round(x.speed, 6) == speed]
-    for side, sign in (("positive", 1.0), ("negative", -1.0)):
-        asked[f"at {side} drift"] = [
-            view for view in of_run.values() if sign * view.run.settings.drift > 0.0
-        ]
-    day = sorted(of_run.values(), key=lambda view: view.day)
+    levels = levels_of(views)
+    steady = frozenset(name for name, view in of_run.items() if not view.run.dynamic)
+    asked = {**levels["kind of test"], "in steady runs": steady}
+    asked |= {**levels["speed"], **levels["side"]}
+    day = sorted(of_run, key=lambda name: of_run[name].day)
     for part in PARTS:
         later = day[int(part * len(day)) :]
-        asked[f"from {later[0].run.id} on"] = later
-    for kind, own in kinds.items():
-        later = sorted(own, key=lambda view: view.day)[len(own) // 2 :]
-        asked[f"in {kind} from {later[0].run.id} on"] = later
+        asked[f"from {later[0]} on"] = frozenset(later)
+    for kind, own in levels["kind of test"].items():
+        later = [name for name in day if name in own][len(own) // 2 :]
+        asked[f"{kind} from {later[0]} on"] = frozenset(later)
     groups: dict[frozenset[str], str] = {}
-    for words, own in asked.items():
-        ids = frozenset(view.run.id for view in own)
+    for words, ids in asked.items():
         if FEWEST <= len(ids) <= len(of_run) - FEWEST:
             groups.setdefault(ids, words)
     return {words: ids for ids, words in groups.items()}

@@ -25,6 +25,7 @@ from pmmkit.diagnosis.captive.evidence import (
     wide,
 )
 from pmmkit.diagnosis.captive.held_out import HeldOut, Misfit, condition, held_out
+from pmmkit.diagnosis.captive.homogeneity import homogeneity
 from pmmkit.diagnosis.captive.least_squares import (
     JointFit,
     effect_columns,
@@ -407,7 +408,9 @@ def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosi
     left = refused(system, sets, first, blocks, used) if first else ()
     hanging = tuple(item for item in left if item.run)
     apart = telling(system, used, blocks, best.log_evidence if best else math.inf)
-    doubts = flags(system, blocks, used, (*map(str, left), *map(str, apart)))
+    sizes = homogeneity(system, used, blocks)
+    varied = [str(item) for item in sizes if item.varies]
+    doubts = flags(system, blocks, used, (*map(str, left), *map(str, apart), *varied))
     nearest: Nearest | None = None
     findings: tuple[Finding, ...] = ()
     verdict: Verdict = "unexplained" if doubts else "noise"
@@ -459,6 +462,7 @@ def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosi
         ),
         nearest=nearest,
         disagreements=apart,
+        homogeneity=sizes,
         not_asked=_not_asked(ranking, given),
     )
 

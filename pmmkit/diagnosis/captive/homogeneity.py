@@ -1,0 +1,131 @@
+"""Whether a named effect has one size in all tests: by kind, speed, side, amplitude, frequency.
+
+The force of the effect, as it is fitted, is multiplied by 1 + δ in the runs of each level of a
+factor. With base and effects fitted beside them the scores r of the δ are N(0, S) if the effect has
+one size, so r' S⁺ r is a χ². Factors of all effects are asked at once: their chances are Holm's
+(1979, Scandinavian Journal of Statistics 6).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from pmmkit.diagnosis.captive.disagreement import FEWEST, Levels, levels_of
+from pmmkit.diagnosis.captive.evidence import columns_at, spread, wide
+from pmmkit.diagnosis.captive.least_squares import effect_columns
+from pmmkit.diagnosis.captive.system import CandidateColumns, System
+from pmmkit.diagnosis.findings import Homogeneity
+from pmmkit.numerics import Array
+from pmmkit.reduction import View
+
+REACH: Final = 1e-9
+"""Share of the largest eigenvalue below which levels are not told apart."""
+
+
+def homogeneity(
+    system: System, given: Sequence[CandidateColumns], answer: Sequence[CandidateColumns]
+) -> tuple[Homogeneity, ...]:
+    """Sizes of the effects of an answer over each factor, the most doubtful first."""
+    asked = [block for block in answer if not wide(block) and not block.candidate.each_run]
+    if not asked:
+        return ()
+    factors = _factors(system.views, system.base.ship.L)
+    found = [x for block in asked for x in _of_effect(system, given, answer, block, factors)]
+    found.sort(key=lambda item: item.chance)
+    held, told = 0.0, []
+    for number, item in enumerate(found):
+        held = max(held, min((len(found) - number) * item.chance, 1.0))
+        told.append(replace(item, chance=held))
+    return tuple(told)
+
+
+def _factors(views: Sequence[View], L: float) -> dict[str, Levels]:
+    """Levels of runs over which an effect may vary, by factor."""
+    of_run = {view.run.id: view for view in views}
+    swing: dict[str, float] = {}
+    for name, view in of_run.items():
+        m = view.motion
+        moved = (m.v**2 + (m.r * L) ** 2) / view.speed**2
+        swing[name] = float(np.sqrt(np.mean(moved)))
+    middle = float(np.median(list(swing.values())))
+    return levels_of(views) | {
+        "amplitude": {
+            "in small motions": frozenset(x for x in swing if swing[x] <= middle),
+            "in large motions": frozenset(x for x in swing if swing[x] > middle),
+        }
+    }
+
+
+def _of_effect(
+    system: System,
+    given: Sequence[CandidateColumns],
+    answer: Sequence[CandidateColumns],
+    block: CandidateColumns,
+    factors: Mapping[str, Levels],
+) -> Iterator[Homogeneity]:
+    """One effect over every factor of which two levels at least have its force."""
+    place = answer.index(block)
+    system, blocks = spread(system, [*given, *answer])
+    at = np.concatenate([item.places for item in blocks])
+    fitted, covariance = system.normal.only(at).posterior
+    begin = sum(item.count for item in blocks[: len(given) + place])
+    own = fitted[begin : begin + block.count]
+    raw = effect_columns(system, block)
+    left: dict[str, list[Array]] = {}
+    for piece in system.pieces:
+        channel = piece.projection.channel
+        force = raw[channel.name] @ own if channel.name in raw else np.zeros(len(channel.y))
+        ids = np.array([""] * len(force), object)
+        for i, rows in zip(channel.views, channel.rows, strict=True):
+            ids[rows] = system.views[i].run.id
+        for factor, levels in factors.items():
+            inside = [np.isin(ids, list(runs)) * force for runs in levels.values()]
+            left.setdefault(factor, []).append(piece.projection.left(np.column_stack(inside)))
+    for factor, levels in factors.items():
+        inner = np.sum([x.T @ x for x in left[factor]], axis=0)
+        score, cross = np.zeros(len(levels)), np.zeros((len(at), len(levels)))
+        for piece, columns in zip(system.pieces, left[factor], strict=True):
+            known = columns_at(piece, at)
+            score += columns.T @ (piece.data - known @ fitted)
+            cross += known.T @ columns
+        yield from _varied(
+            block.candidate.name,
+            factor,
+            list(levels),
+            inner,
+            inner - cross.T @ covariance @ cross,
+            score,
+        )
+
+
+def _varied(
+    effect: str, factor: str, words: Sequence[str], inner: Array, spread: Array, score: Array
+) -> Iterator[Homogeneity]:
+    """The χ² of the levels that have a force of the effect."""
+    from scipy.stats import chi2
+
+    weight = np.diagonal(inner)
+    keep = np.flatnonzero(weight > REACH * weight.max())
+    if len(keep) < FEWEST:
+        return
+    values, vectors = np.linalg.eigh(spread[np.ix_(keep, keep)])
+    good = values > REACH * values.max()
+    along = vectors[:, good]
+    square = float(np.sum((along.T @ score[keep]) ** 2 / values[good]))
+    # A common factor is what the fit of the effect itself has: levels are told about their mean.
+    share = weight[keep] / weight[keep].sum()
+    about = np.eye(len(keep)) - share
+    inverse = about @ (along / values[good]) @ along.T
+    delta, std = inverse @ score[keep], np.sqrt(np.diagonal(inverse @ about.T))
+    names = [words[k] for k in keep.tolist()]
+    yield Homogeneity(
+        effect=effect,
+        factor=factor,
+        sizes=dict(zip(names, (1.0 + delta).tolist(), strict=True)),
+        std=dict(zip(names, std.tolist(), strict=True)),
+        chance=float(chi2.sf(square, int(good.sum()))),
+    )
