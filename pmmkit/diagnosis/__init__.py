@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.loop.fall import Fall
     from pmmkit.diagnosis.loop.session import Session, begin, fit, read_session, replay, undone
     from pmmkit.diagnosis.loop.several import SeveralCampaigns
-    from pmmkit.diagnosis.planning.manoeuvres import next_manoeuvres
     from pmmkit.diagnosis.planning.next_run import next_runs
     from pmmkit.diagnosis.planning.options import Limits, Option
+    from pmmkit.diagnosis.planning.order import Programme
     from pmmkit.diagnosis.planning.plan_file import read_plan_file
     from pmmkit.diagnosis.planning.programme import TestPlan, plan
     from pmmkit.diagnosis.planning.ranking import Advice
@@ -28,6 +28,7 @@ __all__ = [
     "Fall",
     "Limits",
     "Option",
+    "Programme",
     "Session",
     "SeveralCampaigns",
     "TestPlan",
@@ -40,7 +41,6 @@ __all__ = [
     "fit",
     "free_candidate_of",
     "joint_diagnosis",
-    "next_manoeuvres",
     "next_runs",
     "plan",
     "read_plan_file",

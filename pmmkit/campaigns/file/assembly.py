@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -103,7 +104,7 @@ class Setup:
     """What all runs of a campaign file share.
 
     `frame`: axes and signs of the source. `corrections`: all corrections of the file. `search`:
-    where the files are that the campaign names.
+    where the files are that the campaign names. `planned`: whether runs may be still to be made.
     """
 
     ship: Ship
@@ -118,6 +119,7 @@ class Setup:
     trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     solver: Solver = field(default_factory=Solver)
     struts: Struts | None = None
+    planned: bool = False
 
 
 @dataclass
@@ -174,6 +176,15 @@ def specs_of(entry: FileEntry | None, base: Mapping[str, ColumnSpec]) -> dict[st
     """``[columns]`` with what a run or table maps of its own."""
     own = {} if entry is None else entry.columns
     return {**base, **{name: ColumnSpec(**column.model_dump()) for name, column in own.items()}}
+
+
+def left_where_not_made(entry: RunEntry, setup: Setup) -> Setup:
+    """The setup with the exclusion of a run of a programme that has no file yet."""
+    if not setup.planned or entry.row is not None or setup.search.find(entry.file) is not None:
+        return setup
+    reason = f"not made yet: there is no {entry.file}"
+    own = Correction(runs=(glob.escape(entry.id),), action="exclude", reason=reason)
+    return replace(setup, corrections=(*setup.corrections, own))
 
 
 def request_of(entry: FileEntry, label: str, setup: Setup, out: Assembled) -> Request | None:

@@ -91,6 +91,7 @@ def read_tables(
         ship=ship,
         water=water,
         kind=head.kind,
+        planned=head.planned,
         forces=head.forces,
         frame=Frame(
             reversed_axes="".join(axis for axis, given in turned if given.startswith("-")),

@@ -19,6 +19,7 @@ from pmmkit.campaigns.file.assembly import (
     computed,
     context_of,
     corrections_of,
+    left_where_not_made,
     needs,
     numbers_in,
     out_of_range,
@@ -377,7 +378,7 @@ def _not_sampled(
 def add_run(entry: RunEntry, label: str, setup: Setup, out: Assembled) -> None:
     """One entry of ``[[runs]]``: a history, or a row of a table."""
     out.claim(entry.id, label)
-    setup = computed(setup, entry)
+    setup = left_where_not_made(entry, computed(setup, entry))
     request = request_of(entry, label, setup, out)
     if request is None:
         return

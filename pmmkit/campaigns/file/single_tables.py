@@ -162,6 +162,7 @@ class CampaignEntry(StrictTable):
     closed: bool = said(
         "the last line of the file is `[end]`, and a file that lost it is refused as cut off", False
     )
+    planned: bool = said("runs whose file is not there are not made yet, and left out", False)
 
 
 class ShipEntry(StrictTable):

@@ -128,6 +128,14 @@ class Option:
         return ", ".join(parts)
 
     @property
+    def set_up(self) -> str:
+        """What of rig and model must be changed before another run can be made, in words."""
+        kind = TEST_KINDS[self.test]
+        mount = "rotating arm" if kind.circles else "oscillating" if kind.swings_hull else "held"
+        heel = math.degrees(self.settings.heel)
+        return f"{mount}, heel {heel:+.3g}" if heel else mount
+
+    @property
     def entry(self) -> dict[str, Any]:
         """The run as an entry of a campaign file; the file of its record is still to be named."""
         s = self.settings

@@ -202,16 +202,24 @@ def entries_text(options: Iterable[Option]) -> str:
     speed = 1.5
     drift_deg = 5.7296
     """
-    blocks, seen = [], dict[str, int]()
-    for option in options:
-        entry = option.entry
-        times = seen[option.id] = seen.get(option.id, 0) + 1
-        if times > 1:
-            first, name = entry["id"], f"{entry['id']}_{times}"
-            entry |= {"id": name, "file": f"runs/{name}.csv", "repeat_of": first}
+    blocks = []
+    for entry in entries_of(options):
         lines = [
             f"{key} = {toml_string(x)}" if isinstance(x, str) else f"{key} = {x}"
             for key, x in entry.items()
         ]
         blocks.append("\n".join(["[[runs]]", *lines]) + "\n")
     return "\n".join(blocks)
+
+
+def entries_of(options: Iterable[Option]) -> list[dict[str, Any]]:
+    """Options as entries of a campaign file, those that are there again as repeats of the first."""
+    found, seen = [], dict[str, int]()
+    for option in options:
+        entry = option.entry
+        times = seen[option.id] = seen.get(option.id, 0) + 1
+        if times > 1:
+            first, name = entry["id"], f"{entry['id']}_{times}"
+            entry |= {"id": name, "file": f"runs/{name}.csv", "repeat_of": first}
+        found.append(entry)
+    return found

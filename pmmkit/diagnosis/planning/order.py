@@ -1,0 +1,189 @@
+"""The order in which the runs of a programme are made: drawn, in blocks of one set-up of the rig.
+
+What changes through a day beside the settings (the zero of a gauge, the temperature of the water)
+must not look like one of them. Runs are therefore made in a drawn order; what is costly to change
+stays the same in a block, as in a split-plot design. A drawn order may by chance go with a setting,
+so that the one is taken of many whose settings go least with the time of the day: what an order is
+judged by is said before it is drawn (Morgan and Rubin 2012). A run that is made twice is made early
+and late in its block: as the repeated reference run of towing tanks it shows what changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Settings
+from pmmkit.diagnosis.planning.options import Option
+from pmmkit.diagnosis.planning.plan_file import entries_of
+from pmmkit.numerics import Array
+
+DRAWS: Final = 2000
+"""Orders that are drawn: of 24 runs of a tanker at three speeds the best of them has no setting that
+correlates with the time by more than 0.10; a single draw has 0.24 (median of 300)."""
+APART: Final = 1.0 / 3.0
+"""Share of a block by which a run and its repeat are to lie apart."""
+SEED: Final = 1
+"""Of the draws: the same programme has the same order every time."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProgrammeRun:
+    """One run of a programme.
+
+    Parameters
+    ----------
+    number : int
+        Its place in the order, from 1.
+    option : Option
+        The run.
+    entry : mapping
+        What a campaign file says of it, with a name of its own.
+    """
+
+    number: int
+    option: Option
+    entry: dict[str, Any]
+
+    @property
+    def id(self) -> str:
+        """Its name."""
+        return str(self.entry["id"])
+
+    @cached_property
+    def settings(self) -> Settings:
+        """What it is set to: the numbers that are written, not those that they were rounded from."""
+        stated = {
+            item.name: item.to_si(self.entry[item.in_file])
+            for item in RUN_SETTINGS.values()
+            if item.in_file in self.entry
+        }
+        return Settings.of(stated)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Programme:
+    """Runs in the order in which they are made.
+
+    Parameters
+    ----------
+    runs : tuple of ProgrammeRun
+        The runs.
+    drawn : bool
+        Whether the order was drawn.
+    """
+
+    runs: tuple[ProgrammeRun, ...]
+    drawn: bool = False
+
+    @classmethod
+    def of(cls, options: Sequence[Option], *, draw: bool = False) -> Programme:
+        """Runs as they stand, or in a drawn order.
+
+        Parameters
+        ----------
+        options : sequence of Option
+            The runs; one that is there several times is repeated.
+        draw : bool
+            Whether the order is drawn, in blocks of one set-up.
+
+        Examples
+        --------
+        >>> from pmmkit.diagnosis.planning.options import Limits, options_of
+        >>> from pmmkit.models import load_model
+        >>> tank = load_model("kvlcc2-l7")
+        >>> limits = Limits(speeds=(0.8, 1.2), tests=("static_drift", "pure_sway"))
+        >>> made = Programme.of(options_of(limits, tank.ship, tank.water), draw=True)
+        >>> swung = [run.option.set_up for run in made.runs]
+        >>> len(swung), sum(one != other for one, other in zip(swung, swung[1:]))
+        (36, 1)
+        """
+        order = drawn_order(options) if draw else range(len(options))
+        kept = [options[place] for place in order]
+        runs = tuple(
+            ProgrammeRun(number=number, option=option, entry=entry)
+            for number, (option, entry) in enumerate(
+                zip(kept, entries_of(kept), strict=True), start=1
+            )
+        )
+        return cls(runs=runs, drawn=draw)
+
+    @property
+    def hours(self) -> float:
+        """Time that it takes [h]."""
+        return sum(run.option.hours for run in self.runs)
+
+
+def drawn_order(options: Sequence[Option]) -> list[int]:
+    """Places of the runs in the order in which they are to be made."""
+    count = len(options)
+    if count < 2:
+        return list(range(count))
+    blocks = _numbers(option.set_up for option in options)
+    rng = np.random.default_rng(SEED)
+    # A place of the block and one within it for each draw: sorting by both keeps blocks together.
+    of_block = np.argsort(np.argsort(rng.random((DRAWS, blocks.max() + 1)), axis=1), axis=1)
+    orders = np.argsort(of_block[:, blocks] + rng.random((DRAWS, count)), axis=1)
+    hours = np.array([option.hours for option in options])[orders]
+    times = np.empty(orders.shape)
+    np.put_along_axis(times, orders, np.cumsum(hours, axis=1) - hours / 2, axis=1)
+    badness = _worst_correlation(times, _factors(options, blocks))
+    badness = badness + _too_near(np.argsort(orders, axis=1), options, blocks)
+    found: list[int] = orders[int(np.argmin(badness))].tolist()
+    return found
+
+
+def _numbers(names: Iterable[str]) -> np.ndarray[Any, np.dtype[np.intp]]:
+    """Each name as a number, equal names as equal numbers."""
+    return np.unique(list(names), return_inverse=True)[1]
+
+
+def _factors(options: Sequence[Option], blocks: Array) -> Array:
+    """What varies in a programme (f, n): within blocks settings, their sizes and tests; the speed."""
+    settings = [
+        [option.settings.value(item.name) or 0.0 for option in options]
+        for item in RUN_SETTINGS.values()
+        if item.kept and not item.surroundings
+    ]
+    tests = _numbers(option.test for option in options)
+    kinds = [tests == number for number in range(tests.max() + 1)]
+    plain = np.array(settings)
+    every = np.vstack([plain, np.abs(plain), np.array(kinds, float)])
+    member = (blocks == np.arange(blocks.max() + 1)[:, None]).astype(float)
+    # Between blocks what belongs to a set-up goes with the time whatever the order within them.
+    within = every - (every @ member.T / member.sum(axis=1)) @ member
+    speed = np.array([[option.settings.speed for option in options]])
+    rows = np.vstack([within, speed - speed.mean()])
+    size = np.linalg.norm(rows, axis=1, keepdims=True)
+    scale = np.linalg.norm(np.vstack([every, speed]), axis=1, keepdims=True)
+    varies = (size > 1e-9 * scale)[:, 0]
+    found: Array = rows[varies] / size[varies]
+    return found
+
+
+def _worst_correlation(times: Array, factors: Array) -> Array:
+    """The largest correlation of a factor with the time of the day, of each draw."""
+    if not len(factors):
+        return np.zeros(len(times))
+    away = times - times.mean(axis=1, keepdims=True)
+    away /= np.linalg.norm(away, axis=1, keepdims=True)
+    found: Array = np.abs(away @ factors.T).max(axis=1)
+    return found
+
+
+def _too_near(places: Array, options: Sequence[Option], blocks: Array) -> Array:
+    """By how much a run and its repeat come too near to each other, of each draw."""
+    short = np.zeros(len(places))
+    alike = _numbers(option.id for option in options)
+    for number in range(alike.max() + 1):
+        again = np.flatnonzero(alike == number)
+        size = np.count_nonzero(blocks == blocks[again[0]])
+        for one, other in combinations(again.tolist(), 2):
+            gap = np.abs(places[:, one] - places[:, other]) / size
+            short = np.maximum(short, APART / (len(again) - 1) - gap)
+    return short
