@@ -57,27 +57,11 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
     """The text of ``campaign.toml`` for runs whose data are SI, in ship axes, corrected."""
     every = [*campaign.runs, *(run for run, _ in campaign.excluded)]
     kept = [run for run in every if run.id in entries]
+    known = campaign_tables(campaign)
     data: dict[str, Any] = {
-        "campaign": {
-            "title": campaign.title,
-            "kind": campaign.kind,
-            "closed": True,
-            "forces": campaign.forces,
-            "moment_reference_x": campaign.moment_reference_x,
-            "moment_reference_z": campaign.moment_reference_z,
-            "motion_reference_x": campaign.motion_reference_x,
-            "free": list(campaign.free),
-        },
-        "ship": _given({key: getattr(campaign.ship, name) for name, key in _SHIP.items()}),
-        "water": _given({name: getattr(campaign.water, name) for name in _WATER}),
+        **{name: known[name] for name in ("campaign", "ship", "water")},
         "struts": _struts(campaign, kept),
-        "cfd": _cfd(campaign),
-        "propeller": campaign.propeller,
-        "rudder": campaign.rudder,
-        "trial": _trial(campaign),
-        "imo": dict(campaign.imo),
-        "report": campaign.report,
-        "uncertainty": _uncertainty(campaign.uncertainty),
+        **known,
         "corrections": _corrections(campaign, kept),
         "runs": [
             {
@@ -112,12 +96,37 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
     ]
     data = {key: value for key, value in data.items() if value} | {"end": {}}
     try:
-        text = toml_text({key: _listed(value) for key, value in data.items()})
+        text = toml_text({key: listed(value) for key, value in data.items()})
     except TypeError as error:
         raise CampaignError(
             f"{error}.", remedy="Export the campaign as netcdf, which keeps it."
         ) from error
     return "\n".join(lines) + "\n\n" + text
+
+
+def campaign_tables(campaign: Campaign) -> dict[str, Any]:
+    """The tables of a campaign file that are of no run: head, ship, water, parts, uncertainties."""
+    return {
+        "campaign": {
+            "title": campaign.title,
+            "kind": campaign.kind,
+            "closed": True,
+            "forces": campaign.forces,
+            "moment_reference_x": campaign.moment_reference_x,
+            "moment_reference_z": campaign.moment_reference_z,
+            "motion_reference_x": campaign.motion_reference_x,
+            "free": list(campaign.free),
+        },
+        "ship": _given({key: getattr(campaign.ship, name) for name, key in _SHIP.items()}),
+        "water": _given({name: getattr(campaign.water, name) for name in _WATER}),
+        "cfd": _cfd(campaign),
+        "propeller": campaign.propeller,
+        "rudder": campaign.rudder,
+        "trial": _trial(campaign),
+        "imo": dict(campaign.imo),
+        "report": campaign.report,
+        "uncertainty": _uncertainty(campaign.uncertainty),
+    }
 
 
 def settings_of(run: Run) -> dict[str, Any]:
@@ -181,11 +190,11 @@ def _given(values: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _listed(value: Any) -> Any:
+def listed(value: Any) -> Any:
     """Tuples as lists, so that only what TOML knows is left."""
     if isinstance(value, Mapping):
-        return {str(key): _listed(item) for key, item in value.items() if item is not None}
-    return [_listed(item) for item in value] if isinstance(value, list | tuple) else value
+        return {str(key): listed(item) for key, item in value.items() if item is not None}
+    return [listed(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def _cfd(campaign: Campaign) -> dict[str, Any]:

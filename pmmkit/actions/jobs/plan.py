@@ -1,10 +1,14 @@
-"""The run or manoeuvre to make next, or a whole programme, before any test is made as well."""
+"""The run or manoeuvre to make next, or a whole programme, before any test is made as well.
+
+With --to the captive runs are written for those who make them: settings of carriage and mechanism,
+or tables that move the mesh of a solver, with a campaign file that reads what comes back.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.actions.outcome import Outcome, marked, results_folder, say, written
 from pmmkit.actions.records import RecordSettings
@@ -12,7 +16,7 @@ from pmmkit.actions.setting import present, setting, settings, stated, stem, wor
 from pmmkit.actions.shared import Data, Given, Out
 from pmmkit.actions.speeds import TypedSpeed, typed_list
 from pmmkit.base import DataError
-from pmmkit.presentation import aligned
+from pmmkit.presentation import aligned, quoted
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
@@ -20,6 +24,9 @@ if TYPE_CHECKING:
 
 
 EXAMPLE: Final = "pmmkit plan cubic my-campaign"
+
+Maker = Literal["csv", "openfoam", "starccm"]
+"""Who makes the runs: a carriage, by a table, or a solver."""
 
 
 @settings
@@ -107,6 +114,10 @@ class PlanSettings:
     uncertainty: PlannedNoiseSettings = PlannedNoiseSettings()
     given: Given = ()
     sailed: SailedSettings = SailedSettings()
+    to: Maker | None = setting(
+        "Write the runs for those who make them: a table for the carriage, or cases of a solver.",
+        default=None,
+    )
     before: bool = setting("As if no test of the campaign were made.", default=False)
     data: Data = None
     out: Out = None
@@ -118,6 +129,10 @@ def plan(job: PlanSettings) -> Outcome:
     from pmmkit.diagnosis import plan as plan_programme
 
     listed = None if job.programme.speeds is None else typed_list(job.programme.speeds)
+    if job.to is not None and job.out is not None:
+        from pmmkit.exports import refuse_taken
+
+        refuse_taken(job.out)
     folder = results_folder(
         job.out, f"{stem(job.model if job.campaign is None else job.campaign)}-plan"
     )
@@ -125,7 +140,7 @@ def plan(job: PlanSettings) -> Outcome:
     if opened is not None and opened.kind == "free-running":
         _refuse_captive(job)
         advice = _next_manoeuvre(job, opened, listed)
-        return marked(_written(advice, _advice_lines(advice), folder), job.model)
+        return marked(_written(advice, _advice_lines(advice), folder, ()), job.model)
     if stated(job.sailed):
         raise DataError("Options of free-running records are of no use for captive tests.")
     allowed, options = _limits(opened, job.model, job.limits, listed)
@@ -139,7 +154,7 @@ def plan(job: PlanSettings) -> Outcome:
     }
     if opened is not None and opened.runs and not {"runs", "hours"} & set(stated(job.programme)):
         advice = next_runs(job.model, opened, **asked)
-        return marked(_written(advice, _advice_lines(advice), folder), job.model)
+        return _captive(job, advice, _advice_lines(advice), folder, opened)
     made = plan_programme(
         job.model,
         opened,
@@ -148,12 +163,37 @@ def plan(job: PlanSettings) -> Outcome:
         record_noise=job.uncertainty.record_noise,
         **asked,
     )
-    return marked(_written(made, _plan_lines(made), folder), job.model)
+    return _captive(job, made, _plan_lines(made), folder, opened)
+
+
+def _captive(
+    job: PlanSettings,
+    found: Advice | TestPlan,
+    lines: Sequence[str],
+    folder: Path,
+    campaign: Campaign | None,
+) -> Outcome:
+    """Captive runs, written for those who make them where that is asked."""
+    if job.to is None:
+        return marked(_written(found, lines, folder, ()), job.model)
+    from pmmkit.diagnosis import Programme
+    from pmmkit.exports import programme_files
+    from pmmkit.models import load_model
+
+    # Solvers compute the runs that tell most first; only a day in the tank has a drift.
+    programme = Programme.of(found.options, draw=job.to == "csv")
+    known = load_model(job.model) if campaign is None else campaign
+    files = programme_files(programme, known, job.to)
+    said = (
+        f"For {'the carriage' if job.to == 'csv' else 'the solver'}: how_to.txt and programme.csv. "
+        f"When records are there: pmmkit reduce {quoted(folder)}"
+    )
+    return marked(_written(found, [*lines, said], folder, files), job.model)
 
 
 def _refuse_captive(job: PlanSettings) -> None:
     """What the planning of captive tests alone takes."""
-    captive = ("runs", "hours", "noise", "given", "before")
+    captive = ("runs", "hours", "noise", "given", "before", "to")
     given = [f"--{name}" for name in captive if name in stated(job)]
     if given:
         raise DataError(
@@ -165,7 +205,7 @@ def _refuse_captive(job: PlanSettings) -> None:
 def _next_manoeuvre(
     job: PlanSettings, campaign: Campaign, speeds: Sequence[TypedSpeed] | None
 ) -> Advice:
-    from pmmkit.diagnosis import Limits, complete_model, next_manoeuvres, read_plan_file
+    from pmmkit.diagnosis import Limits, complete_model, next_runs, read_plan_file
 
     loaded, asked = complete_model(job.model), job.sailed.records_asked
     used, _ = asked.chosen(campaign, loaded)
@@ -174,7 +214,7 @@ def _next_manoeuvre(
         limits, options = read_plan_file(job.limits, campaign.ship, limits)
     if speeds is not None:
         limits = limits.with_(speeds=tuple(x.of(campaign.ship, campaign.water) for x in speeds))
-    return next_manoeuvres(
+    return next_runs(
         loaded,
         used.records,
         effects=tuple(words(job.effects)),
@@ -218,8 +258,10 @@ def _limits(
     return read_plan_file(file, ship, found)
 
 
-def _written(found: Advice | TestPlan, lines: Sequence[str], folder: Path) -> Outcome:
-    results = [("plan.csv", found.to_pandas()), ("plan.toml", found.entries)]
+def _written(
+    found: Advice | TestPlan, lines: Sequence[str], folder: Path, more: Iterable[tuple[str, Any]]
+) -> Outcome:
+    results = [("plan.csv", found.to_pandas()), ("plan.toml", found.entries), *more]
     return written(folder, results, found.to_dict(), lines)
 
 

@@ -15,7 +15,10 @@ class OpenFoam(Reader):
 
     name = "openfoam"
     words = "OpenFOAM"
-    reads = "`forces`, `forceCoeffs` and `sixDoFRigidBodyState` of OpenFOAM: a file or a case."
+    reads = (
+        "`forces`, `forceCoeffs` and `sixDoFRigidBodyState` of OpenFOAM: a file or a case; the "
+        "table of `tabulated6DoFMotion`."
+    )
     fallback = "folder"
     computed = True
     keys = ("missing",)
@@ -23,8 +26,9 @@ class OpenFoam(Reader):
     def recognises(self, path: Path, head: bytes) -> bool:
         """Whether a file is one of OpenFOAM's, or a folder holds its results."""
         from pmmkit.readers.openfoam import places
+        from pmmkit.readers.openfoam.mesh_motion import is_motion_table
 
-        return places.recognises(path, head)
+        return places.recognises(path, head) or (bool(head) and is_motion_table(head))
 
     def names(self, request: Request) -> tuple[str, ...]:
         """Headers that the files offer: the time, sums over the parts of a force, and the parts."""
@@ -64,7 +68,10 @@ class OpenFoam(Reader):
         """What the case says: density in controlDict, whether the mesh moves in dynamicMeshDict."""
         from pmmkit.readers.openfoam.mesh_motion import case_of, density_in, entries_of, mesh_motion
         from pmmkit.readers.openfoam.places import series_of
+        from pmmkit.readers.openfoam.reader import holds_motion_table
 
+        if holds_motion_table(request):
+            return {}
         file = series_of(request).parts[0].request.path
         density, case = density_in(entries_of(file)), case_of(file)
         motion = None if case is None else mesh_motion(case)
@@ -78,7 +85,10 @@ class OpenFoam(Reader):
         """The path of the mesh after dynamicMeshDict, and what of that was not followed."""
         from pmmkit.readers.openfoam.mesh_motion import case_of, mesh_motion
         from pmmkit.readers.openfoam.places import series_of
+        from pmmkit.readers.openfoam.reader import holds_motion_table
 
+        if holds_motion_table(request):
+            return {}, ()
         case = case_of(series_of(request).parts[0].request.path)
         motion = None if case is None else mesh_motion(case)
         return ({}, ()) if motion is None else (motion.path, motion.notes)
@@ -86,5 +96,8 @@ class OpenFoam(Reader):
     def files(self, request: Request) -> Sequence[Path]:
         """The files that a request reads."""
         from pmmkit.readers.openfoam.places import series_of
+        from pmmkit.readers.openfoam.reader import holds_motion_table
 
+        if holds_motion_table(request):
+            return (request.path,)
         return tuple(part.request.path for part in series_of(request).parts)

@@ -346,18 +346,44 @@ def _table(function: Dictionary, case: Path, notes: list[str]) -> Mapping[str, A
     if "$" in place or not file.resolve().is_relative_to(case.resolve()):
         notes.append(f"{PLACE}: {stated} is not followed")
         return {}
-    text = text_of(file, most=_TABLE_BYTES)
-    plain = re.sub(r"//[^\n]*|/\*.*?\*/", " ", text, flags=re.DOTALL)
+    table = motion_table(file)
+    if table is None:
+        notes.append(f"{PLACE}: {stated} holds no table of times, places and angles")
+        return {}
+    times, x, y, _, _, _, turned = table
+    return {"t": times, "x": x - x[0], "y": y, "psi": np.radians(turned)}
+
+
+_TABLE: Final = re.compile(rb"\s*(?:\d+\s*)?\(\s*\(\s*[-+.\deE]+\s*\(\s*\([-+.\deE\s]+\)\s*\(")
+"""How a table of motions begins: ``(t ((x y z) (rx ry rz)))`` in a list, with its length or not."""
+_REMARKS: Final = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+
+
+def is_motion_table(head: bytes) -> bool:
+    """Whether a file begins as a table of six degrees of freedom does.
+
+    Examples
+    --------
+    >>> is_motion_table(b"3\\n(\\n(0 ((0 0 0) (0 0 0)))"), is_motion_table(b"3 (1 2 3)")
+    (True, False)
+    """
+    plain = _REMARKS.sub(" ", head.decode("utf-8", "replace")).encode()
+    return _TABLE.match(plain) is not None
+
+
+def motion_table(file: Path) -> Array | None:
+    """Times [s], places [m] and angles [deg] of a table of ``tabulated6DoFMotion`` (7, n)."""
+    plain = _REMARKS.sub(" ", text_of(file, most=_TABLE_BYTES))
     try:
         numbers = np.array(plain.translate(str.maketrans("();", "   ")).split(), float)
     except ValueError:
-        numbers = np.empty(0)
+        return None
     rows = numbers[len(numbers) % 7 :]
     if len(numbers) % 7 > 1 or len(rows) < 7 * 3:
-        notes.append(f"{PLACE}: {stated} holds no table of times, places and angles")
-        return {}
-    times, x, y, _, _, _, turned = rows.reshape(-1, 7).T
-    return {"t": times, "x": x - x[0], "y": y, "psi": np.radians(turned)}
+        return None
+    whole = len(numbers) % 7 == 0 or numbers[0] == len(rows) / 7
+    found: Array = rows.reshape(-1, 7).T
+    return found if whole and np.isfinite(found).all() else None
 
 
 def _sampled(pieces: list[_Piece], notes: list[str]) -> Mapping[str, Array]:

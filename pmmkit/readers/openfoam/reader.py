@@ -17,9 +17,15 @@ import numpy as np
 
 from pmmkit.base import Problem
 from pmmkit.numerics import Array
-from pmmkit.readers.base import Choose, Columns, Request, abridged
+from pmmkit.readers.base import Choose, Columns, Request, abridged, head_of
 from pmmkit.readers.openfoam.header import MOVED, read_rows
-from pmmkit.readers.openfoam.mesh_motion import density_doubt, entries_of, told
+from pmmkit.readers.openfoam.mesh_motion import (
+    density_doubt,
+    entries_of,
+    is_motion_table,
+    motion_table,
+    told,
+)
 from pmmkit.readers.openfoam.places import FileSeries, RestartPart, series_of
 
 TIME: Final = "Time [s]"
@@ -43,13 +49,25 @@ ROUNDING: Final = 2e-3
 """Share by which a total may differ from the sum of its parts, which are rounded as printed."""
 
 
+_OF_TABLE: Final = (
+    TIME,
+    *(f"{MOVED}_{axis} [m]" for axis in "xyz"),
+    *(f"rotation_{axis} [deg]" for axis in "xyz"),
+)
+"""Columns of a table of six degrees of freedom."""
+
+
 def names(request: Request) -> tuple[str, ...]:
     """Headers that the files offer: the time, sums over the parts of a force, and the parts."""
+    if holds_motion_table(request):
+        return _OF_TABLE
     return _headers(series_of(request))
 
 
 def columns(request: Request, choose: Choose) -> Columns:
     """Some columns of the whole history, from the first start of the computation to the last."""
+    if holds_motion_table(request):
+        return _of_table(request, choose)
     series = series_of(request)
     headers = _headers(series)
     positions = tuple(choose(headers, len(headers)))
@@ -79,6 +97,28 @@ def columns(request: Request, choose: Choose) -> Columns:
         dropped=dropped,
         notes=(*notes, *told(series, entries)),
         unsettled={"rho_inf": doubt} if doubt is not None else {},
+    )
+
+
+def holds_motion_table(request: Request) -> bool:
+    """Whether the file is the table by which a mesh was moved."""
+    return request.path.is_file() and is_motion_table(head_of(request.path))
+
+
+def _of_table(request: Request, choose: Choose) -> Columns:
+    """The path of the mesh as its table has it."""
+    table = motion_table(request.path)
+    if table is None:
+        raise request.error(
+            "this is no whole table of times, places and angles.",
+            remedy="Write it again: its length, then a row (t ((x y z) (rx ry rz))) each.",
+        )
+    positions = tuple(choose(_OF_TABLE, len(_OF_TABLE)))
+    return Columns(
+        headers=_OF_TABLE,
+        positions=positions,
+        values=tuple(table[place] for place in positions),
+        notes=("the path of the mesh as its table has it",),
     )
 
 

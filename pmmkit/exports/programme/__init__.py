@@ -1,0 +1,1 @@
+"""Runs that are to be made, for those who make them: a carriage, or a solver."""

@@ -1,0 +1,200 @@
+"""Programmes that are made: what carriage and solvers get, and what comes back without an edit.
+
+The laboratory of this module is its own: it reads the tables that were written in the format, axes
+and units of the program they are for, differentiates the path, knows the forces of one ship, and
+writes them as that program does.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from pmmkit.cli import main
+from pmmkit.models import read_table
+
+L, RHO = 7.0, 1000.0
+SPEED = 1.2
+TRUTH = {
+    "Xuu": -0.0014,
+    "Xvv": -0.0026,
+    "Xrr": 0.0007,
+    "Xvr": -0.0136,
+    "Xudot": -0.0010,
+    "Yv": -0.0207,
+    "Yvvv": -0.105,
+    "Yr": 0.0054,
+    "Yrrr": 0.0005,
+    "Yvvr": 0.025,
+    "Yvrr": -0.026,
+    "Yvdot": -0.0147,
+    "Yrdot": -0.0004,
+    "Nv": -0.0090,
+    "Nvvv": -0.0020,
+    "Nr": -0.0032,
+    "Nrrr": -0.0009,
+    "Nvvr": -0.0193,
+    "Nvrr": 0.0036,
+    "Nvdot": -0.0004,
+    "Nrdot": -0.0007,
+}
+"""Of the size of a tanker's; forces over ½ρL²U², moments over ½ρL³U²."""
+LIMITS = f"""
+[limits]
+speeds = [{SPEED}]
+drift_deg = 12
+frequencies = [2.0, 3.2]
+tests = ["static_drift", "pure_sway", "pure_yaw", "yaw_drift"]
+"""
+
+
+def run(*words) -> int:
+    return main([str(word) for word in words])
+
+
+def planned(tmp_path: Path, to: str, runs: int = 14) -> Path:
+    """The folder of a programme, as it is ordered in an empty one."""
+    limits, folder = tmp_path / "limits.toml", tmp_path / "day"
+    limits.write_text(LIMITS, encoding="utf-8")
+    words = ("--limits", limits, "--runs", runs, "--to", to, "--out", folder)
+    assert run("plan", "kvlcc2-l7", *words) == 0
+    return folder
+
+
+def sheet(folder: Path) -> list[dict[str, str]]:
+    with (folder / "programme.csv").open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+# The ship of the laboratory.
+
+
+def forces(u, v, r, udot, vdot, rdot) -> SimpleNamespace:
+    """X, Y, N of the water on the hull: x forward, y to starboard, z down [N, N m]."""
+    U = np.hypot(u, v)
+    p = {"u": u / U, "v": v / U, "r": r * L / U}
+    p |= {"udot": udot * L / U**2, "vdot": vdot * L / U**2, "rdot": rdot * L**2 / U**2}
+    total = dict.fromkeys("XYN", 0.0)
+    for name, value in TRUTH.items():
+        factors = [name[1:]] if name[1:] in p else list(name[1:])
+        total[name[0]] = total[name[0]] + value * np.prod([p[f] for f in factors], axis=0)
+    scale = 0.5 * RHO * L**2 * U**2
+    return SimpleNamespace(X=scale * total["X"], Y=scale * total["Y"], N=scale * L * total["N"])
+
+
+def hull_forces(t, x, y, psi):
+    """The same from a path over ground: x forward, y to starboard, heading to starboard."""
+    paths = [CubicSpline(t, values) for values in (x, y, psi)]
+    (vx, vy, r), (ax, ay, rdot) = (
+        [path.derivative(order)(t) for path in paths] for order in (1, 2)
+    )
+    cos, sin = np.cos(psi), np.sin(psi)
+    u, v = vx * cos + vy * sin, vy * cos - vx * sin
+    udot = ax * cos + ay * sin + r * v
+    vdot = ay * cos - ax * sin - r * u
+    return forces(u, v, r, udot, vdot, rdot)
+
+
+def of_mesh(t, x, y, psi):
+    """Fx, Fy, Mz along axes that stay (x forward, y to port, z up) about where the mesh began."""
+    felt = hull_forces(t, x, -y, -psi)
+    cos, sin = np.cos(psi), np.sin(psi)
+    ahead, port = felt.X, -felt.Y
+    Fx, Fy = ahead * cos - port * sin, ahead * sin + port * cos
+    return Fx, Fy, -felt.N + x * Fy - y * Fx
+
+
+def resampled(table, end, step=0.05):
+    """A table (t, …) at the time steps of a solver, which begins to move at the first."""
+    t = step * np.arange(1, round(end / step) + 1)
+    return t, [CubicSpline(table[0], column)(t) for column in table[1:]]
+
+
+def started(t, values):
+    """The first seconds of a computation ring, whatever the mesh does."""
+    return values * (1 + 2.0 * np.exp(-t / 1.0) * np.cos(6 * t))
+
+
+def check(folder: Path, capsys, names=tuple(TRUTH)) -> None:
+    """`pmmkit reduce` on the folder as it is gives the ship back, with its signs."""
+    capsys.readouterr()
+    assert run("check", folder) == 0, capsys.readouterr().out
+    assert run("reduce", folder, "--out", folder / "reduced") == 0, capsys.readouterr().out
+    found = read_table(folder / "reduced" / "derivatives.csv").at()
+    size = {"X": 0.001, "Y": 0.01, "N": 0.003}
+    for name in names:
+        allowed = 0.01 * abs(TRUTH[name]) + 0.003 * size[name[0]]
+        assert found[name] == pytest.approx(TRUTH[name], abs=allowed), name
+
+
+# OpenFOAM
+
+
+def six_degrees(file: Path) -> np.ndarray:
+    """t, x, y, z [m] and rotations [deg] of a table: a count, then (t ((x y z) (rx ry rz)))."""
+    text = re.sub(r"//.*", "", file.read_text(encoding="utf-8"))
+    count, rows = re.fullmatch(r"\s*(\d+)\s*\((.*)\)\s*", text, re.DOTALL).groups()
+    number = r"([-+.\deE]+)"
+    triple = rf"\({number} {number} {number}\)"
+    found = re.findall(rf"\({number} \({triple} {triple}\)\)", rows)
+    assert len(found) == int(count) == len(rows.strip().splitlines())
+    return np.array(found, float).T
+
+
+def write_openfoam(case: Path, t, Fx, Fy, Mz) -> None:
+    none = np.zeros_like(t)
+    for kind, vector in (("force", (Fx, Fy, none)), ("moment", (none, none, Mz))):
+        names = " ".join(f"total_{axis}" for axis in "xyz")
+        head = f"# {kind.capitalize()}\n# CofR : (0 0 0)\n#\n# Time\t{names}\n"
+        file = case / "postProcessing" / "forces" / "0" / f"{kind}.dat"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        rows = "".join(
+            f"{a:.6g}\t" + " ".join(f"{value:.10g}" for value in row) + "\n"
+            for a, *row in zip(t, *vector, strict=True)
+        )
+        file.write_text(head + rows, encoding="utf-8")
+
+
+@pytest.mark.slow
+def test_what_openfoam_computes_of_a_programme_is_reduced_without_an_edit(tmp_path, capsys):
+    folder = planned(tmp_path, "openfoam")
+    for row in sheet(folder):
+        case = folder / "runs" / row["id"]
+        t, x, y, z, *turned = six_degrees(case / "constant" / "6DoF.dat")
+        assert t[-1] > (end := float(row["end time [s]"]))
+        assert not z.any()
+        assert not turned[0].any()
+        assert not turned[1].any()
+        t, (x, y, psi) = resampled((t, x, y, np.radians(turned[2])), end)
+        write_openfoam(case, t, *(started(t, part) for part in of_mesh(t, x, y, psi)))
+    check(folder, capsys)
+
+
+# STAR-CCM+
+
+
+@pytest.mark.slow
+def test_what_starccm_computes_of_a_programme_is_reduced_without_an_edit(tmp_path, capsys):
+    folder = planned(tmp_path, "starccm")
+    for row in sheet(folder):
+        place = folder / "runs" / row["id"]
+        with (place / "motion.csv").open(encoding="utf-8", newline="") as stream:
+            heads, *rows = csv.reader(stream)
+        column = dict(zip(heads, np.array(rows, float).T, strict=True))
+        table = [column[name] for name in ("t (s)", "x (m)", "y (m)", "psi (rad)")]
+        t, path = resampled(table, float(row["end time [s]"]))
+        parts = [started(t, part) for part in of_mesh(t, *path)]
+        head = '"Physical Time: Physical Time (s)"' + "".join(
+            f',"{name} Monitor: {kind}"'
+            for name, kind in (("Fx", "Force (N)"), ("Fy", "Force (N)"), ("Mz", "Moment (N-m)"))
+        )
+        lines = [",".join(f"{x:.10g}" for x in values) for values in zip(t, *parts, strict=True)]
+        (place / "forces.csv").write_text("\n".join([head, *lines, ""]), encoding="utf-8")
+    check(folder, capsys)
