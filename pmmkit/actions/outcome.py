@@ -17,6 +17,7 @@ from pmmkit.presentation import quoted
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pmmkit.campaigns import Campaign
     from pmmkit.intake import CheckFinding
     from pmmkit.models import Model
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 DONE: Final = 0
 WRONG: Final = 1
 """Status of a job whose data, or whose request, is wrong."""
+NAMED: Final = 30
+"""Runs without a file that are named, more than a programme has by default."""
 NOT_USABLE: Final = 3
 """Status of a job that did what was asked, with a result that is not usable."""
 
@@ -97,6 +100,14 @@ def words_of(error: Exception) -> str:
 def warned(findings: Iterable[CheckFinding]) -> list[str]:
     """What the checks said, each once."""
     return list(dict.fromkeys(f"{item.severity}: {item.message}" for item in findings))
+
+
+def not_made(campaign: Campaign) -> list[str]:
+    """Which runs of a programme have no file yet, in a line: a name may be misspelt."""
+    from pmmkit.intake import name_runs
+
+    missing = campaign.not_made
+    return [f"Not made yet (no file): {name_runs(missing, NAMED)}"] if missing else []
 
 
 # Where a job writes: nothing that is there is overwritten unless it was named, and said.

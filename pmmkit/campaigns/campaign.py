@@ -6,6 +6,7 @@ import csv
 import fnmatch
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -451,11 +452,16 @@ class Campaign(Described):
                 return {title: [row[place] for row in full] for place, title in enumerate(rows[0])}
         return None
 
+    @property
+    def not_made(self) -> tuple[str, ...]:
+        """Runs of a programme (``planned = true``) that have no file yet; they are left out."""
+        return tuple(self.provenance.get("not_made", ()))
+
     def file_hashes(self) -> dict[str, str]:
         """SHA-256 of every data file that its runs come from, by the file's name.
 
         Of a folder these are the files in it that are read. Runs that do not come from a file of
-        their own are passed over.
+        their own are passed over, and of those left out the files that are not there.
 
         Raises
         ------
@@ -465,11 +471,14 @@ class Campaign(Described):
         hashes: dict[str, str] = {}
         problems: list[Problem] = []
         files: dict[str, Path] = {}
-        for run in (*self.runs, *(run for run, _ in self.excluded)):
+        for run in self.runs:
             try:
                 files |= run.files()
             except DataError as error:
                 problems += [problem for problem in error.problems if problem not in problems]
+        for run, _ in self.excluded:
+            with suppress(DataError):
+                files |= {shown: path for shown, path in run.files().items() if path.exists()}
         for shown, path in files.items():
             try:
                 hashes[shown] = sha256(path)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
-from pmmkit.actions.outcome import Outcome, check_folder
+from pmmkit.actions.outcome import Outcome, check_folder, not_made
 from pmmkit.actions.setting import settings
 from pmmkit.actions.shared import Campaign, Data, Out
 
@@ -45,7 +45,7 @@ def check(job: CheckSettings) -> Outcome:
     }
     if job.out:
         write_results(job.out, [("findings.json", findings), *_files(found)])
-    return Outcome(content=content, lines=[_text(found)], status=1 if errors else 0)
+    return Outcome(content=content, lines=[_text(found), *not_made(opened)], status=1 if errors else 0)
 
 
 def _files(findings: Sequence[CheckFinding]) -> Iterator[tuple[str, str]]:

@@ -16,7 +16,7 @@ from pmmkit.actions.setting import present, setting, settings, stated, stem, wor
 from pmmkit.actions.shared import Data, Given, Out
 from pmmkit.actions.speeds import TypedSpeed, typed_list
 from pmmkit.base import DataError
-from pmmkit.presentation import aligned, quoted
+from pmmkit.presentation import aligned, counted, quoted
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
@@ -180,14 +180,18 @@ def _captive(
     from pmmkit.exports import programme_files
     from pmmkit.models import load_model
 
-    # Solvers compute the runs that tell most first; only a day in the tank has a drift.
-    programme = Programme.of(found.options, draw=job.to == "csv")
-    known = load_model(job.model) if campaign is None else campaign
+    options, known = found.options, load_model(job.model) if campaign is None else campaign
+    if job.to == "csv":
+        programme, whom = Programme.of(options, draw=True), "The carriage makes"
+    else:
+        # The runs that tell most are computed first: no day goes by that could look like a setting.
+        # And a solver gives the same twice.
+        programme, whom = Programme.of([*dict.fromkeys(options)]), f"For {job.to}"
     files = programme_files(programme, known, job.to)
-    said = (
-        f"For {'the carriage' if job.to == 'csv' else 'the solver'}: how_to.txt and programme.csv. "
-        f"When records are there: pmmkit reduce {quoted(folder)}"
-    )
+    then = f"Then: pmmkit reduce {quoted(folder)}"
+    if campaign is not None and campaign.runs:
+        then = f"{then}, or put [[runs]] of its campaign.toml into that of the tests before."
+    said = f"{whom} {counted(len(programme.runs), 'run')}: how_to.txt and programme.csv. {then}"
     return marked(_written(found, [*lines, said], folder, files), job.model)
 
 

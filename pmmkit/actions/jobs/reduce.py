@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from pmmkit.actions.outcome import NOT_USABLE, Outcome, results_folder, say, words_of
+from pmmkit.actions.outcome import NOT_USABLE, Outcome, not_made, results_folder, say, words_of
 from pmmkit.actions.setting import cycles_of, setting, settings, stem
 from pmmkit.actions.shared import (
     STRUCTURE,
@@ -210,7 +210,8 @@ def _at_one_depth(
         "changes": turns.changes if turns else {},
         "diagnosis": loop.diagnosis.to_dict() if loop else None,
     }
-    lines = [*_words(found, beside, turns, why), *_missing(loop), "", f"Results: {out.resolve()}"]
+    lines = [*_words(found, beside, turns, why), *_missing(loop), *not_made(opened)]
+    lines += ["", f"Results: {out.resolve()}"]
     outcome = Outcome(
         content=content,
         lines=[*lines, f"Report:  {out.resolve() / 'report.html'}", "", str(judged)],

@@ -129,6 +129,7 @@ class Assembled(Faults):
     runs: list[Run] = field(default_factory=list)
     ids: dict[str, str] = field(default_factory=dict)
     left_out: dict[str, str] = field(default_factory=dict)
+    not_made: list[str] = field(default_factory=list)
     tables: dict[Any, Found] = field(default_factory=dict)
     incomplete: bool = False
 
@@ -178,10 +179,11 @@ def specs_of(entry: FileEntry | None, base: Mapping[str, ColumnSpec]) -> dict[st
     return {**base, **{name: ColumnSpec(**column.model_dump()) for name, column in own.items()}}
 
 
-def left_where_not_made(entry: RunEntry, setup: Setup) -> Setup:
+def left_where_not_made(entry: RunEntry, setup: Setup, out: Assembled) -> Setup:
     """The setup with the exclusion of a run of a programme that has no file yet."""
     if not setup.planned or entry.row is not None or setup.search.find(entry.file) is not None:
         return setup
+    out.not_made.append(entry.id)
     reason = f"not made yet: there is no {entry.file}"
     own = Correction(runs=(glob.escape(entry.id),), action="exclude", reason=reason)
     return replace(setup, corrections=(*setup.corrections, own))

@@ -308,6 +308,8 @@ def _assemble(
     }
     if out.left_out:
         provenance["left_out"] = dict(out.left_out)
+    if out.not_made:
+        provenance["not_made"] = list(out.not_made)
     return campaign.with_(
         title=campaign.title or folder_name(place, origin),
         runs=tuple(run for run in out.runs if run.id not in reasons),

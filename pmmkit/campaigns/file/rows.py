@@ -378,7 +378,7 @@ def _not_sampled(
 def add_run(entry: RunEntry, label: str, setup: Setup, out: Assembled) -> None:
     """One entry of ``[[runs]]``: a history, or a row of a table."""
     out.claim(entry.id, label)
-    setup = left_where_not_made(entry, computed(setup, entry))
+    setup = left_where_not_made(entry, computed(setup, entry), out)
     request = request_of(entry, label, setup, out)
     if request is None:
         return

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from pmmkit.campaigns import Campaign
@@ -27,6 +27,14 @@ def programme_text(
     merged = {**known, **{name: {**known.get(name, {}), **own} for name, own in tables.items()}}
     merged["campaign"] = {**merged["campaign"], "planned": True}
     data = {name: table for name, table in merged.items() if table}
-    data |= {"runs": [dict(entry) for entry in entries], "end": {}}
+    data |= {"runs": list(_of_their_own(entries)), "end": {}}
     lines = [*written_by("#"), *(line for text in said for line in comment(text, "#"))]
     return "\n".join(lines) + "\n\n" + toml_text(listed(data))
+
+
+def _of_their_own(entries: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Entries that name no run but those beside them: one of older tests is in another file."""
+    ids = {entry["id"] for entry in entries}
+    for entry in entries:
+        alone = entry.get("repeat_of") not in ids
+        yield {name: x for name, x in entry.items() if not (alone and name == "repeat_of")}

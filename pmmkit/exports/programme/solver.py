@@ -85,7 +85,7 @@ def solver_campaign(
         for run in programme.runs
     ]
     known = Campaign(
-        title=f"Programme for {campaign.ship.name}",
+        title=campaign.title,
         ship=campaign.ship,
         water=campaign.water,
         runs=(),

@@ -75,8 +75,13 @@ def programme_files(programme: Programme, of: Campaign | Model, to: str) -> Resu
         raise UnknownNameError(f"A programme is written for {', '.join(MAKERS)}, not for {to!r}.")
     if not programme.runs:
         raise DataError(f"There is no run that could be written as {to}.")
-    known = of if isinstance(of, Campaign) else _before_tests(of)
+    known = _further(of) if isinstance(of, Campaign) else _before_tests(of)
     return _of_carriage(programme, known) if to == "csv" else _of_solver(programme, known, to)
+
+
+def _further(campaign: Campaign) -> Campaign:
+    """The campaign under a title of its own: both may stand side by side."""
+    return campaign.with_(title=f"{campaign.title}: further runs")
 
 
 def _before_tests(model: Model) -> Campaign:
