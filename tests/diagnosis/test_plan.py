@@ -475,3 +475,10 @@ def test_the_command_plans_before_any_test(tmp_path, capsys):
     assert [entry["id"] for entry in entries] == [step["id"] for step in said.steps]
     wanted = {option.id for option in listed}
     assert {entry["id"] for entry in entries} <= wanted
+
+
+def test_runs_without_a_force_say_nothing_of_the_noise():
+    settings = Settings(speed=1.5, rudder=math.radians(20))
+    option = timed("static_rudder", settings, LIMITS, SHIP)
+    with pytest.raises(DataError, match=r"no Y and no N in any of these runs"):
+        plan(cubic_model(), limits=LIMITS, options=[option])

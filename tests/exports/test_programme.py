@@ -12,14 +12,19 @@ import re
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
+from typing import get_args
 
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from pmmkit.actions.jobs.plan import Maker
+from pmmkit.campaigns import open_campaign
 from pmmkit.cli import main
+from pmmkit.exports.programme.write import MAKERS
 from pmmkit.models import read_table
 
+ROOT = Path(__file__).parents[2]
 L, RHO = 7.0, 1000.0
 SPEED = 1.2
 TRUTH = {
@@ -196,6 +201,159 @@ def test_what_starccm_computes_of_a_programme_is_reduced_without_an_edit(tmp_pat
         lines = [",".join(f"{x:.10g}" for x in values) for values in zip(t, *parts, strict=True)]
         (place / "forces.csv").write_text("\n".join([head, *lines, ""]), encoding="utf-8")
     check(folder, capsys)
+
+
+# Every kind of run that a mesh can make
+
+KINDS = """
+[[runs]]
+test = "static_drift"
+speed = 1.2
+drift_deg = -11.5
+[[runs]]
+test = "circular_motion"
+speed = 1.2
+radius = 21.0
+drift_deg = 4.0
+[[runs]]
+test = "circular_motion"
+speed = 1.2
+yaw_rate = -0.08
+[[runs]]
+test = "pure_surge"
+speed = 1.2
+period = 11.0
+amplitude_m = 0.3
+[[runs]]
+test = "sway_yaw"
+speed = 1.2
+period = 14.0
+amplitude_m = 0.4
+yaw_amplitude_deg = 9.0
+[[runs]]
+test = "yaw_drift"
+speed = 1.2
+period = 14.0
+yaw_amplitude_deg = 9.0
+drift_deg = 6.0
+"""
+
+
+def computed(case: Path, end: float) -> tuple[SimpleNamespace, np.ndarray]:
+    """What the hull felt on its way and her velocities, by the table, as OpenFOAM writes it."""
+    t, x, y, _, *turned = six_degrees(case / "constant" / "6DoF.dat")
+    t, (x, y, psi) = resampled((t, x, y, np.radians(turned[2])), end)
+    write_openfoam(case, t, *of_mesh(t, x, y, psi))
+    return hull_forces(t, x, -y, -psi), t
+
+
+@pytest.mark.slow
+def test_forces_of_every_kind_of_run_are_those_that_the_hull_felt(tmp_path):
+    limits, folder = tmp_path / "limits.toml", tmp_path / "day"
+    limits.write_text(KINDS, encoding="utf-8")
+    words = ("--limits", limits, "--hours", 9, "--to", "openfoam", "--out", folder)
+    assert run("plan", "kvlcc2-l7", *words) == 0
+    rows = sheet(folder)
+    assert {row["test"].replace(" ", "_") for row in rows} == set(re.findall('"(.*)"', KINDS))
+    for row in rows:
+        felt, t = computed(folder / "runs" / row["id"], float(row["end time [s]"]))
+        made = open_campaign(folder)[row["id"]]
+        kept = t >= t[0] + float(row["run-up [s]"])
+        np.testing.assert_allclose(made.data["t"], t[kept], atol=1e-5)
+        for name in "XYN":
+            expected = getattr(felt, name)[kept]
+            atol = 2e-4 * np.abs(expected).max() + 0.02
+            np.testing.assert_allclose(made.data[name], expected, atol=atol)
+        # The phase that is stated, and the velocities of the settings, are those of the path.
+        nominal = made.nominal_motion(t[kept])
+        measured = made.measured_motion(made.data, t[kept])
+        for name in "uvr":
+            np.testing.assert_allclose(
+                getattr(measured, name), getattr(nominal, name), atol=2e-3, err_msg=row["id"]
+            )
+
+
+DRIFT = """[[runs]]
+test = "yaw_drift"
+speed = 1.2
+period = 12.0
+yaw_amplitude_deg = 8.0
+drift_deg = 8.0
+"""
+
+
+def test_the_same_words_give_the_same_files(tmp_path):
+    kept = []
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        folder = planned(tmp_path / name, "starccm", runs=3)
+        kept.append({x.relative_to(folder): x.read_bytes() for x in folder.rglob("*") if x.is_file()})
+    assert kept[0] == kept[1]
+    assert len(kept[0]) == 8
+
+
+def test_a_rudder_that_swings_is_made_by_no_mesh(tmp_path, capsys):
+    limits = tmp_path / "limits.toml"
+    rudder = 'test = "harmonic_rudder"\nspeed = 1.2\nperiod = 9.0\nrudder_amplitude_deg = 15.0\n'
+    limits.write_text(f"[[runs]]\n{rudder}{DRIFT}", encoding="utf-8")
+    words = ("plan", "kvlcc2-l7", "--limits", limits, "--hours", 0.5, "--out")
+    assert run(*words, tmp_path / "mesh", "--to", "openfoam") == 1
+    assert "the rudder swings" in capsys.readouterr().err
+    assert not (tmp_path / "mesh").exists()
+    assert run(*words, tmp_path / "tank", "--to", "csv") == 0
+    assert "15.0" in {row["rudder amplitude [deg]"] for row in sheet(tmp_path / "tank")}
+
+
+def test_what_is_built_into_the_mesh_is_said(tmp_path):
+    limits = tmp_path / "limits.toml"
+    limits.write_text(f'[[runs]]\ntest = "static_rudder"\nspeed = 1.2\nrudder_deg = -20\n{DRIFT}')
+    words = ("plan", "kvlcc2-l7", "--limits", limits, "--out", tmp_path / "a", "--to", "starccm")
+    assert run(*words, "--hours", 1) == 0
+    assert "rudder at -20 deg" in (tmp_path / "a" / "how_to.txt").read_text(encoding="utf-8")
+
+
+def test_a_plan_without_a_run_is_not_written(tmp_path, capsys):
+    limits = tmp_path / "limits.toml"
+    limits.write_text(DRIFT)
+    words = ("plan", "kvlcc2-l7", "--limits", limits, "--out", tmp_path / "a", "--to", "csv")
+    assert run(*words, "--hours", 0.05) == 1
+    assert "The plan has no run" in capsys.readouterr().err
+
+
+def test_a_folder_with_a_campaign_is_not_written_over(tmp_path, capsys):
+    folder = planned(tmp_path, "csv", runs=2)
+    before = {file: file.read_bytes() for file in folder.iterdir() if file.is_file()}
+    words = ("--limits", tmp_path / "limits.toml", "--runs", 3, "--to", "csv", "--out", folder)
+    assert run("plan", "kvlcc2-l7", *words) == 1
+    assert "holds campaign.toml already" in capsys.readouterr().err
+    assert {file: file.read_bytes() for file in folder.iterdir() if file.is_file()} == before
+
+
+def test_manoeuvres_are_no_programme_of_a_carriage(tmp_path, capsys):
+    (tmp_path / "turn.csv").write_text("t,x,y,psi\n0,0,0,0\n1,1,0,0\n2,2,0,0\n")
+    (tmp_path / "campaign.toml").write_text(
+        '[campaign]\nkind = "free-running"\n[ship]\nname = "kvlcc2-l7"\n[[runs]]\nid = "T"\n'
+        'test = "turning"\nfile = "turn.csv"\nspeed = 1.0\nrudder_deg = 35\n'
+    )
+    assert run("plan", "kvlcc2-l7", tmp_path, "--to", "csv", "--out", tmp_path / "a") == 1
+    assert "--to: for captive tests" in capsys.readouterr().err
+
+
+def test_those_who_make_runs_are_one_list():
+    assert get_args(Maker) == MAKERS
+
+
+@pytest.mark.slow
+def test_the_next_run_of_a_campaign_is_written_with_what_is_known_of_it(tmp_path):
+    words = ("--for", "memory,fault_pmm_amplitude", "--to", "openfoam", "--out", tmp_path / "next")
+    assert run("plan", "cubic", ROOT / "datasets" / "s175", *words) == 0
+    (row,) = sheet(tmp_path / "next")
+    computed(tmp_path / "next" / "runs" / row["id"], float(row["end time [s]"]))
+    known, made = open_campaign(ROOT / "datasets" / "s175"), open_campaign(tmp_path / "next")
+    assert (made.ship, made.water) == (known.ship, known.water)
+    assert made.forces == "hydrodynamic"
+    assert made.title != known.title
+    assert [item.id for item in made.runs] == [row["id"]]
 
 
 # A carriage with its mechanism

@@ -8,7 +8,10 @@ import tomllib
 import numpy as np
 import pytest
 
+from pmmkit.base import CampaignError
+from pmmkit.campaigns import read_columns
 from pmmkit.cli import main
+from pmmkit.readers import Request
 from pmmkit.readers.openfoam.mesh_motion import mesh_motion
 
 SWAY_V2306 = """
@@ -185,3 +188,39 @@ def test_the_draft_takes_kind_period_and_amplitude_from_it(tmp_path, capsys):
     assert runs["case1"]["cfd"] == runs["case2"]["cfd"] == moving
     assert runs["case3"]["cfd"] == {"forces_in": "body", "moment_centre_moves": True}
     assert "omega of oscillatingRotatingMotion is no plain number" in text
+
+
+TABLE = "// t [s] ((x y z) (rx ry rz))\n3\n(\n" + "".join(
+    f"({t} (({1.2 * t:g} {-0.1 * t:g} 0) (0 0 {5 - t})))\n" for t in range(3)
+) + ")\n"  # fmt: skip
+
+
+def test_a_table_of_motions_is_read_by_itself(tmp_path):
+    (tmp_path / "6DoF.dat").write_text(TABLE)
+    request = Request(path=tmp_path / "6DoF.dat", shown="6DoF.dat")
+    read, picked, _ = read_columns(request, {}, ("t",))
+    found = {
+        column.name: column.apply(x) for column, x in zip(picked, read.values, strict=True)
+    }
+    np.testing.assert_allclose(found["t"], [0, 1, 2])
+    np.testing.assert_allclose(found["x"], [0, 1.2, 2.4])
+    np.testing.assert_allclose(found["y"], [0, -0.1, -0.2])
+    np.testing.assert_allclose(found["psi"], np.radians([5, 4, 3]))
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda text: text[: text.rindex("(2")] + ")",
+        lambda text: text.replace("(2 ((2.4", "(2 ((2,4"),
+        lambda text: text.replace("2.4 ", ""),
+        lambda text: text.replace("2.4", "nan"),
+        lambda text: text.replace("\n3\n", "\n4\n"),
+    ],
+    ids=["row lost", "comma", "number lost", "no number", "other length"],
+)
+def test_a_damaged_table_of_motions_is_refused(tmp_path, damage):
+    (tmp_path / "6DoF.dat").write_text(damage(TABLE))
+    request = Request(path=tmp_path / "6DoF.dat", shown="6DoF.dat")
+    with pytest.raises(CampaignError, match="no whole table"):
+        read_columns(request, {}, ("t",))

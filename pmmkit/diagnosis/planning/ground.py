@@ -225,6 +225,13 @@ def _before_tests(
     rough = _views(offered, base, stated_noise(dict.fromkeys(CHANNELS, 1.0)), 0.0)
     scale = {c.name: c.scale for c in channels_of(rough, base)}
     size = {name: x * base.reference**2 for name, x in scale.items()}
+    silent = [name for name, x in size.items() if not x > 0]
+    if silent:
+        raise DataError(
+            f"The model has no {' and no '.join(silent)} in any of these runs, so that nothing says "
+            "how large the noise will be.",
+            remedy="Offer a run with drift, sway or yaw as well.",
+        )
     planned = _views(offered, base, stated_noise(size, noise), 0.0)
     every = _candidates_of(base, limits.speeds, candidates)
     usual = RunEffects.usual(size).mode

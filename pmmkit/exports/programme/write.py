@@ -74,7 +74,10 @@ def programme_files(programme: Programme, of: Campaign | Model, to: str) -> Resu
     if to not in MAKERS:
         raise UnknownNameError(f"A programme is written for {', '.join(MAKERS)}, not for {to!r}.")
     if not programme.runs:
-        raise DataError(f"There is no run that could be written as {to}.")
+        raise DataError(
+            "The plan has no run: there is nothing to write.",
+            remedy="Give it more time, other limits, or leave --to out to see why.",
+        )
     known = _further(of) if isinstance(of, Campaign) else _before_tests(of)
     return _of_carriage(programme, known) if to == "csv" else _of_solver(programme, known, to)
 

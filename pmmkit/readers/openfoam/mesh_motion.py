@@ -374,16 +374,17 @@ def is_motion_table(head: bytes) -> bool:
 def motion_table(file: Path) -> Array | None:
     """Times [s], places [m] and angles [deg] of a table of ``tabulated6DoFMotion`` (7, n)."""
     plain = _REMARKS.sub(" ", text_of(file, most=_TABLE_BYTES))
+    length, _, rest = plain.partition("(")
     try:
-        numbers = np.array(plain.translate(str.maketrans("();", "   ")).split(), float)
+        stated = int(length) if length.strip() else None
+        numbers = np.array(rest.translate(str.maketrans("();", "   ")).split(), float)
     except ValueError:
         return None
-    rows = numbers[len(numbers) % 7 :]
-    if len(numbers) % 7 > 1 or len(rows) < 7 * 3:
+    rows = len(numbers) // 7
+    if len(numbers) != 7 * rows or rows < 3 or stated not in (None, rows):
         return None
-    whole = len(numbers) % 7 == 0 or numbers[0] == len(rows) / 7
-    found: Array = rows.reshape(-1, 7).T
-    return found if whole and np.isfinite(found).all() else None
+    found: Array = numbers.reshape(-1, 7).T
+    return found if np.isfinite(found).all() else None
 
 
 def _sampled(pieces: list[_Piece], notes: list[str]) -> Mapping[str, Array]:
