@@ -68,7 +68,7 @@ def test_in_any_other_campaign_a_missing_file_is_a_fault(tmp_path):
 
 
 def test_a_table_that_is_missing_is_a_fault_even_so(tmp_path):
-    text = FILE.replace('speed = 1.0\ndrift_deg = 4.0', 'speed = 1.0\nrow = { n = 1 }')
+    text = FILE.replace("speed = 1.0\ndrift_deg = 4.0", "speed = 1.0\nrow = { n = 1 }")
     with pytest.raises(CampaignError, match=r"runs/a\.csv' is not there"):
         open_campaign(day(tmp_path, text, made=()))
 

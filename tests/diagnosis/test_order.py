@@ -48,7 +48,8 @@ def test_the_runs_are_the_same_and_the_order_too_every_time():
     assert drawn(EVERY) == drawn(EVERY)
     assert drawn(EVERY) != list(EVERY)
     assert [run.option for run in Programme.of(EVERY).runs] == list(EVERY)
-    assert [run.number for run in Programme.of(EVERY, draw=True).runs] == [*range(1, len(EVERY) + 1)]
+    numbers = [run.number for run in Programme.of(EVERY, draw=True).runs]
+    assert numbers == [*range(1, len(EVERY) + 1)]
 
 
 def test_a_set_up_is_made_once():
@@ -63,7 +64,7 @@ def test_a_set_up_is_made_once():
 
 
 def test_a_zero_that_drifts_through_the_day_does_not_look_like_a_setting():
-    """Slopes over speed, drift and rudder of a zero that climbs by 1 in the day, by least squares."""
+    """Slopes over speed, drift and rudder, by least squares, of a zero that climbs by 1 a day."""
 
     def slopes(options):
         times = middles(options)

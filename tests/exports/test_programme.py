@@ -171,7 +171,8 @@ def test_what_openfoam_computes_of_a_programme_is_reduced_without_an_edit(tmp_pa
     for row in sheet(folder):
         case = folder / "runs" / row["id"]
         t, x, y, z, *turned = six_degrees(case / "constant" / "6DoF.dat")
-        assert t[-1] > (end := float(row["end time [s]"]))
+        end = float(row["end time [s]"])
+        assert t[-1] > end
         assert not z.any()
         assert not turned[0].any()
         assert not turned[1].any()
@@ -287,7 +288,8 @@ def test_the_same_words_give_the_same_files(tmp_path):
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
         folder = planned(tmp_path / name, "starccm", runs=3)
-        kept.append({x.relative_to(folder): x.read_bytes() for x in folder.rglob("*") if x.is_file()})
+        files = [file for file in folder.rglob("*") if file.is_file()]
+        kept.append({file.relative_to(folder): file.read_bytes() for file in files})
     assert kept[0] == kept[1]
     assert len(kept[0]) == 8
 
@@ -373,8 +375,8 @@ def carriage_record(row, ship, rng, step=0.1):
     x = CubicSpline(t, pace).antiderivative()(t)
     moving = t > 9.5
     felt = hull_forces(t[moving], x[moving], y[moving], (psi + beta)[moving])
-    paths = [CubicSpline(t, part) for part in (x, y, psi + beta)]
-    (vx, vy, r), (ax, ay, rdot) = ([p.derivative(n)(t) for p in paths] for n in (1, 2))
+    ax, ay, rdot = (CubicSpline(t, part).derivative(2)(t) for part in (x, y, psi + beta))
+    r = CubicSpline(t, psi).derivative()(t)
     ahead = ax * np.cos(psi + beta) + ay * np.sin(psi + beta)
     aside = ay * np.cos(psi + beta) - ax * np.sin(psi + beta)
     m, xG, Izz = ship["mass"], ship["xG"], ship["Izz"]
@@ -392,7 +394,8 @@ def carriage_record(row, ship, rng, step=0.1):
 def save(file: Path, columns) -> None:
     """As a logger in Hamburg does: semicolons and decimal commas."""
     rows = np.column_stack(list(columns.values()))
-    lines = [";".join(columns), *(";".join(f"{x:.7g}" for x in row).replace(".", ",") for row in rows)]
+    lines = [";".join(columns)]
+    lines += [";".join(f"{x:.7g}" for x in row).replace(".", ",") for row in rows]
     file.write_text("\r\n".join([*lines, ""]), encoding="utf-8", newline="")
 
 

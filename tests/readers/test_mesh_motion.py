@@ -199,9 +199,7 @@ def test_a_table_of_motions_is_read_by_itself(tmp_path):
     (tmp_path / "6DoF.dat").write_text(TABLE)
     request = Request(path=tmp_path / "6DoF.dat", shown="6DoF.dat")
     read, picked, _ = read_columns(request, {}, ("t",))
-    found = {
-        column.name: column.apply(x) for column, x in zip(picked, read.values, strict=True)
-    }
+    found = {column.name: column.apply(x) for column, x in zip(picked, read.values, strict=True)}
     np.testing.assert_allclose(found["t"], [0, 1, 2])
     np.testing.assert_allclose(found["x"], [0, 1.2, 2.4])
     np.testing.assert_allclose(found["y"], [0, -0.1, -0.2])

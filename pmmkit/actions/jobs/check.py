@@ -45,7 +45,9 @@ def check(job: CheckSettings) -> Outcome:
     }
     if job.out:
         write_results(job.out, [("findings.json", findings), *_files(found)])
-    return Outcome(content=content, lines=[_text(found), *not_made(opened)], status=1 if errors else 0)
+    return Outcome(
+        content=content, lines=[_text(found), *not_made(opened)], status=1 if errors else 0
+    )
 
 
 def _files(findings: Sequence[CheckFinding]) -> Iterator[tuple[str, str]]:

@@ -228,8 +228,8 @@ def _before_tests(
     silent = [name for name, x in size.items() if not x > 0]
     if silent:
         raise DataError(
-            f"The model has no {' and no '.join(silent)} in any of these runs, so that nothing says "
-            "how large the noise will be.",
+            f"The model has no {' and no '.join(silent)} in any of these runs, so that nothing "
+            "says how large the noise will be.",
             remedy="Offer a run with drift, sway or yaw as well.",
         )
     planned = _views(offered, base, stated_noise(size, noise), 0.0)

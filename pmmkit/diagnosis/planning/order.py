@@ -17,19 +17,22 @@ from itertools import combinations
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Settings
+from pmmkit.campaigns import RUN_SETTINGS, Settings
 from pmmkit.diagnosis.planning.options import Option
 from pmmkit.diagnosis.planning.plan_file import entries_of
 from pmmkit.numerics import Array
 
 DRAWS: Final = 2000
-"""Orders that are drawn: of 24 runs of a tanker at three speeds the best of them has no setting that
+"""Orders that are drawn: of 24 runs of a tanker at three speeds the best has no setting that
 correlates with the time by more than 0.10; a single draw has 0.24 (median of 300)."""
 APART: Final = 1.0 / 3.0
 """Share of a block by which a run and its repeat are to lie apart."""
 SEED: Final = 1
 """Of the draws: the same programme has the same order every time."""
+
+Places = NDArray[np.intp]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +60,7 @@ class ProgrammeRun:
 
     @cached_property
     def settings(self) -> Settings:
-        """What it is set to: the numbers that are written, not those that they were rounded from."""
+        """What it is set to: the numbers that are written, rounded as they are."""
         stated = {
             item.name: item.to_si(self.entry[item.in_file])
             for item in RUN_SETTINGS.values()
@@ -134,17 +137,18 @@ def drawn_order(options: Sequence[Option]) -> list[int]:
     np.put_along_axis(times, orders, np.cumsum(hours, axis=1) - hours / 2, axis=1)
     badness = _worst_correlation(times, _factors(options, blocks))
     badness = badness + _too_near(np.argsort(orders, axis=1), options, blocks)
-    found: list[int] = orders[int(np.argmin(badness))].tolist()
+    # An order and its reverse are alike but for rounding: the first of them counts everywhere.
+    found: list[int] = orders[int(np.argmin(badness.round(9)))].tolist()
     return found
 
 
-def _numbers(names: Iterable[str]) -> np.ndarray[Any, np.dtype[np.intp]]:
+def _numbers(names: Iterable[str]) -> Places:
     """Each name as a number, equal names as equal numbers."""
-    return np.unique(list(names), return_inverse=True)[1]
+    return np.unique(list(names), return_inverse=True)[1].astype(np.intp)
 
 
-def _factors(options: Sequence[Option], blocks: Array) -> Array:
-    """What varies in a programme (f, n): within blocks settings, their sizes and tests; the speed."""
+def _factors(options: Sequence[Option], blocks: Places) -> Array:
+    """What varies in a programme (f, n): settings, sizes and tests within blocks; the speed."""
     settings = [
         [option.settings.value(item.name) or 0.0 for option in options]
         for item in RUN_SETTINGS.values()
@@ -176,7 +180,7 @@ def _worst_correlation(times: Array, factors: Array) -> Array:
     return found
 
 
-def _too_near(places: Array, options: Sequence[Option], blocks: Array) -> Array:
+def _too_near(places: Places, options: Sequence[Option], blocks: Places) -> Array:
     """By how much a run and its repeat come too near to each other, of each draw."""
     short = np.zeros(len(places))
     alike = _numbers(option.id for option in options)

@@ -1,8 +1,8 @@
 """A programme for OpenFOAM: of each run the part of a case that moves the mesh and writes forces.
 
-The table is that of ``tabulated6DoFMotion``: a list of ``(t ((x y z) (rx ry rz)))`` with its length,
-metres and degrees, in between a spline; the solver stops with an error beyond the last row. Source:
-``tabulated6DoFMotion.C``, ``forces.C`` and the tutorial ``sloshingTank3D6DoF`` of the OpenFOAM
+The table is that of ``tabulated6DoFMotion``: a list of ``(t ((x y z) (rx ry rz)))`` with its length
+before it, metres and degrees, in between a spline; the solver stops with an error beyond the last
+row. Source: ``tabulated6DoFMotion.C`` and the tutorial ``sloshingTank3D6DoF`` of the OpenFOAM
 Foundation and of OpenCFD.
 """
 
@@ -52,14 +52,15 @@ def how_to(programme: Programme, campaign: Campaign) -> list[str]:
         "",
         "1. The mesh has x forward, y to port, z up. Its origin is",
         f"   {origin_in_words(campaign)}.",
-        "   The whole mesh is towed through water at rest: U is 0 inside and on the outer boundaries.",
-        "   On the hull U is movingWallVelocity.",
+        "   The whole mesh is towed through water at rest: U is 0 inside and on the outer",
+        "   boundaries, and movingWallVelocity on the hull.",
         "2. constant/dynamicMeshDict and constant/6DoF.dat move it. It starts from rest; after the",
         "   run-up (run-up [s] in programme.csv) the motion is that of the test.",
-        '3. Write into system/controlDict: #include "times", and under functions #include "forces".',
+        '3. Write into system/controlDict: #include "times"; under functions: #include "forces".',
         "   In system/forces the patches of the hull are called (hull): write yours.",
-        "4. Compute to the end time. Forces stand in postProcessing/forces, one row a time step.",
-        f"   They are along axes that stay and about (0 0 0): runs/{first}/postProcessing/forces/0.",
+        "4. Compute to the end time. Forces stand in postProcessing/forces, a row each time step,",
+        "   along axes that stay and about (0 0 0), such as",
+        f"   runs/{first}/postProcessing/forces/0/force.dat and moment.dat.",
         "5. pmmkit reduce . in this folder. Runs that are not computed yet are left out.",
         *held_in_words(programme),
     ]

@@ -1,4 +1,4 @@
-"""The sheet of a programme: what each run is set to, a row a run; and the columns of its records."""
+"""The sheet of a programme, what each run is set to; and the columns of its records."""
 
 from __future__ import annotations
 
@@ -89,8 +89,5 @@ def record_columns(columns: Mapping[str, str] = RECORDED) -> pd.DataFrame:
 
     units = {name: "deg" if name in _DEGREES else CHANNEL_UNITS[name] for name in columns}
     return pd.DataFrame(
-        {
-            "head": [f"{name} [{units[name]}]" for name in columns],
-            "what": list(columns.values()),
-        }
+        {"head": [f"{name} [{units[name]}]" for name in columns], "what": list(columns.values())}
     )

@@ -117,7 +117,7 @@ def origin_in_words(campaign: Campaign) -> str:
 
 
 def held_in_words(programme: Programme) -> list[str]:
-    """What of a run no motion of the mesh makes: angles and revolutions of what is built into it."""
+    """What of a run no motion of the mesh makes: rudder, heel, propeller."""
     found = []
     for run in programme.runs:
         settings = run.settings

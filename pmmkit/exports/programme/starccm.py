@@ -19,7 +19,16 @@ from pmmkit.exports.programme.solver import TowingSolver, held_in_words, origin_
 from pmmkit.exports.programme.towed_path import TowedPath
 
 MOTION: Final = "motion.csv"
-HEADS: Final = ("t (s)", "x (m)", "y (m)", "z (m)", "psi (rad)", "vx (m/s)", "vy (m/s)", "r (rad/s)")
+HEADS: Final = (
+    "t (s)",
+    "x (m)",
+    "y (m)",
+    "z (m)",
+    "psi (rad)",
+    "vx (m/s)",
+    "vy (m/s)",
+    "r (rad/s)",
+)
 """Columns of the table of a motion."""
 
 
@@ -49,8 +58,8 @@ def how_to(programme: Programme, campaign: Campaign) -> list[str]:
         f"   {origin_in_words(campaign)}.",
         "   The whole region is towed through water at rest: no current, no inflow.",
         "2. Tools > Tables > New > File Table: motion.csv, called motion. All is SI.",
-        "3. Tools > Motions > New > Trajectory, for the region, by the columns t, x, y, z. Over it a",
-        "   superposing Rotation about [0, 0, 1] through the origin, by the angle",
+        "3. Tools > Motions > New > Trajectory, for the region, by the columns t, x, y, z. Over it",
+        "   a superposing Rotation about [0, 0, 1] through the origin, by the angle",
         '   interpolateTable(@Table("motion"), "t", SPLINE, "psi", ${Time})',
         "   Or Translation with the velocities vx and vy, over it a Rotation with the rate r.",
         "   The motion starts from rest; after the run-up (run-up [s] in programme.csv) it is that",
@@ -67,9 +76,5 @@ def how_to(programme: Programme, campaign: Campaign) -> list[str]:
 
 
 STARCCM: Final = TowingSolver(
-    format="star-ccm+",
-    forces="forces*.csv",
-    motion=MOTION,
-    write_run=write_run,
-    how_to=how_to,
+    format="star-ccm+", forces="forces*.csv", motion=MOTION, write_run=write_run, how_to=how_to
 )

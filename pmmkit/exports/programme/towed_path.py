@@ -72,7 +72,7 @@ def towed_path(test: str, settings: Settings, record: float, ship: Ship) -> Towe
     end = run_up + record + SPARE * (cycle or length_time)
     end = math.ceil(1000 * end) / 1000
     step = cycle / ROWS if cycle else length_time / STEADY_ROWS
-    t = step * np.arange(math.ceil(end / step) + 3)
+    t = step * np.arange(math.ceil(end / step) + 3, dtype=np.float64)
     q = np.clip(t / run_up, 0.0, 1.0)
     share = q**3 * (10 - 15 * q + 6 * q**2)
     clock = run_up * q**4 * (2.5 - 3 * q + q**2) + np.maximum(t - run_up, 0.0)

@@ -122,14 +122,11 @@ def _of_carriage(programme: Programme, campaign: Campaign) -> Results:
 def _carriage_how_to(programme: Programme, campaign: Campaign) -> list[str]:
     first = programme.runs[0].id
     reference = "midship" if not campaign.moment_reference_x else "moment_reference_x"
-    lines = [
-        "Carriage and mechanism: programme.csv has a row a run, in the order in which to make them.",
-        "",
-    ]
+    lines = ["Carriage and mechanism: programme.csv has a row a run.", ""]
     if programme.drawn:
         lines += [
-            "1. The order is drawn, so that a zero that drifts through the day looks like no setting.",
-            "   Runs of one set-up stand together. Keep the order.",
+            "1. Make the runs in this order. It is drawn, so that a zero that drifts through the",
+            "   day looks like no setting. Runs of one set-up stand together.",
         ]
     else:
         lines += ["1. Make the runs in this order."]
@@ -152,9 +149,10 @@ def _of_solver(programme: Programme, campaign: Campaign, to: str) -> Results:
     paths = towed_paths(programme, campaign)
     files = {run.id: f"{RUNS}/{run.id}/{solver.forces}" for run in programme.runs}
     said = [
-        f"The runs of programme.csv, computed as {HOW_TO} says: a mesh with x forward, y to port and "
-        "z up that is towed through water at rest, forces along axes that stay, moments about where "
-        "the origin of the mesh was at rest. Runs without forces are not computed yet and left out.",
+        f"The runs of programme.csv, computed as {HOW_TO} says: a mesh with x forward, y to port "
+        "and z up that is towed through water at rest, forces along axes that stay, moments about "
+        "where the origin of the mesh was at rest. Runs without forces are not computed yet and "
+        "left out.",
         "ramp_s is the run-up; motion is the table by which the mesh was moved, and counts before "
         "what the run was set to.",
     ]
