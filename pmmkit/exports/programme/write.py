@@ -36,6 +36,11 @@ Results = list[tuple[str, Any]]
 def refuse_taken(folder: Path) -> None:
     """Refuse a folder that has a campaign file or runs: neither is written over.
 
+    Parameters
+    ----------
+    folder : Path
+        Where a programme is to be written.
+
     Raises
     ------
     FileExists
