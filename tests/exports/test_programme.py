@@ -249,11 +249,18 @@ def computed(case: Path, end: float) -> tuple[SimpleNamespace, np.ndarray]:
 
 
 @pytest.mark.slow
-def test_forces_of_every_kind_of_run_are_those_that_the_hull_felt(tmp_path):
+@pytest.mark.parametrize("ahead", [0.0, -0.4])
+def test_forces_of_every_kind_of_run_are_those_that_the_hull_felt(ahead, tmp_path):
+    """About the point whose motion is meant, which is the origin of the mesh."""
     limits, folder = tmp_path / "limits.toml", tmp_path / "day"
     limits.write_text(KINDS, encoding="utf-8")
+    (tmp_path / "campaign.toml").write_text(
+        f"[campaign]\nmotion_reference_x = {ahead}\n"
+        '[ship]\nname = "kvlcc2-l7"\n[water]\nrho = 1000.0\n'
+    )
     words = ("--limits", limits, "--hours", 9, "--to", "openfoam", "--out", folder)
-    assert run("plan", "kvlcc2-l7", *words) == 0
+    assert run("plan", "kvlcc2-l7", tmp_path, *words) == 0
+    assert ("0.4 m abaft midship" in (folder / "how_to.txt").read_text()) == (ahead < 0)
     rows = sheet(folder)
     assert {row["test"].replace(" ", "_") for row in rows} == set(re.findall('"(.*)"', KINDS))
     for row in rows:
