@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -60,7 +60,7 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
     known = campaign_tables(campaign)
     data: dict[str, Any] = {
         **{name: known[name] for name in ("campaign", "ship", "water")},
-        "struts": _struts(campaign, kept),
+        "struts": strut_table(campaign, kept),
         **known,
         "corrections": _corrections(campaign, kept),
         "runs": [
@@ -151,7 +151,7 @@ def settings_of(run: Run) -> dict[str, Any]:
     return found
 
 
-def _struts(campaign: Campaign, runs: list[Run]) -> dict[str, Any]:
+def strut_table(campaign: Campaign, runs: Sequence[Run]) -> dict[str, Any]:
     """``[struts]``, the same for all runs that state theirs."""
     found = [run.settings for run in runs if run.settings.strut_spacing is not None]
     if not found:

@@ -19,9 +19,12 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from pmmkit.actions.jobs.plan import Maker
-from pmmkit.campaigns import open_campaign
+from pmmkit.campaigns import Settings, open_campaign
 from pmmkit.cli import main
+from pmmkit.diagnosis import Option, Programme
+from pmmkit.exports import programme_files
 from pmmkit.exports.programme.write import MAKERS
+from pmmkit.files import write_results
 from pmmkit.models import read_table
 
 ROOT = Path(__file__).parents[2]
@@ -346,6 +349,49 @@ def test_manoeuvres_are_no_programme_of_a_carriage(tmp_path, capsys):
     )
     assert run("plan", "kvlcc2-l7", tmp_path, "--to", "csv", "--out", tmp_path / "a") == 1
     assert "--to: for captive tests" in capsys.readouterr().err
+
+
+def test_a_mechanism_of_two_struts_is_told_how_to_set_them(tmp_path):
+    """In pure yaw they lead by 2 atan(ωb/2U) (Gertler), and the hull goes where it points."""
+    spacing, speed, tests = 1.8, 1.2, ("pure_sway", "pure_yaw", "yaw_drift", "sway_yaw")
+    (tmp_path / "ps.csv").write_text("t [s],X [N],Y [N],N [N m]\n0,1,1,1\n1,1,1,1\n")
+    (tmp_path / "campaign.toml").write_text(
+        '[ship]\nname = "kvlcc2-l7"\n[water]\nrho = 1000.0\n[campaign]\n[struts]\n'
+        f"spacing = {spacing}\ncentre_x = 0.1\n"
+        '[[runs]]\nid = "PS"\ntest = "pure_sway"\nfile = "ps.csv"\nspeed = 1.2\n'
+        "period = 9.0\nstrut_amplitude_m = 0.25\n"
+    )
+    known = open_campaign(tmp_path)
+    settings = {
+        "pure_sway": Settings(speed=speed, period=11.0, amplitude=0.3),
+        "pure_yaw": Settings(speed=speed, period=11.0, yaw_amplitude=0.15),
+        "yaw_drift": Settings(speed=speed, period=11.0, yaw_amplitude=0.15, drift=0.1),
+        "sway_yaw": Settings(speed=speed, period=11.0, amplitude=0.3, yaw_amplitude=0.15),
+    }
+    options = [
+        Option(test=test, settings=settings[test], cycles=4, record=44.0, hours=0.2)
+        for test in tests
+    ]
+    write_results(tmp_path / "day", programme_files(Programme.of(options), known, "csv"))
+    again = {run.test: run for run, _ in open_campaign(tmp_path / "day").excluded}
+    t = np.linspace(0, 11, 200)
+    for test, run_ in again.items():
+        motion, psi0 = run_.nominal_motion(t), settings[test].yaw_amplitude or 0.0
+        omega = 2 * np.pi / 11.0
+        assert np.abs(motion.r).max() == pytest.approx(psi0 * omega, rel=0.03, abs=1e-6), test
+    assert np.abs(again["pure_yaw"].nominal_motion(t).v).max() < 0.02 * speed
+    np.testing.assert_allclose(
+        again["pure_sway"].nominal_motion(t).v, 0.3 * omega * np.cos(omega * t), atol=1e-3
+    )
+    lead = np.degrees(2 * np.arctan(omega * spacing / (2 * speed)))
+    rows = {row["test"]: row for row in sheet(tmp_path / "day")}
+    told = {test: float(row["lead of the forward strut [deg]"]) for test, row in rows.items()}
+    assert told["pure yaw"] == pytest.approx(lead, abs=1e-3)
+    assert told["pure sway"] == 0.0
+    assert float(rows["pure sway"]["strut amplitude [m]"]) == 0.3
+    heads = (tmp_path / "day" / "columns.csv").read_text()
+    assert "y_forward [m]" in heads
+    assert "psi [deg]" not in heads
 
 
 def test_those_who_make_runs_are_one_list():

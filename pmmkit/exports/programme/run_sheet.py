@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.campaigns import RUN_SETTINGS
@@ -23,11 +24,15 @@ RECORDED: Final = {
     "K": "moment that presses the starboard side down; may be absent",
     "y": "of an oscillating run: where the model is, to starboard of its mean",
     "psi": "of an oscillating run: heading, bow to starboard, the drift angle included",
+    "y_forward": "of an oscillating run: the forward strut, to starboard of the middle of the tank",
+    "y_aft": "of an oscillating run: the aft strut, likewise",
     "delta": "rudder angle, positive where it turns the model to starboard; may be absent",
     "n": "revolutions of the propeller; may be absent",
     "U_carriage": "speed of the carriage; may be absent",
 }
 """What is agreed of the columns of a record."""
+_OF_HULL: Final = ("y", "psi")
+_OF_STRUTS: Final = ("y_forward", "y_aft")
 _DEGREES: Final = frozenset({"psi", "delta"})
 
 
@@ -37,11 +42,12 @@ def run_sheet(
     files: Mapping[str, str],
     paths: Mapping[str, TowedPath] | None = None,
     rate: float | None = None,
+    struts: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
 ) -> pd.DataFrame:
     """A row a run in the order of the programme, with units in the heads.
 
     files: where the record of each run is expected. paths: of a solver, the path of each run; else
-    what a carriage asks is told. rate: samples a second.
+    what a carriage asks is told. rate: samples a second. struts: by run, how the two are set.
     """
     import pandas as pd
 
@@ -51,6 +57,9 @@ def run_sheet(
         row: dict[str, Any] = {"number": run.number, "id": run.id, "file": files[run.id]}
         row |= {"test": option.test.replace("_", " ")}
         row |= _settings(run.entry, run.settings.omega)
+        if (own := struts.get(run.id)) is not None:
+            row["strut amplitude [m]"] = own["strut_amplitude_m"]
+            row["lead of the forward strut [deg]"] = own["strut_phase_deg"]
         row |= {"cycles": option.cycles or None, "record [s]": round(option.record, 2)}
         if paths is not None:
             path = paths[run.id]
@@ -83,11 +92,16 @@ def _settings(entry: Mapping[str, Any], omega: float | None) -> dict[str, Any]:
     return found
 
 
-def record_columns(columns: Mapping[str, str] = RECORDED) -> pd.DataFrame:
+def record_columns(*, struts: bool = False) -> pd.DataFrame:
     """The heads that the columns of a record have, and what stands in them."""
     import pandas as pd
 
-    units = {name: "deg" if name in _DEGREES else CHANNEL_UNITS[name] for name in columns}
+    left = _OF_HULL if struts else _OF_STRUTS
+    names = [name for name in RECORDED if name not in left]
+    units = {name: "deg" if name in _DEGREES else CHANNEL_UNITS[name] for name in names}
     return pd.DataFrame(
-        {"head": [f"{name} [{units[name]}]" for name in columns], "what": list(columns.values())}
+        {
+            "head": [f"{name} [{units[name]}]" for name in names],
+            "what": [RECORDED[name] for name in names],
+        }
     )

@@ -11,12 +11,14 @@ from typing import Any, Final
 from pmmkit.base import DataError, FileExists, UnknownNameError
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis import Programme
+from pmmkit.exports.campaign_csv import strut_table
 from pmmkit.exports.programme.campaign_file import programme_text
 from pmmkit.exports.programme.openfoam import OPENFOAM
 from pmmkit.exports.programme.run_sheet import record_columns, run_sheet
 from pmmkit.exports.programme.solver import TowingSolver, solver_campaign, towed_paths
 from pmmkit.exports.programme.starccm import STARCCM
 from pmmkit.exports.programme.towed_path import TowedPath
+from pmmkit.exports.programme.two_struts import strut_settings, with_struts
 from pmmkit.files import CAMPAIGN
 from pmmkit.models import Model
 
@@ -108,23 +110,29 @@ def _of_carriage(programme: Programme, campaign: Campaign) -> Results:
         f'forces = "{campaign.forces}": the inertia of the model is {inside}.',
     ]
     order = "drawn, in blocks of one set-up" if programme.drawn else "as planned"
+    struts = strut_settings(programme, campaign)
+    entries = [
+        {**with_struts(run.entry, struts.get(run.id)), "file": files[run.id]}
+        for run in programme.runs
+    ]
+    table = strut_table(campaign, campaign.runs) if struts else {}
     text = programme_text(
         campaign.with_(cfd={}, numerical={}),
-        [{**run.entry, "file": files[run.id]} for run in programme.runs],
+        entries,
         said,
-        {"report": {"run_order": order}},
+        {"struts": table, "report": {"run_order": order}},
     )
     rate = campaign.report.get("sample_rate")
     return [
         (CAMPAIGN.file, text),
-        (SHEET, run_sheet(programme, files=files, rate=rate)),
-        (COLUMNS, record_columns()),
-        (HOW_TO, _text(_carriage_how_to(programme, campaign))),
+        (SHEET, run_sheet(programme, files=files, rate=rate, struts=struts)),
+        (COLUMNS, record_columns(struts=bool(struts))),
+        (HOW_TO, _text(_carriage_how_to(programme, campaign, struts=bool(struts)))),
         (RUNS, Path.mkdir),
     ]
 
 
-def _carriage_how_to(programme: Programme, campaign: Campaign) -> list[str]:
+def _carriage_how_to(programme: Programme, campaign: Campaign, *, struts: bool) -> list[str]:
     first = programme.runs[0].id
     reference = "midship" if not campaign.moment_reference_x else "moment_reference_x"
     lines = ["Carriage and mechanism: programme.csv has a row a run.", ""]
@@ -139,7 +147,7 @@ def _carriage_how_to(programme: Programme, campaign: Campaign) -> list[str]:
         *lines,
         "2. A run that repeats another shows what changed in between.",
         f"3. Save each record as CSV under its name, such as runs/{first}.csv, with these columns:",
-        f"   {', '.join(record_columns()['head'])}",
+        f"   {', '.join(record_columns(struts=struts)['head'])}",
         f"   Moments are about {reference}. Further columns do no harm; {COLUMNS} says more.",
         "   Some seconds at rest at the head of each record show the zeros: with tare = true under",
         "   [defaults] of campaign.toml they are taken off.",
