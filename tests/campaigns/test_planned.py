@@ -62,6 +62,12 @@ def test_they_are_named(tmp_path, capsys):
     assert "Not made yet (no file): SD[2], SD[2]_2" in capsys.readouterr().out
 
 
+def test_before_the_first_run_there_is_nothing_to_reduce(tmp_path, capsys):
+    assert main(["reduce", str(day(tmp_path, made=())), "--out", str(tmp_path / "out")]) == 1
+    assert "None of the 3 runs is made yet" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_in_any_other_campaign_a_missing_file_is_a_fault(tmp_path):
     with pytest.raises(CampaignError, match=r"runs/b\.csv' is not there"):
         open_campaign(day(tmp_path, FILE.replace("planned = true\n", "")))

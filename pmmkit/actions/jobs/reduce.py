@@ -25,6 +25,7 @@ from pmmkit.actions.shared import (
     Sets,
     StructureName,
 )
+from pmmkit.base import DataError
 from pmmkit.presentation import aligned, counted
 
 if TYPE_CHECKING:
@@ -142,6 +143,11 @@ def reduced(
         **vars(job.estimation),
     }
     opened = open_campaign(job.campaign, data=job.data)
+    if opened.not_made and not opened.runs:
+        raise DataError(
+            f"None of the {counted(len(opened.not_made), 'run')} is made yet.",
+            remedy="Save records under the names that the campaign file has; then type it again.",
+        )
     opened = opened.with_(title=title) if title else opened
     one = partial(
         _at_one_depth,
