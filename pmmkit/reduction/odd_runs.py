@@ -113,6 +113,8 @@ def _by_the_others(
     changes = [sensitivities[place] for place in members]
     between = solution.between.of(members)
     without = _without(aside, solution, rows)
+    if not without[group][1]:
+        return {}  # nobody else was at this speed
     others = solve(rows, sensitivities, columns, [without[group]], solution.between.unknown())
     judged = {
         item.channel: _held_against(others, item, number, own, changes, between)

@@ -134,3 +134,12 @@ def test_a_sound_run_with_two_lucky_cycles_is_not_named(seed, law):
     made, _ = first("speeds", seed, case)
     found = reduce_campaign(made, structure=tuple(spoiled.truth()), fn="pooled", check=False)
     assert found.influences.odd == ()
+
+
+def test_the_first_run_of_a_day_is_no_run_at_odds():
+    """One static run has nobody beside it: all it tells is told, and nothing is compared."""
+    made = hidden_campaign("small", seed=1)
+    alone = made.with_(runs=tuple(run for run in made if run.test == "static_drift")[:1])
+    found = reduced(alone)
+    assert found.influences.odd == ()
+    assert not np.isfinite(found.table["Yvvv"]).any()
