@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,6 +30,10 @@ if TYPE_CHECKING:
     from pmmkit.signals import FourierBasis
 
 
+FEWEST: Final = 2
+"""Runs that a group has at least, and that stand beside it."""
+PARTS_OF_DAY: Final = (1.0 / 3.0, 0.5, 2.0 / 3.0)
+"""Where the day may change."""
 AT_ONCE: Final = 8
 """Files that are fetched side by side, as each waits for its store most of the time."""
 
@@ -180,6 +184,91 @@ class Run(StatedRun, Described):
             first = origin[run.id]
             groups.setdefault(leader.get(first, first), []).append(run)
         return tuple(tuple(group) for group in groups.values())
+
+    @staticmethod
+    def levels(runs: Sequence[Run]) -> dict[str, dict[str, frozenset[str]]]:
+        """Names of runs by kind of test, speed, side of the drift and frequency.
+
+        Parameters
+        ----------
+        runs : sequence of Run
+            In any order.
+
+        Returns
+        -------
+        dict of str to dict of str to frozenset of str
+            By factor: each level in words, with the runs that have it.
+
+        Examples
+        --------
+        >>> runs = [Run(id=name, test="static_drift", kind="means", loader=None,
+        ...             settings=Settings(speed=1.0, drift=drift))
+        ...         for name, drift in (("a", 0.1), ("b", -0.1), ("c", 0.0))]
+        >>> {level: sorted(own) for level, own in Run.levels(runs)["side"].items()}
+        {'at positive drift': ['a'], 'at negative drift': ['b']}
+        """
+        sides = {1.0: "at positive drift", -1.0: "at negative drift"}
+
+        def by(words: Callable[[Run], str], order: Callable[[Run], float]) -> dict[str, Any]:
+            levels: dict[str, list[str]] = {}
+            for run in sorted(runs, key=order):
+                levels.setdefault(words(run), []).append(run.id)
+            return {level: frozenset(own) for level, own in levels.items() if level}
+
+        def omega(run: Run) -> float:
+            return (run.settings.omega or 0.0) if run.dynamic else 0.0
+
+        return {
+            "kind of test": by(lambda run: f"in {run.kind_of_test.title}", lambda _: 0.0),
+            "speed": by(
+                lambda run: f"at {round(run.settings.speed, 6):g} m/s",
+                lambda run: run.settings.speed,
+            ),
+            "side": by(
+                lambda run: sides.get(float(np.sign(run.settings.drift)), ""), lambda _: 0.0
+            ),
+            "frequency": by(lambda run: f"at {omega(run):.3g} rad/s" if omega(run) else "", omega),
+        }
+
+    @staticmethod
+    def groups(runs: Sequence[Run], days: Sequence[float]) -> dict[str, frozenset[str]]:
+        """Groups of runs that may have been tested otherwise than the rest, in words.
+
+        Kinds of test and their later halves, steady runs, speeds, sides of the drift, and the day
+        from a third, a half and two thirds on; two runs at least, and two beside them.
+
+        Parameters
+        ----------
+        runs : sequence of Run
+            In any order.
+        days : sequence of float
+            Where each stands in the day (`Campaign.places_in_day`).
+
+        Examples
+        --------
+        >>> runs = [Run(id=name, test=test, kind="means", loader=None,
+        ...             settings=Settings(speed=1.0, drift=0.1))
+        ...         for name, test in zip("abcd", 2 * ["static_drift"] + 2 * ["pure_sway"])]
+        >>> {words: sorted(own) for words, own in Run.groups(runs, [0.0, 0.3, 0.6, 1.0]).items()}
+        {'in static drift': ['a', 'b'], 'in pure sway': ['c', 'd']}
+        """
+        levels = Run.levels(runs)
+        steady = frozenset(run.id for run in runs if not run.dynamic)
+        asked = {**levels["kind of test"], "in steady runs": steady}
+        asked |= {**levels["speed"], **levels["side"]}
+        order = sorted(range(len(runs)), key=lambda place: days[place])
+        names = [runs[place].id for place in order]
+        for part in PARTS_OF_DAY:
+            later = names[int(part * len(names)) :]
+            asked[f"from {later[0]} on"] = frozenset(later)
+        for kind, own in levels["kind of test"].items():
+            later = [name for name in names if name in own][len(own) // 2 :]
+            asked[f"{kind} from {later[0]} on"] = frozenset(later)
+        groups: dict[frozenset[str], str] = {}
+        for words, ids in asked.items():
+            if FEWEST <= len(ids) <= len(names) - FEWEST:
+                groups.setdefault(ids, words)
+        return {words: ids for ids, words in groups.items()}
 
     def measured_motion(
         self,

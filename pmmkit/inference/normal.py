@@ -276,6 +276,45 @@ class Normal:
         mean = self.centre + (covariance @ away[..., None])[..., 0]
         return mean, np.asarray(covariance, float)
 
+    def added(
+        self, inner: Array, score: Array, cross: Array, sizes: Sequence[float]
+    ) -> tuple[float, Array]:
+        """ln evidence that further columns add, averaged over prior sizes of their coefficients, and
+        these coefficients at the most probable size.
+
+        Parameters
+        ----------
+        inner : array (p, p)
+            Products of the further columns at size one.
+        score : array (p,)
+            Of these with the data.
+        cross : array (q, p)
+            Of those that are here with these.
+        sizes : sequence of float
+            Prior standard deviations that are tried.
+
+        Examples
+        --------
+        >>> none = Normal.of(np.ones((4, 0)), np.array([1.0, 3.0, 2.0, 2.0]))
+        >>> gain, value = none.added(np.array([[4.0]]), np.array([8.0]), np.ones((0, 1)), [1.0])
+        >>> round(gain, 4), value
+        (5.5953, array([1.6]))
+        """
+        tried = []
+        for size in sizes:
+            both = replace(
+                self,
+                information=np.block(
+                    [[self.information, size * cross], [size * cross.T, size**2 * inner]]
+                ),
+                score=np.concatenate([self.score, size * score]),
+                centre=np.concatenate([self.centre, np.zeros(len(score))]),
+            )
+            tried.append((float(both.log_evidence - self.log_evidence), size, both))
+        _, size, best = max(tried, key=lambda item: item[0])
+        total = float(np.logaddexp.reduce([value for value, _, _ in tried]))
+        return total - math.log(len(sizes)), size * best.posterior[0][len(self.score) :]
+
     def chance_of(
         self, best: float, groups: Sequence[Sequence[Places]], *, draws: int, seed: int = 0
     ) -> float:

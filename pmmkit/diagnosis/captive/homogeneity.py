@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.disagreement import FEWEST, Levels, levels_of
+from pmmkit.campaigns import Run
 from pmmkit.diagnosis.captive.evidence import columns_at, spread, wide
 from pmmkit.diagnosis.captive.least_squares import effect_columns
 from pmmkit.diagnosis.captive.system import CandidateColumns, System
@@ -22,6 +22,8 @@ from pmmkit.diagnosis.findings import Homogeneity
 from pmmkit.numerics import Array
 from pmmkit.reduction import View
 
+FEWEST: Final = 2
+"""Levels that a factor has at least."""
 REACH: Final = 1e-9
 """Share of the largest eigenvalue below which levels are not told apart."""
 
@@ -43,7 +45,7 @@ def homogeneity(
     return tuple(told)
 
 
-def _factors(views: Sequence[View], L: float) -> dict[str, Levels]:
+def _factors(views: Sequence[View], L: float) -> dict[str, dict[str, frozenset[str]]]:
     """Levels of runs over which an effect may vary, by factor."""
     of_run = {view.run.id: view for view in views}
     swing: dict[str, float] = {}
@@ -52,7 +54,7 @@ def _factors(views: Sequence[View], L: float) -> dict[str, Levels]:
         moved = (m.v**2 + (m.r * L) ** 2) / view.speed**2
         swing[name] = float(np.sqrt(np.mean(moved)))
     middle = float(np.median(list(swing.values())))
-    return levels_of(views) | {
+    return Run.levels([view.run for view in of_run.values()]) | {
         "amplitude": {
             "in small motions": frozenset(x for x in swing if swing[x] <= middle),
             "in large motions": frozenset(x for x in swing if swing[x] > middle),
@@ -65,7 +67,7 @@ def _of_effect(
     given: Sequence[CandidateColumns],
     answer: Sequence[CandidateColumns],
     block: CandidateColumns,
-    factors: Mapping[str, Levels],
+    factors: Mapping[str, Mapping[str, frozenset[str]]],
 ) -> Iterator[Homogeneity]:
     """One effect over every factor of which two levels at least have its force."""
     place = answer.index(block)
