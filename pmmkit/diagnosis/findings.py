@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.diagnosis.evidence import RankedSet, Visible
+from pmmkit.intake import Untold
 from pmmkit.models import Model, odds
 from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
 
@@ -367,6 +368,8 @@ class Diagnosis(Described):
         tests).
     not_asked : mapping of str to str
         The rest of the catalogue, and why such runs are not asked for it (captive tests).
+    untold : tuple of Untold
+        What the runs cannot tell of their own errors, by their settings alone (captive tests).
     """
 
     verdict: Verdict
@@ -389,6 +392,7 @@ class Diagnosis(Described):
     disagreements: tuple[Disagreement, ...] = ()
     homogeneity: tuple[Homogeneity, ...] = ()
     not_asked: Mapping[str, str] = field(default_factory=_none)
+    untold: tuple[Untold, ...] = ()
 
     @property
     def best(self) -> tuple[str, ...]:
@@ -517,6 +521,7 @@ class Diagnosis(Described):
         told = [
             Section(title="These runs cannot tell it from", points=rivals),
             Section(title="These runs could not show", points=hidden),
+            Section(title="What these runs cannot tell", points=[str(x) for x in self.untold]),
             Section(title="Notes", points=self.notes),
         ]
         return [
@@ -576,6 +581,7 @@ class Diagnosis(Described):
                     for name, why in self.not_asked.items()
                 ),
             ],
+            "untold": [item.to_dict() for item in self.untold],
             "chance": self.chance,
             "floor": self.floor,
             "given": list(self.given),

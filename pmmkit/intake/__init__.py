@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from pmmkit.intake.checks.positions import digits, position_jumps
     from pmmkit.intake.checks.reading import KnownHistory, summarise
     from pmmkit.intake.checks.record import FLAT_SAMPLES
-    from pmmkit.intake.checks.untold import untold
+    from pmmkit.intake.checks.untold import Untold
     from pmmkit.intake.drafting import DraftAnswers, Drafted
     from pmmkit.intake.drafts.columns import ColumnChoice
     from pmmkit.intake.drafts.propose import campaign_draft
@@ -34,6 +34,7 @@ __all__ = [
     "Look",
     "Question",
     "Summary",
+    "Untold",
     "campaign_draft",
     "digits",
     "examine",
@@ -44,7 +45,6 @@ __all__ = [
     "refuse",
     "seen_values",
     "summarise",
-    "untold",
     "written",
 ]
 

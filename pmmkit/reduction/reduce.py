@@ -14,7 +14,7 @@ import numpy as np
 from pmmkit.base import CampaignError, ContradictionError, Problem, Workers, __version__
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, Structure
-from pmmkit.intake import CheckFinding, examine, refuse, untold
+from pmmkit.intake import CheckFinding, Untold, examine, refuse
 from pmmkit.models import DerivativeTable, TableVerdict
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.agreement import Difference, differences, worst
@@ -149,7 +149,10 @@ class Reduction(Described):
     families : dict of str to DerivativeTable
         The derivatives from each family of tests alone, by its title.
     verdict : TableVerdict
-        Whether the table can be used, and what stands against it; the table keeps it.
+        Whether the table can be used, what stands against it, and on what that hangs; the table
+        keeps it.
+    untold : tuple of Untold
+        What the runs cannot tell of their own errors, what most hangs on first; in the notes too.
     """
 
     table: DerivativeTable
@@ -170,6 +173,7 @@ class Reduction(Described):
     influences: Influences
     families: dict[str, DerivativeTable]
     verdict: TableVerdict
+    untold: tuple[Untold, ...] = ()
     because: str = ""
 
     @cached_property
@@ -397,26 +401,27 @@ def reduce_campaign(
         solution = solve(rows, sensitivities, columns, groups, solution.between.unknown())
     results = tuple(item.result for item in rows)
     curve = resistance(results)
-    remarks = (
-        *([because] if because else []),
-        *(note for item in results for note in item.notes),
-        *notes(solution, rows),
-        *idle(campaign.uncertainty, [(item.run, tuple(item.measured)) for item in results]),
-        *untold(campaign, [item.summary for item in read]),
-        *_tank(campaign, blockage),
-    )
     table = to_table(
         solution,
         columns,
         campaign,
         convention,
         method="global regression",
-        notes=remarks,
         provenance={
             **_provenance(campaign, results, wanted, fn, cycles, blockage),
             "misfit": list(misfits(solution)),
         },
     )
+    hidden = Untold.of(campaign, [item.summary for item in read], values=_clear(table))
+    remarks = (
+        *([because] if because else []),
+        *(note for item in results for note in item.notes),
+        *notes(solution, rows),
+        *idle(campaign.uncertainty, [(item.run, tuple(item.measured)) for item in results]),
+        *map(str, hidden),
+        *_tank(campaign, blockage),
+    )
+    table = table.with_(notes=remarks)
     histories = tuple(item.history for item in read if item.history is not None)
     evidence = MethodInputs(
         campaign=campaign,
@@ -444,7 +449,16 @@ def reduce_campaign(
     told = tuple(sorted(told, key=lambda item: item.rank))
     families = by_family(rows, sensitivities, columns, solution, campaign, convention)
     moved = Influences(items=each, odd=odd)
-    judged = verdict(table, families, solution, moved, told, rows, weighed=weighed)
+    judged = verdict(
+        table,
+        families,
+        solution,
+        moved,
+        told,
+        rows,
+        conditions=[item.condition for item in hidden if item.condition],
+        weighed=weighed,
+    )
     return Reduction(
         table=table.judged(judged),
         method=main,
@@ -466,8 +480,22 @@ def reduce_campaign(
         influences=moved,
         families=families,
         verdict=judged,
+        untold=hidden,
         because=because,
     )
+
+
+def _clear(table: DerivativeTable) -> dict[str, float]:
+    """Derivatives that are clear of zero, the median over the Froude numbers: of another a share
+    says nothing."""
+    low, high = table.interval()
+    found = {}
+    for name in table.names:
+        column = table.index(name)
+        clear = low[:, column] * high[:, column] > 0
+        if clear.any():
+            found[name] = float(np.median(table.value[clear, column]))
+    return found
 
 
 def _excited(

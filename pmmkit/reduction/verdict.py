@@ -66,9 +66,10 @@ def verdict(
     findings: Sequence[CheckFinding],
     rows: Sequence[Rows],
     *,
+    conditions: Sequence[str] = (),
     weighed: bool = False,
 ) -> TableVerdict:
-    """Judge a reduction by everything that it found."""
+    """Judge a reduction by everything that it found, on conditions that it cannot check."""
     inside = thrust_inside(solution, rows)
     pushes = solution.Fn[list(inside)]
     far = [] if weighed else [one for one in influences.odd if _far(one, solution, rows)]
@@ -97,6 +98,7 @@ def verdict(
                 if item.severity == "warning" and item.check != "odd_run"
             ),
         ),
+        conditions=tuple(conditions),
     )
 
 

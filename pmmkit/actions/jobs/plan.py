@@ -343,4 +343,6 @@ def _plan_lines(made: TestPlan) -> list[str]:
         ),
         "Stays invisible:" if made.invisible else "Nothing stays invisible.",
         *(f"  {item.name}: {item.why}." for item in made.invisible),
+        *(["What these runs cannot tell:"] if made.untold else []),
+        *(f"  {item}" for item in made.untold),
     ]

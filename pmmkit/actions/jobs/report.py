@@ -93,7 +93,7 @@ def report(job: ReportSettings) -> Outcome:
         "file": str(file),
         "chapters": [f"{mark} {chapter.title}" for mark, chapter in made.numbered],
         "not_supplied": missing,
-        "verdict": {"use": judged.use, "reasons": list(judged.reasons)},
+        "verdict": judged.told(),
     }
     keys = [item["key"] for item in missing]
     named = f": {', '.join(keys[:MOST])}{' …' if len(keys) > MOST else ''}" if keys else ""

@@ -21,6 +21,7 @@ from pmmkit.diagnosis.captive.system import LEAST, System, scale_of
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects import CATALOGUE, Effect
+from pmmkit.intake import Untold
 from pmmkit.models import Model, load_model
 from pmmkit.reduction import FLOOR, View, columns_of
 
@@ -77,7 +78,8 @@ def diagnose_captive(
         executor=executor,
     )
     known = system.taking_part(given)
-    return answer(system.whole(known), known, floor=system.floor, seed=seed)
+    found = answer(system.whole(known), known, floor=system.floor, seed=seed)
+    return replace(found, untold=Untold.of(campaign, values=found.base, recorded=True))
 
 
 def captive_system(

@@ -36,6 +36,7 @@ from pmmkit.diagnosis.joint.result import Together
 from pmmkit.diagnosis.loop.fall import ALL, BASE, ErrorWords, Fall, FallRow
 from pmmkit.diagnosis.refit import stepped
 from pmmkit.effects import CATALOGUE, Effect
+from pmmkit.intake import Untold
 from pmmkit.models import Model, Step
 from pmmkit.numerics import Array
 from pmmkit.presentation import counted
@@ -246,7 +247,8 @@ class CaptiveTests:
         """What the base still lacks with some steps."""
         own = self.standing(steps)
         found = answer(own.system, own.begun, floor=own.floor, seed=seed)
-        return replace(found, given=self._names(steps))
+        untold = Untold.of(self.campaign, values=found.base, recorded=True)
+        return replace(found, given=self._names(steps), untold=untold)
 
     def standing(self, steps: Sequence[Step]) -> CaptiveTests:
         """The tests about the base with some steps, as the model stands that is written with them:

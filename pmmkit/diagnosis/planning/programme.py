@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,13 +15,17 @@ from threadpoolctl import threadpool_limits
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.diagnose import derivatives_of
 from pmmkit.diagnosis.captive.system import FEATURES
 from pmmkit.diagnosis.evidence import RIVALS, SHOWS, could_hide
 from pmmkit.diagnosis.planning.ground import Asked, Ground, ground_of
 from pmmkit.diagnosis.planning.information import Reduced, RunInformation, known
 from pmmkit.diagnosis.planning.options import Limits, Option
 from pmmkit.diagnosis.planning.plan_file import entries_text
+from pmmkit.diagnosis.planning.planned import base_of
 from pmmkit.diagnosis.planning.separation import UsualEffects, usual
+from pmmkit.intake import Untold
+from pmmkit.models import Model
 from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
@@ -95,12 +99,15 @@ class TestPlan:
         Effects that tests already made show.
     made : int
         Number of those tests.
+    untold : tuple of Untold
+        What all these runs, in this order, will not tell of their own errors.
     """
 
     steps: tuple[PlannedRun, ...]
     sights: tuple[Sight, ...]
     before: tuple[str, ...]
     made: int
+    untold: tuple[Untold, ...] = ()
 
     @property
     def options(self) -> tuple[Option, ...]:
@@ -140,6 +147,7 @@ class TestPlan:
                 for step in self.steps
             ],
             "effects": [asdict(item) for item in self.sights],
+            "untold": [item.to_dict() for item in self.untold],
         }
 
     def to_pandas(self) -> pd.DataFrame:
@@ -222,7 +230,23 @@ def plan(
         ground = ground_of(model, campaign, limits=limits, options=options, **settings)
         ground.require(effects)
         most = runs if runs is not None else RUNS if hours is None else 10**6
-        return _planned(ground, _goal(ground, effects), most, math.inf if hours is None else hours)
+        longest = math.inf if hours is None else hours
+        made = _planned(ground, _goal(ground, effects), most, longest)
+    return replace(made, untold=_untold(made, model, campaign))
+
+
+def _untold(made: TestPlan, model: Asked, campaign: Campaign | None) -> tuple[Untold, ...]:
+    """What the runs made and those of a plan leave open, whatever they will measure."""
+    source, _, _ = derivatives_of(model)
+    known = source if isinstance(source, Model) else None
+    if campaign is None and known is not None:
+        campaign = Campaign(title="", ship=known.ship, water=known.water, runs=())
+    if campaign is None:
+        return ()
+    runs = (*campaign.runs, *(option.run() for option in made.options))
+    speeds = [run.settings.speed for run in runs]
+    values = base_of(known, speeds).values if known is not None and runs else None
+    return Untold.of(campaign.with_(runs=runs), values=values, recorded=bool(campaign.runs))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pmmkit.base import TableError, UnknownNameError, did_you_mean
 from pmmkit.conventions import CHANNELS, Convention, Ship, Water, parse_derivative
 from pmmkit.numerics import Array, coverage_factor
-from pmmkit.presentation import Described, Grid, Group, Section, counted, plus_minus
+from pmmkit.presentation import Described, Grid, Group, Section, counted, listed, plus_minus
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,9 +46,13 @@ class TableVerdict:
         What makes it not usable, the gravest first.
     doubts : tuple of str
         What stands against it besides.
+    conditions : tuple of str
+        What must be right for it, since its runs cannot tell: what most hangs on first.
 
     Examples
     --------
+    >>> print(TableVerdict(conditions=("the gauges' scale (X, Y, N)", "the inertia (Izz, xG)")))
+    Usable, if the gauges' scale (X, Y, N) and the inertia (Izz, xG) are right.
     >>> print(TableVerdict(doubts=("Y: misfit.",)))
     Usable with the 1 doubt above.
     >>> print(TableVerdict(faults=("Yv is positive, which no hull has.",)))
@@ -57,6 +61,9 @@ class TableVerdict:
 
     faults: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
+    MOST: ClassVar[int] = 5
+    """Conditions that the line names."""
 
     @property
     def use(self) -> Use:
@@ -70,18 +77,41 @@ class TableVerdict:
         """All that stands against it, the gravest first."""
         return (*self.faults, *self.doubts)
 
+    @property
+    def proviso(self) -> str:
+        """What it hangs on, as the end of a sentence; empty where nobody said it."""
+        if not self.conditions:
+            return ""
+        named, more = list(self.conditions[: self.MOST]), len(self.conditions) - self.MOST
+        named += [f"{counted(more, 'thing')} more in the notes"] if more > 0 else []
+        return f", if {listed(named)} {'are' if len(named) > 1 else 'is'} right"
+
     def __str__(self) -> str:
         if self.use == "usable":
-            return "Usable: nothing speaks against these derivatives."
+            return f"Usable{self.proviso}."
         if self.use == "usable with doubts":
-            return f"Usable with the {counted(len(self.doubts), 'doubt')} above."
+            return f"Usable with the {counted(len(self.doubts), 'doubt')} above{self.proviso}."
         more = len(self.reasons) - 1
         rest = f" ({more} more above)" if more else ""
         return f"Not usable: {self.faults[0]}{rest}"
 
+    def told(self) -> dict[str, Any]:
+        """As plain data for who reads it: use, reasons, conditions, and the line."""
+        return {
+            "use": self.use,
+            "reasons": list(self.reasons),
+            "conditions": list(self.conditions),
+            "line": str(self),
+        }
+
     def to_dict(self) -> dict[str, Any]:
         """As plain data, as a table keeps it."""
-        return {"use": self.use, "faults": list(self.faults), "doubts": list(self.doubts)}
+        return {
+            "use": self.use,
+            "faults": list(self.faults),
+            "doubts": list(self.doubts),
+            "conditions": list(self.conditions),
+        }
 
 
 def kept_verdict(provenance: Mapping[str, Any]) -> TableVerdict | None:
@@ -95,8 +125,10 @@ def kept_verdict(provenance: Mapping[str, Any]) -> TableVerdict | None:
     kept = provenance.get("verdict")
     if not isinstance(kept, Mapping):
         return None
-    faults, doubts = (tuple(map(str, kept.get(name, ()))) for name in ("faults", "doubts"))
-    return TableVerdict(faults=faults, doubts=doubts)
+    faults, doubts, conditions = (
+        tuple(map(str, kept.get(name, ()))) for name in ("faults", "doubts", "conditions")
+    )
+    return TableVerdict(faults=faults, doubts=doubts, conditions=conditions)
 
 
 def plain(value: Any) -> Any:

@@ -399,7 +399,7 @@ def use(reduction: Reduction) -> Chapter:
     return Chapter(
         title="How the result may be used",
         items=[
-            Item(what="Verdict", value=judged.use.capitalize()),
+            Item(what="Verdict", value=f"{judged.use.capitalize()}{judged.proviso}"),
             Item(what="Froude numbers tested", value=_froude(reduction)),
             *_ranges(reduction),
             Item(
