@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 import numpy as np
 
 from pmmkit.base import CampaignError, DataError, Problem, UnknownNameError, did_you_mean
+from pmmkit.campaigns.check_loads import GaugeCheck, gauge_checks
 from pmmkit.campaigns.motion.inertia import Rig
 from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.setting import LENGTH
@@ -53,6 +55,8 @@ class Campaign(Described):
         The tests that are used.
     excluded : tuple of (Run, str)
         Tests left out, with the reason.
+    check_loads : tuple of Run
+        Known weights on the balance at rest: they tell its scale, and are none of the tests.
     forces : {"hydrodynamic", "balance"}
         What the campaign file says of the inertia (each run has its own after corrections).
     moment_reference_x, moment_reference_z, motion_reference_x : float
@@ -84,6 +88,7 @@ class Campaign(Described):
     runs: tuple[Run, ...]
     kind: Literal["captive", "free-running"] = "captive"
     excluded: tuple[tuple[Run, str], ...] = ()
+    check_loads: tuple[Run, ...] = ()
     forces: Literal["hydrodynamic", "balance"] = "hydrodynamic"
     moment_reference_x: float = 0.0
     moment_reference_z: float = 0.0
@@ -161,7 +166,7 @@ class Campaign(Described):
     def _tests(self) -> Grid:
         """A row per kind of test: how many runs, at which speeds, as what they are given."""
         found: dict[str, list[Run]] = {}
-        for run in self.runs:
+        for run in (*self.runs, *self.check_loads):
             found.setdefault(run.test, []).append(run)
         rows = []
         for runs in found.values():
@@ -185,7 +190,7 @@ class Campaign(Described):
         return iter(self.runs)
 
     def __getitem__(self, run_id: str) -> Run:
-        for run in self.runs:
+        for run in (*self.runs, *self.check_loads):
             if run.id == run_id:
                 return run
         raise UnknownNameError(
@@ -272,6 +277,42 @@ class Campaign(Described):
             moment_x=self.moment_reference_x,
             moment_z=self.moment_reference_z,
             motion_x=self.motion_reference_x,
+        )
+
+    @cached_property
+    def gauge_checks(self) -> tuple[GaugeCheck, ...]:
+        """What its check loads tell of each gauge; read when first asked for.
+
+        Raises
+        ------
+        CampaignError
+            If some cannot be read, with the problems of all of them.
+        """
+        return gauge_checks(self.check_loads, self.moment_reference_x)
+
+    def with_gauges_checked(self) -> Campaign:
+        """With the uncertainties that its check loads leave, where the file states none.
+
+        Of a gauge whose gain they find to be 1 that of the gain, and of the moments' point, where
+        they find it as stated, that of its place.
+        """
+        kept = {
+            item.name
+            for item in self.uncertainty
+            if item.kind.of != "gauge" or (item.relative and item.shared)
+        }
+        more = [
+            TypeB(name=f"{check.channel}_gauge", std=check.std, relative=True, shared=True)
+            for check in self.gauge_checks
+            if check.agrees
+        ]
+        more += [
+            TypeB(name="moment_reference_x", std=check.point_std, shared=True)
+            for check in self.gauge_checks
+            if check.at(self.moment_reference_x)
+        ]
+        return self.with_(
+            uncertainty=(*self.uncertainty, *(item for item in more if item.name not in kept))
         )
 
     @property

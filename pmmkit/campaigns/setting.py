@@ -143,6 +143,8 @@ class RunSetting:
         Letters before its number in the name of a planned run.
     typical : float, optional
         A usual value, SI and radians, which contracts try.
+    along : str
+        Channel with which it changes its sign in other axes.
     """
 
     name: str
@@ -173,6 +175,7 @@ class RunSetting:
     sensors: tuple[Sensor, ...] = ()
     code: str = ""
     typical: float | None = None
+    along: str = ""
 
     @property
     def in_file(self) -> str:

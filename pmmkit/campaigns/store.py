@@ -104,13 +104,16 @@ def load_campaign(path: str | Path) -> Campaign:
             "excluded": tuple(
                 (_build(Run, item["run"], _RUN), item["reason"]) for item in index["excluded"]
             ),
+            "check_loads": tuple(
+                _build(Run, item["run"], _RUN) for item in index.get("check_loads", ())
+            ),
             "folder": path.parent,
         }
         return _build(Campaign, entry, _CAMPAIGN)
 
 
 def _write(file: CampaignWriter, campaign: Campaign) -> None:
-    used = [(run, None) for run in campaign.runs]
+    used = [(run, None) for run in (*campaign.runs, *campaign.check_loads)]
     groups = safe_names([run.id for run, _ in (*used, *campaign.excluded)], "run")
     entries: list[dict[str, Any]] = []
     problems: list[Problem] = []
@@ -127,11 +130,13 @@ def _write(file: CampaignWriter, campaign: Campaign) -> None:
                 entries[-1]["unreadable"] = str(error)
     if problems:
         raise CampaignError(problems, title=f"{campaign.title!r} is not saved")
+    loads = entries[len(campaign.runs) : len(used)]
     file.finish(
         campaign.title,
         {
-            "campaign": _plain(campaign, skip=("runs", "excluded", "folder")),
-            "runs": [entry for entry in entries if "reason" not in entry],
+            "campaign": _plain(campaign, skip=("runs", "excluded", "check_loads", "folder")),
+            "runs": entries[: len(campaign.runs)],
+            **({"check_loads": loads} if loads else {}),
             "excluded": [entry for entry in entries if "reason" in entry],
         },
     )

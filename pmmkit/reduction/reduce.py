@@ -340,7 +340,7 @@ def reduce_campaign(
         If runs cannot be read; all problems of all runs at once. If they were made at several
         depths of the water: `reduce_depths` reduces each.
     """
-    campaign = campaign.at_one_depth().within_reach()
+    campaign = campaign.at_one_depth().within_reach().with_gauges_checked()
     free = structure == "auto"
     wanted = all_terms() if free else Structure.meant_by(structure)
     convention = Convention(

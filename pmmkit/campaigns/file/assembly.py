@@ -238,7 +238,7 @@ def add_history(
         missing = missing_settings(entry.test, given, measured)
     if needs(missing, entry.test, label, out):
         return
-    frame = replace(setup.frame, nondimensional=request.options.nondimensional)
+    frame = frame_of(entry.test, request, setup)
     found = settings_in(entry.test, given, frame, label, setup, out)
     if found is None:
         return
@@ -268,6 +268,12 @@ def add_history(
     why = "a free-running record is cut with trim" if setup.kind == "free-running" else ""
     windows_fit(corrections, why, label, out)
     out.runs.append(said(run, corrections, setup))
+
+
+def frame_of(test: str, request: Request, setup: Setup) -> Frame:
+    """How the numbers of a file differ from ours; at rest nothing is made non-dimensional."""
+    system = None if TEST_KINDS[test].at_rest else request.options.nondimensional
+    return replace(setup.frame, nondimensional=system)
 
 
 def context_of(

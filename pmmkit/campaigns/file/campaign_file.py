@@ -93,7 +93,7 @@ def open_campaign(
         from pmmkit.campaigns.store import load_campaign
 
         stored = _traced(load_campaign(place), origin)
-        return stored if runs else stored.with_(runs=(), excluded=())
+        return stored if runs else stored.with_(runs=(), excluded=(), check_loads=())
     if place.suffix.lower() == PACKED:
         from pmmkit.campaigns.file.search import packed_campaign
 
@@ -310,9 +310,11 @@ def _assemble(
         provenance["left_out"] = dict(out.left_out)
     if out.not_made:
         provenance["not_made"] = list(out.not_made)
+    used = [run for run in out.runs if run.id not in reasons]
     return campaign.with_(
         title=campaign.title or folder_name(place, origin),
-        runs=tuple(run for run in out.runs if run.id not in reasons),
+        runs=tuple(run for run in used if not run.kind_of_test.at_rest),
+        check_loads=tuple(run for run in used if run.kind_of_test.at_rest),
         excluded=tuple((run, reasons[run.id]) for run in out.runs if run.id in reasons),
         folder=place.parent,
         provenance=MappingProxyType(provenance),

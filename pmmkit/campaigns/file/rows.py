@@ -20,6 +20,7 @@ from pmmkit.campaigns.file.assembly import (
     context_of,
     corrections_of,
     left_where_not_made,
+    frame_of,
     needs,
     numbers_in,
     out_of_range,
@@ -189,11 +190,16 @@ def add_row(
     from_cells = {name: value for name, value in numbers.items() if name in RUN_SETTINGS.units}
     stated = {**entry.settings(), **from_cells}
     given = {**stated, **set_by(corrections)}
-    if given.get("speed") == 0:
+    at_rest = TEST_KINDS[entry.test].at_rest
+    if at_rest and given.get("speed") == 0:
+        given, from_cells = (
+            {name: x for name, x in own.items() if name != "speed"} for own in (given, from_cells)
+        )
+    elif given.get("speed") == 0:
         out.left_out[f"{request.shown} row {line}"] = AT_REST
         return
     kind, values, dimensional = _contents(numbers, picked, request.options.in_phase_with)
-    given = {**(speed_measured(values) if kind == "means" else {}), **given}
+    given = {**(speed_measured(values) if kind == "means" and not at_rest else {}), **given}
     dynamic = TEST_KINDS[entry.test].oscillates
     if dynamic != (kind == "harmonics"):
         out.problems.append(
@@ -209,7 +215,7 @@ def add_row(
         missing_settings(entry.test, given, values), entry.test, label, out
     ):
         return
-    frame = replace(setup.frame, nondimensional=request.options.nondimensional)
+    frame = frame_of(entry.test, request, setup)
     found = settings_in(entry.test, given, frame, label, setup, out, turn_phase=kind == "means")
     if found is None:
         return

@@ -91,7 +91,9 @@ def with_defaults(
         return raw
     kind = TEST_KINDS[test]
     found = dict(raw)
-    rows = "row" in raw or not histories
+    if kind.at_rest and found.get("speed") == 0:
+        del found["speed"]
+    rows = "row" in raw or not histories or kind.at_rest
     used = {name: item for name, item in defaults.every.items() if _uses(kind, name)}
     for common in (defaults.of_kind.get(test, {}), used):
         stated = {*found, *mapped}
@@ -120,6 +122,8 @@ def _uses(kind: TestKind, name: str) -> bool:
     item = RUN_SETTINGS.by_key.get(name)
     if item is None:
         return True
+    if kind.at_rest and name == "speed":
+        return False
     if item.of_swing == ANY:
         return kind.oscillates
     swung = {swing.velocity or swing.displacement for swing in kind.swings}
@@ -144,6 +148,8 @@ def missing_settings(
     []
     """
     kind = TEST_KINDS[test]
+    if kind.at_rest:
+        return _missing_at_rest(kind, given)
     missing = [] if "speed" in given else ["speed"]
     missing += [
         name
@@ -174,6 +180,15 @@ def missing_settings(
     return words
 
 
+def _missing_at_rest(kind: TestKind, given: Mapping[str, Any]) -> list[str]:
+    """What a check of the balance still needs: no speed, and a load that is known."""
+    if "speed" in given:
+        return ["a carriage that stands: leave speed out"]
+    loads = [name for name in kind.takes if RUN_SETTINGS[name].along]
+    known = any(RUN_SETTINGS.key_of(name) in given for name in loads)
+    return [] if known else [f"a load that is known (0 too): {', '.join(loads)}"]
+
+
 def _frequency_known(given: Mapping[str, Any]) -> bool:
     return bool(RUN_SETTINGS.ways_to_state("period") & set(given)) or any(
         {top, bottom} <= set(given)
@@ -195,7 +210,7 @@ def settings_of(
     length [m].
     """
     notes: list[str] = []
-    speed = float(given["speed"])
+    speed = 0.0 if TEST_KINDS[test].at_rest else float(given["speed"])
     period = _period(given, speed / length, notes)
     amplitude = given.get("amplitude_m")
     yaw = _radians(given, "yaw_amplitude_deg")
@@ -259,7 +274,7 @@ def settings_of(
             waves_from=_radians(given, "waves_from_deg"),
             repeat_of=given.get("repeat_of"),
             further=tuple(
-                (item.name, item.to_si(float(given[item.in_file])))
+                (item.name, frame.sign(item.along) * item.to_si(float(given[item.in_file])))
                 for item in RUN_SETTINGS.brought
                 if item.in_file in given
             ),

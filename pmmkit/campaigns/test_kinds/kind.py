@@ -281,6 +281,8 @@ class TestKind:
         absent where no plan offers it.
     usual : bool
         Whether every planar motion mechanism can make it.
+    at_rest : bool
+        Whether the carriage stands: a check of the balance, of which nothing is reduced.
 
     Examples
     --------
@@ -313,6 +315,7 @@ class TestKind:
     phrase: str = ""
     shares: Mapping[str, tuple[float, ...]] | None = None
     usual: bool = False
+    at_rest: bool = False
 
     @property
     def captive(self) -> bool:

@@ -165,7 +165,7 @@ def _listed(entry: Any, limits: Limits, ship: Ship) -> Option:
         for name in entry
         if name not in allowed
     ]
-    if test not in [kind.name for kind in TEST_KINDS.values() if kind.captive]:
+    if test not in [kind.name for kind in TEST_KINDS.values() if kind.captive and not kind.at_rest]:
         wrong.append(f"test = {test!r} is no captive test.")
     wrong += [
         f"{name} = {entry[name]!r} is no number."

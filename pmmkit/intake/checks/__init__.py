@@ -97,7 +97,7 @@ def _by_depth(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[Chec
         for found in own:
             if len(parts) == 1:
                 yield found
-            elif found.runs:
+            elif ids.issuperset(found.runs) and found.runs:
                 depth = part.depth_in_words
                 yield replace(found, message=f"In water of {depth}: {found.message}")
             elif found.message not in said:

@@ -254,7 +254,7 @@ def accepted(campaign: Campaign, finding: CheckFinding) -> CheckFinding:
     reasons: dict[str, None] = {}
     taken = [
         (run.id, [item for item in run.corrections if _accepts(item, finding)])
-        for run in campaign.runs
+        for run in (*campaign.runs, *campaign.check_loads)
         if run.id in finding.runs or not finding.runs
     ]
     if not taken or not all(items for _, items in taken):

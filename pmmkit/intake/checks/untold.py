@@ -168,7 +168,8 @@ class _Seen:
 
 
 def _scale(seen: _Seen) -> Untold | None:
-    names = list(seen.channels)
+    checked = {check.channel for check in seen.campaign.gauge_checks if check.agrees}
+    names = [name for name in seen.channels if name not in checked]
     if not names:
         return None
     if seen.computed:
@@ -183,7 +184,7 @@ def _scale(seen: _Seen) -> Untold | None:
         name="scale",
         text=f"Not checked by these runs: the scale of the gauges of {listed(names)}. A gain or a "
         "unit that is off in all runs alike goes into every derivative one to one.",
-        check="Known weights on the balance check it.",
+        check='Known weights on the balance (test = "check_load") check it.',
         condition=f"the gauges' scale ({', '.join(names)})",
     )
 
@@ -193,6 +194,8 @@ def _point(seen: _Seen, values: Mapping[str, float]) -> Untold | None:
         return None
     campaign = seen.campaign
     x = campaign.moment_reference_x
+    if any(check.at(x) for check in campaign.gauge_checks):
+        return None
     stated = [item for item in campaign.uncertainty if item.name == "moment_reference_x"]
     std = math.hypot(*(item.moved(x) - x for item in stated))
     where = f"x = {x:.4g} ± {WIDE * std:.2g} m" if std else f"x = {x:.4g} m"
@@ -206,7 +209,7 @@ def _point(seen: _Seen, values: Mapping[str, float]) -> Untold | None:
     return Untold(
         name="moments' point",
         text=f"Not checked by these runs: the point about which N is stated ({where}). {told}",
-        check="Side loads at two known stations along the model check it.",
+        check='Side loads at two stations along the model (test = "check_load") check it.',
         condition=f"the moments' point ({where})",
     )
 
@@ -360,13 +363,14 @@ def _reference_values(seen: _Seen) -> Untold | None:
     if not seen.channels:
         return None
     what = "the length L and the density" if seen.computed else "the length L, density and speed"
+    names = "L, density" if seen.computed else "L, density, speed"
     return Untold(
         name="reference values",
         text=f"Not checked by these runs: {what} that make the derivatives non-dimensional.",
         check="The drawing of the model checks them."
         if seen.computed
         else "A tape, a thermometer and an independent speed log check them.",
-        condition=f"the reference values ({'L, density' if seen.computed else 'L, density, speed'})",
+        condition=f"the reference values ({names})",
     )
 
 

@@ -294,7 +294,7 @@ def saved_index(path: Path) -> Iterator[dict[str, Any]]:
     """
     with opened(path) as file:
         index = read_index(file, path)
-        for item in (*index["runs"], *index["excluded"]):
+        for item in (*index["runs"], *index["excluded"], *index.get("check_loads", ())):
             item["run"]["loader"] = loader_of(item, path)
         yield index
 
@@ -407,7 +407,7 @@ def checksum(text: str) -> str:
 
 
 def _find(index: Mapping[str, Any], run_id: str, path: Path) -> Mapping[str, Any]:
-    items = [*index["runs"], *index["excluded"]]
+    items = [*index["runs"], *index["excluded"], *index.get("check_loads", ())]
     ids = [item["run"]["id"] for item in items]
     groups = [item["group"] for item in items]
     for known in (ids, groups):
