@@ -14,7 +14,7 @@ import pytest
 from pmmkit import catalogue
 from pmmkit.base import DataError
 from pmmkit.campaigns import Correction
-from pmmkit.intake import examine, summarise, untold
+from pmmkit.intake import Untold, examine, summarise
 from pmmkit.intake.checks import CHECKS
 from pmmkit.intake.checks.agreement.asking import suspects
 from pmmkit.intake.checks.agreement.posterior import agreement
@@ -183,11 +183,16 @@ def test_a_step_and_a_creep_are_told_from_each_other_beside_harmonics():
 @pytest.mark.slow
 def test_a_table_says_what_its_runs_cannot_check():
     campaign = spoiled.clean("small", 2)
-    notes = untold(campaign, [summarise(run, campaign) for run in campaign.runs])
-    assert any("length L" in note and "Weights" in note for note in notes)
+    told = Untold.of(campaign, [summarise(run, campaign) for run in campaign.runs])
+    notes = list(map(str, told))
+    assert any("scale of the gauges" in note and "Known weights" in note for note in notes)
+    assert any("length L" in note and "A tape" in note for note in notes)
     assert any("Izz" in note and "Swinging the dry model" in note for note in notes)
     assert any("one frequency" in note for note in notes)
-    assert set(notes) <= set(reduce_campaign(campaign).table.notes)
+    found = reduce_campaign(campaign)
+    assert found.untold[0] == told[0]
+    assert {str(item) for item in found.untold} <= set(found.table.notes)
+    assert found.table.verdict.conditions == tuple(x.condition for x in found.untold if x.condition)
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from pmmkit.campaigns.setting import RunSetting, Told
+from pmmkit.campaigns.setting import LENGTH, RATE, RunSetting, Told
 from pmmkit.campaigns.test_kinds.kind import TestKind
 from pmmkit.campaigns.test_kinds.steady import STRAIGHT
 
@@ -23,6 +23,7 @@ def _load(name: str, channel: str, word: str, unit: str, typical: float) -> RunS
         along=channel,
         told=Told(symbol=f"{channel} load", word=word, unit=f" {unit}", form="+.4g"),
         word=word,
+        resolution=RATE,
         typical=typical,
     )
 
@@ -42,6 +43,7 @@ SETTINGS: Final = (
         where_needed=True,
         told=Told(symbol="at", word="at", unit=" m", form="+.4g"),
         word="arm of the load",
+        resolution=LENGTH,
         typical=1.0,
     ),
 )

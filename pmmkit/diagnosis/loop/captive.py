@@ -247,7 +247,7 @@ class CaptiveTests:
         """What the base still lacks with some steps."""
         own = self.standing(steps)
         found = answer(own.system, own.begun, floor=own.floor, seed=seed)
-        untold = Untold.of(self.campaign, values=found.base, recorded=True)
+        untold = Untold.of(self.campaign.within_reach(), values=found.base, recorded=True)
         return replace(found, given=self._names(steps), untold=untold)
 
     def standing(self, steps: Sequence[Step]) -> CaptiveTests:
