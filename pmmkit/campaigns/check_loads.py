@@ -81,7 +81,8 @@ def gauge_checks(loads: Sequence[Run], moment_x: float) -> tuple[GaugeCheck, ...
     """
     if not loads:
         return ()
-    readings, problems = [], []
+    readings: list[_Reading] = []
+    problems: list[Problem] = []
     for run in loads:
         try:
             readings.append((run, _read(run)))

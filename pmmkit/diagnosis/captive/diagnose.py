@@ -79,7 +79,9 @@ def diagnose_captive(
     )
     known = system.taking_part(given)
     found = answer(system.whole(known), known, floor=system.floor, seed=seed)
-    return replace(found, untold=Untold.of(campaign.within_reach(), values=found.base, recorded=True))
+    return replace(
+        found, untold=Untold.of(campaign.within_reach(), values=found.base, recorded=True)
+    )
 
 
 def captive_system(

@@ -67,7 +67,8 @@ def _line_ends(files: Mapping[str, Sequence[Path]]) -> Iterator[CheckFinding]:
 
 def _left_alone(campaign: Campaign) -> Iterator[CheckFinding]:
     """Files beside those of histories that are of the same kind and that no run names."""
-    every = (*campaign.runs, *(run for run, _ in campaign.excluded))
+    left = (run for run, _ in campaign.excluded)
+    every = (*campaign.runs, *left, *campaign.check_loads)
     named = {path.resolve() for run in every for path in _text_files(run)}
     used = {
         path.resolve()

@@ -40,7 +40,7 @@ def examine_check_loads(
         numbers = {"gain": check.gain, "std": check.std, "zero": check.zero}
         if check.agrees:
             yield CheckFinding(
-                check="check_load",
+                check="check loads",
                 severity="info",
                 message=f"{told}: its scale is right to that.",
                 runs=check.runs,
@@ -49,7 +49,7 @@ def examine_check_loads(
         else:
             near = _near(check.gain, unit)
             yield CheckFinding(
-                check="check_load",
+                check="check loads",
                 severity="error" if abs(check.gain - 1.0) > WRONG else "warning",
                 message=f"{told}{f', near {near}' if near else ''}. All derivatives of {name} are "
                 "off by as much.",
@@ -87,7 +87,7 @@ def _point(campaign: Campaign, point: float, half: float, runs: tuple[str, ...])
     told = f"The side loads say that N is about x = {plus_minus(point, half)} m"
     fits = abs(point - stated) <= half
     return CheckFinding(
-        check="check_load",
+        check="check loads",
         severity="info" if fits else "warning",
         message=f"{told}; the campaign file says {stated:.4g} m{', which agrees' if fits else ''}.",
         runs=runs,
@@ -101,7 +101,7 @@ def _point(campaign: Campaign, point: float, half: float, runs: tuple[str, ...])
 
 CHECKS = (
     Check(
-        "check_load",
+        "check loads",
         "gains and moments' point by known weights on the balance",
         examine_check_loads,
     ),
