@@ -507,9 +507,9 @@ TEST_KINDS: Final = Registry(
     TestKind,
     what="kind of test",
     listed="pmmkit.campaigns.test_kinds:KINDS",
-    first=("steady", "oscillating", "free_running"),
+    first=("steady", "oscillating", "check_load", "free_running"),
     group=GROUP,
     unknown="{name!r} is not one of {names}{guess}",
     contract="pmmkit.testing.test_kinds:check_test_kind",
 )
-"""All kinds of test by name: steady, oscillating, free running, then those of other packages."""
+"""All kinds of test by name: captive, free running, then those of other packages."""
