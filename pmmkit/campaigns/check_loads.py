@@ -67,6 +67,11 @@ class GaugeCheck:
         """Whether the interval of the gain holds 1."""
         return abs(self.gain - 1.0) <= self.factor * self.std
 
+    @property
+    def felt(self) -> bool:
+        """Whether the gauge feels the loads at all: its gain is clear of zero."""
+        return abs(self.gain) > self.factor * self.std
+
     def at(self, x: float) -> bool:
         """Whether the loads say that N is stated about a point, forward of midship [m]."""
         return abs(self.point - x) <= self.factor * self.point_std
@@ -138,9 +143,10 @@ def _check(
     fit = _fitted([plain + side * arm, -side, one], shown, noise) if side.any() else None
     if fit is not None:
         (gain, moved, zero), covariance, dof = fit
-        point = moved / gain
-        slope = np.array([-point, 1.0]) / gain
-        std = math.hypot(math.sqrt(slope @ covariance[:2, :2] @ slope), LENGTH[0])
+        if gain:
+            point = moved / gain
+            slope = np.array([-point, 1.0]) / gain
+            std = math.hypot(math.sqrt(slope @ covariance[:2, :2] @ slope), LENGTH[0])
     else:
         fit = _fitted([about, one], shown, noise) or _fitted([about], shown, noise)
         if fit is None:

@@ -249,3 +249,56 @@ def test_a_saved_campaign_keeps_them(tmp_path, checked):
     assert [run.id for run in again] == [run.id for run in checked]
     assert again.gauge_checks == checked.gauge_checks
     assert not pk.open_campaign(file, runs=False).check_loads
+
+
+@pytest.mark.parametrize(
+    ("gain", "words"), [({"Y": -1.0}, "Its sign is turned"), ({"Y": 0.0}, "does not feel")]
+)
+def test_a_turned_and_a_dead_gauge_are_named(tmp_path, gain, words):
+    (finding,) = [
+        item
+        for item in said(pk.open_campaign(with_loads(tmp_path / "tests", gain=gain)))
+        if item.severity == "error"
+    ]
+    assert finding.channels == ("Y",)
+    assert words in finding.remedy
+
+
+def test_corrections_of_all_runs_that_speak_of_motion_mean_the_tests(tmp_path):
+    keys = """
+[[corrections]]
+runs = ["*"]
+action = "window"
+t_start = 2.0
+t_end = 18.0
+reason = "steady there"
+
+[[corrections]]
+runs = ["*"]
+action = "scale"
+channels = ["Y"]
+factor = 2.0
+reason = "half of the bridge was read"
+"""
+    campaign = pk.open_campaign(with_loads(tmp_path / "tests", keys=keys, gain={"Y": 0.5}))
+    assert [item.action for item in campaign["CL_1"].corrections] == ["scale"]
+    assert loads_of(campaign)["Y"].agrees
+
+
+def test_a_check_load_can_be_accepted_or_left_out(tmp_path):
+    keys = """
+[[corrections]]
+runs = ["CL_*"]
+action = "accept"
+check = "check loads"
+reason = "the pulley was seized"
+
+[[corrections]]
+runs = ["CL_0"]
+action = "exclude"
+reason = "the model was touched"
+"""
+    campaign = pk.open_campaign(with_loads(tmp_path / "tests", keys=keys, gain={"Y": 1.3}))
+    assert len(campaign.check_loads) == len(SETS) - 1
+    assert {item.severity for item in said(campaign)} == {"info"}
+    assert any("the pulley was seized" in item.message for item in said(campaign))

@@ -225,7 +225,7 @@ def add_history(
     out: Assembled,
 ) -> None:
     """A run with a history of its own."""
-    corrections = _with_tare(entry, corrections_of(entry.id, setup))
+    corrections = _with_tare(entry, corrections_of(entry.id, entry.test, setup))
     given = {**entry.settings(), **set_by(corrections)}
     motion = _motion(entry, label, request, setup, out)
     missing = missing_settings(entry.test, given)
@@ -336,7 +336,9 @@ def _motion(
         return None
     found = setup.search.find(entry.motion)
     if found is None:
-        if not any(item.action == "exclude" for item in corrections_of(entry.id, setup)):
+        if not any(
+            item.action == "exclude" for item in corrections_of(entry.id, entry.test, setup)
+        ):
             out.problems.append(setup.search.missing(entry.motion, label, out.file))
         return None
     return replace(found, run=request.run)
@@ -358,9 +360,17 @@ def needs(missing: Sequence[str], test: str, label: str, out: Assembled) -> bool
     return bool(missing)
 
 
-def corrections_of(run_id: str, setup: Setup) -> tuple[Correction, ...]:
-    """The corrections that apply to a run."""
-    return tuple(item for item in setup.corrections if item.applies_to(run_id))
+def corrections_of(run_id: str, test: str, setup: Setup) -> tuple[Correction, ...]:
+    """The corrections that apply to a run; what is said of all runs and of how a test goes does
+    not mean one at rest."""
+    found = tuple(item for item in setup.corrections if item.applies_to(run_id))
+    if not TEST_KINDS[test].at_rest:
+        return found
+    return tuple(x for x in found if x.action not in _OF_MOTION or "*" not in x.runs)
+
+
+_OF_MOTION: Final = ("tare", "trim", "window", "set", "drop means")
+"""What is done to a test because of its motion and its record."""
 
 
 def _with_tare(entry: FileEntry, corrections: tuple[Correction, ...]) -> tuple[Correction, ...]:

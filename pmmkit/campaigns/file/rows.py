@@ -186,7 +186,7 @@ def add_row(
     numbers = row_numbers(cells, picked, index, request, out)
     if numbers is None:
         return
-    corrections = corrections_of(run_id, setup)
+    corrections = corrections_of(run_id, entry.test, setup)
     from_cells = {name: value for name, value in numbers.items() if name in RUN_SETTINGS.units}
     stated = {**entry.settings(), **from_cells}
     given = {**stated, **set_by(corrections)}
@@ -305,7 +305,7 @@ def add_samples(
     if len(whole) < len(found):
         return
     kept, dimensional = _channels(whole, picked)
-    corrections = corrections_of(run_id, setup)
+    corrections = corrections_of(run_id, entry.test, setup)
     columns = {
         name: float(np.mean([numbers[name] for numbers in whole]))
         for name in whole[0]

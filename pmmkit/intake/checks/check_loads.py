@@ -20,6 +20,7 @@ WRONG: Final = 0.1
 calibrated to some per mille, and a bad pulley or a bent wire takes some per cent."""
 SPREAD: Final = 1.03
 """Ratio up to which a gain is near a round factor."""
+DEAD: Final = "It does not feel the loads: look at the gauge, at its column and at the loads."
 POUNDS: Final = {"N": (4.4482216, "lbf"), "N m": (1.3558179, "lbf ft")}
 """Pound-force and pound-force foot [N, N m]."""
 
@@ -47,7 +48,7 @@ def examine_check_loads(
                 numbers=numbers,
             )
         else:
-            near = _near(check.gain, unit)
+            near = _near(check.gain, unit) if check.felt else ""
             yield CheckFinding(
                 check="check loads",
                 severity="error" if abs(check.gain - 1.0) > WRONG else "warning",
@@ -55,10 +56,10 @@ def examine_check_loads(
                 "off by as much.",
                 runs=check.runs,
                 channels=(name,),
-                remedy=_remedy(name, check.gain),
+                remedy=_remedy(name, check.gain) if check.felt else DEAD,
                 numbers=numbers,
             )
-        if math.isfinite(check.point):
+        if math.isfinite(check.point) and check.felt:
             yield _point(campaign, check.point, check.factor * check.point_std, check.runs)
 
 

@@ -232,8 +232,9 @@ def _most_moved(values: Mapping[str, float]) -> tuple[str, float] | None:
 
 
 def _day(seen: _Seen) -> Untold | None:
-    """An order in which a drift of the gauges looks like something else."""
-    if seen.computed or seen.always("tared"):
+    """An order in which a drift of the gauges looks like something else; none where each record
+    shows its zero at rest."""
+    if seen.computed or seen.always("tared") or seen.always("rest_s"):
         return None
     runs = seen.runs
     day = np.array(seen.campaign.with_(runs=runs).places_in_day)
