@@ -11,7 +11,7 @@ import pytest
 
 from pmmkit import Campaign, open_campaign
 from pmmkit.base import ContradictionError
-from pmmkit.intake import CheckFinding, examine, refuse
+from pmmkit.intake import CheckFinding, Untold, examine, refuse
 
 Findings = tuple[CheckFinding, ...]
 
@@ -31,6 +31,14 @@ def refused(published: Campaign) -> Findings:
 @pytest.fixture(scope="module")
 def accepted(shared_data: Path, datasets: Path, published: Campaign) -> Findings:
     return examine(open_campaign(datasets / "kvlcc2_hmri", data=shared_data))
+
+
+def test_what_these_tests_cannot_tell_is_said_by_their_settings(published: Campaign) -> None:
+    told = {item.name: item for item in Untold.of(published)}
+    assert told["scale"].condition == "the gauges' scale (X, Y, N)"
+    assert told["moments' point"].condition.startswith("the moments' point (x = ")
+    assert "the kind of test" in told["day"].text
+    assert not {"one speed", "one frequency", "side"} & set(told)
 
 
 def of(findings: Findings, check: str, text: str = "") -> CheckFinding:

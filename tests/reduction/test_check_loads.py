@@ -6,6 +6,9 @@ balance of load times distance, each gauge shows its gain times what it feels an
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 import small_campaign
@@ -96,6 +99,17 @@ def test_a_right_balance_takes_scale_and_point_out_of_the_line(reduced):
 
 
 @pytest.mark.slow
+def test_the_test_report_tells_the_gains_and_on_what_the_verdict_hangs(reduced, tmp_path):
+    from pmmkit.views import captive_document, write_report
+
+    file = write_report(captive_document(reduced["checked"]), tmp_path / "report.html")
+    words = " ".join(re.sub("<[^>]*>", " ", Path(file).read_text(encoding="utf-8")).split())
+    assert "Check loads on Y: reading over load" in words
+    assert "(7 loads, up to 80 N)" in words
+    assert "Usable, if the inertia" in words or "Usable, if the gauges" in words
+
+
+@pytest.mark.slow
 def test_what_the_weights_are_uncertain_by_is_in_the_intervals(checked, reduced):
     """A gain that is off by a share takes all derivatives of its channel along by that share."""
     one, other = (reduced[name].table for name in ("checked", "plain"))
@@ -134,6 +148,22 @@ def test_moments_in_pound_feet_are_refused_with_their_factor(tmp_path):
     found = reduce_campaign(campaign, executor=1, check=False)
     assert found.verdict.use == "not usable"
     assert found.verdict.conditions[0] == "the gauges' scale (N)"
+
+
+@pytest.mark.slow
+def test_without_a_check_load_pound_feet_are_usable_and_the_line_says_on_what(plain):
+    """Nothing in the runs disagrees where every moment is 0.7376 of itself; but 26 % are lost."""
+
+    def in_pound_feet(run):
+        data = run.data
+        moved = data.assign(N=data.N / POUND_FEET)
+        return run.with_(loader=lambda: moved)
+
+    found = reduce_campaign(plain.with_(runs=tuple(map(in_pound_feet, plain))), executor=1)
+    column = found.table["Nv"]
+    assert column == pytest.approx([small_campaign.TRUTH["Nv"] / POUND_FEET] * 2, rel=0.05)
+    assert not found.verdict.faults
+    assert "the gauges' scale (X, Y, N)" in str(found.verdict)
 
 
 def test_its_factor_mends_loads_and_tests_alike(tmp_path, plain):

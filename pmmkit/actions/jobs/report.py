@@ -101,7 +101,7 @@ def report(job: ReportSettings) -> Outcome:
         f"{counted(len(keys), 'item')} not supplied{named}",
         *(["The last chapter lists them with the keys of campaign.toml."] if keys else []),
         *(f"  - {reason}" for reason in judged.faults),
-        f"Verdict: {judged.use}.",
+        f"Verdict: {judged.use}{judged.proviso}.",
         f"Report: {file.resolve()}",
     ]
     return Outcome(content=content, lines=lines, status=NOT_USABLE if judged.faults else 0)

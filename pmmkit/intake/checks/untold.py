@@ -180,9 +180,10 @@ def _scale(seen: _Seen) -> Untold | None:
             check="A case whose forces are published checks it.",
             condition=f"the scale of the forces ({', '.join(names)})",
         )
+    gauges = "the gauges" if len(names) > 1 else "the gauge"
     return Untold(
         name="scale",
-        text=f"Not checked by these runs: the scale of the gauges of {listed(names)}. A gain or a "
+        text=f"Not checked by these runs: the scale of {gauges} of {listed(names)}. A gain or a "
         "unit that is off in all runs alike goes into every derivative one to one.",
         check='Known weights on the balance (test = "check_load") check it.',
         condition=f"the gauges' scale ({', '.join(names)})",

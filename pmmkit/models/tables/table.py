@@ -79,8 +79,9 @@ class TableVerdict:
 
     @property
     def proviso(self) -> str:
-        """What it hangs on, as the end of a sentence; empty where nobody said it."""
-        if not self.conditions:
+        """What it hangs on, as the end of a sentence; empty where nobody said it, and of what is
+        not usable."""
+        if self.faults or not self.conditions:
             return ""
         named, more = list(self.conditions[: self.MOST]), len(self.conditions) - self.MOST
         named += [f"{counted(more, 'thing')} more in the notes"] if more > 0 else []

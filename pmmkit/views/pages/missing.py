@@ -239,6 +239,7 @@ def missing_page(
             {"effect": item.name, "why": item.why, "size": short(item.hides)}
             for item in found.not_testable
         ],
+        "untold": [str(item) for item in found.untold],
         "covered": [
             {"effect": item.name, "size": short(item.hides), "shown": item.shown}
             for item in sorted(found.covered, key=lambda x: x.hides)
@@ -298,6 +299,7 @@ def joint_page(
         "sets": [{"effects": list(names), "odds": short(x)} for names, x in found.group],
         "suspected": [],
         "hidden": [{"effect": x.name, "why": x.why, "size": short(x.hides)} for x in found.hidden],
+        "untold": [],
         "covered": [],
         "overlays": {},
         "base": {},

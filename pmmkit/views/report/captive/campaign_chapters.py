@@ -10,7 +10,7 @@ from statistics import median
 from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, Run, RunSetting, Settings
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.models import SECTIONS
-from pmmkit.presentation import Cell, Grid, Group, Section, counted, number
+from pmmkit.presentation import Cell, Grid, Group, Section, counted, number, plus_minus
 from pmmkit.reduction import Reduction, RunResult
 from pmmkit.views.figures.captions import drawn
 from pmmkit.views.report import tables
@@ -124,12 +124,26 @@ def measured(reduction: Reduction) -> Chapter:
         items=[
             Item(what="Data as", value=_data(campaign)),
             *of_gauges(campaign),
+            *_check_loads(campaign),
             *of_report(campaign, "acquisition"),
             *_rate(reduction),
             *of_report(campaign, "analogue_filter"),
         ],
         sections=[Section(title="Channels of the runs", tables=[_channels(reduction.runs)])],
     )
+
+
+def _check_loads(campaign: Campaign) -> list[Item]:
+    """What known weights on the balance said of each gauge, with 95 % intervals."""
+    return [
+        Item(
+            what=f"Check loads on {item.channel}: reading over load",
+            value=f"{plus_minus(item.gain, item.factor * item.std)} "
+            f"({counted(len(item.runs), 'load')}, up to {number(item.largest)} "
+            f"{CHANNEL_UNITS[item.channel]})",
+        )
+        for item in campaign.gauge_checks
+    ]
 
 
 def _data(campaign: Campaign) -> str:

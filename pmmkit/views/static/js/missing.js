@@ -139,11 +139,13 @@ function rivals(found) {
 }
 
 function hidden(found) {
-  if (!found.hidden.length) return null;
+  if (!found.hidden.length && !found.untold.length) return null;
   return el("section", { class: "panel" },
-    el("details", {}, el("summary", {}, t("hidden", { count: found.hidden.length })),
+    found.hidden.length ? el("details", {}, el("summary", {}, t("hidden", { count: found.hidden.length })),
       el("ul", { class: "sentences calm" }, found.hidden.map((item) => el("li", {}, el("b", {}, plainWord(item.effect)), `: ${item.why}`,
-        item.size === null ? "" : `; ${t("could_hide", { size: num(item.size, 2) })}`)))));
+        item.size === null ? "" : `; ${t("could_hide", { size: num(item.size, 2) })}`)))) : null,
+    found.untold.length ? el("details", {}, el("summary", {}, t("untold", { count: found.untold.length })),
+      el("ul", { class: "sentences calm" }, found.untold.map((text) => el("li", {}, text)))) : null);
 }
 
 // The run that is looked at, with the candidate under the pointer drawn over it.
