@@ -28,7 +28,7 @@ def test_drift_alone_gives_no_yaw_derivative():
         assert sum(name in re.split(r"[, ]+", note.split(" at Fn")[0]) for note in found.notes) == 1
     coupled = next(note for note in found.notes if "Nvvr" in note)
     assert "no value: that takes yaw with drift" in coupled
-    assert len(found.notes) < 8
+    assert len(found.notes) - len(found.untold) < 6
 
 
 def test_one_drift_angle_cannot_part_linear_from_cubic():
