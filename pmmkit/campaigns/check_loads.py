@@ -22,6 +22,9 @@ PULLEY: Final = 0.005
 CLEAR: Final = 0.01
 """Smallest singular value, of columns of unit length, from which gain, zero and point are told
 apart: below, the uncertainty of each is a hundred times that of one reading."""
+TELLS: Final = 0.1
+"""Half interval of a gain up to which it says something of the scale: another unit, factor or sign
+is off by more."""
 SWAY: Final = "sway_load"
 
 
@@ -63,14 +66,24 @@ class GaugeCheck:
         return float(coverage_factor(self.dof))
 
     @property
-    def agrees(self) -> bool:
+    def half(self) -> float:
+        """Half of the 95 % interval of the gain."""
+        return self.factor * self.std
+
+    @property
+    def holds(self) -> bool:
         """Whether the interval of the gain holds 1."""
-        return abs(self.gain - 1.0) <= self.factor * self.std
+        return abs(self.gain - 1.0) <= self.half
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the gain is 1, and well enough known that another unit would show."""
+        return self.holds and self.half <= TELLS
 
     @property
     def felt(self) -> bool:
         """Whether the gauge feels the loads at all: its gain is clear of zero."""
-        return abs(self.gain) > self.factor * self.std
+        return abs(self.gain) > self.half
 
     def at(self, x: float) -> bool:
         """Whether the loads say that N is stated about a point, forward of midship [m]."""
@@ -146,7 +159,8 @@ def _check(
         if gain:
             point = moved / gain
             slope = np.array([-point, 1.0]) / gain
-            std = math.hypot(math.sqrt(slope @ covariance[:2, :2] @ slope), LENGTH[0])
+            pulled = PULLEY * float(np.sqrt(np.mean((arm[side != 0] - point) ** 2)))
+            std = math.hypot(math.sqrt(slope @ covariance[:2, :2] @ slope), LENGTH[0], pulled)
     else:
         fit = _fitted([about, one], shown, noise) or _fitted([about], shown, noise)
         if fit is None:

@@ -136,7 +136,7 @@ def test_moments_in_pound_feet_are_refused_with_their_factor(tmp_path):
     place = with_loads(tmp_path / "tests", gain={"N": 1 / POUND_FEET}, zero={"N": 3.0})
     campaign = pk.open_campaign(place)
     gain = loads_of(campaign)["N"]
-    assert gain.gain * POUND_FEET == pytest.approx(1.0, abs=gain.factor * gain.std)
+    assert gain.gain * POUND_FEET == pytest.approx(1.0, abs=gain.half)
     assert gain.zero == pytest.approx(3.0, abs=0.1)
     (finding,) = [item for item in said(campaign) if item.severity == "error"]
     assert finding.channels == ("N",)
@@ -332,3 +332,14 @@ reason = "the model was touched"
     assert len(campaign.check_loads) == len(SETS) - 1
     assert {item.severity for item in said(campaign)} == {"info"}
     assert any("the pulley was seized" in item.message for item in said(campaign))
+
+
+def test_loads_that_scatter_say_nothing(tmp_path):
+    """Scatter of ten newtons at forty: the interval would hold pound feet too."""
+    campaign = pk.open_campaign(with_loads(tmp_path / "tests", noise=10.0, sets=SETS[:5]))
+    gain = loads_of(campaign)["Y"]
+    assert gain.half > 0.1
+    assert not gain.agrees
+    findings = [item for item in said(campaign) if item.channels == ("Y",)]
+    assert [item.severity for item in findings] == ["warning"]
+    assert "says nothing of its scale" in findings[0].message

@@ -35,9 +35,8 @@ def examine_check_loads(
     """
     for check in campaign.gauge_checks:
         unit, name = CHANNEL_UNITS[check.channel], check.channel
-        half = check.factor * check.std
         loads = f"{counted(len(check.runs), 'check load')}, up to {figure(check.largest)} {unit}"
-        told = f"{name} reads {plus_minus(check.gain, half)} times what was applied ({loads})"
+        told = f"{name} reads {plus_minus(check.gain, check.half)} times what was applied ({loads})"
         numbers = {"gain": check.gain, "std": check.std, "zero": check.zero}
         if check.agrees:
             yield CheckFinding(
@@ -45,6 +44,16 @@ def examine_check_loads(
                 severity="info",
                 message=f"{told}: its scale is right to that.",
                 runs=check.runs,
+                numbers=numbers,
+            )
+        elif check.holds:
+            yield CheckFinding(
+                check="check loads",
+                severity="warning",
+                message=f"{told}: that says nothing of its scale.",
+                runs=check.runs,
+                channels=(name,),
+                remedy="Put more and larger loads on, to both sides; look at pulley and wire.",
                 numbers=numbers,
             )
         else:

@@ -138,7 +138,7 @@ def _check_loads(campaign: Campaign) -> list[Item]:
     return [
         Item(
             what=f"Check loads on {item.channel}: reading over load",
-            value=f"{plus_minus(item.gain, item.factor * item.std)} "
+            value=f"{plus_minus(item.gain, item.half)} "
             f"({counted(len(item.runs), 'load')}, up to {number(item.largest)} "
             f"{CHANNEL_UNITS[item.channel]})",
         )
