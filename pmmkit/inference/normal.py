@@ -279,8 +279,9 @@ class Normal:
     def added(
         self, inner: Array, score: Array, cross: Array, sizes: Sequence[float]
     ) -> tuple[float, Array]:
-        """ln evidence that further columns add, averaged over prior sizes of their coefficients, and
-        these coefficients at the most probable size.
+        """ln evidence that further columns add, averaged over prior sizes, and their coefficients.
+
+        The coefficients are those at the most probable size.
 
         Parameters
         ----------
