@@ -21,6 +21,7 @@ from pmmkit.reduction.agreement import Difference, differences, worst
 from pmmkit.reduction.between_runs import between_runs
 from pmmkit.reduction.choice import all_terms, largest_determined
 from pmmkit.reduction.derivatives import DerivativeNames, columns_of
+from pmmkit.reduction.groups import groups_at_odds
 from pmmkit.reduction.influence import Influences, influences
 from pmmkit.reduction.methods.families import by_family, by_run, library_of
 from pmmkit.reduction.methods.method import Estimate, MethodInputs, channels_over_time
@@ -445,7 +446,12 @@ def reduce_campaign(
         origin = {**table.provenance, "method": main}
         table = found[main].table.with_(notes=remarks, provenance=origin)
     weighed = odd_runs == "weigh"
-    told = (*surge_zero(solution), *findings, *at_odds(odd, weighed=weighed))
+    told = (
+        *surge_zero(solution),
+        *findings,
+        *at_odds(odd, weighed=weighed),
+        *groups_at_odds(solution, rows, campaign),
+    )
     told = tuple(sorted(told, key=lambda item: item.rank))
     families = by_family(rows, sensitivities, columns, solution, campaign, convention)
     moved = Influences(items=each, odd=odd)

@@ -7,17 +7,21 @@ each: a second balance for yaw tests, moments about another point, a gauge that 
 day, and so on. Programmes, noise and base are those of `hidden_effects`.
 
 told : a group of runs is said to disagree, or the fault of the catalogue that it is is named.
+reduced : `reduce` warns of a group, or of runs.
 """
 
 from __future__ import annotations
 
 import argparse
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 from pmmkit.campaigns import Campaign, Run
 from pmmkit.diagnosis.captive.diagnose import diagnose_captive
+from pmmkit.reduction import reduce_campaign
+from scripts.studies.false_alarms import RUDDER
 from scripts.studies.hidden_effects import tank
 
 Chosen = Callable[[Run, float], bool]
@@ -106,16 +110,23 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=9700, help="first seed")
     o = parser.parse_args()
     for programme in o.programmes:
-        told = 0
+        told = warned = 0
         for number, (words, fault) in enumerate(faults().items()):
             clean = tank().hidden_campaign(programme, {}, seed=o.first + number)
-            found = diagnose_captive(misread(clean, *fault), tank().BASE)
+            campaign = misread(clean, *fault)
+            found = diagnose_captive(campaign, tank().BASE)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                reduced = reduce_campaign(campaign, structure=(*tank().BASE, *RUDDER))
+            warned += any(x.check in ("odd_group", "odd_run") for x in reduced.findings)
             named = " and ".join(found.best) or found.verdict
             told += bool(found.disagreements) or found.best == ("fault_gauge_drift_of_the_day",)
             print(f"{programme:7}{words:36}{named}")
             for reason in found.flags[1:]:
                 print(f"{'':11}{reason}")
-        print(f"{programme:7}told: {told} of {len(faults())}")
+            for reason in reduced.verdict.reasons:
+                print(f"{'':11}reduce: {reason}")
+        print(f"{programme:7}told: {told} of {len(faults())}, reduced: {warned}")
 
 
 if __name__ == "__main__":

@@ -143,3 +143,32 @@ def test_the_first_run_of_a_day_is_no_run_at_odds():
     found = reduced(alone)
     assert found.influences.odd == ()
     assert not np.isfinite(found.table["Yvvv"]).any()
+
+
+def steady_runs_read_more(made, share):
+    """Static tests on another balance for the yaw moment."""
+
+    def one(run):
+        data = run.data.assign(N=(1.0 + share) * run.data.N)
+        return run if run.dynamic else run.with_(loader=lambda: data)
+
+    return made.with_(runs=tuple(map(one, made)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fn", ["each", "pooled"])
+def test_a_group_of_runs_that_reads_more_is_told_with_its_gain(fn):
+    found = reduced(steady_runs_read_more(hidden_campaign("full", seed=9711), 0.04), fn=fn)
+    (group,) = (item for item in found.findings if item.check == "odd_group")
+    assert group.channels == ("N",)
+    assert "static drift" in group.message
+    assert group.numbers["gain"] == pytest.approx(0.04, abs=0.02)
+    assert any(group.message in text for text in found.verdict.doubts)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fn", ["each", "pooled"])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_no_group_of_a_sound_campaign_is_told(fn, seed):
+    found = reduced(hidden_campaign("full", seed=seed), fn=fn)
+    assert not [item for item in found.findings if item.check == "odd_group"]

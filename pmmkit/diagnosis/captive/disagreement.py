@@ -1,9 +1,9 @@
 """Runs that disagree with the others: a kind of test, a speed, a side, a part of the day.
 
 In the runs S of a group a channel reads F (1 + g) + a + b β in place of F: a gain, an offset and a
-slope in the drift angle, each 0 ± s of the channel's force, s averaged over `SIZES`. A group is
-a rival as thin as an entry of the catalogue. Truths that no entry holds differ in just this: their
-means in one kind of test do not go with those of another.
+slope in the drift angle, each 0 ± s of the channel's force, s averaged over `Run.OTHERWISE`. Such a
+group is a rival as thin as an entry of the catalogue. Truths that no entry holds differ in just
+this: their means in one kind of test do not go with those of another.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Final
 
 import numpy as np
 
@@ -22,9 +21,6 @@ from pmmkit.diagnosis.captive.system import CandidateColumns, System, offset_col
 from pmmkit.diagnosis.captive.whitening import Piece, Places
 from pmmkit.diagnosis.evidence import RIVALS
 from pmmkit.diagnosis.findings import Disagreement
-
-SIZES: Final = (0.005, 0.01, 0.02, 0.04, 0.08)
-"""Sizes of what a group may read otherwise, over the rms force of its channel."""
 
 
 def disagreements(
@@ -91,7 +87,7 @@ def _of_channel(
     for words, own in zip(there, np.split(left, len(there), axis=1), strict=True):
         inner, score = own.T @ own, own.T @ piece.data
         (instead, _), (log_odds, mean) = (
-            normal.added(inner, score, beside.T @ own, SIZES) for beside, normal in known
+            normal.added(inner, score, beside.T @ own, Run.OTHERWISE) for beside, normal in known
         )
         yield Disagreement(
             channel=channel.name,
