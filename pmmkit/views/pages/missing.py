@@ -122,7 +122,7 @@ def candidate_page(
     **more: Any,
 ) -> dict[str, Any]:
     """A candidate; `best`: ln evidence of the answer, where one is named."""
-    share = more.get("share")
+    removed = (more.get("share") or {}).get("all")
     told: dict[str, Any] = {
         "family": effect.family if effect else "",
         "campaign": "",
@@ -143,7 +143,7 @@ def candidate_page(
         "log_odds": short(log_odds),
         "evidence": odds(log_odds),
         "behind": "" if named or math.isnan(best) else odds(best - log_odds),
-        "asks_why": not named and share is not None and share["all"] < REMOVES,
+        "asks_why": not named and removed is not None and removed < REMOVES,
         "named": named,
         **told,
         **more,
