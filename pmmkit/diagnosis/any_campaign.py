@@ -10,6 +10,7 @@ from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import STRUCTURES, Structure
 from pmmkit.diagnosis.captive.diagnose import derivatives_of, diagnose_captive
+from pmmkit.diagnosis.captive.refit import written_in
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.models import Model, load_model
@@ -41,9 +42,11 @@ def diagnose(
     """
     if campaign.kind == "free-running":
         return diagnose_free(complete_model(model), campaign, **settings)
-    _, structure, effects = derivatives_of(model)
+    source, structure, effects = derivatives_of(model)
     given = (*effects, *settings.pop("given", ()))
-    return diagnose_captive(campaign, structure, given=given, **settings)
+    ship = source if isinstance(source, Model) else None
+    own = written_in(ship, settings.pop("own", ()))
+    return diagnose_captive(campaign, structure, given=given, own=own, model=ship, **settings)
 
 
 def complete_model(model: Model | str | Path | Sequence[str] | Structure) -> Model:

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.conventions import CHANNEL_UNITS
+from pmmkit.diagnosis.empirical import EmpiricalFormula
 from pmmkit.diagnosis.evidence import RankedSet, Visible
 from pmmkit.intake import Untold
 from pmmkit.models import Model, odds
@@ -360,6 +361,8 @@ class Diagnosis(Described):
         Effects that one run alone decides.
     nearest : Nearest, optional
         What comes nearest where something is unexplained (captive tests).
+    formula : EmpiricalFormula, optional
+        What fits where something is unexplained or flagged (captive tests): numbers, no cause.
     disagreements : tuple of Disagreement
         Groups of runs that disagree with the others beside the answer, or explain as much in its
         place (captive tests).
@@ -389,6 +392,7 @@ class Diagnosis(Described):
     notes: tuple[str, ...] = ()
     suspected: tuple[SuspectRun, ...] = ()
     nearest: Nearest | None = None
+    formula: EmpiricalFormula | None = None
     disagreements: tuple[Disagreement, ...] = ()
     homogeneity: tuple[Homogeneity, ...] = ()
     not_asked: Mapping[str, str] = field(default_factory=_none)
@@ -447,7 +451,8 @@ class Diagnosis(Described):
             )
         if self.nearest is not None:
             said.append(str(self.nearest))
-        return [*said, *self.flags[1:]]
+        formula = [] if self.formula is None else self.formula.remarks()
+        return [*said, *self.flags[1:], *formula]
 
     def table(self) -> Grid:
         """The coefficients of all findings."""
@@ -527,8 +532,14 @@ class Diagnosis(Described):
         return [
             Section(paragraphs=[floor, f"Verdict: {self.sentence}", *self.remarks()]),
             *(_effect(item) for item in self.findings),
+            *self._formula(),
             *(section for section in told if section.points),
         ]
+
+    def _formula(self) -> list[Section]:
+        if self.formula is None or not self.formula.terms:
+            return []
+        return [Section(title="Terms of the formula", tables=[self.formula.table()])]
 
     def to_pandas(self) -> pd.DataFrame:
         """Every single effect: family, ln evidence (NaN where these runs cannot ask for it), signal
@@ -568,6 +579,7 @@ class Diagnosis(Described):
                 for item in self.suspected
             ],
             "nearest": None if self.nearest is None else asdict(self.nearest),
+            "formula": None if self.formula is None else self.formula.to_dict(),
             "disagreements": [asdict(item) for item in self.disagreements],
             "homogeneity": [{**asdict(item), "varies": item.varies} for item in self.homogeneity],
             "findings": [item.to_dict() for item in self.findings],

@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 from keyword import iskeyword
 from typing import Any, Final, NoReturn
 
-from pmmkit.conventions import CHANNELS
+from pmmkit.conventions import CHANNELS, parse_derivative
 from pmmkit.effects import primitives
+from pmmkit.effects.added_mass import AddedMass
 from pmmkit.numerics import ABSURD
 from pmmkit.syntax import (
     Binary,
@@ -86,7 +87,9 @@ _TOKEN: Final = re.compile(
     r"\s*(?:(?P<number>[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)|(?P<word>[A-Za-z_]\w*)"
     r"|(?P<mark>\*\*|[*/^+(),|-])|(?P<stray>\S))"
 )
-_WORDS: Final = re.compile(r"\b(?:" + "|".join(FUNCTIONS) + r")\s*\(|\b(?:beta|Fn|sinkage|trim)\b")
+_WORDS: Final = re.compile(
+    r"\b(?:" + "|".join(FUNCTIONS) + r")\s*\(|\b(?:beta|Fn|sinkage|trim)\b|dot\s*:"
+)
 
 
 def is_power(word: str) -> bool:
@@ -118,8 +121,8 @@ def is_expression(text: str) -> bool:
 
     Examples
     --------
-    >>> is_expression("Y: a*sat(v, 0.1)"), is_expression("Y: v*|v|*r")
-    (True, False)
+    >>> [is_expression(text) for text in ("Y: a*sat(v, 0.1)", "Yvdot: a*v^2", "Y: v*|v|*r")]
+    [True, True, False]
     """
     return _WORDS.search(text) is not None
 
@@ -149,6 +152,12 @@ _UNIT: Final = (Name("unit"), expression("unit * L"))
 """Of forces, of moments."""
 
 
+def _mass_unit(place: str) -> Expression:
+    """Force or moment per acceleration of a derivative, which the speed has no part in."""
+    arms = 2 + ("NK".find(place[0]) >= 0) + parse_derivative(place).length_power
+    return expression(" * ".join(["0.5 * rho", *["L"] * arms]))
+
+
 def written(
     name: str,
     said: Sequence[tuple[str, str, int]],
@@ -170,10 +179,17 @@ def written(
         _check_linear(tree, coefficients)
         grown, _ = own.of(tree)
         sums[channel] = Binary("+", sums[channel], grown) if channel in sums else grown
-    channels = [channel for channel in CHANNELS if channel in sums]
-    forces = [Binary("*", _UNIT["NK".find(c) >= 0], sums[c]) for c in channels]
+    channels = [x for x in (*CHANNELS, *AddedMass.places()) if x in sums]
+    masses = [x for x in channels if x not in CHANNELS]
+    if masses and (own.states or len(masses) < len(channels)):
+        raise NotUnderstood("added mass and forces are two effects, and added mass has no lag", 0)
+    forces = [
+        Binary("*", _mass_unit(c) if masses else _UNIT["NK".find(c) >= 0], sums[c])
+        for c in channels
+    ]
     returned = (*forces, *own.rates)
-    asked = (Several(returned).names() | _NAMED) - {"unit", *primitives.__all__}
+    body, named = ((), frozenset[str]()) if masses else (_BODY, _NAMED)
+    asked = (Several(returned).names() | named) - {"unit", *primitives.__all__}
     for coefficient in coefficients:
         if coefficient not in asked:
             raise NotUnderstood(f"{coefficient} stands in no term", 0)
@@ -185,7 +201,7 @@ def written(
         *(x for x in (*coefficients, *parameters) if x in asked),
     ]
     return WrittenFunction(
-        tree=Function("force", tuple(arguments), (*_BODY, Return(Several(returned)))),
+        tree=Function("force", tuple(arguments), (*body, Return(Several(returned)))),
         outputs=(*channels, *(f"{state}_rate" for state in own.states)),
         states=tuple(own.states),
         words=frozenset(own.words),

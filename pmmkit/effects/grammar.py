@@ -13,6 +13,7 @@ from typing import Any, Final, NoReturn
 
 from pmmkit.base import DataError, Problem, UnknownNameError
 from pmmkit.conventions import CHANNELS, parse_derivative
+from pmmkit.effects.added_mass import AddedMass
 from pmmkit.effects.definition import Effect, Parameter
 from pmmkit.effects.entries import CATALOGUE
 from pmmkit.effects.expressions import (
@@ -31,7 +32,19 @@ from pmmkit.syntax import Function
 
 FACTORS: Final = {"v": "v", "r": "r", "u": "u", "p": "p", "phi": "phi", "d": "d", "delta": "d"}
 SCALES: Final = {"X": 6e-4, "Y": 3.2e-3, "N": 1.3e-3, "K": 1e-4}
-MOTIONS: Final = {"v": 0.2, "r": 0.4, "u": 1.0, "p": 0.1, "phi": 0.1, "d": 0.35, "0": 1.0}
+MOTIONS: Final = {
+    "v": 0.2,
+    "r": 0.4,
+    "u": 1.0,
+    "p": 0.1,
+    "phi": 0.1,
+    "d": 0.35,
+    "0": 1.0,
+    "udot": 0.2,
+    "vdot": 0.4,
+    "rdot": 0.8,
+    "pdot": 0.2,
+}
 """Usual forces and motions in the prime system; a tenth of such a force is a usual size."""
 _TOKEN: Final = re.compile(
     r"\s*(?:(?P<number>[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)|(?P<word>[A-Za-z_]\w*)"
@@ -71,7 +84,8 @@ def own_effect(
         beside the motion ``beta``, ``Fn``, ``sinkage`` over the draught and ``trim``:
         ``Y: a*Fn^2*sat(v, edge); a ~ -0.01; edge ~ [0.05, 0.1]`` has a nonlinear parameter with
         the values at which a diagnosis tries it, and becomes a part of a model. Forces are over
-        ½ρL²U², moments over ½ρL³U².
+        ½ρL²U², moments over ½ρL³U². ``Yvdot: a*v^2; a ~ -0.02`` is added mass that changes with
+        the motion, over ½ρL³ (½ρL⁴, ½ρL⁵).
     family, summary, check : str
         Family by which an answer is given first; one sentence; a run that would show it.
     typical : mapping of str to float, optional
@@ -177,7 +191,7 @@ def _products(
             Parameter(
                 name=label,
                 text=f"of {', '.join(own)}",
-                typical=given[label].typical if label in given else _usual(label),
+                typical=given[label].typical if label in given else usual_size(label),
             )
             for label, own in shares.items()
         ),
@@ -204,16 +218,18 @@ def _expressed(
 ) -> Effect:
     """An effect with a force of its own."""
     found = _written(about["name"], text, channels, given)
+    masses = set(found.outputs) <= set(AddedMass.places())
+    unit = "over ½ρL³ (½ρL⁴, ½ρL⁵)" if masses else "over ½ρL²U² (½ρL³U²)"
     return Effect(
         **about,
-        kind="state" if found.states else "force",
+        kind="state" if found.states else "mass" if masses else "force",
         force=found.function(about["name"]),
         outputs=found.outputs,
         states=found.states,
         parameters=tuple(
             Parameter(name=label, text="nonlinear parameter", grid=size.grid)
             if size.grid
-            else Parameter(name=label, text="over ½ρL²U² (½ρL³U²)", typical=size.typical)
+            else Parameter(name=label, text=unit, typical=size.typical)
             for label, size in given.items()
         ),
         excites=_excited(found.words),
@@ -230,8 +246,8 @@ def _written(
     statements = []
     for statement, start in channels:
         channel, colon, expression = statement.partition(":")
-        if channel.strip() not in CHANNELS or not colon:
-            _stop(name, text, start, "a statement begins with X:, Y:, N: or K:")
+        if channel.strip() not in (*CHANNELS, *AddedMass.places()) or not colon:
+            _stop(name, text, start, "a statement begins with X:, Y:, N:, K: or Yvdot: …")
         statements.append((channel.strip(), expression, start + len(channel) + 1))
     coefficients = [label for label, size in given.items() if not size.grid]
     tried = [label for label, size in given.items() if size.grid]
@@ -479,6 +495,13 @@ def _stop(name: str, text: str, place: int, message: str) -> NoReturn:
     )
 
 
-def _usual(derivative: str) -> float:
+def usual_size(derivative: str) -> float:
+    """A tenth of a usual force over what a derivative multiplies in a usual motion.
+
+    Examples
+    --------
+    >>> round(usual_size("Yv|v|"), 4)  # 0.1 · 3.2e-3 / 0.2²
+    0.008
+    """
     facts = parse_derivative(derivative)
     return 0.1 * SCALES[facts.channel] / math.prod(MOTIONS[x.strip("|")] for x in facts.factors)

@@ -94,6 +94,8 @@ def together_outcome(
 
 
 EXAMPLE: Final = "pmmkit diagnose cubic my-campaign"
+EMPIRICAL: Final = "empirical.toml"
+"""File of the terms of a formula, as effects of the user."""
 
 
 @settings
@@ -169,7 +171,7 @@ def diagnose(job: DiagnoseSettings) -> Outcome:
     }
     results = [("diagnosis.json", content), ("effects.csv", found.to_pandas()), *files]
     lines = [*head, *warned(checked), str(found), "", *tail]
-    done = written(folder, results, content, lines).then(*_next(job, found, known))
+    done = written(folder, results, content, lines).then(*_next(job, found, known, folder))
     return marked(done, job.model)
 
 
@@ -187,17 +189,15 @@ def _of_captive_tests(
     from pmmkit.plotting import save
     from pmmkit.views import Loop, write_report
 
+    own = own_effects(job.own) if job.own else ()
     session = begin(
-        job.model,
-        campaign,
-        **vars(job.uncertainty),
-        own=own_effects(job.own) if job.own else (),
-        executor=job.execution.executor,
+        job.model, campaign, **vars(job.uncertainty), own=own, executor=job.execution.executor
     )
     for effect in given:
         session = session.add(effect, "known to be there")
     loop = Loop.of(session, job.model)
     count = len(campaign.runs)
+    formula = loop.diagnosis.formula
     page = partial(write_report, loop, title=campaign.title, runs=count, findings=checked)
     drawn: list[tuple[str, Any]] = [("report.html", page)] if job.figures else []
     if job.figures and loop.diagnosis.homogeneity:
@@ -205,7 +205,11 @@ def _of_captive_tests(
     return (
         loop.diagnosis,
         {"model": job.model},
-        [("error_fall.csv", loop.fall.to_pandas()), *drawn],
+        [
+            ("error_fall.csv", loop.fall.to_pandas()),
+            *([(EMPIRICAL, formula.text(own))] if formula is not None and formula.terms else []),
+            *drawn,
+        ],
         [f"{campaign.title}: {count} runs against {job.model}"],
         (),
     )
@@ -269,35 +273,51 @@ def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
         yield "coverage.svg", partial(save, found.plot_coverage())
 
 
-def _next(job: DiagnoseSettings, found: Diagnosis, given: Sequence[str]) -> list[str]:
-    """The command that puts the findings into the model, or plans the run that decides."""
+def _next(job: DiagnoseSettings, found: Diagnosis, given: Sequence[str], folder: Path) -> list[str]:
+    """The commands that put the findings, or a formula in their place, into the model, or plan the
+    run that decides."""
+    campaign = job.campaigns[0]
+    advice = f"pmmkit plan {as_typed(PlanSettings(model=job.model, campaign=campaign))}"
+    lines = []
+    if found.findings:
+        lines += _adding("Next:", job, (*given, *(x.effect for x in found.proposed)), job.own)
+        lines += [f"Or, to tell the rivals apart: {advice}"] * (len(found.group) > 1)
+    elif found.suspected:
+        lines.append(f"Next: {advice}")
+    if found.formula is not None and found.formula.terms:
+        names = [x.name for x in found.formula.effects]
+        effects = (*given, *found.formula.beside, *names)
+        head = "Or, as numbers without a cause:" if lines else "Next, as numbers without a cause:"
+        lines += _adding(head, job, effects, folder / EMPIRICAL)
+    return lines
+
+
+def _adding(
+    head: str, job: DiagnoseSettings, effects: tuple[str, ...], own: Path | None
+) -> list[str]:
+    """The command that adds effects to the model; to a structure after it is reduced."""
     from pmmkit.conventions import STRUCTURES
     from pmmkit.files import MODEL, free_folder, is_empty_place
 
     campaign = job.campaigns[0]
-    advice = f"pmmkit plan {as_typed(PlanSettings(model=job.model, campaign=campaign))}"
-    if not found.findings:
-        return [f"Next: {advice}"] if found.suspected else []
-    told_apart = [f"Or, to tell the rivals apart: {advice}"] if len(found.group) > 1 else []
     better = AddSettings(
         model=job.model,
-        effects=(*given, *(item.effect for item in found.proposed)),
+        effects=effects,
         fit=(campaign,),
         data=job.data,
         records=job.records,
         uncertainty=job.uncertainty,
-        own=job.own,
+        own=own,
         target=next(filter(is_empty_place, (Path(f"model{n}.toml") for n in count(2)))),
     )
     if job.model not in STRUCTURES:
-        return [f"Next: pmmkit add {as_typed(better)}", *told_apart]
+        return [f"{head} pmmkit add {as_typed(better)}"]
     folder = free_folder(Path(f"{stem(campaign)}-reduced"))
     base = ReduceSettings(
         campaign=campaign, structure=job.model, fn="pooled", data=job.data, out=folder
     )
     fitted = settings_from(AddSettings, {**stated(better), "model": str(folder / MODEL.file)})
     return [
-        f"Next: pmmkit reduce {as_typed(base)}",
-        f"      pmmkit add {as_typed(fitted)}",
-        *told_apart,
+        f"{head} pmmkit reduce {as_typed(base)}",
+        f"{' ' * len(head)} pmmkit add {as_typed(fitted)}",
     ]

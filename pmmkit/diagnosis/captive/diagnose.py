@@ -16,9 +16,9 @@ from pmmkit.conventions import STRUCTURES, Convention, Structure, parse_derivati
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
+from pmmkit.diagnosis.captive.formula import answer_with_formula
 from pmmkit.diagnosis.captive.refit import effects_of, eligible
 from pmmkit.diagnosis.captive.system import LEAST, System, scale_of
-from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects import CATALOGUE, Effect
 from pmmkit.intake import Untold
@@ -55,6 +55,7 @@ def diagnose_captive(
     own: Sequence[Effect] = (),
     seed: int = 0,
     executor: Workers = None,
+    model: Model | None = None,
 ) -> Diagnosis:
     """Name the physical effect, or the fault of the measurement, that captive tests show.
 
@@ -66,7 +67,9 @@ def diagnose_captive(
     over all channels and runs, a fault has one size for all of them; nonlinear parameters are
     averaged over a grid. Sets of up to three effects are ranked by marginal likelihood with prior
     sizes from the catalogue and odds of 1 to 80 for each before any test. Nothing is named unless
-    chance gives so much evidence in less than 1 % of campaigns without any effect.
+    chance gives so much evidence in less than 1 % of campaigns without any effect. Where nothing of
+    the catalogue explains what is left, products of the motion for which ``model`` has a place are
+    asked for a formula.
     """
     system = captive_system(
         campaign,
@@ -78,7 +81,9 @@ def diagnose_captive(
         executor=executor,
     )
     known = system.taking_part(given)
-    found = answer(system.whole(known), known, floor=system.floor, seed=seed)
+    found = answer_with_formula(
+        system.whole(known), known, floor=system.floor, seed=seed, model=model
+    )
     return replace(
         found, untold=Untold.of(campaign.within_reach(), values=found.base, recorded=True)
     )

@@ -136,10 +136,7 @@ def refitted(
     table = in_convention(fit, base, campaign, model.convention, Fn, own)
     known = [name for name in table.names if np.isfinite(table[name]).all()]
     kept = [name for name in table.names if name not in known]
-    rudder = [name for name in known if parse_derivative(name).count("d")]
-    steered = "rudder_abkowitz" in model.parts
-    roll = [] if model.rolls else [name for name in known if parse_derivative(name).rolls]
-    left = [*([] if steered else rudder), *roll]
+    left = [name for name in known if not has_place(model, name)]
     notes = []
     if kept:
         notes.append(f"Not determined by these runs, kept as they were: {', '.join(kept)}.")
@@ -180,6 +177,14 @@ def refitted(
         Fn=tuple(Fn),
     )
     return made, tuple(notes)
+
+
+def has_place(model: Model, name: str) -> bool:
+    """Whether a model has a place for a derivative: of the rudder beside a polynomial of it, of
+    roll where she rolls."""
+    known = parse_derivative(name)
+    steered = "rudder_abkowitz" in model.parts or not known.count("d")
+    return steered and (model.rolls or not known.rolls)
 
 
 def _together(
@@ -304,6 +309,13 @@ def effects_of(model: Model) -> tuple[str, ...]:
     ]
     faults = [step.effect for step in model.steps if step.action == "fault_corrected"]
     return tuple(dict.fromkeys([*parts, *varying, *faults]))
+
+
+def written_in(model: Model | None, own: Sequence[Effect] = ()) -> tuple[Effect, ...]:
+    """Effects of the user: those that are given, and those that a model holds as text."""
+    parts = model.parts.values() if model else ()
+    held = {part.effect: part.known for part in parts if part.text}
+    return tuple({**held, **{item.name: item for item in own}}.values())
 
 
 def _varies(model: Model, name: str) -> bool:

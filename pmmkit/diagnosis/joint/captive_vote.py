@@ -13,7 +13,7 @@ from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.captive.least_squares import JointFit, joint_fit, labels, refined
-from pmmkit.diagnosis.captive.refit import in_convention, refitted
+from pmmkit.diagnosis.captive.refit import in_convention, refitted, written_in
 from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
 from pmmkit.diagnosis.captive.verdict import RankedSets, ranked, told
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
@@ -284,9 +284,10 @@ def captive_vote(
 ) -> CaptiveVote:
     """Diagnose captive tests and keep what more sets need."""
     _, structure, effects = derivatives_of(model)
-    system = captive_system(campaign, structure, floor=floor, noise=noise)
+    own = written_in(model)
+    system = captive_system(campaign, structure, floor=floor, noise=noise, own=own)
     given = system.taking_part(effects)
-    return vote_of_tests(name, model, campaign, system.whole(given), given, seed=seed)
+    return vote_of_tests(name, model, campaign, system.whole(given), given, own=own, seed=seed)
 
 
 def vote_of_tests(

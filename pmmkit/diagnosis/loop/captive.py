@@ -18,6 +18,7 @@ from pmmkit.conventions import CHANNEL_UNITS, Structure
 from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
+from pmmkit.diagnosis.captive.formula import answer_with_formula
 from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
 from pmmkit.diagnosis.captive.least_squares import (
     JointFit,
@@ -27,9 +28,9 @@ from pmmkit.diagnosis.captive.least_squares import (
     solved,
     stacked,
 )
-from pmmkit.diagnosis.captive.refit import froude_numbers, places_of, refitted
+from pmmkit.diagnosis.captive.refit import froude_numbers, places_of, refitted, written_in
 from pmmkit.diagnosis.captive.system import CandidateColumns, System
-from pmmkit.diagnosis.captive.verdict import about, answer, coefficients_of, taken_as_given
+from pmmkit.diagnosis.captive.verdict import about, coefficients_of, taken_as_given
 from pmmkit.diagnosis.evidence import RankedSet, Visible
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.joint.result import Together
@@ -246,7 +247,8 @@ class CaptiveTests:
     def diagnose(self, steps: Sequence[Step], seed: int) -> Diagnosis:
         """What the base still lacks with some steps."""
         own = self.standing(steps)
-        found = answer(own.system, own.begun, floor=own.floor, seed=seed)
+        model = self.source if isinstance(self.source, Model) else None
+        found = answer_with_formula(own.system, own.begun, floor=own.floor, seed=seed, model=model)
         untold = Untold.of(self.campaign.within_reach(), values=found.base, recorded=True)
         return replace(found, given=self._names(steps), untold=untold)
 
@@ -384,6 +386,7 @@ def captive_tests(
 ) -> CaptiveTests:
     """The evidence of captive tests; arguments as for `begin`."""
     source, structure, effects = derivatives_of(model)
+    own = written_in(source if isinstance(source, Model) else None, own)
     system = captive_system(
         campaign,
         structure,
@@ -400,7 +403,7 @@ def captive_tests(
         system=system.whole(begun),
         floor=system.floor,
         begun=begun,
-        own=tuple(own),
+        own=own,
     )
 
 

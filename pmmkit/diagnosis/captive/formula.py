@@ -1,0 +1,409 @@
+"""What fits the forces that no effect of the catalogue explains: a sum of few monomials.
+
+A monomial is a product of the motion in one channel, ``Yv|r|``, asked as a candidate with one
+coefficient. Sets of them are weighed by evidence, as sets of effects are; what is offered is a
+formula with its errors on left-out conditions, and no cause (docs/theory/evidence.md).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from typing import Final
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from pmmkit.conventions import CHANNELS, parse_derivative
+from pmmkit.diagnosis.captive.adequacy import LEAST, blocks_of
+from pmmkit.diagnosis.captive.build import prior_sizes
+from pmmkit.diagnosis.captive.candidate import Candidate, of_terms
+from pmmkit.diagnosis.captive.evidence import taken_with
+from pmmkit.diagnosis.captive.held_out import CHANGED, HeldOut, held_out
+from pmmkit.diagnosis.captive.least_squares import effect_columns, joint_fit, labels, refined
+from pmmkit.diagnosis.captive.refit import has_place
+from pmmkit.diagnosis.captive.system import CandidateColumns, System, term_columns
+from pmmkit.diagnosis.captive.verdict import RankedSets, ranked, told
+from pmmkit.diagnosis.captive.whitening import Places
+from pmmkit.diagnosis.empirical import (
+    FAMILY,
+    EmpiricalFormula,
+    EmpiricalTerm,
+    FormulaLength,
+    is_symmetric,
+)
+from pmmkit.diagnosis.evidence import RIVALS, SHOWS
+from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.effects import BY_SPEED, AddedMass, usual_size
+from pmmkit.inference import Normal
+from pmmkit.models import Model
+from pmmkit.numerics import Array
+
+# Which products these runs can be asked for.
+
+
+ORDER: Final = 3
+"""Order of the products of all variables."""
+HIGH: Final = 5
+"""Order of the products of sway and yaw alone."""
+
+
+def monomials(system: System, model: Model | None = None) -> tuple[Candidate, ...]:
+    """Products of the motion that the base has not, and the change with the speed of those that it
+    has.
+
+    Accelerations stand where the equations of motion have a place for them, all others where a
+    `model` has one: without it, products of heel where the base rolls. What a ship that is
+    alike to port and starboard has not is asked up to `ORDER` alone.
+    """
+    held = system.base.excited(system.views)
+    channels = [c.name for c in system.channels]
+    known = [name for names in system.base.names.values() for name in names]
+    rolls = any(parse_derivative(name).rolls for name in known)
+    steered, rolled = ["d"] * ("rudder" in held), ["phi"] * ("roll" in held)
+    names = [
+        *(channel + (term or "0") for channel in channels for term in _terms([*steered, *rolled])),
+        *(
+            place + term
+            for place in AddedMass.places()
+            if place[0] in channels and place[1:] != "pdot"
+            for term in _terms((), high=ORDER - 1)
+        ),
+    ]
+    made = [parse_derivative(name) for name in names]
+    asked = [
+        x.name
+        for x in dict.fromkeys(made)
+        if x.name not in known
+        and (is_symmetric(x) or len(x.factors) <= ORDER)
+        and (has_place(model, x.name) if model else rolls or not x.rolls)
+    ]
+    if "several speeds" in held:
+        asked += [f"{x}{BY_SPEED}" for x in known if not parse_derivative(x).count("T")]
+    return tuple(map(_candidate, asked))
+
+
+def _terms(more: Sequence[str], *, high: int = HIGH) -> Iterator[str]:
+    """Products of sway, yaw and more variables in all their forms: one factor of each may be a
+    modulus."""
+    variables = ("v", "r", *more)
+    for powers in product(range(high + 1), repeat=len(variables)):
+        if sum(powers) > (ORDER if any(powers[2:]) else high):
+            continue
+        there = [(name, power) for name, power in zip(variables, powers, strict=True) if power]
+        ends = [(name,) if name == "phi" else (name, f"|{name}|") for name, _ in there]
+        for last in product(*ends):
+            pairs = zip(there, last, strict=True)
+            yield "".join(name * (power - 1) + end for (name, power), end in pairs)
+
+
+def _candidate(name: str) -> Candidate:
+    terms = ({name: 1.0},)
+    return Candidate(
+        name=name,
+        family=FAMILY,
+        kind="physics",
+        summary="",
+        coefficients=(name,),
+        typical=(usual_size(name.removesuffix(BY_SPEED)),),
+        columns=of_terms(terms),
+        terms=terms,
+    )
+
+
+def _blocks(system: System, model: Model | None) -> tuple[CandidateColumns, ...]:
+    """Monomials that these runs show beside base and floor, with their columns."""
+    asked = monomials(system, model)
+    blocks = [
+        CandidateColumns(
+            candidate=item,
+            value=0.0,
+            columns=slice(0, 1),
+            made={name: own * prior_sizes(item) for name, own in made.items()},
+        )
+        for item, made in zip(
+            asked, term_columns(asked, system.channels, system.views, system.base), strict=True
+        )
+        if made
+    ]
+    signal = np.zeros(len(blocks))
+    for columns, at in _projected(system, blocks):
+        signal[at] += np.sum(columns**2, axis=0)
+    return tuple(x for x, shown in zip(blocks, signal > SHOWS, strict=True) if shown)
+
+
+def _projected(
+    system: System, blocks: Sequence[CandidateColumns]
+) -> Iterator[tuple[Array, Places]]:
+    """Columns of blocks by channel, base and floor projected off, and which of all they are."""
+    edges = np.cumsum([0, *(block.count for block in blocks)])
+    made = [effect_columns(system, block) for block in blocks]
+    for piece in system.pieces:
+        channel = piece.projection.channel.name
+        acting = [k for k, own in enumerate(made) if channel in own]
+        raw = [np.zeros((len(piece.projection.channel.y), 0)), *(made[k][channel] for k in acting)]
+        places = [np.zeros(0, np.intp), *(np.arange(edges[k], edges[k + 1]) for k in acting)]
+        yield piece.projection.left(np.concatenate(raw, axis=1)), np.concatenate(places)
+
+
+# Which sets of them the forces ask for.
+
+
+LONGEST: Final = 4
+"""Terms of a formula: with more of them its parts stand for each other."""
+BEAM: Final = 100
+"""Sets of each length, those of the greatest evidence, that are made longer."""
+WINDOW: Final = math.log(1e6)
+"""Sets of less probability, over the best of their length, are not kept."""
+TRIED: Final = 8
+"""Sets, the best first, of whose terms it is asked whether they hang on one run."""
+HALF: Final = 0.5
+"""Share of the mean square error above noise that a formula must take away. Of twenty truths in no
+catalogue (scripts/studies/beyond_catalogue.py) those that are products of the motion lose all of
+it, hysteresis, lost motion and delays less than a third."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MonomialSets:
+    """Sets of monomials with their posterior odds, beside a base and some effects.
+
+    `system`: about which base. `known`: effects beside it. `blocks`: monomials. `columns`: of what
+    is known, of the monomials, and last the data, by channel (n + D, k + M + 1). `normal`: what
+    the data say of the monomials beside what is known. `price (M,)`: ln of the odds before any
+    test against each. `value`: ln of the odds for each set, by places, of all that were looked at.
+    """
+
+    system: System
+    known: tuple[CandidateColumns, ...]
+    blocks: tuple[CandidateColumns, ...]
+    columns: tuple[Array, ...]
+    normal: Normal
+    price: Array
+    value: Mapping[Sequence[int], float]
+
+    @classmethod
+    def of(
+        cls,
+        system: System,
+        known: tuple[CandidateColumns, ...],
+        blocks: tuple[CandidateColumns, ...],
+    ) -> MonomialSets:
+        """All single monomials, all pairs, and longer sets that begin with the best."""
+        count = sum(block.count for block in known)
+        width = count + len(blocks)
+        columns = []
+        for piece, (own, at) in zip(
+            system.pieces, _projected(system, [*known, *blocks]), strict=True
+        ):
+            whole = np.zeros((len(piece.data), width + 1))
+            whole[:, at] = own
+            whole[:, -1] = piece.data
+            columns.append(whole)
+        normal = _products(columns)
+        expected = [x for b in known for x in b.candidate.centre or (0.0,) * b.count]
+        sizes = [x for b in known for x in _prior(b)]
+        centre = np.zeros(width)
+        centre[:count] = np.array(expected) / np.array(sizes)
+        normal = replace(normal, centre=centre)
+        if count:
+            normal = normal.given(normal.taken(np.arange(count)))
+        plain = [parse_derivative(b.candidate.name.removesuffix(BY_SPEED)) for b in blocks]
+        made = cls(
+            system=system,
+            known=known,
+            blocks=blocks,
+            columns=tuple(columns),
+            normal=normal.only(np.arange(count, width)),
+            price=math.log(len(blocks)) + RIVALS * ~np.array([is_symmetric(x) for x in plain]),
+            value={},
+        )
+        return replace(made, value=made._looked_at())
+
+    def _looked_at(self) -> dict[Sequence[int], float]:
+        level: dict[Sequence[int], float] = {(): 0.0}
+        value = dict(level)
+        for length in range(LONGEST):
+            parents = sorted(level, key=lambda x: -level[x])
+            level, top = {}, -math.inf
+            for parent in parents if length < 2 else parents[:BEAM]:
+                longer = value[parent] + self.added(parent)
+                longer[list(parent)] = -math.inf
+                top = max(top, float(longer.max()))
+                near = np.flatnonzero(longer > top - WINDOW) if length else range(len(longer))
+                level |= {tuple(sorted((*parent, int(k)))): float(longer[k]) for k in near}
+            value |= level
+        return value
+
+    def added(self, places: Sequence[int]) -> Array:
+        """ln odds that each monomial adds to a set (M,)."""
+        size, score = np.diagonal(self.normal.information), self.normal.score
+        if places:
+            taken = self.normal.taken(np.array(places, np.intp))
+            size = np.maximum(size - np.sum(taken.across**2, axis=0), 0.0)
+            score = score - taken.across.T @ taken.explained
+        found: Array = 0.5 * (score**2 / (1.0 + size) - np.log1p(size)) - self.price
+        return found
+
+    @cached_property
+    def best(self) -> Sequence[int]:
+        """The set of the greatest odds whose terms do not hang on one run each; empty where none
+        pays."""
+        hanging: set[int] = set()
+        tried = 0
+        for places in sorted(self.value, key=lambda x: -self.value[x]):
+            if not places or self.value[places] <= LEAST or tried == TRIED:
+                return ()
+            if hanging.isdisjoint(places):
+                pays = self.least_gains(places) >= self.price[list(places)] + LEAST
+                if pays.all():
+                    return places
+                hanging |= {
+                    k for k, enough in zip(places, pays.tolist(), strict=True) if not enough
+                }
+                tried += 1
+        return ()
+
+    def least_gains(self, places: Sequence[int]) -> Array:
+        """ln evidence that each term of a set adds without the run that helps it most."""
+        count = sum(block.count for block in self.known)
+        at = [*range(count), *(count + k for k in places)]
+        columns = [own[:, [*at, -1]] for own in self.columns]
+        whole = _products(columns)
+        least = np.full(len(places), np.inf)
+        for taken in taken_with(self.system, columns).values():
+            others = whole - Normal.of_products(taken)
+            every = others.log_evidence
+            for k in range(len(places)):
+                rest = np.delete(np.arange(len(at)), count + k)
+                least[k] = min(least[k], every - others.only(rest).log_evidence)
+        return least
+
+    @cached_property
+    def shares(self) -> Array:
+        """Posterior probability that each monomial belongs to the formula (M,): over all sets that
+        were looked at (Madigan and Raftery 1994)."""
+        values = np.array([*self.value.values()])
+        weights = np.exp(values - values.max())
+        found = np.zeros(len(self.blocks))
+        for places, weight in zip(self.value, (weights / weights.sum()).tolist(), strict=True):
+            found[list(places)] += weight
+        return found
+
+    def like(self, places: Sequence[int], place: int) -> dict[str, float]:
+        """Monomials that can take the place of one of a set, within `RIVALS`, with their shares."""
+        others = [k for k in places if k != place]
+        added = self.added(others)
+        near = [
+            k
+            for k in np.argsort(-added).tolist()
+            if k not in places and added[k] >= added[place] - RIVALS
+        ]
+        return {self.blocks[k].candidate.name: float(self.shares[k]) for k in near}
+
+    def of_length(self, length: int) -> Sequence[int]:
+        """The best set of some length."""
+        return max((x for x in self.value if len(x) == length), key=lambda x: self.value[x])
+
+    def left_out(self, places: Sequence[int], *, with_level: bool = False) -> HeldOut:
+        """Errors of left-out conditions with a set."""
+        mine = [self.blocks[k] for k in places]
+        return held_out(self.system, [*self.known, *mine], with_level=with_level)
+
+
+def _products(columns: Sequence[Array]) -> Normal:
+    """What the data, the last column, say of the others, of all channels together."""
+    return Normal.of_products(np.sum([own.T @ own for own in columns], axis=0))
+
+
+def _prior(block: CandidateColumns) -> Array:
+    sizes = prior_sizes(block.candidate)
+    return np.full(block.count, sizes[0]) if block.candidate.each_run else sizes
+
+
+# What is offered.
+
+
+def answer_with_formula(
+    system: System,
+    given: Sequence[str] = (),
+    *,
+    floor: float,
+    seed: int = 0,
+    model: Model | None = None,
+) -> Diagnosis:
+    """Ask a system which effects the base lacks, and where none explains it, for a formula that a
+    model has a place for."""
+    ranking = ranked(system, given, seed)
+    found = told(ranking, given, floor=floor)
+    if found.verdict == "unexplained" or (found.findings and found.flags):
+        with threadpool_limits(1):
+            formula = formula_of(ranking, found.best, model)
+        if formula.terms or not found.findings:
+            found = replace(found, formula=formula)
+    return found
+
+
+def formula_of(
+    ranking: RankedSets, named: tuple[str, ...] = (), model: Model | None = None
+) -> EmpiricalFormula:
+    """The formula of the greatest odds, beside the effects that are named or in their place."""
+    system = ranking.system
+    blocks = _blocks(system, model)
+    alone = MonomialSets.of(system, refined(system, ranking.known), blocks)
+    sets, odds, beside = alone, alone.value[alone.best], False
+    if named and ranking.best:
+        known = [*ranking.known, *blocks_of(ranking.beside, ranking.best)]
+        both = MonomialSets.of(system, refined(system, known), blocks)
+        if both.value[both.best] + ranking.best.log_evidence >= odds:
+            sets, odds, beside = both, both.value[both.best], True
+    with_it = sets.left_out(sets.best, with_level=True)
+    lengths = tuple(
+        FormulaLength(
+            terms=tuple(blocks[k].candidate.name for k in places),
+            error=sets.left_out(places).share(),
+        )
+        for places in map(sets.of_length, range(LONGEST + 1))
+    )
+    before, after, noise = lengths[0].error, with_it.share(), with_it.share(kind="level")
+    above = [max(x**2 - noise**2, 0.0) for x in (before, after)]
+    falls = after < (1.0 - CHANGED) * before and above[1] <= HALF * above[0]
+    offered = sets.best if falls else ()
+    return EmpiricalFormula(
+        terms=_fitted(sets, offered),
+        beside=named if beside else (),
+        instead=() if beside or not offered else named,
+        asked=len(blocks),
+        log_odds=odds if offered else 0.0,
+        error_before=before,
+        error_after=after if offered else before,
+        error_level=noise,
+        lengths=lengths,
+    )
+
+
+def _fitted(sets: MonomialSets, places: Sequence[int]) -> tuple[EmpiricalTerm, ...]:
+    """Terms with their coefficients, fitted together with the base and what is known."""
+    if not places:
+        return ()
+    system, mine = sets.system, [sets.blocks[k] for k in places]
+    fit = joint_fit(system, [*sets.known, *mine], floor=system.floor)
+    base = system.base
+    Fn0 = base.ship.froude(base.reference, base.water.g)
+    terms = []
+    for place, block in zip(places, mine, strict=True):
+        name = block.candidate.name
+        (value,), (std,) = fit.of(labels(block.candidate))
+        terms.append(
+            EmpiricalTerm(
+                name=name,
+                value=float(value),
+                std=float(std),
+                share=float(sets.shares[place]),
+                like=sets.like(places, place),
+                Fn0=Fn0,
+            )
+        )
+    return tuple(sorted(terms, key=lambda x: (CHANNELS.index(x.name[0]), -abs(x.value) / x.std)))
