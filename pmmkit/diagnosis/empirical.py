@@ -267,8 +267,8 @@ class EmpiricalFormula:
         """What is to be said of it."""
         if not self.terms:
             return [
-                f"No formula of up to {len(self.lengths) - 1} of {self.asked} products of the "
-                f"motion explains it either. Think of what is no function of the motion of the "
+                f"No formula of a few of {self.asked} products of the motion explains it either, "
+                f"whichever run is left out. Think of what is no function of the motion of the "
                 f"instant: its history, the place in the tank, the rig."
             ]
         noise = f", where noise alone gives {100 * self.error_level:.2f} %"

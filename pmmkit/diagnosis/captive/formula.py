@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from pmmkit.conventions import CHANNELS, parse_derivative
 from pmmkit.diagnosis.captive.adequacy import LEAST, blocks_of
-from pmmkit.diagnosis.captive.build import prior_sizes
+from pmmkit.diagnosis.captive.build import build, prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate, of_terms
 from pmmkit.diagnosis.captive.evidence import taken_with
 from pmmkit.diagnosis.captive.held_out import CHANGED, HeldOut, held_out
@@ -160,6 +160,10 @@ WINDOW: Final = math.log(1e6)
 """Sets of less probability, over the best of their length, are not kept."""
 TRIED: Final = 8
 """Sets, the best first, of whose terms it is asked whether they hang on one run."""
+BELOW: Final = 0.85
+"""Share of their noise level below which errors say that the run scatter is less than was thought.
+Of formulas that are the truth they stand at .9 of it: the smooth floor is seldom as large as it may
+be."""
 HALF: Final = 0.5
 """Share of the mean square error above noise that a formula must take away. Of twenty truths in no
 catalogue (scripts/studies/beyond_catalogue.py) those that are products of the motion lose all of
@@ -266,6 +270,11 @@ class MonomialSets:
                 tried += 1
         return ()
 
+    @property
+    def odds(self) -> float:
+        """ln of the odds for the best."""
+        return self.value[self.best]
+
     def least_gains(self, places: Sequence[int]) -> Array:
         """ln evidence that each term of a set adds without the run that helps it most."""
         count = sum(block.count for block in self.known)
@@ -306,6 +315,18 @@ class MonomialSets:
     def of_length(self, length: int) -> Sequence[int]:
         """The best set of some length."""
         return max((x for x in self.value if len(x) == length), key=lambda x: self.value[x])
+
+    def with_less_scatter(self) -> MonomialSets:
+        """The sets with the run scatter that is left beside the best, where that is less.
+
+        What no effect explains is taken for scatter of the runs, and so for noise; what a formula
+        explains of it is none.
+        """
+        mine, system = [self.blocks[k] for k in self.best], self.system
+        asked = [replace(x.candidate, grid=(x.value,)) for x in (*self.known, *mine)]
+        made = build(system.views, system.base, asked, floor=system.floor)
+        total = [sum(np.sum(x[:2] ** 2) for x in own.scatter.values()) for own in (made, system)]
+        return self if total[0] >= total[1] else MonomialSets.of(made, self.known, self.blocks)
 
     def left_out(self, places: Sequence[int], *, with_level: bool = False) -> HeldOut:
         """Errors of left-out conditions with a set."""
@@ -350,37 +371,39 @@ def formula_of(
     ranking: RankedSets, named: tuple[str, ...] = (), model: Model | None = None
 ) -> EmpiricalFormula:
     """The formula of the greatest odds, beside the effects that are named or in their place."""
-    system = ranking.system
-    blocks = _blocks(system, model)
-    alone = MonomialSets.of(system, refined(system, ranking.known), blocks)
-    sets, odds, beside = alone, alone.value[alone.best], False
+    first = ranking.less or ranking  # no fault acts on what is named
+    blocks = _blocks(first.system, model)
+    sets = MonomialSets.of(first.system, refined(first.system, first.known), blocks)
+    beside = False
     if named and ranking.best:
         known = [*ranking.known, *blocks_of(ranking.beside, ranking.best)]
-        both = MonomialSets.of(system, refined(system, known), blocks)
-        if both.value[both.best] + ranking.best.log_evidence >= odds:
-            sets, odds, beside = both, both.value[both.best], True
+        both = MonomialSets.of(ranking.system, refined(ranking.system, known), blocks)
+        if both.odds + ranking.best.log_evidence >= sets.odds:
+            sets, beside = both, True
     with_it = sets.left_out(sets.best, with_level=True)
-    lengths = tuple(
-        FormulaLength(
-            terms=tuple(blocks[k].candidate.name for k in places),
-            error=sets.left_out(places).share(),
-        )
-        for places in map(sets.of_length, range(LONGEST + 1))
-    )
-    before, after, noise = lengths[0].error, with_it.share(), with_it.share(kind="level")
+    if sets.best and with_it.share() < BELOW * with_it.share(kind="level"):
+        sets = sets.with_less_scatter()
+        with_it = sets.left_out(sets.best, with_level=True)
+    best, before = sets.best, sets.left_out(()).share()
+    after, noise = with_it.share(), with_it.share(kind="level")
     above = [max(x**2 - noise**2, 0.0) for x in (before, after)]
     falls = after < (1.0 - CHANGED) * before and above[1] <= HALF * above[0]
-    offered = sets.best if falls else ()
+    best = best if falls else ()
+    between = [sets.of_length(length) for length in range(1, len(best))]
+    errors = [before, *(sets.left_out(x).share() for x in between), *([after] if best else [])]
     return EmpiricalFormula(
-        terms=_fitted(sets, offered),
-        beside=named if beside else (),
-        instead=() if beside or not offered else named,
+        terms=_fitted(sets, best),
+        beside=named if beside and best else (),
+        instead=() if beside or not best else named,
         asked=len(blocks),
-        log_odds=odds if offered else 0.0,
+        log_odds=sets.value[best],
         error_before=before,
-        error_after=after if offered else before,
+        error_after=errors[-1],
         error_level=noise,
-        lengths=lengths,
+        lengths=tuple(
+            FormulaLength(terms=tuple(blocks[k].candidate.name for k in places), error=error)
+            for places, error in zip([(), *between, best], errors, strict=False)
+        ),
     )
 
 
