@@ -10,7 +10,7 @@ from itertools import groupby
 from typing import Any, Final
 
 from pmmkit.conventions import CHANNELS, Derivative, parse_derivative
-from pmmkit.effects import BY_SPEED, Effect, own_effect, usual_size
+from pmmkit.effects import BY_SPEED, Effect, own_effect
 from pmmkit.files import toml_text
 from pmmkit.presentation import WIDE, Cell, Grid, Group, listed, number
 
@@ -57,6 +57,8 @@ class EmpiricalTerm:
     value, std : float
         Coefficient and its standard deviation, fitted together with the base: prime system,
         instantaneous speed [-].
+    typical : float
+        Its usual size before the tests: a tenth of the rms force of its channel.
     share : float
         Posterior probability that it belongs to the formula, of the products that were asked.
     like : mapping of str to float
@@ -68,6 +70,7 @@ class EmpiricalTerm:
     name: str
     value: float
     std: float
+    typical: float
     share: float
     like: Mapping[str, float]
     Fn0: float
@@ -88,7 +91,8 @@ class EmpiricalTerm:
 
         Examples
         --------
-        >>> term = EmpiricalTerm(name="Yvv|r|", value=1.0, std=0.1, share=1.0, like={}, Fn0=0.2)
+        >>> term = EmpiricalTerm(name="Yvv|r|", value=1.0, std=0.1, typical=1.0, share=1.0,
+        ...                      like={}, Fn0=0.2)
         >>> term.product
         "v'²|r'|"
         """
@@ -114,14 +118,13 @@ class EmpiricalTerm:
     def effect(self) -> Effect:
         """It as an effect of the user, which a model takes."""
         d = self.derivative
-        size = usual_size(d.name)
         label = re.sub(r"\|(\w+)\|", r"_abs\1", d.name).lower()
         rate = next((x for x in d.factors if x.endswith("dot")), "")
         rest = [factor for factor in d.factors if factor != rate]
         if not self.by_speed and not rate:
             return _effect(label, f"{d.channel}: {_typed(rest)}")
         words = [*(["Fn^2"] if self.by_speed else []), *([_typed(rest)] if rest else [])]
-        usual = size / self.Fn0**2 if self.by_speed else size
+        usual = self.typical / self.Fn0**2 if self.by_speed else self.typical
         return _effect(
             f"{label}_speed" if self.by_speed else label,
             f"{d.channel}{rate}: {'*'.join(['a', *words])}; a ~ {usual:.3g}",
@@ -143,6 +146,7 @@ class EmpiricalTerm:
             "term": self.name,
             "coefficient": self.value,
             "std": self.std,
+            "typical": self.typical,
             "share": self.share,
             "cannot_be_told_from": dict(self.like),
             "reading": self.reading,

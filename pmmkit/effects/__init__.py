@@ -8,13 +8,7 @@ if TYPE_CHECKING:
     from pmmkit.effects.added_mass import INERTIA, AddedMass
     from pmmkit.effects.definition import BY_SPEED, Effect, Parameter
     from pmmkit.effects.entries import CATALOGUE, catalogue, effect, is_fault, register_effect
-    from pmmkit.effects.grammar import (
-        function_of_text,
-        own_effect,
-        own_effects,
-        usual_size,
-        written_effect,
-    )
+    from pmmkit.effects.grammar import function_of_text, own_effect, own_effects, written_effect
     from pmmkit.effects.hull import HULL, Regressors
     from pmmkit.effects.primitives import PRIMITIVES, rebound
     from pmmkit.effects.seen import CURRENT, OUTSIDE, Move
@@ -46,7 +40,6 @@ __all__ = [
     "own_effects",
     "rebound",
     "register_effect",
-    "usual_size",
     "written_effect",
 ]
 

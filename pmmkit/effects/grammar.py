@@ -32,19 +32,7 @@ from pmmkit.syntax import Function
 
 FACTORS: Final = {"v": "v", "r": "r", "u": "u", "p": "p", "phi": "phi", "d": "d", "delta": "d"}
 SCALES: Final = {"X": 6e-4, "Y": 3.2e-3, "N": 1.3e-3, "K": 1e-4}
-MOTIONS: Final = {
-    "v": 0.2,
-    "r": 0.4,
-    "u": 1.0,
-    "p": 0.1,
-    "phi": 0.1,
-    "d": 0.35,
-    "0": 1.0,
-    "udot": 0.2,
-    "vdot": 0.4,
-    "rdot": 0.8,
-    "pdot": 0.2,
-}
+MOTIONS: Final = {"v": 0.2, "r": 0.4, "u": 1.0, "p": 0.1, "phi": 0.1, "d": 0.35, "0": 1.0}
 """Usual forces and motions in the prime system; a tenth of such a force is a usual size."""
 _TOKEN: Final = re.compile(
     r"\s*(?:(?P<number>[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)|(?P<word>[A-Za-z_]\w*)"
@@ -191,7 +179,7 @@ def _products(
             Parameter(
                 name=label,
                 text=f"of {', '.join(own)}",
-                typical=given[label].typical if label in given else usual_size(label),
+                typical=given[label].typical if label in given else _usual(label),
             )
             for label, own in shares.items()
         ),
@@ -495,13 +483,6 @@ def _stop(name: str, text: str, place: int, message: str) -> NoReturn:
     )
 
 
-def usual_size(derivative: str) -> float:
-    """A tenth of a usual force over what a derivative multiplies in a usual motion.
-
-    Examples
-    --------
-    >>> round(usual_size("Yv|v|"), 4)  # 0.1 · 3.2e-3 / 0.2²
-    0.008
-    """
+def _usual(derivative: str) -> float:
     facts = parse_derivative(derivative)
     return 0.1 * SCALES[facts.channel] / math.prod(MOTIONS[x.strip("|")] for x in facts.factors)

@@ -26,7 +26,7 @@ from pmmkit.diagnosis.captive.held_out import CHANGED, HeldOut, held_out
 from pmmkit.diagnosis.captive.least_squares import effect_columns, joint_fit, labels, refined
 from pmmkit.diagnosis.captive.refit import has_place
 from pmmkit.diagnosis.captive.system import CandidateColumns, System, term_columns
-from pmmkit.diagnosis.captive.verdict import RankedSets, ranked, told
+from pmmkit.diagnosis.captive.verdict import ROUNDS, RankedSets, ranked, told
 from pmmkit.diagnosis.captive.whitening import Places
 from pmmkit.diagnosis.empirical import (
     FAMILY,
@@ -37,7 +37,7 @@ from pmmkit.diagnosis.empirical import (
 )
 from pmmkit.diagnosis.evidence import RIVALS, SHOWS
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.effects import BY_SPEED, AddedMass, usual_size
+from pmmkit.effects import BY_SPEED, AddedMass
 from pmmkit.inference import Normal
 from pmmkit.models import Model
 from pmmkit.numerics import Array
@@ -49,6 +49,11 @@ ORDER: Final = 3
 """Order of the products of all variables."""
 HIGH: Final = 5
 """Order of the products of sway and yaw alone."""
+
+
+TENTH: Final = 0.1
+"""Usual size of a term: its rms force over that of its channel in these tests, as an effect of the
+user has it of usual forces."""
 
 
 def monomials(system: System, model: Model | None = None) -> tuple[Candidate, ...]:
@@ -108,7 +113,7 @@ def _candidate(name: str) -> Candidate:
         kind="physics",
         summary="",
         coefficients=(name,),
-        typical=(usual_size(name.removesuffix(BY_SPEED)),),
+        typical=(1.0,),
         columns=of_terms(terms),
         terms=terms,
     )
@@ -117,18 +122,16 @@ def _candidate(name: str) -> Candidate:
 def _blocks(system: System, model: Model | None) -> tuple[CandidateColumns, ...]:
     """Monomials that these runs show beside base and floor, with their columns."""
     asked = monomials(system, model)
-    blocks = [
-        CandidateColumns(
-            candidate=item,
-            value=0.0,
-            columns=slice(0, 1),
-            made={name: own * prior_sizes(item) for name, own in made.items()},
-        )
-        for item, made in zip(
-            asked, term_columns(asked, system.channels, system.views, system.base), strict=True
-        )
-        if made
-    ]
+    rms = {c.name: float(np.linalg.norm(c.y)) for c in system.channels}
+    blocks = []
+    for item, made in zip(
+        asked, term_columns(asked, system.channels, system.views, system.base), strict=True
+    ):
+        for channel, own in made.items():
+            size = TENTH * rms[channel] / float(np.linalg.norm(own))
+            known = replace(item, typical=(size,))
+            block = CandidateColumns(candidate=known, value=0.0, columns=slice(0, 1))
+            blocks.append(replace(block, made={channel: own * prior_sizes(known)}))
     signal = np.zeros(len(blocks))
     for columns, at in _projected(system, blocks):
         signal[at] += np.sum(columns**2, axis=0)
@@ -317,12 +320,17 @@ class MonomialSets:
         return max((x for x in self.value if len(x) == length), key=lambda x: self.value[x])
 
     def with_less_scatter(self) -> MonomialSets:
-        """The sets with the run scatter that is left beside the best, where that is less.
+        """The sets with the run scatter that is left beside that of the greatest odds, where errors
+        say that it is less.
 
         What no effect explains is taken for scatter of the runs, and so for noise; what a formula
         explains of it is none.
         """
-        mine, system = [self.blocks[k] for k in self.best], self.system
+        places = max(self.value, key=lambda x: self.value[x])
+        left = self.left_out(places, with_level=True)
+        if left.share() >= BELOW * left.share(kind="level"):
+            return self
+        mine, system = [self.blocks[k] for k in places], self.system
         asked = [replace(x.candidate, grid=(x.value,)) for x in (*self.known, *mine)]
         made = build(system.views, system.base, asked, floor=system.floor)
         total = [sum(np.sum(x[:2] ** 2) for x in own.scatter.values()) for own in (made, system)]
@@ -380,10 +388,11 @@ def formula_of(
         both = MonomialSets.of(ranking.system, refined(ranking.system, known), blocks)
         if both.odds + ranking.best.log_evidence >= sets.odds:
             sets, beside = both, True
+    for _ in range(ROUNDS):
+        old, sets = sets, sets.with_less_scatter()
+        if sets is old:
+            break
     with_it = sets.left_out(sets.best, with_level=True)
-    if sets.best and with_it.share() < BELOW * with_it.share(kind="level"):
-        sets = sets.with_less_scatter()
-        with_it = sets.left_out(sets.best, with_level=True)
     best, before = sets.best, sets.left_out(()).share()
     after, noise = with_it.share(), with_it.share(kind="level")
     above = [max(x**2 - noise**2, 0.0) for x in (before, after)]
@@ -424,6 +433,7 @@ def _fitted(sets: MonomialSets, places: Sequence[int]) -> tuple[EmpiricalTerm, .
                 name=name,
                 value=float(value),
                 std=float(std),
+                typical=block.candidate.typical[0],
                 share=float(sets.shares[place]),
                 like=sets.like(places, place),
                 Fn0=Fn0,
