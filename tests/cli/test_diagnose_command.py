@@ -202,6 +202,32 @@ def test_what_comes_next_runs_with_what_was_given_and_typed(folder, capsys, monk
     assert added == ["fault_misalignment", "yaw_sway_coupling"]
 
 
+@pytest.mark.slow
+def test_a_formula_is_added_as_the_last_line_says(tmp_path, capsys, monkeypatch):
+    """What no effect explains, v r³ in surge and v |r|³ in sway: the model says what they are."""
+    monkeypatch.chdir(tmp_path)
+    save_campaign(hidden_campaign("full", {"outside_vr3": 1.0}, seed=7000), tmp_path / "tests.h5")
+    save_model(
+        without_effect(load_model("s175-3dof"), "yaw_sway_coupling"), tmp_path / "model.toml"
+    )
+    status, words, _ = run(capsys, "diagnose", "model.toml", "tests.h5", "--no-figures")
+    assert status == 0
+    assert "These are numbers, no cause." in words
+    head = "Next, as numbers without a cause: pmmkit "
+    (line,) = (x for x in words.splitlines() if x.startswith(head))
+    told = json.loads((tmp_path / "tests-diagnosed" / "diagnosis.json").read_text())
+    assert {x["term"] for x in told["formula"]["terms"]} == {"Xvrrr", "Yvrr|r|"}
+    assert told["formula"]["error_after"] < told["formula"]["error_level"]
+    status, words, _ = run(capsys, *shlex.split(line.removeprefix(head)))
+    assert status == 0
+    assert "empirical_xvrrr" in words
+    made = load_model("model2.toml")
+    assert [x.note for x in made.steps[-2:]] == 2 * ["empirical term, no physical cause is named"]
+    status, words, _ = run(capsys, "diagnose", "model2.toml", "tests.h5", "--no-figures", "--force")
+    assert "Verdict: Nothing is missing" in words
+    assert "formula" not in words
+
+
 def test_effects_that_are_given_one_by_one_are_all_taken(tmp_path, capsys):
     tests = steady_tests(tmp_path)
     two = ("--given", "asymmetry", "--given", "fault_misalignment")

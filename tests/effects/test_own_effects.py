@@ -21,6 +21,7 @@ from pmmkit.diagnosis.captive.diagnose import diagnose_captive
 from pmmkit.diagnosis.captive.refit import captive_candidates
 from pmmkit.models import load_model
 from pmmkit.reduction import View
+from pmmkit.testing.effects import check_effect
 
 SMALL = hidden_campaign("small", {"yaw_sway_coupling": 1.0}, seed=4)
 
@@ -52,6 +53,29 @@ def test_usual_sizes_are_given_or_a_tenth_of_a_usual_force():
     """S175: Y of 3.2e-3, N of 1.3e-3 at v' 0.2 and r' 0.4."""
     found = pk.own_effect("mine", "Y: v*r; N: v*v*r; N: r", typical={"Nrvv": 0.04})
     assert found.typical == pytest.approx({"Yvr": 0.004, "Nvvr": 0.04, "Nr": 3.25e-4})
+
+
+def test_added_mass_may_change_with_the_motion():
+    """Force over acceleration [N s²/m, N m s²]: ½ρL³ a v'², ½ρL⁵ b |v'| with v' = v/U."""
+    made = pk.own_effect("bilge", "Yvdot: a*v^2; Nrdot: b*abs(v); a ~ -0.02; b ~ 0.002")
+    assert (made.kind, made.outputs) == ("mass", ("Yvdot", "Nrdot"))
+    found = made.force(v=0.5, U=1.0, L=2.0, rho=1000.0, a=-0.02, b=0.002)
+    assert found == pytest.approx((500 * 8 * -0.02 * 0.25, 500 * 32 * 0.002 * 0.5))
+    check_effect(made)
+    ship = pk.load_model("s175-3dof")
+    heavy = pk.with_effect(ship, made, coefficients={"a": -0.02, "b": 0.0})
+    known = {"Yvvvdot": -0.02, "Nvvvdot": 0.0}
+    same = pk.with_effect(ship, "nonlinear_added_mass", coefficients=known)
+    turns = [pk.simulate(x, rudder_deg=35, speed=9.0).metrics["advance_L"] for x in (heavy, same)]
+    assert turns[0] == pytest.approx(turns[1], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text", ["Y: a*v*Fn; Yvdot: a*v^2; a ~ 1", "Yvdot: a*lag(v, 0.3); a ~ 1", "Xvdot: a*v; a ~ 1"]
+)
+def test_added_mass_that_has_no_place_is_refused(text):
+    with pytest.raises(DataError, match=r"added mass|a statement begins with .* or Yvdot"):
+        pk.own_effect("bilge", text)
 
 
 @pytest.mark.parametrize(
