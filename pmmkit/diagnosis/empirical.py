@@ -10,8 +10,7 @@ from itertools import groupby
 from typing import Any, Final
 
 from pmmkit.conventions import CHANNELS, Derivative, parse_derivative
-from pmmkit.effects import BY_SPEED, Effect, own_effect
-from pmmkit.files import toml_text
+from pmmkit.effects import BY_SPEED, Effect, own_effect, own_effects_text
 from pmmkit.presentation import WIDE, Cell, Grid, Group, listed, number
 
 FAMILY: Final = "empirical"
@@ -43,6 +42,21 @@ def is_symmetric(derivative: Derivative) -> bool:
     """
     odd = sum(factor in MIRRORED for factor in derivative.factors) % 2 == 1
     return odd != (derivative.channel == "X")
+
+
+def noted(effect: str, why: str) -> str:
+    """A remark on a step that adds an effect: a term of a formula says that it has no cause.
+
+    Examples
+    --------
+    >>> noted("keel", "seen in sway")
+    'seen in sway'
+    >>> noted("empirical_yv_absr", "seen in sway")
+    'seen in sway; empirical term, no physical cause is named'
+    """
+    if not effect.startswith(f"{FAMILY}_") or NO_CAUSE in why:
+        return why
+    return f"{why}; {NO_CAUSE}" if why else NO_CAUSE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -247,14 +261,9 @@ class EmpiricalFormula:
         return tuple(item.effect for item in self.terms)
 
     def text(self, own: Sequence[Effect] = ()) -> str:
-        """A file of its terms as effects of the user, and of some that the user has already."""
-        known = {item.name: item for item in (*own, *self.effects) if item.text}
-        entries = [
-            {"name": x.name, "family": x.family, "summary": x.summary, "terms": x.text}
-            | ({"check": x.check} if x.check else {})
-            for x in known.values()
-        ]
-        return toml_text({"effects": entries})
+        """A file of its terms as effects of the user, and of those that the user has already."""
+        known = {item.name: item for item in (*own, *self.effects)}
+        return own_effects_text(list(known.values()))
 
     @property
     def equations(self) -> tuple[str, ...]:

@@ -8,7 +8,13 @@ if TYPE_CHECKING:
     from pmmkit.effects.added_mass import INERTIA, AddedMass
     from pmmkit.effects.definition import BY_SPEED, Effect, Parameter
     from pmmkit.effects.entries import CATALOGUE, catalogue, effect, is_fault, register_effect
-    from pmmkit.effects.grammar import function_of_text, own_effect, own_effects, written_effect
+    from pmmkit.effects.grammar import (
+        function_of_text,
+        own_effect,
+        own_effects,
+        own_effects_text,
+        written_effect,
+    )
     from pmmkit.effects.hull import HULL, Regressors
     from pmmkit.effects.primitives import PRIMITIVES, rebound
     from pmmkit.effects.seen import CURRENT, OUTSIDE, Move
@@ -38,6 +44,7 @@ __all__ = [
     "is_fault",
     "own_effect",
     "own_effects",
+    "own_effects_text",
     "rebound",
     "register_effect",
     "written_effect",

@@ -25,7 +25,7 @@ from pmmkit.effects.expressions import (
     is_power,
     written,
 )
-from pmmkit.files import read_toml
+from pmmkit.files import read_toml, toml_text
 from pmmkit.numerics import ABSURD
 from pmmkit.presentation import printable
 from pmmkit.syntax import Function
@@ -315,6 +315,35 @@ def own_effects(path: str | Path) -> tuple[Effect, ...]:
     if wrong:
         raise DataError(wrong, title="Own effects not read")
     return tuple(found)
+
+
+def own_effects_text(effects: Sequence[Effect]) -> str:
+    """The file of own effects that `own_effects` reads.
+
+    Parameters
+    ----------
+    effects : sequence of Effect
+        Those without a text, written in Python, have no place in it.
+
+    Returns
+    -------
+    str
+        TOML.
+
+    Examples
+    --------
+    >>> print(own_effects_text([own_effect("keel", "Y: v*|v|*r")]).strip())
+    [[effects]]
+    name = "keel"
+    family = "own"
+    terms = "Y: v*|v|*r"
+    """
+    tables = []
+    for item in effects:
+        held = {"name": item.name, "family": item.family, "summary": item.summary}
+        held |= {"terms": item.text, "check": item.check}
+        tables += [{key: text for key, text in held.items() if text}] * bool(item.text)
+    return toml_text({"effects": tables})
 
 
 def _entry(entry: Any, taken: list[str]) -> Effect:

@@ -10,8 +10,8 @@ from typing import Any, Final
 
 from pmmkit.base import DataError, PmmkitError
 from pmmkit.diagnosis import read_session
-from pmmkit.effects import Effect, own_effects
-from pmmkit.files import CAMPAIGN, readable, toml_text, write_text
+from pmmkit.effects import Effect, own_effects, own_effects_text
+from pmmkit.files import CAMPAIGN, readable, write_text
 from pmmkit.models import Step
 
 STATE: Final = "workbench.json"
@@ -130,11 +130,7 @@ def own_of(folder: Path) -> tuple[Effect, ...]:
 
 def save_own(folder: Path, effects: Sequence[Effect]) -> None:
     """Write own effects to be read by `own_of`, and by the commands."""
-    tables = [
-        {"name": item.name, "summary": item.summary, "terms": item.text, "check": item.check}
-        for item in effects
-    ]
-    write_text(folder / OWN, toml_text({"effects": tables}))
+    write_text(folder / OWN, own_effects_text(effects))
 
 
 def stamp_of(campaign: Path) -> tuple[int, int]:

@@ -13,6 +13,9 @@ flagged : an effect is named, as the nearest relative.
 unexplained : nothing is named, and something is said to be missing.
 suspected : nothing is named but what one run alone shows, with the run to repeat.
 silent : nothing is said to be missing.
+formula : products of the motion are offered in its place, or beside what is named.
+
+With --outside those truths take part too that table 2 of `hidden_effects` counts.
 """
 
 from __future__ import annotations
@@ -41,7 +44,11 @@ def main() -> None:
     parser.add_argument("--size", type=float, default=1.0)
     parser.add_argument("--of", default="beyond", choices=("beyond", "outside", "unseen"))
     o = parser.parse_args()
-    print(f"{'':24}" + "".join(f"{word:>13}" for word in SAID) + "  best sets")
+    print(
+        f"{'':24}"
+        + "".join(f"{word:>13}" for word in (*SAID, "formula"))
+        + "  best sets | formulas"
+    )
     every: Counter[str] = Counter()
     for name in getattr(tank(), o.of.upper()):
         answers = [
@@ -50,11 +57,15 @@ def main() -> None:
         ]
         counts = Counter(said(answer) for answer in answers)
         best = Counter(" + ".join(answer.best) for answer in answers if answer.best)
+        formulas = Counter(" + ".join(x.formula) for x in answers if x.formula)
         print(
             f"{name.removeprefix(f'{o.of}_'):24}"
             + "".join(f"{counts[word]:13}" for word in SAID)
             + "  "
-            + ", ".join(f"{names} {count}" for names, count in best.most_common()),
+            + " | ".join(
+                ", ".join(f"{names} {count}" for names, count in found.most_common())
+                for found in (best, formulas)
+            ),
             flush=True,
         )
         every += counts

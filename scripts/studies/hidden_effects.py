@@ -110,6 +110,7 @@ class Answer:
     kin: tuple[str, ...]
     twins: bool
     seconds: float
+    formula: tuple[str, ...] = ()
 
     @property
     def sets(self) -> list[tuple[str, ...]]:
@@ -173,6 +174,7 @@ def diagnosed(job: Job) -> Answer:
         kin=tuple(item.family for item, _ in known),
         twins=False,
         seconds=seconds,
+        formula=tuple(item.name for item in found.formula.terms) if found.formula else (),
     )
     rivals = [names for names in answer.sets if names != job.names]
     if answer.inside and rivals and job.truth == "catalogue":

@@ -11,7 +11,7 @@ from pmmkit.base import DataError, ModelError, Workers
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Structure
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
-from pmmkit.diagnosis.empirical import FAMILY, NO_CAUSE
+from pmmkit.diagnosis.empirical import noted
 from pmmkit.diagnosis.findings import Diagnosis, Finding
 from pmmkit.diagnosis.free_running.hypotheses import FreeCandidate
 from pmmkit.diagnosis.joint.result import Together
@@ -175,13 +175,9 @@ class Session(Described, Generic[Said]):
             effect=name,
             campaign=of,
             log_odds=log_odds if isinstance(effect, str) else effect.log_odds,
-            note="; ".join(dict.fromkeys(filter(None, (*why.split("; "), *self._marks(name))))),
+            note=noted(name, why),
         )
         return replace(self, steps=(*self.steps, step))
-
-    def _marks(self, name: str) -> list[str]:
-        """What a model must say of an effect beside its name: that it is a term without a cause."""
-        return [NO_CAUSE for x in self.evidence.own if x.name == name and x.family == FAMILY]
 
     def undo(self) -> Session[Said]:
         """The session before the last step.

@@ -227,6 +227,7 @@ def missing_page(
         "sentence": found.sentence,
         "answer": found.answer,
         "remarks": found.remarks(),
+        "formula": _formula(found),
         "floor": found.floor,
         "candidates": candidates,
         "sets": [
@@ -248,6 +249,14 @@ def missing_page(
         "base": drawn["base"],
         "unasked": _unasked(session, found),
     }
+
+
+def _formula(found: Diagnosis) -> dict[str, Any] | None:
+    """What fits where no effect explains, in words, and its terms as effects of one's own."""
+    if found.formula is None or not found.formula.terms:
+        return None
+    effects = [{"name": x.name, "text": x.text} for x in found.formula.effects]
+    return {"remarks": found.formula.remarks(), "effects": effects}
 
 
 def _unasked(session: Session[Diagnosis], found: Diagnosis) -> list[dict[str, str]]:
@@ -294,6 +303,7 @@ def joint_page(
         "sentence": found.sentence,
         "answer": found.answer,
         "remarks": [*found.flags, *sentences.values(), *found.notes],
+        "formula": None,
         "floor": session.evidence.floor,
         "candidates": candidates,
         "sets": [{"effects": list(names), "odds": short(x)} for names, x in found.group],

@@ -55,6 +55,7 @@ function answer(found, app, view) {
   return el("section", { class: "panel", "aria-label": t("candidates") },
     el("div", { class: "head" }, el("h2", {}, t(found.since ? "asked_before" : "candidates")), found.since || !drawn ? null : el("span", { class: "soft small hint" }, t("hover_hint"))),
     el("p", {}, found.sentence),
+    found.formula ? found.formula.remarks.map((text) => el("p", { class: "small" }, text)) : null,
     found.remarks.length ? el("details", {}, el("summary", {}, t("remarks")), found.remarks.map((text) => el("p", { class: "soft small" }, text))) : null,
     el("ol", { class: "candidates" }, found.candidates.map((item) => candidate(item, app, view, { drawn, most }))));
 }

@@ -56,6 +56,7 @@ export function ownPanel(app, found) {
     el("div", { class: "own" }, name, text),
     said, weigh,
     found?.unasked?.length ? el("ul", { class: "sentences" }, found.unasked.map((item) => el("li", {}, t("own_unasked", { effect: item.effect, why: item.why })))) : null,
+    found?.formula ? el("p", { class: "small" }, `${t("own_formula")}: `, found.formula.effects.flatMap((own, i) => [i ? ", " : "", again(own)])) : null,
     app.state.own.length ? el("p", { class: "small" }, `${t("own_kept")}: `, app.state.own.flatMap((own, i) => [i ? ", " : "", again(own)])) : null);
 }
 
