@@ -210,7 +210,7 @@ def _reading(d: Derivative) -> str:
         )
     if there <= {"r"}:
         return "damping and cross flow of the hull in yaw"
-    return "a constant force" if there <= {"0"} else "resistance"
+    return "a constant force" if there <= {"0"} else "resistance straight ahead"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -64,13 +64,13 @@ def monomials(system: System, model: Model | None = None) -> tuple[Candidate, ..
     `model` has one: without it, products of heel where the base rolls. What a ship that is
     alike to port and starboard has not is asked up to `ORDER` alone.
     """
-    held = system.base.excited(system.views)
     channels = [c.name for c in system.channels]
     known = [name for names in system.base.names.values() for name in names]
     rolls = any(parse_derivative(name).rolls for name in known)
-    steered, rolled = ["d"] * ("rudder" in held), ["phi"] * ("roll" in held)
+    steered = ["d"] * any(np.any(view.motion.delta) for view in system.views)
+    heeled = ["phi"] * any(np.any(view.motion.phi) for view in system.views)
     names = [
-        *(channel + (term or "0") for channel in channels for term in _terms([*steered, *rolled])),
+        *(channel + (term or "0") for channel in channels for term in _terms([*steered, *heeled])),
         *(
             place + term
             for place in AddedMass.places()
@@ -86,7 +86,7 @@ def monomials(system: System, model: Model | None = None) -> tuple[Candidate, ..
         and (is_symmetric(x) or len(x.factors) <= ORDER)
         and (has_place(model, x.name) if model else rolls or not x.rolls)
     ]
-    if "several speeds" in held:
+    if "several speeds" in system.base.excited(system.views):
         asked += [f"{x}{BY_SPEED}" for x in known if not parse_derivative(x).count("T")]
     return tuple(map(_candidate, asked))
 
