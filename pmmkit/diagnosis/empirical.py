@@ -10,6 +10,7 @@ from itertools import groupby
 from typing import Any, Final
 
 from pmmkit.conventions import CHANNELS, Derivative, parse_derivative
+from pmmkit.diagnosis.evidence import finite
 from pmmkit.effects import BY_SPEED, Effect, own_effect, own_effects_text
 from pmmkit.presentation import WIDE, Cell, Grid, Group, listed, number
 
@@ -121,7 +122,7 @@ class EmpiricalTerm:
         """What such a term usually stands for, in words."""
         said = [_reading(self.derivative)]
         if self.by_speed:
-            said.append("changing with the speed, as waves and sinkage do")
+            said.append("changing with the speed (waves, sinkage, load of the propeller)")
         if len(self.derivative.factors) >= HIGH:
             said.append("of high order: often something that sets in at some angle")
         if not is_symmetric(self.derivative):
@@ -319,8 +320,8 @@ class EmpiricalFormula:
             "instead": list(self.instead),
             "asked": self.asked,
             "log_odds": self.log_odds,
-            "error_before": self.error_before,
-            "error_after": self.error_after,
-            "error_level": self.error_level if math.isfinite(self.error_level) else None,
-            "lengths": [{"terms": list(x.terms), "error": x.error} for x in self.lengths],
+            "error_before": finite(self.error_before),
+            "error_after": finite(self.error_after),
+            "error_level": finite(self.error_level),
+            "lengths": [{"terms": list(x.terms), "error": finite(x.error)} for x in self.lengths],
         }

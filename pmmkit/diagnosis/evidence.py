@@ -90,6 +90,11 @@ def mimics(
     return dict(sorted(shares.items(), key=lambda item: -item[1]))
 
 
+def finite(value: float) -> float | None:
+    """A number for plain data, which knows no infinity."""
+    return value if math.isfinite(value) else None
+
+
 @dataclass(frozen=True, kw_only=True)
 class RankedSet:
     """A set of effects with its evidence.

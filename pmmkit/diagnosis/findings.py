@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.diagnosis.empirical import EmpiricalFormula
-from pmmkit.diagnosis.evidence import RankedSet, Visible
+from pmmkit.diagnosis.evidence import RankedSet, Visible, finite
 from pmmkit.intake import Untold
 from pmmkit.models import Model, odds
 from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
@@ -310,11 +310,6 @@ def fallen(before: float, after: float, level: float) -> str:
     """Held-out errors over the rms forces before and after, beside the noise level."""
     noise = f", where noise alone gives {100 * level:.2f} %" if math.isfinite(level) else ""
     return f"{100 * before:.2f} % to {100 * after:.2f} % of the rms forces{noise}"
-
-
-def finite(value: float) -> float | None:
-    """A number for plain data, which knows no infinity."""
-    return value if math.isfinite(value) else None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from pmmkit.diagnosis.evidence import finite
 from pmmkit.models import Model, Part, Step
 from pmmkit.numerics import Array
 
@@ -98,14 +99,10 @@ def stepped(
                 value=step.value,
                 log_odds=step.log_odds,
                 note=step.note,
-                error_before=_finite(errors[number]),
-                error_after=_finite(errors[number + 1]),
+                error_before=finite(errors[number]),
+                error_after=finite(errors[number + 1]),
                 error_of=of,
                 before=old.before(new, new_places) if kept else None,
             )
         )
     return new.stepped(*made)
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

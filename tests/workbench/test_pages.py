@@ -11,7 +11,7 @@ from hidden_effects import hidden_campaign
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit import begin, compare, open_campaign
+from pmmkit import begin, compare, open_campaign, own_effect
 from pmmkit.models import load_model
 from pmmkit.simulation import simulate
 from pmmkit.validation.statistics import STATISTICS
@@ -163,6 +163,16 @@ def test_what_hides_is_named_with_its_share_of_the_misfit(missing, session):
     )
     own = next(item for item in named if item["effect"] == "yaw_sway_coupling")
     assert own["share"]["all"] == pytest.approx(1 - (after / before) ** 2, abs=0.02)
+
+
+@pytest.mark.slow
+def test_a_formula_stands_there_to_be_taken_as_effects_of_ones_own(bare):
+    session = begin(bare, hidden_campaign("full", {"outside_vr3": 1.0}, seed=7000))
+    found = session.diagnose()
+    told = page_of(found, session)["formula"]
+    assert told["remarks"] == found.formula.remarks()
+    made = [own_effect(**item) for item in told["effects"]]
+    assert [tuple(item.typical) for item in made] == [("Xvrrr",), ("Yvrr|r|",)]
 
 
 @pytest.mark.slow

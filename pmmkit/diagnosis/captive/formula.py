@@ -171,6 +171,8 @@ HALF: Final = 0.5
 """Share of the mean square error above noise that a formula must take away. Of twenty truths in no
 catalogue (scripts/studies/beyond_catalogue.py) those that are products of the motion lose all of
 it, hysteresis, lost motion and delays less than a third."""
+ALIKE: Final = 0.5
+"""Share of the evidence for a product that is left beside one that stands in its place, at most."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -305,13 +307,16 @@ class MonomialSets:
         return found
 
     def like(self, places: Sequence[int], place: int) -> dict[str, float]:
-        """Monomials that can take the place of one of a set, within `RIVALS`, with their shares."""
+        """Monomials that can take the place of one of a set, within `RIVALS`, with their shares:
+        beside it they would add less than `ALIKE` of that."""
         others = [k for k in places if k != place]
-        added = self.added(others)
+        added, beside = self.added(others), self.added(places)
         near = [
             k
             for k in np.argsort(-added).tolist()
-            if k not in places and added[k] >= added[place] - RIVALS
+            if k not in places
+            and added[k] >= added[place] - RIVALS
+            and beside[k] + self.price[k] < ALIKE * (added[k] + self.price[k])
         ]
         return {self.blocks[k].candidate.name: float(self.shares[k]) for k in near}
 
@@ -370,17 +375,20 @@ def answer_with_formula(
     if found.verdict == "unexplained" or (found.findings and found.flags):
         with threadpool_limits(1):
             formula = formula_of(ranking, found.best, model)
-        if formula.terms or not found.findings:
+        if formula and (formula.terms or not found.findings):
             found = replace(found, formula=formula)
     return found
 
 
 def formula_of(
     ranking: RankedSets, named: tuple[str, ...] = (), model: Model | None = None
-) -> EmpiricalFormula:
-    """The formula of the greatest odds, beside the effects that are named or in their place."""
+) -> EmpiricalFormula | None:
+    """The formula of the greatest odds, beside the effects that are named or in their place; None
+    where these runs show no product."""
     first = ranking.less or ranking  # no fault acts on what is named
     blocks = _blocks(first.system, model)
+    if not blocks:
+        return None
     sets = MonomialSets.of(first.system, refined(first.system, first.known), blocks)
     beside = False
     if named and ranking.best:
