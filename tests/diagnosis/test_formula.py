@@ -14,6 +14,7 @@ import pmmkit as pk
 from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
 from pmmkit.diagnosis.captive.formula import MonomialSets, monomials
+from pmmkit.diagnosis.captive.refit import DerivativePlaces
 from pmmkit.diagnosis.captive.system import CandidateColumns, candidate_columns
 from pmmkit.diagnosis.empirical import EmpiricalFormula, EmpiricalTerm, is_symmetric
 from tests.support.uncoupled import uncoupled
@@ -38,7 +39,9 @@ def asked(truth, programme="full", seed=3):
 def of_names(system, names):
     """Some monomials with their columns, coefficients of the size .01."""
     blocks = []
-    for item in (x for x in monomials(system) if x.name in names):
+    for item in monomials(system, DerivativePlaces.of(BASE)):
+        if item.name not in names:
+            continue
         made = candidate_columns(item, 0.0, system.channels, system.views, system.base)
         whole = {name: 0.01 * own for name, own in made.items()}
         blocks.append(CandidateColumns(candidate=item, value=0.0, columns=slice(0, 1), made=whole))
@@ -239,6 +242,23 @@ def test_a_term_is_an_effect_of_the_user(name, product, text):
     assert made.effect.text == text
     assert made.effect.family == "empirical"
     assert made.effect.name.startswith("empirical_")
+
+
+def test_no_product_is_asked_for_that_the_model_has_no_place_for():
+    """Rudder beside a polynomial of the rudder, heel where she rolls."""
+    system = captive_system(hidden_campaign("small", seed=2), BASE)
+
+    def asked(source):
+        return {x.name for x in monomials(system, DerivativePlaces.of(source))}
+
+    plain, steered, rolls = asked("cubic"), asked("mariner"), asked([*BASE, "Yphi"])
+    assert not any(parse_derivative(name).count("d") for name in plain)
+    assert not any(parse_derivative(name).rolls for name in plain)
+    assert {"Yvdd", "Nvvd"} <= steered
+    assert {"Yvphiphi", "Nvvphi"} <= rolls - plain
+    assert {"Yv|r|", "Nvvrrr", "Yvvvdot", "Y0"} <= plain & steered & rolls
+    assert {"Yv", "Yvvvr", "Yvvvvvv"}.isdisjoint(plain)  # of the base; of no such ship; too high
+    assert asked(pk.load_model("s175-3dof")) == plain
 
 
 def test_terms_stand_beside_effects_that_the_user_has_already(tmp_path):

@@ -82,7 +82,7 @@ def diagnose_captive(
     )
     known = system.taking_part(given)
     found = answer_with_formula(
-        system.whole(known), known, floor=system.floor, seed=seed, model=model
+        system.whole(known), known, floor=system.floor, seed=seed, source=model or structure
     )
     return replace(
         found, untold=Untold.of(campaign.within_reach(), values=found.base, recorded=True)

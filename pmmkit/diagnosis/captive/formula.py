@@ -17,14 +17,14 @@ from typing import Final
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from pmmkit.conventions import CHANNELS, parse_derivative
+from pmmkit.conventions import CHANNELS, Structure, parse_derivative
 from pmmkit.diagnosis.captive.adequacy import LEAST, blocks_of
 from pmmkit.diagnosis.captive.build import build, prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate, of_terms
 from pmmkit.diagnosis.captive.evidence import taken_with
 from pmmkit.diagnosis.captive.held_out import CHANGED, HeldOut, held_out
 from pmmkit.diagnosis.captive.least_squares import effect_columns, joint_fit, labels, refined
-from pmmkit.diagnosis.captive.refit import has_place
+from pmmkit.diagnosis.captive.refit import DerivativePlaces
 from pmmkit.diagnosis.captive.system import CandidateColumns, System, term_columns
 from pmmkit.diagnosis.captive.verdict import ROUNDS, RankedSets, ranked, told
 from pmmkit.diagnosis.captive.whitening import Places
@@ -56,17 +56,16 @@ TENTH: Final = 0.1
 user has it of usual forces."""
 
 
-def monomials(system: System, model: Model | None = None) -> tuple[Candidate, ...]:
+def monomials(system: System, home: DerivativePlaces) -> tuple[Candidate, ...]:
     """Products of the motion that the base has not, and the change with the speed of those that it
     has.
 
-    Accelerations stand where the equations of motion have a place for them, all others where a
-    `model` has one: without it, products of heel where the base rolls. What a ship that is
-    alike to port and starboard has not is asked up to `ORDER` alone.
+    Accelerations stand where the equations of motion have a place for them, rudder and heel where
+    the model has one. What a ship that is alike to port and starboard has not is asked up to
+    `ORDER` alone.
     """
     channels = [c.name for c in system.channels]
     known = [name for names in system.base.names.values() for name in names]
-    rolls = any(parse_derivative(name).rolls for name in known)
     steered = ["d"] * any(np.any(view.motion.delta) for view in system.views)
     heeled = ["phi"] * any(np.any(view.motion.phi) for view in system.views)
     names = [
@@ -84,7 +83,7 @@ def monomials(system: System, model: Model | None = None) -> tuple[Candidate, ..
         for x in dict.fromkeys(made)
         if x.name not in known
         and (is_symmetric(x) or len(x.factors) <= ORDER)
-        and (has_place(model, x.name) if model else rolls or not x.rolls)
+        and home.hold(x.name)
     ]
     if "several speeds" in system.base.excited(system.views):
         asked += [f"{x}{BY_SPEED}" for x in known if not parse_derivative(x).count("T")]
@@ -119,9 +118,9 @@ def _candidate(name: str) -> Candidate:
     )
 
 
-def _blocks(system: System, model: Model | None) -> tuple[CandidateColumns, ...]:
+def _blocks(system: System, home: DerivativePlaces) -> tuple[CandidateColumns, ...]:
     """Monomials that these runs show beside base and floor, with their columns."""
-    asked = monomials(system, model)
+    asked = monomials(system, home)
     rms = {c.name: float(np.linalg.norm(c.y)) for c in system.channels}
     blocks = []
     for item, made in zip(
@@ -360,33 +359,32 @@ def _prior(block: CandidateColumns) -> Array:
 # What is offered.
 
 
+Source = Model | str | Sequence[str] | Structure
+"""What the base of a diagnosis is of: a model, the name of a structure, derivatives."""
+
+
 def answer_with_formula(
-    system: System,
-    given: Sequence[str] = (),
-    *,
-    floor: float,
-    seed: int = 0,
-    model: Model | None = None,
+    system: System, given: Sequence[str] = (), *, floor: float, seed: int = 0, source: Source
 ) -> Diagnosis:
-    """Ask a system which effects the base lacks, and where none explains it, for a formula that a
+    """Ask a system which effects the base lacks, and where none explains it, for a formula that the
     model has a place for."""
     ranking = ranked(system, given, seed)
     found = told(ranking, given, floor=floor)
     if found.verdict == "unexplained" or (found.findings and found.flags):
         with threadpool_limits(1):
-            formula = formula_of(ranking, found.best, model)
+            formula = formula_of(ranking, found.best, DerivativePlaces.of(source))
         if formula and (formula.terms or not found.findings):
             found = replace(found, formula=formula)
     return found
 
 
 def formula_of(
-    ranking: RankedSets, named: tuple[str, ...] = (), model: Model | None = None
+    ranking: RankedSets, named: tuple[str, ...], home: DerivativePlaces
 ) -> EmpiricalFormula | None:
     """The formula of the greatest odds, beside the effects that are named or in their place; None
     where these runs show no product."""
     first = ranking.less or ranking  # no fault acts on what is named
-    blocks = _blocks(first.system, model)
+    blocks = _blocks(first.system, home)
     if not blocks:
         return None
     sets = MonomialSets.of(first.system, refined(first.system, first.known), blocks)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pmmkit.base import ModelError, Problem, UnknownNameError
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import Convention, parse_derivative
+from pmmkit.conventions import Convention, Structure, parse_derivative
 from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
 from pmmkit.diagnosis.captive.least_squares import JointFit, labels
@@ -136,7 +136,8 @@ def refitted(
     table = in_convention(fit, base, campaign, model.convention, Fn, own)
     known = [name for name in table.names if np.isfinite(table[name]).all()]
     kept = [name for name in table.names if name not in known]
-    left = [name for name in known if not has_place(model, name)]
+    places = DerivativePlaces.of(model)
+    left = [name for name in known if not places.hold(name)]
     notes = []
     if kept:
         notes.append(f"Not determined by these runs, kept as they were: {', '.join(kept)}.")
@@ -179,12 +180,25 @@ def refitted(
     return made, tuple(notes)
 
 
-def has_place(model: Model, name: str) -> bool:
-    """Whether a model has a place for a derivative: of the rudder beside a polynomial of it, of
-    roll where she rolls."""
-    known = parse_derivative(name)
-    steered = "rudder_abkowitz" in model.parts or not known.count("d")
-    return steered and (model.rolls or not known.rolls)
+@dataclass(frozen=True, kw_only=True)
+class DerivativePlaces:
+    """Whether a model has places for derivatives of the rudder, and of roll."""
+
+    steered: bool
+    rolls: bool
+
+    @classmethod
+    def of(cls, source: Model | str | Sequence[str] | Structure) -> DerivativePlaces:
+        """Of a model, or of what is made of a structure or of derivatives."""
+        if isinstance(source, Model):
+            return cls(steered="rudder_abkowitz" in source.parts, rolls=source.rolls)
+        stated = [parse_derivative(x) for x in Structure.meant_by(source).derivatives]
+        return cls(steered=any(x.count("d") for x in stated), rolls=any(x.rolls for x in stated))
+
+    def hold(self, name: str) -> bool:
+        """Whether there is a place for a derivative."""
+        known = parse_derivative(name)
+        return (self.steered or not known.count("d")) and (self.rolls or not known.rolls)
 
 
 def _together(

@@ -247,8 +247,9 @@ class CaptiveTests:
     def diagnose(self, steps: Sequence[Step], seed: int) -> Diagnosis:
         """What the base still lacks with some steps."""
         own = self.standing(steps)
-        model = self.source if isinstance(self.source, Model) else None
-        found = answer_with_formula(own.system, own.begun, floor=own.floor, seed=seed, model=model)
+        found = answer_with_formula(
+            own.system, own.begun, floor=own.floor, seed=seed, source=self.source
+        )
         untold = Untold.of(self.campaign.within_reach(), values=found.base, recorded=True)
         return replace(found, given=self._names(steps), untold=untold)
 
