@@ -86,7 +86,8 @@ def monomials(system: System, home: DerivativePlaces) -> tuple[Candidate, ...]:
         and home.hold(x.name)
     ]
     if "several speeds" in system.base.excited(system.views):
-        asked += [f"{x}{BY_SPEED}" for x in known if not parse_derivative(x).count("T")]
+        mine = [x for x in known if home.hold(x) and not parse_derivative(x).count("T")]
+        asked += [f"{x}{BY_SPEED}" for x in mine]
     return tuple(map(_candidate, asked))
 
 
