@@ -18,7 +18,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pmmkit.conventions import CHANNELS, Structure, parse_derivative
-from pmmkit.diagnosis.captive.adequacy import LEAST, blocks_of
+from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.build import build, prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate, of_terms
 from pmmkit.diagnosis.captive.evidence import taken_with
@@ -35,7 +35,7 @@ from pmmkit.diagnosis.empirical import (
     FormulaLength,
     is_symmetric,
 )
-from pmmkit.diagnosis.evidence import RIVALS, SHOWS
+from pmmkit.diagnosis.evidence import LEAST, RIVALS, SHOWS
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects import BY_SPEED, AddedMass
 from pmmkit.inference import Normal
