@@ -55,7 +55,7 @@ _WATER: Final = ("rho", "g", "nu", "depth", "tank_width", "tank_depth")
 
 def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) -> str:
     """The text of ``campaign.toml`` for runs whose data are SI, in ship axes, corrected."""
-    every = [*campaign.runs, *(run for run, _ in campaign.excluded)]
+    every = _every(campaign)
     kept = [run for run in every if run.id in entries]
     known = campaign_tables(campaign)
     data: dict[str, Any] = {
@@ -104,6 +104,11 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
     return "\n".join(lines) + "\n\n" + text
 
 
+def _every(campaign: Campaign) -> list[Run]:
+    """Runs, check loads, and what is excluded."""
+    return [*campaign.runs, *campaign.check_loads, *(run for run, _ in campaign.excluded)]
+
+
 def campaign_tables(campaign: Campaign) -> dict[str, Any]:
     """The tables of a campaign file that are of no run: head, ship, water, parts, uncertainties."""
     return {
@@ -132,7 +137,7 @@ def campaign_tables(campaign: Campaign) -> dict[str, Any]:
 def settings_of(run: Run) -> dict[str, Any]:
     """The settings of a run as a campaign file states them."""
     given, stated = run.settings, run.stated
-    found: dict[str, Any] = {"speed": given.speed}
+    found: dict[str, Any] = {} if run.kind_of_test.at_rest else {"speed": given.speed}
     for item in RUN_SETTINGS.ordered(*_ZERO, *_NEXT):
         value = given.value(item.name) if item.kept and item.name != "speed" else None
         key, zero = item.in_file, item.name in _ZERO
@@ -288,7 +293,7 @@ def write_campaign_csv(campaign: Campaign, folder: str | Path) -> list[str]:
 
 def _write_runs(campaign: Campaign, part: Path) -> dict[str, dict[str, Any]]:
     """Write the data; gives what the campaign file says of each run's file."""
-    every = [*campaign.runs, *(run for run, _ in campaign.excluded)]
+    every = _every(campaign)
     left = {run.id for run, _ in campaign.excluded}
     digits = len(str(len(every)))
     names = safe_names((run.id for run in every), "run")

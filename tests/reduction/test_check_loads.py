@@ -343,3 +343,10 @@ def test_loads_that_scatter_say_nothing(tmp_path):
     findings = [item for item in said(campaign) if item.channels == ("Y",)]
     assert [item.severity for item in findings] == ["warning"]
     assert "says nothing of its scale" in findings[0].message
+
+
+def test_check_loads_are_exported_as_csv_and_tell_the_same(checked, tmp_path):
+    pk.export(checked, tmp_path / "csv")
+    again = pk.open_campaign(tmp_path / "csv")
+    assert [run.id for run in again.check_loads] == [run.id for run in checked.check_loads]
+    assert again.gauge_checks == checked.gauge_checks
