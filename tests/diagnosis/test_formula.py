@@ -302,3 +302,15 @@ def test_a_symmetric_ship_has_odd_sway_and_even_surge():
     of_none = ["Y0", "Yvv", "Yvr", "N|v||r|", "Xv", "Xr|v|", "Yvd", "Kphiphi", "Yvvdot"]
     assert all(is_symmetric(parse_derivative(name)) for name in of_ship)
     assert not any(is_symmetric(parse_derivative(name)) for name in of_none)
+
+
+@pytest.mark.slow
+def test_a_plan_is_made_for_a_model_that_holds_a_formula():
+    """A term of added mass is a part of the model's own; what it does is known to the plan."""
+    tests = with_force(hidden_campaign("full", seed=3), "full", TRUTHS["Y|v|vdot"][1])
+    (term,) = diagnose_captive(tests, BASE).formula.terms
+    effect = term.effect
+    model = pk.begin(uncoupled(), tests, own=(effect,)).add(effect.name).model()
+    advice = pk.next_runs(model, tests, effects=("memory", "fault_pmm_amplitude"))
+    assert effect.name in model.parts
+    assert advice.runs

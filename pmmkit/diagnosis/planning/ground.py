@@ -18,7 +18,7 @@ from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
 from pmmkit.diagnosis.captive.evidence import best_blocks
-from pmmkit.diagnosis.captive.refit import eligible
+from pmmkit.diagnosis.captive.refit import eligible, written_in
 from pmmkit.diagnosis.captive.system import System, channels_of
 from pmmkit.diagnosis.planning.information import (
     Reduced,
@@ -38,6 +38,7 @@ from pmmkit.diagnosis.planning.planned import (
     with_names,
 )
 from pmmkit.diagnosis.planning.separation import Likely, UsualEffects, likely, usual
+from pmmkit.effects import Effect
 from pmmkit.inference import RunEffects
 from pmmkit.models import Model
 from pmmkit.numerics import Array
@@ -143,6 +144,7 @@ def ground_of(
 ) -> Ground:
     """Measured and possible runs on one footing."""
     source, structure, begun = derivatives_of(model)
+    own = written_in(source if isinstance(source, Model) else None)
     if campaign is not None and campaign.runs:
         return _with_tests(
             Structure.meant_by(structure),
@@ -154,6 +156,7 @@ def ground_of(
             begun=begun,
             given=given,
             noise=noise,
+            own=own,
         )
     if limits is None and options:
         limits = Limits(speeds=tuple(sorted({option.settings.speed for option in options})))
@@ -168,7 +171,14 @@ def ground_of(
         source = source.with_(ship=campaign.ship, water=campaign.water)
     have = tuple(dict.fromkeys((*begun, *given)))
     return _before_tests(
-        source, limits, options, floor=floor, noise=record_noise, candidates=candidates, given=have
+        source,
+        limits,
+        options,
+        floor=floor,
+        noise=record_noise,
+        candidates=candidates,
+        given=have,
+        own=own,
     )
 
 
@@ -183,14 +193,17 @@ def _with_tests(
     begun: Sequence[str],
     given: Sequence[str],
     noise: float | None,
+    own: Sequence[Effect],
 ) -> Ground:
-    asked = captive_system(campaign, structure, floor=floor, candidates=candidates, noise=noise)
-    system, rest = standing(asked, given)
+    asked = captive_system(
+        campaign, structure, floor=floor, candidates=candidates, noise=noise, own=own
+    )
+    system, rest = standing(asked, given, own)
     have = system.taking_part(tuple(dict.fromkeys((*begun, *rest))))
     views = system.views
     offered = _offered(options, limits, system.base)
     speeds = [*(view.speed for view in views), *limits.speeds]
-    every = _candidates_of(system.base, speeds, candidates)
+    every = _candidates_of(system.base, speeds, candidates, own)
     channels = tuple(c.name for c in system.channels)
     base = _ruddered(system.base, structure, offered, channels)
     planned = _views(offered, base, measured_noise(views), campaign.motion_reference_x)
@@ -217,6 +230,7 @@ def _before_tests(
     noise: float,
     candidates: Sequence[Candidate] | None,
     given: tuple[str, ...],
+    own: Sequence[Effect],
 ) -> Ground:
     base = base_of(model, limits.speeds)
     offered = _offered(options, limits, base)
@@ -233,7 +247,7 @@ def _before_tests(
             remedy="Offer a run with drift, sway or yaw as well.",
         )
     planned = _views(offered, base, stated_noise(size, noise), 0.0)
-    every = _candidates_of(base, limits.speeds, candidates)
+    every = _candidates_of(base, limits.speeds, candidates, own)
     usual = RunEffects.usual(size).mode
     rows = rows_of(planned, base, every, floor=floor, scatter=usual, scale=scale)
     grids = {c.name: c.grid for c in every}
@@ -285,9 +299,12 @@ def _views(
 
 
 def _candidates_of(
-    base: CaptiveBase, speeds: Sequence[float], candidates: Sequence[Candidate] | None
+    base: CaptiveBase,
+    speeds: Sequence[float],
+    candidates: Sequence[Candidate] | None,
+    own: Sequence[Effect],
 ) -> tuple[Candidate, ...]:
     if candidates is not None:
         return tuple(candidates)
-    every = eligible(base, sorted({round(speed, 6) for speed in speeds}))
+    every = eligible(base, sorted({round(speed, 6) for speed in speeds}), own)
     return tuple(drawn_once(item) for item in every)
