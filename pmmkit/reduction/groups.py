@@ -37,10 +37,16 @@ def groups_at_odds(
     """The group of each channel that reads otherwise, as the checks say it.
 
     Channels whose fit lacks something beyond noise are not asked: the lack would look like a group.
+    Nor are groups of whole speeds, which derivatives that change with the speed make.
     """
     runs = [item.result.run for item in rows]
     day = dict(zip((run.id for run in campaign.runs), campaign.places_in_day, strict=True))
-    groups = Run.groups(runs, [day[run.id] for run in runs])
+    speeds = Run.levels(runs)["speed"].values()
+    groups = {
+        words: own
+        for words, own in Run.groups(runs, [day[run.id] for run in runs]).items()
+        if any(own & level and level - own for level in speeds)
+    }
     fits: dict[str, list[tuple[int, ChannelFit]]] = {}
     for group, item in solution.fits:
         fits.setdefault(item.channel, []).append((group, item))

@@ -314,3 +314,14 @@ def test_a_plan_is_made_for_a_model_that_holds_a_formula():
     advice = pk.next_runs(model, tests, effects=("memory", "fault_pmm_amplitude"))
     assert effect.name in model.parts
     assert advice.runs
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [9200, 9371])
+def test_a_product_that_is_called_a_coupling_is_told_beside_the_name(seed):
+    """|v| r, even in drift, where the catalogue has v²r and v r²: two terms do better than four."""
+    found = diagnose_captive(hidden_campaign("full", {"outside_even_vr": 1.0}, seed=seed), BASE)
+    assert found.best == ("yaw_sway_coupling",)
+    assert any("Y|v|r and N|v|r fit better in the place of" in text for text in found.flags)
+    assert {term.name for term in found.formula.terms} == {"Y|v|r", "N|v|r"}
+    assert found.formula.instead == ("yaw_sway_coupling",)
