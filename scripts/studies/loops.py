@@ -26,7 +26,7 @@ import os
 import shlex
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -36,7 +36,7 @@ from pmmkit.campaigns import save_campaign
 from pmmkit.cli import main as typed
 from pmmkit.models import Model, load_model
 from pmmkit.workbench.saved import find_result
-from pmmkit.workbench.tasks import Tasks
+from pmmkit.workbench.tasks import Tasks, Work
 from scripts.studies.hidden_effects import ABSORBED, tank
 from scripts.studies.workers import add_workers, crew, in_order
 
@@ -165,20 +165,20 @@ def by_given(campaign: pk.Campaign) -> tuple[tuple[str, ...], str, Model]:
 
 def by_page(campaign: pk.Campaign) -> tuple[tuple[str, ...], str, Model]:
     """Press *Add* on the candidate that stands first, as long as one is named."""
-    tasks, place, steps = Tasks(), str(Path("page").resolve()), ()
-    os.makedirs(place)
+    tasks = Tasks()
+    work = Work(folder=Path("page").resolve(), campaigns=(str(Path("tests.h5").resolve()),))
+    os.makedirs(work.folder)
     quiet = lambda *_: None  # noqa: E731
-    tests = [str(Path("tests.h5").resolve())]
-    tasks.open(place, tests, str(Path("reduced/model.toml").resolve()), "", None, tell=quiet)
+    tasks.open(work, str(Path("reduced/model.toml").resolve()), None, tell=quiet)
     for _ in range(MOST):
-        tasks.diagnose(place, tests, "", {}, steps, tell=quiet)
-        page = find_result(Path(place), "missing", steps)
+        tasks.diagnose(work, tell=quiet)
+        page = find_result(work.folder, "missing", work.effects)
         named = [x["effect"] for x in page["candidates"] if x["named"]]
         if not named:
             break
-        tasks.add(place, tests, "", {}, steps, named[0], "", "", None, tell=quiet)
-        steps = (*steps, named[0])
-    return steps, page["verdict"], model_of_steps(campaign, steps).model()
+        tasks.add(work, named[0], "", "", None, tell=quiet)
+        work = replace(work, effects=(*work.effects, named[0]))
+    return work.effects, page["verdict"], model_of_steps(campaign, work.effects).model()
 
 
 WAYS: dict[str, Callable[[pk.Campaign], tuple[tuple[str, ...], str, Model]]] = {
