@@ -110,7 +110,8 @@ def test_the_json_holds_what_the_contract_says(diagnosed):
 @pytest.mark.slow
 def test_the_files_of_a_diagnosis(folder, diagnosed):
     names = {file.name for file in (folder / "found").iterdir()}
-    assert names == {"diagnosis.json", "effects.csv", "error_fall.csv", "report.html"}
+    written = {"diagnosis.json", "effects.csv", "error_fall.csv", "report.html", "homogeneity.svg"}
+    assert names == written
     page = answers_in(folder / "found" / "report.html")
     assert list(page["state"]["places"]) == ["data", "missing"]
     assert page["missing"]["sentence"] in texts_in(page["told missing"]["folded"])
