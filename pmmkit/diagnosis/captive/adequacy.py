@@ -27,6 +27,7 @@ from pmmkit.diagnosis.captive.evidence import (
 from pmmkit.diagnosis.captive.system import FEATURES, CandidateColumns, System, is_even
 from pmmkit.diagnosis.captive.whitening import Channel, Piece, Places
 from pmmkit.diagnosis.evidence import LEAST, PRICE, RankedSet
+from pmmkit.diagnosis.findings import SuspectRun
 from pmmkit.models import odds
 from pmmkit.numerics import Array
 from pmmkit.reduction import View
@@ -206,9 +207,19 @@ class RefusedEffect:
         if not self.run:
             return f"{name} {MAY_ERR}"
         who = f"{name} ({odds(self.log_odds)})"
-        if self.others > 0.0:
+        if self.suspect.agrees:
             return f"{who}: the run {self.run} carries most of it, and the other runs agree"
         return f"{who} hangs on the run {self.run} alone: repeat it"
+
+    @property
+    def suspect(self) -> SuspectRun:
+        """The run that decides it."""
+        return SuspectRun(
+            effect=self.block.candidate.name,
+            run=self.run,
+            log_odds=self.log_odds,
+            others=self.others,
+        )
 
 
 def refused(

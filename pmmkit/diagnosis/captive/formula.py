@@ -380,40 +380,38 @@ def answer_with_formula(
     """Ask a system which effects the base lacks, and where none explains it, or products of the
     motion do better, for a formula that the model has a place for."""
     ranking = ranked(system, given, seed)
-    found, home = told(ranking, given, floor=floor), DerivativePlaces.of(source)
+    found = told(ranking, given, floor=floor)
+    if not found.findings and found.verdict != "unexplained":
+        return found
     with threadpool_limits(1):
+        sets = MonomialSets.instead(ranking, DerivativePlaces.of(source))
+        if sets is None:
+            return found
         if found.findings and not found.flags:
-            found = replace(found, flags=_better_products(ranking, found.best, home))
-        if found.verdict == "unexplained" or (found.findings and found.flags):
-            formula = formula_of(ranking, found.best, home)
-            if formula and (formula.terms or not found.findings):
+            found = replace(found, flags=_better_products(ranking, found.best, sets))
+        if found.verdict == "unexplained" or found.flags:
+            formula = formula_of(ranking, found.best, sets)
+            if formula.terms or not found.findings:
                 found = replace(found, formula=formula)
     return found
 
 
 def _better_products(
-    ranking: RankedSets, named: tuple[str, ...], home: DerivativePlaces
+    ranking: RankedSets, named: tuple[str, ...], sets: MonomialSets
 ) -> tuple[str, ...]:
     """The flags of an answer in whose place products of the motion have `RIVALS` more.
 
     A product is a rival as thin as a name: of 61 right names none has one, of six forces |v| r that
     are called a coupling five (docs/theory/evidence.md).
     """
-    sets = MonomialSets.instead(ranking, home)
-    if sets is None or ranking.best is None or sets.odds <= ranking.best.log_evidence + RIVALS:
+    if ranking.best is None or sets.odds <= ranking.best.log_evidence + RIVALS:
         return ()
     told = listed([sets.blocks[k].candidate.name for k in sets.best])
     return ("not_the_whole_story", f"{told} fit better in the place of {listed(named)}")
 
 
-def formula_of(
-    ranking: RankedSets, named: tuple[str, ...], home: DerivativePlaces
-) -> EmpiricalFormula | None:
-    """The formula of the greatest odds, beside the effects that are named or in their place; None
-    where these runs show no product."""
-    sets = MonomialSets.instead(ranking, home)
-    if sets is None:
-        return None
+def formula_of(ranking: RankedSets, named: tuple[str, ...], sets: MonomialSets) -> EmpiricalFormula:
+    """The formula of the greatest odds, beside the effects that are named or in their place."""
     blocks, beside = sets.blocks, False
     if named and ranking.best:
         known = [*ranking.known, *blocks_of(ranking.beside, ranking.best)]

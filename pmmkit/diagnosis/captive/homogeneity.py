@@ -76,6 +76,8 @@ def _of_effect(
     fitted, covariance = system.normal.only(at).posterior
     begin = sum(item.count for item in blocks[: len(given) + place])
     own = fitted[begin : begin + block.count]
+    known = [columns_at(piece, at) for piece in system.pieces]
+    rest = [piece.data - x @ fitted for piece, x in zip(system.pieces, known, strict=True)]
     raw = effect_columns(system, block)
     left: dict[str, list[Array]] = {}
     for piece in system.pieces:
@@ -90,10 +92,9 @@ def _of_effect(
     for factor, levels in factors.items():
         inner = np.sum([x.T @ x for x in left[factor]], axis=0)
         score, cross = np.zeros(len(levels)), np.zeros((len(at), len(levels)))
-        for piece, columns in zip(system.pieces, left[factor], strict=True):
-            known = columns_at(piece, at)
-            score += columns.T @ (piece.data - known @ fitted)
-            cross += known.T @ columns
+        for beside, residual, columns in zip(known, rest, left[factor], strict=True):
+            score += columns.T @ residual
+            cross += beside.T @ columns
         yield from _varied(
             block.candidate.name,
             factor,

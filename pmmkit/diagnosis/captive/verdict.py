@@ -46,7 +46,7 @@ from pmmkit.diagnosis.evidence import (
     could_hide,
     mimics,
 )
-from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, SuspectRun, Verdict
+from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, Verdict
 from pmmkit.effects import BY_SPEED, CATALOGUE, Effect
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
@@ -451,15 +451,7 @@ def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosi
         floor=floor,
         base=system.base.values,
         given=given,
-        suspected=tuple(
-            SuspectRun(
-                effect=item.block.candidate.name,
-                run=item.run,
-                log_odds=item.log_odds,
-                others=item.others,
-            )
-            for item in hanging
-        ),
+        suspected=tuple(item.suspect for item in hanging),
         nearest=nearest,
         disagreements=apart,
         homogeneity=sizes,
