@@ -18,6 +18,7 @@ from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.kind import TEST_KINDS, Struts, TestKind
 from pmmkit.effects import State
 from pmmkit.numerics import Array
+from pmmkit.signals import FEWEST
 
 Kind = Literal["history", "means", "harmonics"]
 FORCES: Final = {
@@ -76,6 +77,11 @@ class StatedRun:
     FARTHEST: ClassVar[float] = math.radians(45.0)
     """Drift from which a steady run says nothing to polynomials about straight ahead: the
     programmes that these were made for end at 20 to 30°, harbour tests begin beyond."""
+    FEWEST_A_CYCLE: ClassVar[int] = 4
+    """Samples of a cycle: less do not tell its first harmonic from its mean and the second one."""
+    LONGEST: ClassVar[float] = 10.0
+    """Time from the first sample to the last, over what the samples fill at their usual step. Work
+    and memory go with the time; a recorder that stops between cycles or turns is below 5."""
 
     @property
     def kind_of_test(self) -> TestKind:
@@ -173,6 +179,64 @@ class StatedRun:
         if found.ndim != 1 or found.size == 0:
             raise CampaignError("there are no times at all.", run=self.id)
         return found
+
+    def clock_problem(self, times: Array) -> Problem | None:
+        """What makes the times of a captive record unusable; None where nothing does.
+
+        times (n,) [s].
+
+        Examples
+        --------
+        >>> run = StatedRun(id="PS", test="pure_sway", kind="history",
+        ...                 settings=Settings(speed=1.5, period=10.0))
+        >>> times = np.arange(815) * 0.1
+        >>> run.clock_problem(times) is None
+        True
+        >>> print(run.clock_problem(1000 * times).message)
+        a cycle of 10 s has only 0.1 samples, at steps of 100 s.
+        >>> print(run.clock_problem(np.append(times, 1e7)).message)
+        the time jumps by 9999918.6 s, where the usual step is 0.1 s.
+        """
+        count, steps = times.size, np.diff(times)
+        usual = float(np.median(steps)) if count > 1 else 0.0
+        span = float(times[-1] - times[0]) if count else 0.0
+        period = self.settings.period if self.dynamic else None
+        lost, back = np.flatnonzero(~np.isfinite(times)), np.flatnonzero(steps <= 0)
+        row, remedy = 0, 'Cut these rows, or state a correction with action = "trim".'
+        if count < FEWEST:
+            message = f"only {count} of at least {FEWEST} samples are in the record."
+            remedy = "Look whether the file was cut off, or leave the run out."
+        elif lost.size:
+            message, row = f"{lost.size} of {count} samples have no time.", int(lost[0]) + 1
+        elif back.size:
+            message = f"the time does not increase at {back.size} of {count} samples."
+            row = int(back[0]) + 2
+            remedy = "Look for two records in one file, or for rows written twice or out of order."
+        elif span > self.LONGEST * count * usual:
+            step = int(np.argmax(steps))
+            message = (
+                f"the time jumps by {steps[step]:.8g} s, where the usual step is {usual:.4g} s."
+            )
+            row = step + 2
+        elif period and period < self.FEWEST_A_CYCLE * usual:
+            message = (
+                f"a cycle of {period:.4g} s has only {period / usual:.2g} samples, at steps of "
+                f"{usual:.4g} s."
+            )
+            remedy = (
+                "Correct the period, or say under [columns] in which unit the times are: "
+                't = { name = "their name", unit = "ms" }.'
+            )
+        else:
+            return None
+        return Problem(
+            message=message,
+            file=self.source or None,
+            run=self.id,
+            column="t",
+            row=row or None,
+            remedy=remedy,
+        )
 
     @property
     def has_nominal(self) -> bool:

@@ -143,7 +143,7 @@ cfd = { forces_in = "earth", ramp_s = 10.0, rho_inf = 99.91, symmetry_factor = 2
     [
         ("[defaults]\nsped = 1.0\n", "did you mean 'speed'"),
         ("[defaults.pure_jaw]\nperiod = 9.0\n", "did you mean 'pure_yaw'"),
-        ("[defaults.pure_yaw]\nperiod = -9.0\n", "must be greater than 0"),
+        ("[defaults.pure_yaw]\nperiod = -9.0\n", "is -9 s, and tests have 0.05 to 600 s"),
         (
             "[defaults.pure_yaw.cfd]\nforces_in = 'sea'\n",
             "'sea' is not one of body, earth, carriage",

@@ -6,7 +6,8 @@ from dataclasses import fields, replace
 
 import pytest
 
-from pmmkit.base import UnknownNameError
+from pmmkit import open_campaign
+from pmmkit.base import CampaignError, UnknownNameError
 from pmmkit.campaigns import RUN_SETTINGS, Settings, unit_of
 from pmmkit.campaigns.file.schema import SettingsEntry
 from pmmkit.campaigns.setting import Bounds
@@ -69,3 +70,30 @@ def test_units_of_columns_and_ways_to_state():
         *("r_amplitude", "rdot_amplitude"),
     }
     assert not {item.name for item in RUN_SETTINGS.brought} & {x.name for x in fields(Settings)}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        (
+            "speed",
+            "1170.0",
+            "is 1170 m/s, and tests have 0.01 to 50 m/s; write 1.17 if it is in mm/s",
+        ),
+        ("speed", "1e-5", "is 1e-05 m/s, and tests have 0.01 to 50 m/s."),
+        ("period", "9044.0", "write 9.044 if it is in ms"),
+        ("period", "1e-300", "is 1e-300 s, and tests have 0.05 to 600 s."),
+    ],
+)
+def test_a_number_that_no_test_has_is_refused_with_the_unit_that_fits(key, value, words, tmp_path):
+    stated = {"speed": "1.2", "period": "9.0", "amplitude_m": "0.25", key: value}
+    settings = "\n".join(f"{name} = {number}" for name, number in stated.items())
+    (tmp_path / "campaign.toml").write_text(
+        "[ship]\nL = 3000.0\nB = 0.5\nd = 0.2\nvolume = 0.24\nIzz = 135.0\n[water]\nrho = 1000.0\n"
+        f'[[runs]]\nid = "a"\ntest = "pure_sway"\nfile = "a.csv"\n{settings}\n',
+        encoding="utf-8",
+    )
+    with pytest.raises(CampaignError) as raised:
+        open_campaign(tmp_path / "campaign.toml")
+    assert words in str(raised.value)
+    assert "key 'L': is 3000 m, and tests have 0.5 to 500 m; write 3 if" in str(raised.value)

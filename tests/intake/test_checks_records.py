@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -10,10 +11,11 @@ import xarray as xr
 from checks_programme import campaign_of, hash_of, programme, run_of
 
 from pmmkit import Run, open_campaign
-from pmmkit.base import CampaignError, Problem
+from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns import Settings
 from pmmkit.intake import examine
 from pmmkit.intake.checks.track import rate_facts, velocity_facts
+from pmmkit.reduction import reduce_campaign
 
 
 def said(findings, check: str):
@@ -42,6 +44,16 @@ def repeated(t):
     return t
 
 
+def one_stamp(t):
+    t[-1] = 1e7
+    return t
+
+
+def epoch_behind(t):
+    t[400:] += 1.7e9
+    return t
+
+
 def gap(t):
     t[250:] += 3.0
     return t
@@ -50,8 +62,16 @@ def gap(t):
 @pytest.mark.parametrize(
     ("make", "severity", "words"),
     [
-        (backwards, "error", "backwards 9 times"),
-        (repeated, "error", "39 of 650 samples"),
+        (backwards, "error", "Row 202: The time does not increase at 9 of 650 samples"),
+        (repeated, "error", "Row 302: The time does not increase at 39 of 650 samples"),
+        (
+            one_stamp,
+            "error",
+            "Row 650: The time jumps by 9999935.2 s, where the usual step is 0.1 s",
+        ),
+        (epoch_behind, "error", "Row 401: The time jumps by 1.7e+09 s"),
+        (lambda t: 1000 * t, "error", "A cycle of 12.5 s has only 0.12 samples, at steps of 100 s"),
+        (lambda t: np.where(t == 5, np.nan, t), "error", "Row 51: 1 of 650 samples have no time"),
         (lambda t: np.round(t), "error", "written to 1.00 s"),
         (lambda t: np.round(t * 1.0173, 2), "warning", "written to 0.0100 s"),
         (gap, "warning", "the longest 3.10 s"),
@@ -62,6 +82,38 @@ def test_time_stamps(make, severity, words):
     found = said(examine(campaign_of([sway(retimed(make))])), "time stamps")
     assert found[0].severity == severity
     assert words in found[0].message
+
+
+def paused(t):
+    t[250:] += 4 * 12.5
+    return t
+
+
+def shortest(run: Run, data: xr.Dataset) -> xr.Dataset:
+    return data.isel(t=slice(2))
+
+
+@pytest.mark.parametrize(
+    "change", [shortest, *map(retimed, (backwards, repeated, one_stamp, epoch_behind, paused))]
+)
+def test_what_check_refuses_reduce_refuses_in_the_same_words(change):
+    campaign = campaign_of([sway(change), sway(name="PS_2", amplitude=0.2)])
+    (found,) = [x for x in examine(campaign) if x.severity == "error"]
+    assert found.runs == ("PS",)
+    with pytest.raises(DataError) as raised:
+        reduce_campaign(campaign)
+    message = found.message.partition(": ")[2] or found.message
+    assert message.lower() in str(raised.value).lower()
+
+
+def test_a_wrong_stamp_costs_no_memory():
+    campaign = campaign_of([sway(retimed(one_stamp))])
+    examine(campaign)  # what is imported on the way is not counted
+    tracemalloc.start()
+    examine(campaign)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < 20e6  # it took 3.75 GB
 
 
 def test_even_times_are_silent_also_when_written_with_few_digits():

@@ -21,6 +21,7 @@ from pydantic import (
 
 from pmmkit.base import DataError, did_you_mean
 from pmmkit.campaigns.file.single_tables import (
+    OTHER_UNITS,
     AxesEntry,
     CampaignEntry,
     CfdEntry,
@@ -40,6 +41,7 @@ from pmmkit.campaigns.file.single_tables import (
     TrialEntry,
     WaterEntry,
     fault_words,
+    in_range,
     said,
     shown,
 )
@@ -89,6 +91,8 @@ def _not_zero(value: float) -> float:
 def _number_of(setting: RunSetting) -> Any:
     """The type of a setting in a file, with its bounds."""
     bounds = setting.bounds
+    if setting.unit in OTHER_UNITS and bounds.least and bounds.most:
+        return Annotated[float, in_range(bounds.least, bounds.most, setting.unit)]
     limits = {"gt": bounds.above, "ge": bounds.least, "lt": bounds.below, "le": bounds.most}
     given: dict[str, Any] = {name: limit for name, limit in limits.items() if limit is not None}
     number: Any = Annotated[float, Field(**given)] if given else float

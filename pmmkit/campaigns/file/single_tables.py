@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -22,7 +23,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError, PydanticUndefined
 
 from pmmkit.base import Problem, Remedy, did_you_mean
-from pmmkit.conventions import System
+from pmmkit.conventions import System, unit_factor
 from pmmkit.readers import READERS
 
 # What is wrong with a key of a campaign file, in words.
@@ -112,7 +113,31 @@ def _known_format(name: Any) -> Any:
     )
 
 
+def in_range(least: float, most: float, unit: str) -> AfterValidator:
+    """What holds a number to the limits that any test has; beyond them another unit was meant."""
+
+    def within(value: float) -> float:
+        if least <= value <= most:
+            return value
+        meant = (
+            f"{value * factor:.6g} if it is in {other}"
+            for other in OTHER_UNITS[unit]
+            if least <= value * (factor := unit_factor(other)[1]) <= most
+        )
+        write = ", ".join(meant)
+        raise ValueError(
+            f"is {value:g} {unit}, and tests have {least:g} to {most:g} {unit}"
+            f"{'; write ' if write else ''}{write}"
+        )
+
+    return AfterValidator(within)
+
+
+OTHER_UNITS: Final = {"m": ("mm", "cm", "ft", "km"), "s": ("ms", "min"), "m/s": ("mm/s", "kn")}
+"""Units in which a number is often given by mistake."""
 Positive = Annotated[float, Field(gt=0)]
+Length = Annotated[float, in_range(0.5, 500.0, "m")]
+"""Of models and ships: the smallest models are of .8 m, the longest ship built is of 458 m."""
 Count = Annotated[int, Field(ge=0)]
 Listed = Annotated[list[str], BeforeValidator(lambda it: [it] if isinstance(it, str) else it)]
 Widths = Annotated[
@@ -169,7 +194,7 @@ class ShipEntry(StrictTable):
     """``[ship]``: the name of a library ship, or particulars in full."""
 
     name: str = said("of the ship; alone: a ship of the library", "")
-    L: Positive | None = said("length between perpendiculars [m]", None)
+    L: Length | None = said("length between perpendiculars [m]", None)
     B: Positive | None = said("breadth [m]", None)
     d: Positive | None = said("draught [m]", None)
     volume: Positive | None = said("displaced volume [m³]; mass over density if absent", None)

@@ -11,6 +11,7 @@ from pmmkit.intake.checks.finding import Check, CheckFinding, Severity, figure
 from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
+    from pmmkit.base import Problem
     from pmmkit.campaigns import Campaign
     from pmmkit.intake.checks.finding import Summary
 
@@ -66,12 +67,21 @@ def _are_multiples(times: Array, unit: float, rough: float) -> bool:
 
 
 def examine_clock(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
-    """Times that run backwards, stand still, jump, or are rounded."""
+    """Records whose times no reduction takes; times with gaps, or rounded, or uneven."""
     timed = [item for item in summaries if item.run.kind == "history"]
     for item in timed:
-        yield from _order(item)
+        if item.refused and not _is_rounded(item):
+            yield CheckFinding(
+                check="time stamps",
+                severity="error",
+                message=_sentence(item.refused),
+                runs=(item.run.id,),
+                remedy=item.refused.advice("command") or "",
+                numbers=item.facts,
+            )
+    sound = [item for item in timed if not item.refused]
     yield from _together(
-        [item for item in timed if item.facts.get("gaps", 0) and not item.facts.get("backwards")],
+        [item for item in sound if item.facts.get("gaps", 0) and not item.facts.get("backwards")],
         lambda item: (
             f"{item.facts['gaps']:.0f} gaps in {item.run.id}, the longest "
             f"{figure(item.facts['gap'])} s where the mean step is {figure(item.facts['step'])} s"
@@ -96,7 +106,7 @@ def examine_clock(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
     yield from _together(
         [
             item
-            for item in timed
+            for item in sound
             if item.facts.get("unevenness", 0) > UNEVEN
             and not item.facts.get("gaps")
             and not item.facts.get("backwards")
@@ -112,40 +122,10 @@ def examine_clock(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
     )
 
 
-def _order(item: Summary) -> Iterator[CheckFinding]:
-    facts, run = item.facts, item.run
-    backwards, repeats = facts.get("backwards", 0.0), facts.get("repeats", 0.0)
-    missing = facts.get("missing", 0.0)
-    numbers = {"backwards": backwards, "repeats": repeats, "missing": missing}
-    if backwards:
-        yield CheckFinding(
-            check="time stamps",
-            severity="error",
-            message=f"Time runs backwards {backwards:.0f} times in {facts['samples']:.0f} samples "
-            f"(it should never).",
-            runs=(run.id,),
-            remedy="Look for two records in one file, or for rows out of order.",
-            numbers=numbers,
-        )
-    if repeats and not _is_rounded(item):
-        yield CheckFinding(
-            check="time stamps",
-            severity="error" if repeats > 0.02 * facts["samples"] else "warning",
-            message=f"{repeats:.0f} of {facts['samples']:.0f} samples have the time of the sample "
-            f"before them.",
-            runs=(run.id,),
-            remedy="Look for rows written twice.",
-            numbers=numbers,
-        )
-    if missing:
-        yield CheckFinding(
-            check="time stamps",
-            severity="warning",
-            message=f"{missing:.0f} of {facts['samples']:.0f} samples have no time.",
-            runs=(run.id,),
-            remedy='Cut the empty rows, or use a correction with action = "trim".',
-            numbers=numbers,
-        )
+def _sentence(problem: Problem) -> str:
+    """What a problem says, with its row."""
+    message = problem.message[:1].upper() + problem.message[1:]
+    return f"Row {problem.row}: {message}" if problem.row else message
 
 
 def _is_rounded(item: Summary) -> bool:

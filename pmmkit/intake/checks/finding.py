@@ -51,6 +51,8 @@ class Summary:
         A few dozen force values, scaled, by which near copies are found.
     facts : mapping of str to float
         Facts about times, flat stretches and motions, by name.
+    refused : Problem, optional
+        Why the record cannot be reduced; nothing but the facts of its clock is known then.
     """
 
     run: Run
@@ -63,6 +65,7 @@ class Summary:
     digest: str = ""
     sketch: Array = field(default_factory=lambda: EMPTY)
     facts: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    refused: Problem | None = None
 
     def without(self, names: Collection[str]) -> Summary:
         """The run without some force channels, as if they had not been measured."""

@@ -128,6 +128,8 @@ def _of_history(
 ) -> Summary:
     raw = np.asarray(data["t"].values, float)
     facts = {**clock_facts(raw), **density_facts(data), **axis_facts(data)}
+    if campaign.kind == "captive" and (refused := run.clock_problem(raw)):
+        return Summary(run=run, facts=facts, refused=refused)
     columns = {
         name: np.asarray(data.variables[name].values, float)
         for name in (*FORCES, *(("x", "y") if campaign.kind == "free-running" else ()))
@@ -220,9 +222,8 @@ def _oscillating(
             counted = TankRecord(run=run, data=data, times=t, forces=forces, names=names).cycles()
             part = counted.cut
             state = run.measured_motion(data, t[part], counted.kept, within=part)
-    except DataError:
-        means = dict(zip(names, forces.mean(axis=1).tolist(), strict=True))
-        return Summary(means=means, **shared)
+    except DataError as error:
+        return Summary(refused=error.problems[0], **shared)
     part, theta = counted.cut, counted.kept.phase
     moving = slice(counted.travel.start, counted.travel.stop)
     project = counted.kept.projector[: 2 * ORDER + 1]

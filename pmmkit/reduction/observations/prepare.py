@@ -164,7 +164,8 @@ class PreparedRun:
         Raises
         ------
         DataError
-            If the run holds none of X, Y, N, K or too little to reduce.
+            If the run holds none of X, Y, N, K, or times that cannot be (`Run.clock_problem`), or
+            too little to reduce.
         """
         data = run.data
         channels = [
@@ -181,6 +182,10 @@ class PreparedRun:
                     remedy="Name them under [columns].",
                 )
             )
+        if run.kind == "history" and (
+            problem := run.clock_problem(np.asarray(data["t"].values, float))
+        ):
+            raise DataError(problem)
         make = {"history": _from_history, "means": _from_means, "harmonics": _from_harmonics}
         if run.kind == "history" and run.dynamic:
             prepared = _from_cycles(run, campaign, data, channels, cycles, noise, integrated)
