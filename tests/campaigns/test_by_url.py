@@ -254,6 +254,36 @@ def test_a_key_in_a_query_is_used_and_not_named(tmp_path, cache):
         assert "1b2c" not in str(told.value)
 
 
+@pytest.mark.parametrize(
+    "target", ["http://127.0.0.1:{port}/b.csv", "http://localhost:{here}/b.csv"]
+)
+def test_a_redirect_to_another_host_or_port_is_refused_and_gets_no_key(
+    target, tmp_path, monkeypatch
+):
+    (tmp_path / ".netrc").write_text(
+        "machine 127.0.0.1 login me password secret\nmachine localhost login me password secret\n",
+        encoding="utf-8",
+    )
+    (tmp_path / ".netrc").chmod(0o600)
+    monkeypatch.setenv("NETRC", str(tmp_path / ".netrc"))
+    with served_web({"b.csv": ROWS}) as other, served_web({"b.csv": ROWS}) as web:
+        port, here = (int(one.url.rpartition(":")[2]) for one in (other, web))
+        web.moved["/a.csv"] = target.format(port=port, here=here)
+        with pytest.raises(DataError) as raised:
+            Origin.of(Url(f"{web.url}/a.csv"))
+        assert f"leads to {target.format(port=port, here=here)}" in str(raised.value)
+        assert not other.asked
+        assert not web.asked["HEAD", "/b.csv"] + web.asked["GET", "/b.csv"]
+
+
+def test_a_redirect_within_a_server_is_followed():
+    with served_web({"b.csv": ROWS}) as web:
+        web.moved["/a.csv"] = "/b.csv"
+        found = Origin.of(Url(f"{web.url}/a.csv"))
+    assert found is not None
+    assert found.size == len(ROWS)
+
+
 def test_an_answer_that_breaks_off_is_asked_for_again():
     with served_web(FILES) as web:
         web.cut["/runs/SD 1.csv"] = 2

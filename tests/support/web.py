@@ -13,12 +13,15 @@ from urllib.parse import unquote, urlsplit
 
 @dataclass
 class Web:
-    """What is served: contents by path, states that are answered instead, and what was asked."""
+    """What is served: contents by path, states or other places that are answered instead, keys that
+    came, and what was asked."""
 
     url: str
     files: dict[str, bytes]
     states: dict[str, int] = field(default_factory=dict)
     cut: dict[str, int] = field(default_factory=dict)
+    moved: dict[str, str] = field(default_factory=dict)
+    keys: Counter[str] = field(default_factory=Counter)
     asked: Counter[tuple[str, str]] = field(default_factory=Counter)
     tagged: bool = True
 
@@ -40,7 +43,14 @@ def served_web(files: Mapping[str, str | bytes]) -> Iterator[Web]:
         def _answer(self, body: bytes | None) -> None:
             path = unquote(urlsplit(self.path).path)
             web.asked[self.command, path] += 1
+            web.keys[self.headers.get("Authorization", "")] += 1
             content = web.files.get(path)
+            if path in web.moved:
+                self.send_response(302)
+                self.send_header("Location", web.moved[path])
+                self.send_header("Content-Length", "0")
+                self.end_headers()
+                return
             state = web.states.get(path, 404 if content is None else 200)
             self.send_response(state)
             if state != 200 or content is None:

@@ -236,10 +236,14 @@ def system_of(url: Url) -> Any:
         import fsspec
 
         if scheme in WEB:
-            from aiohttp import ClientTimeout
+            from aiohttp import ClientTimeout, TraceConfig
 
             limits = ClientTimeout(total=None, sock_connect=CONNECT, sock_read=SILENCE)
-            options = {"client_kwargs": {"trust_env": True, "timeout": limits}}
+            watch = TraceConfig()
+            watch.on_request_redirect.append(_stay)
+            options = {
+                "client_kwargs": {"trust_env": True, "timeout": limits, "trace_configs": [watch]}
+            }
         return fsspec.filesystem(scheme, **options)
     except ImportError as error:
         more = "" if scheme in WEB else f" {PACKAGES[scheme]}"
@@ -250,6 +254,17 @@ def system_of(url: Url) -> Any:
         ) from error
     except Exception as error:  # stores look for keys when they are made
         raise told(url, error) from error
+
+
+class _Elsewhere(Exception):
+    """A server leads to a place that nobody named."""
+
+
+async def _stay(_session: object, _context: object, redirect: Any) -> None:
+    """Refuse a redirect to another protocol, host or port, before anything is sent there."""
+    target = redirect.url.join(type(redirect.url)(redirect.response.headers.get("Location", "")))
+    if target.origin() != redirect.url.origin():
+        raise _Elsewhere(Url(str(target)).shown)
 
 
 def is_absent(error: BaseException) -> bool:
@@ -281,6 +296,12 @@ def told(url: Url, error: BaseException) -> DataError:
             f"{host} gives no permission.",
             file=url.shown,
             remedy=f"See whether the name is right; keys are taken from {keys}.",
+        )
+    if isinstance(chain[-1], _Elsewhere):
+        return DataError(
+            f"{host} leads to {chain[-1]}, and a redirect to another place is not followed.",
+            file=url.shown,
+            remedy="Name that URL itself, if you trust it.",
         )
     last = str(chain[-1]).split("?")[0].strip() or type(chain[-1]).__name__
     return DataError(
