@@ -34,7 +34,7 @@ ROOM: Final = 400
 """Steps for which there is room at first."""
 MANY: Final = 10_000
 """Steps beyond which a manoeuvre that began interpreted is compiled."""
-MOST: Final = 400 * 4**5
+MOST: Final = 400 * 4**4
 """Steps of a manoeuvre: hundreds are usual, ten thousand with a tolerance of 1e-11. A ship that
 trembles, as some that are drawn from wide spreads do, would take millions."""
 
@@ -291,6 +291,12 @@ def problem(status: int, ready: Prepared, t: float) -> SimulationError | ModelEr
         return ModelError(mass_problem(ready.name))
     if status == Status.no_propulsion:
         return ModelError(propulsion_problem(ready.name, ready.speed))
+    if status == Status.no_room:
+        return SimulationError(
+            f"The motion needs more than {MOST:,} steps; at t = {t:.4g} s they were used up. Some "
+            f"force changes far faster than the ship moves: look for a coefficient that is too "
+            f"large by orders of magnitude, in an own effect above all."
+        )
     return SimulationError(
         f"The motion leaves what the model describes at t = {t:.4g} s (it grows without bound or "
         f"the ship capsizes). Check the model's derivatives at this speed, or use less rudder."

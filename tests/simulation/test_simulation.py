@@ -20,10 +20,11 @@ from pmmkit.base import (
     UnknownNameError,
 )
 from pmmkit.conventions import Convention
+from pmmkit.effects import own_effect
 from pmmkit.equations import Gear, ProbeResults, prepare, run_plan
 from pmmkit.equations.integrator import control, corner
 from pmmkit.imo import imo_turning
-from pmmkit.models import from_values, load_model, scaled, to_model
+from pmmkit.models import from_values, load_model, scaled, to_model, with_effect
 from pmmkit.simulation import MANOEUVRES, froude_sweep, simulate
 
 THREE, FOUR = load_model("s175-3dof"), load_model("s175")
@@ -644,3 +645,11 @@ def test_a_track_draws_itself():
     from matplotlib.figure import Figure
 
     assert isinstance(simulate("s175-3dof", speed=6.0).plot(), Figure)
+
+
+def test_a_force_that_is_ten_orders_too_large_ends_by_a_budget_of_steps():
+    keel = own_effect("keel", "Y: v*|v|*r; N: v*v*r; Nvvr ~ -0.04")
+    sizes = {"Nvvr": 1e10, **{name: -1e10 for name in keel.typical if name.startswith("Y")}}
+    model = with_effect(THREE, keel, coefficients=sizes)
+    with pytest.raises(SimulationError, match=r"needs more than 102,400 steps; at t = 2\d\.\d+ s"):
+        simulate(model, "turning", rudder_deg=35, speed=9.0)
