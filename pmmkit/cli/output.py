@@ -26,7 +26,7 @@ WIDEST: Final = 400
 def tell(outcome: Outcome, *, as_json: bool, quiet: bool = False) -> None:
     """The outcome on standard output: words unless `quiet`, or JSON, words on standard error."""
     for line in () if quiet else outcome.lines:
-        print(line, file=sys.stderr if as_json else sys.stdout)
+        print(printable(line, lines=True), file=sys.stderr if as_json else sys.stdout)
     if as_json:
         emit(outcome.content)
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import logging
+import os
 import secrets
 import socket
-from collections.abc import Callable, Mapping
-from contextlib import closing, suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import closing, contextmanager, suppress
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
@@ -26,7 +28,7 @@ from pmmkit.workbench.data_routes import (
     text_of,
 )
 from pmmkit.workbench.desk import Desk, StaleRevision
-from pmmkit.workbench.guard import Guard
+from pmmkit.workbench.guard import PATIENCE, Guard
 from pmmkit.workbench.saved import WorkbenchState
 
 if TYPE_CHECKING:
@@ -79,13 +81,23 @@ ORDERED: Final = ("orders", "conditions")
 """Groups of settings with which a manoeuvre may be sailed."""
 
 
-def application(desk: Desk, token: str, port: int) -> Guard:
-    """The guarded application."""
-    return Guard(app=_routes(desk), token=token, port=port)
+def application(desk: Desk, token: str, port: int, once: Iterable[str] = ()) -> Guard:
+    """The guarded application, with the keys of addresses that are good once."""
+    return Guard(app=_routes(desk), token=token, port=port, once=set(once))
+
+
+async def _broken_off(_request: Request, error: Exception) -> Response:
+    """What is said of a request of which the rest did not come."""
+    from starlette.responses import PlainTextResponse
+
+    logging.getLogger("uvicorn.error").warning("A request broke off; nothing of it was kept.")
+    late = isinstance(error, TimeoutError)
+    return PlainTextResponse("The rest of the request did not come.", 408 if late else 400)
 
 
 def _routes(desk: Desk) -> Starlette:
     from starlette.applications import Starlette
+    from starlette.requests import ClientDisconnect
     from starlette.responses import FileResponse
     from starlette.routing import Mount, Route
     from starlette.staticfiles import StaticFiles
@@ -103,6 +115,7 @@ def _routes(desk: Desk) -> Starlette:
         return Route(f"/api/{path}", posted, methods=["POST"])
 
     return Starlette(
+        exception_handlers={ClientDisconnect: _broken_off, TimeoutError: _broken_off},
         routes=[
             Route("/", lambda _: FileResponse(STATIC / "index.html"), methods=["GET"]),
             read("state", lambda _: desk.page()),
@@ -181,7 +194,7 @@ def _routes(desk: Desk) -> Starlette:
             write("cancel", lambda _: desk.cancel().to_dict()),
             *data_routes(desk, read, write),
             Mount("/static", StaticFiles(directory=STATIC)),
-        ]
+        ],
     )
 
 
@@ -273,11 +286,12 @@ def serve(
 
     with closing(listening(port)) as channel:
         number = int(channel.getsockname()[1])
-        token = secrets.token_urlsafe(24)
-        address = f"http://{LOOPBACK}:{number}/?token={token}"
+        token, printed, opened = (secrets.token_urlsafe(24) for _ in range(3))
+        address = f"http://{LOOPBACK}:{number}/?token="
         server = uvicorn.Server(
             uvicorn.Config(
-                application(desk, token, number),
+                application(desk, token, number, once=(printed, opened)),
+                http=protocol(),
                 log_level="warning",
                 access_log=False,
                 server_header=False,
@@ -285,17 +299,58 @@ def serve(
                 timeout_graceful_shutdown=1,
             )
         )
-        say(address)
+        say(f"{address}{printed}")
         if desk.job.stand == "idle":
             desk.resume()
-        if browser:
-            webbrowser.open(address)
         try:
             # Ctrl+C is how it is meant to end.
-            with suppress(KeyboardInterrupt):
+            with suppress(KeyboardInterrupt), forwarding(desk.folder, f"{address}{opened}") as file:
+                if browser and file is not None:
+                    webbrowser.open(file.resolve().as_uri())
                 server.run(sockets=[channel])
         finally:
             desk.close()
+
+
+def protocol() -> type:
+    """HTTP as uvicorn speaks it, but who does not ask in time is not waited for."""
+    from uvicorn.protocols.http.h11_impl import H11Protocol
+
+    class Timed(H11Protocol):
+        """Closed where no whole request has come."""
+
+        def connection_made(self, transport: Any) -> None:
+            super().connection_made(transport)
+            self.loop.call_later(PATIENCE, lambda: None if self.cycle else transport.abort())
+
+    return Timed
+
+
+@contextmanager
+def forwarding(folder: Path, address: str) -> Iterator[Path | None]:
+    """A page that only its owner can read and that leads to an address, while that is served.
+
+    The command line of a browser is seen by everybody on the machine, and so it holds no key. In
+    the folder of the workbench browsers that are shut in see it, as they do not see hidden ones.
+    None where the folder takes no file.
+    """
+    file, mine = folder / "open.html", not folder.exists()
+    text = f'<!doctype html><meta http-equiv="refresh" content="0; url={address}">'
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        file.unlink(missing_ok=True)
+        with open(os.open(file, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600), "w") as out:
+            out.write(text)
+    except OSError:
+        yield None
+        return
+    try:
+        yield file
+    finally:
+        with suppress(OSError):
+            file.unlink(missing_ok=True)
+            if mine:
+                folder.rmdir()
 
 
 def listening(port: int | None) -> socket.socket:

@@ -1,10 +1,11 @@
-"""Who may ask: the token of the address, this server's own Host and Origin, bodies of a size."""
+"""Who may ask: an address with a key that counts once, then the cookie; own Host and Origin."""
 
 from __future__ import annotations
 
+import asyncio
 import secrets
 from collections.abc import Awaitable, Callable, MutableMapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from http.cookies import CookieError, SimpleCookie
 from types import MappingProxyType
 from typing import Any, Final
@@ -43,16 +44,22 @@ HEADERS: Final = (
 )
 
 
+PATIENCE: Final = 20.0
+"""Seconds that the next part of a request may take to come."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Guard:
     """Lets through what comes from the page of this server, and puts headers on every answer.
 
-    `token`: the secret of the address that was opened.
+    `token`: the secret of the cookie. `once`: keys of addresses that were not opened yet; each
+    counts once, and the cookie alone from then on.
     """
 
     app: App
     token: str
     port: int
+    once: set[str] = field(default_factory=set)
 
     @property
     def cookie(self) -> str:
@@ -76,12 +83,13 @@ class Guard:
         refusal = self._refusal(scope, headers)
         if refusal is not None:
             await _say(guarded, *refusal)
-        elif _query(scope, "token") and scope["path"] == "/":
+        elif _key(scope):
+            self.once.discard(_key(scope))
             await _welcome(
                 guarded, f"{self.cookie}={self.token}; HttpOnly; SameSite=Strict; Path=/"
             )
         else:
-            await self.app(scope, receive, guarded)
+            await self.app(scope, _patiently(receive), guarded)
 
     def _refusal(self, scope: Scope, headers: dict[bytes, bytes]) -> tuple[int, str] | None:
         host = headers.get(b"host", b"").decode("latin-1")
@@ -93,23 +101,48 @@ class Guard:
             origin is not None and origin.decode("latin-1") != f"http://{host}"
         ):
             return 403, "This request comes from another page."
-        if headers.get(b"sec-fetch-site", b"none") not in (b"none", b"same-origin"):
+        fresh = any(_same(_key(scope), key) for key in self.once)
+        if not fresh and headers.get(b"sec-fetch-site", b"none") not in (b"none", b"same-origin"):
             return 403, "This request comes from another page."
-        if not self._known(scope, headers):
-            return 403, "Open the address that pmmkit workbench printed: it holds the key."
+        if not fresh and not self._known(headers):
+            return 403, (
+                "This address was opened before, and its key counts once: go on in the browser "
+                "where it was opened, or end pmmkit workbench and start it again."
+                if _key(scope)
+                else "Open the address that pmmkit workbench printed: it holds the key."
+            )
         return _too_large(headers, LIMITS.get(scope["path"], LARGEST)) if writes else None
 
-    def _known(self, scope: Scope, headers: dict[bytes, bytes]) -> bool:
-        given = _query(scope, "token") if scope["path"] == "/" else ""
+    def _known(self, headers: dict[bytes, bytes]) -> bool:
         try:
             cookies = SimpleCookie(headers.get(b"cookie", b"").decode("latin-1"))
         except CookieError:
             cookies = SimpleCookie()
-        kept = cookies[self.cookie].value if self.cookie in cookies else ""
-        return any(
-            secrets.compare_digest(text.encode("utf-8", "replace"), self.token.encode())
-            for text in (given, kept)
-        )
+        return self.cookie in cookies and _same(cookies[self.cookie].value, self.token)
+
+
+def _same(given: str, secret: str) -> bool:
+    return secrets.compare_digest(given.encode("utf-8", "replace"), secret.encode())
+
+
+def _key(scope: Scope) -> str:
+    """The key of an address, which the page alone has; a GET is all that it is good for."""
+    return _query(scope, "token") if scope["path"] == "/" and scope["method"] == "GET" else ""
+
+
+def _patiently(receive: Receive) -> Receive:
+    """What comes in, which is waited for as long as a request is not whole."""
+    whole = False
+
+    async def received() -> MutableMapping[str, Any]:
+        nonlocal whole
+        if whole:
+            return await receive()
+        message = await asyncio.wait_for(receive(), PATIENCE)
+        whole = not message.get("more_body", False)
+        return message
+
+    return received
 
 
 def _query(scope: Scope, name: str) -> str:
@@ -147,7 +180,16 @@ async def _say(send: Send, status: int, text: str) -> None:
 
 
 async def _welcome(send: Send, cookie: str) -> None:
-    """The token goes out of the address and into a cookie."""
-    headers = [(b"location", b"/"), (b"set-cookie", cookie.encode()), (b"content-length", b"0")]
-    await send({"type": "http.response.start", "status": 303, "headers": headers})
-    await send({"type": "http.response.body", "body": b""})
+    """The key goes out of the address and into a cookie.
+
+    A page of its own leads on: after a redirect a browser that came from a file sends no cookie
+    that is ``SameSite=Strict``.
+    """
+    body = b'<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=/">'
+    headers = [
+        (b"content-type", b"text/html; charset=utf-8"),
+        (b"set-cookie", cookie.encode()),
+        (b"content-length", b"%d" % len(body)),
+    ]
+    await send({"type": "http.response.start", "status": 200, "headers": headers})
+    await send({"type": "http.response.body", "body": body})

@@ -97,3 +97,13 @@ def test_a_number_that_no_test_has_is_refused_with_the_unit_that_fits(key, value
         open_campaign(tmp_path / "campaign.toml")
     assert words in str(raised.value)
     assert "key 'L': is 3000 m, and tests have 0.5 to 500 m; write 3 if" in str(raised.value)
+
+
+def test_an_id_that_would_write_to_a_terminal_is_refused(tmp_path):
+    (tmp_path / "campaign.toml").write_text(
+        "[ship]\nL = 3.0\nB = 0.5\nd = 0.2\nvolume = 0.24\nIzz = 135.0\n[water]\nrho = 1000.0\n"
+        '[[runs]]\nid = "a\\u001b[2J"\ntest = "static_drift"\nfile = "a.csv"\nspeed = 1.0\n',
+        encoding="utf-8",
+    )
+    with pytest.raises(CampaignError, match="line break or another sign that cannot be printed"):
+        open_campaign(tmp_path / "campaign.toml")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from contextlib import contextmanager
 
-from pmmkit.workbench.application import application, listening
+from pmmkit.workbench.application import application, listening, protocol
 
 
 @contextmanager
@@ -15,7 +15,12 @@ def served(desk):
 
     channel = listening(None)
     port = channel.getsockname()[1]
-    config = uvicorn.Config(application(desk, "key", port), log_level="error", ws="none")
+    config = uvicorn.Config(
+        application(desk, "secret", port, once=["key"]),
+        log_level="warning",
+        ws="none",
+        http=protocol(),
+    )
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [channel]}, daemon=True)
     thread.start()

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import os
 import random
 import socket
-from contextlib import closing
+import stat
+import time
+from contextlib import closing, suppress
 
 import pytest
 from asgi import Browser, ask
+from chromium import chromium, found
+from served import served
 
 from pmmkit.actions import action
 from pmmkit.base import DataError
-from pmmkit.workbench import Desk
-from pmmkit.workbench.application import application, listening
+from pmmkit.workbench import Desk, guard
+from pmmkit.workbench import application as serving
+from pmmkit.workbench.application import application, forwarding, listening
 
-PORT, TOKEN = 8175, "the-secret-of-this-address"
+PORT, TOKEN, KEY = 8175, "the-secret-of-the-cookie", "the-key-of-the-address"
 HOST = (b"host", b"127.0.0.1:8175")
 ORIGIN = (b"origin", b"http://127.0.0.1:8175")
 COOKIE = (b"cookie", b"pmmkit_8175=" + TOKEN.encode())
@@ -39,15 +45,78 @@ def browser(app):
     return Browser(app, PORT, TOKEN)
 
 
-def test_the_address_gives_the_page_and_takes_its_token_out_of_the_history(app):
-    answer = ask(app, f"/?token={TOKEN}", headers=[HOST])
-    assert (answer.status, answer.headers["location"]) == (303, "/")
+def test_the_key_of_the_address_counts_once_and_gives_a_cookie(desk):
+    app = application(desk, TOKEN, PORT, once=[KEY])
+    answer = ask(app, f"/?token={KEY}", headers=[HOST])
+    assert answer.status == 200
+    assert 'content="0; url=/"' in answer.text
     cookie = answer.headers["set-cookie"]
+    assert cookie.startswith(f"pmmkit_8175={TOKEN};")
     assert "HttpOnly" in cookie
     assert "SameSite=Strict" in cookie
     page = ask(app, "/", headers=[HOST, COOKIE])
     assert page.status == 200
     assert TOKEN not in page.text
+    again = ask(app, f"/?token={KEY}", headers=[HOST])
+    assert (again.status, "counts once" in again.text) == (403, True)
+    assert ask(app, f"/?token={KEY}", headers=[HOST, COOKIE]).status == 200
+
+
+def test_a_page_of_this_machine_leads_to_the_server_but_only_with_a_key(desk):
+    app = application(desk, TOKEN, PORT, once=[KEY])
+    other = (b"sec-fetch-site", b"cross-site")
+    assert ask(app, "/?token=guess", headers=[HOST, COOKIE, other]).status == 403
+    assert ask(app, f"/?token={KEY}", headers=[HOST, other], method="POST").status == 403
+    assert ask(app, f"/api/state?token={KEY}", headers=[HOST, other]).status == 403
+    assert ask(app, f"/?token={KEY}", headers=[HOST, other]).status == 200
+
+
+def test_the_page_that_leads_to_the_server_is_read_by_its_owner_alone_and_goes(tmp_path):
+    with forwarding(tmp_path / "bench", f"http://127.0.0.1:8175/?token={KEY}") as file:
+        assert KEY in file.read_text()
+        assert os.name == "nt" or stat.S_IMODE(file.stat().st_mode) == 0o600
+    assert not (tmp_path / "bench").exists()
+
+
+@pytest.mark.skipif(not found(), reason="no Chromium on this machine")
+def test_a_browser_that_opens_the_page_of_the_folder_gets_in(desk, tmp_path):
+    with (
+        served(desk) as address,
+        forwarding(tmp_path, address) as file,
+        chromium(found(), tmp_path / "profile") as page,
+    ):
+        page.open(file.as_uri())
+        assert page.wait("document.querySelector('main') && location.search === ''")
+
+
+def test_half_a_request_is_closed_and_an_upload_that_breaks_off_is_one_line(
+    desk, monkeypatch, capfd
+):
+    for module in (guard, serving):
+        monkeypatch.setattr(module, "PATIENCE", 0.3)
+    with served(desk) as address:
+        port = int(address.rpartition(":")[2].partition("/")[0])
+        with socket.create_connection(("127.0.0.1", port)) as half:
+            half.sendall(b"GET / HTTP/1.1\r\nHost: ")
+            half.settimeout(10)
+            with suppress(ConnectionResetError):
+                assert half.recv(100) == b""
+        begun = (
+            f"POST /api/cancel HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n"
+            f"Origin: http://127.0.0.1:{port}\r\nCookie: pmmkit_{port}=secret\r\n"
+            "Content-Length: 1000\r\n\r\n{"
+        ).encode()
+        with socket.create_connection(("127.0.0.1", port)) as late:
+            late.sendall(begun)
+            late.settimeout(10)
+            assert b" 408 " in late.recv(1000)
+        with socket.create_connection(("127.0.0.1", port)) as broken:
+            broken.sendall(begun)
+        said, deadline = "", time.monotonic() + 10
+        while said.count("\n") < 2 and time.monotonic() < deadline:
+            time.sleep(0.02)
+            said += capfd.readouterr().err
+    assert said == 2 * "WARNING:  A request broke off; nothing of it was kept.\n"
 
 
 @pytest.mark.parametrize(
@@ -70,10 +139,6 @@ def test_the_address_gives_the_page_and_takes_its_token_out_of_the_history(app):
 def test_requests_that_do_not_come_from_the_page_are_refused(app, headers, status):
     for address in ("/", "/api/state", "/static/js/main.js"):
         assert ask(app, address, headers=headers).status == status
-
-
-def test_the_token_counts_in_the_first_address_alone(app):
-    assert ask(app, f"/api/state?token={TOKEN}", headers=[HOST]).status == 403
 
 
 def test_what_changes_something_needs_the_origin_of_the_page_and_a_length(app):

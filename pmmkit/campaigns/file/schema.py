@@ -88,6 +88,12 @@ def _not_zero(value: float) -> float:
     return value
 
 
+def _in_one_line(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError(f"{shown(text)} holds a line break or another sign that cannot be printed")
+    return text
+
+
 def _number_of(setting: RunSetting) -> Any:
     """The type of a setting in a file, with its bounds."""
     bounds = setting.bounds
@@ -154,7 +160,7 @@ class DefaultsEntry(SettingsEntry):
 class FileEntry(DefaultsEntry):
     """What runs and tables share."""
 
-    id: Annotated[str, Field(min_length=1)] = said(
+    id: Annotated[str, Field(min_length=1), AfterValidator(_in_one_line)] = said(
         "name of the run; of a table, with their columns in braces"
     )
     test: str = said("kind of test")
