@@ -138,7 +138,7 @@ def test_a_choice_corrects_a_guess_in_the_file(browser, strange):
 def test_what_is_wrong_is_said_beside_its_field(browser, strange):
     page = look(browser, strange, answers={**ANSWERS, "ship.d": "deep", "ship.L": "-3"})
     assert "number" in field(page, "ship.d")["error"]
-    assert "greater than" in field(page, "ship.L")["error"]
+    assert "tests have 0.5 to 500 m" in field(page, "ship.L")["error"]
     assert field(page, "ship.B")["error"] == ""
     assert field(page, "campaign.forces")["options"] == ["hydrodynamic", "balance"]
     asked = {"folder": str(strange), "answers": {"ship.d": "deep"}}
