@@ -48,8 +48,7 @@ def compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> M
         )
         return _plain(structure, files, np.zeros)
 
-    text = _HEAD + module_text(structure, files)
-    name = f"pmmkit_equations_{_fingerprint(structure, text)}"
+    text, name = _text_and_name(structure, files)
     entry, place = compiled_cache.kept, name
     try:
         path = _folder() / f"{name}.py"
@@ -65,6 +64,18 @@ def compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> M
     module.__dict__.update(entry=entry, lane_functions=of_lanes)
     exec(compile(text, place, "exec"), module.__dict__)
     return module
+
+
+@cache
+def is_compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> bool:
+    """Whether a session before compiled a manoeuvre of a structure, and left it on the disk."""
+    _, name = _text_and_name(structure, files)
+    return any((cache_folder() / f"v{__version__}").glob(f"{name}.run-*.nbi"))
+
+
+def _text_and_name(structure: EquationStructure, files: tuple[str, ...]) -> tuple[str, str]:
+    text = _HEAD + module_text(structure, files)
+    return text, f"pmmkit_equations_{_fingerprint(structure, text)}"
 
 
 def _plain(

@@ -14,6 +14,7 @@ from typing import Any, ClassVar, Final
 import numpy as np
 
 from pmmkit.base import ModelError, SimulationError
+from pmmkit.equations.compilation import is_compiled
 from pmmkit.equations.layouts import (
     Constant,
     Control,
@@ -69,6 +70,8 @@ class Gear:
 
 ENOUGH: Final = 50_000
 """Interpreted steps of one structure after which it is compiled."""
+FEW: Final = 800
+"""The same where the machine code lies on the disk: nine turns; to fetch it takes 200."""
 _INTERPRETED: Final[Counter[EquationStructure]] = Counter()
 """Steps of each structure so far: it decides on time alone, never on a number."""
 
@@ -243,7 +246,8 @@ def run_plan(
     """
     asked = fast
     if fast is None:
-        fast = _INTERPRETED[ready.structure] >= ENOUGH
+        taken = _INTERPRETED[ready.structure]
+        fast = taken >= ENOUGH or (taken >= FEW and is_compiled(ready.structure))
     functions = ready.functions(fast=fast)
     settings: Any = settings_for(ready.L, ready.speed, gear, rtol, revolutions)
     orders: Any = plan.orders_array if fast else plan.orders

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
@@ -385,18 +386,25 @@ class Model(Described):
     def acts_across(self, which: Callable[[int, int], object]) -> bool:
         """Whether the hull's side force and moment have such a term, by powers of v and r, that is
         not zero; other parts that hold some of them have any."""
-        others = any(
+        return self._holds_across or any(which(v, r) for v, r in self._powers_across)
+
+    @cached_property
+    def _holds_across(self) -> bool:
+        """Whether parts beside the derivatives hold a side force of the hull."""
+        return any(
             name != HULL
             and "Y" in part.known.outputs
             and not (part.known.roles or part.known.needs)
             for name, part in self.parts.items()
         )
+
+    @cached_property
+    def _powers_across(self) -> tuple[tuple[int, int], ...]:
+        """Powers of v and r in the terms of Y and N that are not zero."""
         hull = self.parts.get(HULL)
         there = {} if hull is None else hull.values
         terms = [parse_derivative(name) for name, value in there.items() if np.any(value)]
-        return others or any(
-            which(x.count("v"), x.count("r")) for x in terms if x.channel in ("Y", "N")
-        )
+        return tuple((x.count("v"), x.count("r")) for x in terms if x.channel in ("Y", "N"))
 
     @property
     def rolls(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
@@ -245,6 +246,7 @@ def _resistance_of_a_model(model: Model, speed: float) -> str:
     return HEAVY.format(own / usual) if own / usual > HEAVIER else ""
 
 
+@cache
 def _together(name: str) -> bool:
     """Whether a term of side force or moment goes with sway and yaw."""
     term = parse_derivative(name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
+import subprocess
 import sys
 from collections import Counter
 from dataclasses import replace
@@ -18,6 +19,7 @@ from pmmkit.base import MissingPartError, ModelError
 from pmmkit.effects import CATALOGUE
 from pmmkit.equations import Gear, prepare, run, run_plan
 from pmmkit.equations import prepare as prepare_kernel
+from pmmkit.equations.compilation import is_compiled
 from pmmkit.files import cache_folder
 from pmmkit.identification import fit_to_forces
 from pmmkit.identification.forces import ForceRecord
@@ -124,6 +126,28 @@ def test_a_structure_is_compiled_once_it_was_sailed_enough(monkeypatch):
     assert (fast[0], fast[-1]) == (False, True)
     stride = ready.functions().STRIDE
     assert len({tuple(history.steps[: stride * history.kept]) for history in each}) == 1
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_machine_code_on_the_disk_is_taken_after_a_few_turns(there, monkeypatch):
+    monkeypatch.setattr(run, "FEW", 100)
+    monkeypatch.setattr(run, "is_compiled", lambda _: there)
+    monkeypatch.setattr(run, "_INTERPRETED", Counter())
+    ready, plan = prepare(TANKER, SPEED), MANOEUVRES["turning"].plan(SPEED / 7)
+    each = [run_plan(ready, plan, Gear(rudder_rate=0.2), rtol=1e-6) for _ in range(4)]
+    assert [history.fast for history in each][::3] == [False, there]
+
+
+def test_what_was_compiled_is_found_on_the_disk(monkeypatch, tmp_path):
+    monkeypatch.setenv("PMMKIT_CACHE", str(tmp_path))
+    structure = prepare(TANKER, SPEED).structure
+    assert not is_compiled.__wrapped__(structure)
+    script = (
+        "from pmmkit.simulation import simulate\n"
+        f"simulate('kvlcc2-l7', 'turning', speed={SPEED}, compiled=True)"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
+    assert is_compiled.__wrapped__(structure)
 
 
 @pytest.mark.slow
