@@ -31,7 +31,8 @@ def rao(
     headings_deg: ArrayLike = (180.0,),
     omega: ArrayLike | None = None,
     loading: Loading | None = None,
-    waves: float | Sea | None = None,
+    sea: Sea | None = None,
+    waves: float | None = None,
     rho: float = 1025.0,
     g: float = 9.81,
     strips: Strips | None = None,
@@ -50,12 +51,15 @@ def rao(
     headings_deg : array-like
         180 is head sea, 90 waves that run to starboard, 0 following sea [deg].
     omega : array-like, optional
-        Of the waves [rad/s], rising; those of `frequencies` where absent.
+        Of the waves [rad/s], rising; those of `frequencies` where absent, with `sea`.
     loading : Loading, optional
         The mass; where absent, assumed by `Loading.of`.
-    waves : float or Sea, optional
-        Amplitude of the regular waves [m], or the long-crested sea, in which roll is damped: for a
-        `loading` with damping that grows with the rate, which is made linear there.
+    sea : Sea, optional
+        The sea that the motions are for: its energy lies within the frequencies where `omega` is
+        absent, and a roll damping of `loading` that grows with the rate is made linear in it, as
+        if it were long-crested.
+    waves : float, optional
+        Amplitude of regular waves [m] in which that damping is made linear instead.
     rho, g : float
         Density [kg/m³], gravity [m/s²].
     strips : Strips, optional
@@ -69,9 +73,9 @@ def rao(
     ------
     DataError
         If a speed, heading or frequency is out of range, the ship is unstable in roll, or its
-        damping needs `waves`.
+        damping needs `sea` or `waves`.
     """
-    U, beta, w = _axes(hull, speeds, headings_deg, omega, g)
+    U, beta, w = _axes(hull, speeds, headings_deg, omega, g, sea)
     mass = Loading.of(hull) if loading is None else loading
     encounter = w - np.multiply.outer(np.multiply.outer(U, np.cos(beta)), w**2) / g
     highest = float(np.abs(encounter).max())
@@ -93,7 +97,7 @@ def rao(
         damped[3, 3] += 1j * safe * damping * critical
         return _solved(damped, force, slow, stiffness, mass.KG - hull.draught)
 
-    motion = _damped(solved, mass, waves, encounter, w)
+    motion = _damped(solved, mass, sea if waves is None else waves, encounter, w)
     return Rao(
         name=hull.name,
         L=hull.L,
@@ -154,8 +158,8 @@ def _damped(
         return motion
     if waves is None:
         raise DataError(
-            "roll_quadratic makes the damping depend on the height of the waves: give waves=, the "
-            "amplitude of regular waves [m] or a sea."
+            "roll_quadratic makes the damping depend on the height of the waves: give sea=, or "
+            "waves=, the amplitude of regular waves [m]."
         )
     damping: Array = np.full(encounter.shape, loading.roll_damping)
     for _ in range(_ROUNDS):
@@ -174,12 +178,17 @@ def _damped(
 
 
 def _axes(
-    hull: Hull, speeds: ArrayLike, headings_deg: ArrayLike, omega: ArrayLike | None, g: float
+    hull: Hull,
+    speeds: ArrayLike,
+    headings_deg: ArrayLike,
+    omega: ArrayLike | None,
+    g: float,
+    sea: Sea | None,
 ) -> tuple[Array, Array, Array]:
     U = np.atleast_1d(np.asarray(speeds, dtype=float))
     beta = np.radians(np.atleast_1d(np.asarray(headings_deg, dtype=float)))
     if omega is None:
-        omega = frequencies(hull.L, g=g)
+        omega = frequencies(hull.L, sea, g=g)
     w = np.atleast_1d(np.asarray(omega, dtype=float))
     wrong = []
     if not np.isfinite(U).all() or (U < 0.0).any():

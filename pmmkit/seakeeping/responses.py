@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmmkit.base import DataError
 from pmmkit.numerics import Array
 from pmmkit.presentation import Cell, Described, Grid, Group, Section, counted, number
 from pmmkit.seakeeping.lengthwise import Complex
@@ -333,13 +332,7 @@ def response(
     mean = np.degrees(rao.heading)
     b = nearest(mean, heading_deg, "heading_deg")
     headings, shares = sea.directions(float(mean[b]), 13)
-    share = float(np.trapezoid(sea.spectrum(rao.omega), rao.omega)) / max(sea.moment(0), 1e-30)
-    if sea.Hs > 0 and share < 0.9:
-        raise DataError(
-            f"The frequencies {rao.omega[0]:.2f} to {rao.omega[-1]:.2f} rad/s hold "
-            f"{100 * share:.0f} % of the energy of the sea, whose peak is at "
-            f"{sea.peak:.2f} rad/s: compute more of them."
-        )
+    share = rao.share_of(sea)
     places_ = tuple(_at_place(rao, a, headings, shares, sea, place, hours) for place in places)
     found, absent = {}, []
     for mode in MODES:

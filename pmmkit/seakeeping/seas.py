@@ -90,6 +90,21 @@ class Sea(Described):
             raise DataError(f"The moment m{n} of a spectrum in ω⁻⁵ is infinite: ask for 0 to 3.")
         return self.Hs**2 * self.peak**n * _moment(n, self.gamma)
 
+    def energy_above(self, omega: float) -> float:
+        """∫S dω from a frequency on [m²], by the tail in ω⁻⁵ exp(-5/4 (ω_p/ω)⁴).
+
+        Beyond 1.5 times the peak that is the whole spectrum, whatever its peakedness.
+
+        Examples
+        --------
+        >>> rough = Sea(Hs=4.0, Tp=9.7)
+        >>> [round(rough.energy_above(omega), 4) for omega in (0.0, 0.65, 2.0)]
+        [1.0, 0.7085, 0.0137]
+        """
+        ratio = max(omega / self.peak, 0.1)
+        tail = -0.2 * math.expm1(-1.25 * ratio**-4)
+        return self.Hs**2 * tail / (16 * _area(self.gamma, 0))
+
     @property
     def T1(self) -> float:
         """Mean period 2π m₀/m₁ [s]."""

@@ -54,6 +54,11 @@ def normals(points: Complex, weights: Complex) -> Array:
     return np.stack([up, out, points.imag * up + points.real * out])
 
 
+SHORTEST: Final = 500.0
+"""Wavenumber times the size of the section beyond which nothing changes any more: e^-500 is what
+the waves are at the keel, and e^-745 is no number."""
+
+
 def solve(maps: Array, wavenumber: Array) -> Sections:
     """The radiation problems of sections for all frequencies at once.
 
@@ -72,6 +77,7 @@ def solve(maps: Array, wavenumber: Array) -> Sections:
     theta = 0.25 * math.pi * (nodes + 1)
     points = at(maps, theta)
     weights = slope(maps, theta) * (0.25 * math.pi * gauss)
+    given, wavenumber = wavenumber, np.minimum(wavenumber, SHORTEST / float(np.abs(points).max()))
     even = multipoles(maps, theta, wavenumber, odd=False)
     odd = multipoles(maps, theta, wavenumber, odd=True)
     stream = (-points.imag, -points.real, -0.5 * np.abs(points) ** 2)
@@ -85,7 +91,7 @@ def solve(maps: Array, wavenumber: Array) -> Sections:
     added = -2 * np.einsum("jfsn,isn->ijfs", potentials, normals(points, weights))
     even_odd = np.equal.outer(np.arange(3) == HEAVE, np.arange(3) == HEAVE)
     return Sections(
-        wavenumber=wavenumber,
+        wavenumber=given,
         points=points,
         weights=weights,
         potentials=potentials,

@@ -137,7 +137,8 @@ def superposed(
     Raises
     ------
     DataError
-        If the headings do not reach from 0 to 180°, or the sea is short-crested.
+        If the headings do not reach from 0 to 180°, the sea is short-crested, or the frequencies
+        leave out a tenth of its energy.
 
     Examples
     --------
@@ -161,6 +162,7 @@ def superposed(
         or (np.diff(found.speed) <= 0.0).any()
     ):
         raise DataError("Give motions at rising headings from 0 to 180° and at rising speeds.")
+    found.share_of(sea)
     step = sea.Tp / _SAMPLES
     t = np.arange(track.t[0], track.t[-1], step)
     path = {name: np.interp(t, track.t, getattr(track, name)) for name in ("x", "y", "psi", "phi")}

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from pmmkit.seakeeping.seas import Sea
+
 
 # Which of the computed speeds and headings is asked for.
 
@@ -59,6 +61,8 @@ def between(computed: Array, heading_deg: float) -> tuple[tuple[int, ...], tuple
     return (low, high), (float(1 - part), float(part))
 
 
+LEAST_SHARE: Final = 0.9
+"""Least share of the energy of a sea of which something is summed."""
 MODES: Final = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 _CURVES: Final = 8
 
@@ -120,6 +124,31 @@ class Rao(Described):
     def wavenumber(self) -> Array:
         """k = ω²/g [1/m]."""
         return self.omega**2 / self.g
+
+    def share_of(self, sea: Sea) -> float:
+        """Share of the energy of a sea that the frequencies hold.
+
+        Parameters
+        ----------
+        sea : Sea
+            The sea.
+
+        Raises
+        ------
+        DataError
+            If it is less than `LEAST_SHARE`: whatever is summed over the sea would be too small.
+        """
+        if sea.Hs == 0.0:
+            return 1.0
+        share = float(np.trapezoid(sea.spectrum(self.omega), self.omega)) / sea.moment(0)
+        if share < LEAST_SHARE:
+            raise DataError(
+                f"The frequencies {self.omega[0]:.2f} to {self.omega[-1]:.2f} rad/s hold "
+                f"{100 * share:.0f} % of the energy of the sea, whose peak is at "
+                f"{sea.peak:.2f} rad/s.",
+                remedy="Compute the motions for this sea: rao(hull, sea=...), or state omega.",
+            )
+        return share
 
     def mode(self, name: str) -> Complex:
         """The transfer function of one of `MODES`.

@@ -217,10 +217,9 @@ BEAM = {"speeds": 0.0, "headings_deg": 90.0}
 ROLLING = np.linspace(0.3, 0.7, 41)
 
 
-def rolled(waves=None, **damping):
-    return rao(
-        SHIP, **BEAM, omega=ROLLING, loading=Loading.of(SHIP, GM=1.2, **damping), waves=waves
-    )
+def rolled(waves=None, sea=None, **damping):
+    loading = Loading.of(SHIP, GM=1.2, **damping)
+    return rao(SHIP, **BEAM, omega=ROLLING, loading=loading, waves=waves, sea=sea)
 
 
 @pytest.mark.slow
@@ -255,7 +254,7 @@ def test_higher_waves_roll_less_for_their_height():
 def test_in_a_sea_the_damping_is_that_of_its_own_rate_of_roll():
     """B₁ + √(8/π) σ B₂, the same at all frequencies."""
     waves = Sea(Hs=4.0, Tp=12.0)
-    found = rolled(waves=waves, roll_damping=0.02, roll_quadratic=0.5)
+    found = rolled(sea=waves, roll_damping=0.02, roll_quadratic=0.5)
     rate = np.abs(ROLLING * found.mode("roll")[0, 0])
     sigma = np.sqrt(np.trapezoid(rate**2 * waves.spectrum(ROLLING), ROLLING))
     linear = rolled(roll_damping=0.02 + 0.5 * np.sqrt(8 / np.pi) * sigma)

@@ -113,11 +113,35 @@ def test_what_was_not_computed_is_refused(moved):
         response(moved, waves, heading_deg=180)
     with pytest.raises(DataError, match="was not computed"):
         response(moved, waves, speed=5.0, heading_deg=180)
-    with pytest.raises(DataError, match="compute more of them"):
+    with pytest.raises(DataError, match="of the energy of the sea"):
         response(moved, Sea(Hs=3.0, Tp=25.0), speed=8.0, heading_deg=180)
     head = rao(SHIP, speeds=8.0, omega=OMEGA)
     with pytest.raises(DataError, match="both sides"):
         response(head, replace(waves, spreading=2))
+
+
+def test_nothing_is_summed_over_a_sea_of_which_a_part_is_missing(moved):
+    short = Sea(Hs=4.0, Tp=3.0)
+    for summed in (
+        lambda: drift_table(moved, short, speed=8.0),
+        lambda: added_resistance(moved).mean(short, speed=8.0, heading_deg=180),
+        lambda: response(moved, short, speed=8.0, heading_deg=180),
+    ):
+        with pytest.raises(DataError, match=r"% of the energy of the sea.*sea=\.\.\."):
+            summed()
+    found = rao(SHIP, speeds=8.0, sea=short)
+    assert found.share_of(short) > 0.98
+
+
+def test_what_lies_beyond_the_last_frequency_is_held():
+    """The mean of a method that is known at all frequencies hardly depends on where they end."""
+    sea = Sea(Hs=4.0, Tp=7.5)
+    cut, whole = (
+        added_resistance(rao(SHIP, speeds=8.0, omega=np.linspace(0.3, highest, 60))).mean(sea)
+        for highest in (1.6, 3.2)
+    )
+    for method in ("SNNM", "with reflection"):
+        assert cut[method] == pytest.approx(whole[method], rel=0.03)
 
 
 def test_short_waves_are_reflected_in_full_by_a_wall(moved):

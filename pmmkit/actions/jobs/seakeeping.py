@@ -250,9 +250,9 @@ def seakeeping(job: SeakeepingSettings) -> Outcome:
         speeds=paces,
         headings_deg=courses,
         omega=numbers(job.omega)
-        or frequencies(hull.L, waves, count=_FINE if job.records.record else 40),
+        or (frequencies(hull.L, waves, count=_FINE) if job.records.record else None),
+        sea=waves,
         loading=loading,
-        waves=waves if loading.roll_quadratic else None,
     )
     added = added_resistance(found)
     answers = [

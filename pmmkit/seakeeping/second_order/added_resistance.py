@@ -235,7 +235,13 @@ class AddedResistance(Described):
             The sea; a short-crested one needs headings around that of its mean.
         speed, heading_deg : float, optional
             One of those that were computed [m/s, deg].
+
+        Raises
+        ------
+        DataError
+            If the frequencies leave out a tenth of the energy of the sea (`Rao.share_of`).
         """
+        self.rao.share_of(sea)
         a = nearest(self.rao.speed, speed, "speed [m/s]")
         b = nearest(np.degrees(self.rao.heading), heading_deg, "heading_deg")
         found = dict.fromkeys(self.methods, 0.0)

@@ -12,7 +12,7 @@ from pmmkit.models import Model, Part
 from pmmkit.seakeeping.hull_forms.hull import Hull
 from pmmkit.seakeeping.hull_forms.particulars import hull_of, hulls, load_hull
 from pmmkit.seakeeping.loading import Loading
-from pmmkit.seakeeping.motions import frequencies, rao
+from pmmkit.seakeeping.motions import rao
 from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.second_order.mean_drift import drift_table
 from pmmkit.seakeeping.transfer import Rao
@@ -70,7 +70,7 @@ def motions_in(
         lines,
         speeds=speeds,
         headings_deg=HEADINGS,
-        omega=frequencies(lines.L, sea),
+        sea=sea,
         loading=loading,
         rho=model.water.rho,
         g=model.water.g,
@@ -106,7 +106,7 @@ def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: fl
     >>> from pmmkit.seakeeping.hull_forms.particulars import hull_from_particulars
     >>> from pmmkit.seakeeping.motions import rao
     >>> hull = hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.7)
-    >>> found = rao(hull, speeds=[0.0, 6.0], headings_deg=[0, 90, 180], omega=[0.5, 0.7, 0.9])
+    >>> found = rao(hull, speeds=[0.0, 6.0], headings_deg=[0, 90, 180], sea=Sea(Hs=3.0, Tp=9.0))
     >>> part = drift_part(found, Sea(Hs=3.0, Tp=9.0))
     >>> part.options["coefficients"], part.values["speeds"], len(part.values["DX"])
     ('speeds', (0.0, 6.0), 6)
@@ -176,8 +176,9 @@ def in_waves(
     >>> from pmmkit.seakeeping.hull_forms.particulars import hull_from_particulars
     >>> from pmmkit.seakeeping.motions import rao
     >>> hull = hull_from_particulars(name="KCS", L=230.0, B=32.2, d=10.8, block=0.65)
-    >>> found = rao(hull, speeds=[0, 6, 12], headings_deg=[0, 90, 180], omega=[0.5, 0.7])
-    >>> rough = in_waves(load_model("kcs"), Sea(Hs=4.0, Tp=10.0), motions=found, from_deg=30.0)
+    >>> waves = Sea(Hs=4.0, Tp=10.0)
+    >>> found = rao(hull, speeds=[0, 6, 12], headings_deg=[0, 90, 180], sea=waves)
+    >>> rough = in_waves(load_model("kcs"), waves, motions=found, from_deg=30.0)
     >>> rough.values("wave_drift")["speeds"], rough.values("wave_drift")["from_deg"]
     ((0.0, 6.0, 12.0), 30.0)
     """

@@ -26,11 +26,14 @@ _TURNED: Final = np.array([-1j, -1.0, -1.0])
 def mean_force(values: Array, omega: Array, sea: Sea) -> float:
     """2∫S F/ζ² dω [N]; NaN where a method does not hold in the sea.
 
-    values, omega [N/m²].
+    Beyond the last frequency F/ζ² stays what it is there: waves that are short beside the ship are
+    reflected whatever their length. values [N/m²], omega [rad/s].
     """
     energy = sea.spectrum(omega)
     silent = energy < 1e-4 * energy.max()
-    return float(2 * np.trapezoid(np.where(silent, 0.0, energy * values), omega))
+    within = float(np.trapezoid(np.where(silent, 0.0, energy * values), omega))
+    beyond = 0.0 if silent[-1] else sea.energy_above(float(omega[-1])) * float(values[-1])
+    return 2 * (within + beyond)
 
 
 def radiated_force(rao: Rao) -> Array:
@@ -158,13 +161,17 @@ def drift(rao: Rao) -> Array:
 
 
 def drift_table(rao: Rao, sea: Sea, *, speed: float | None = None) -> dict[str, tuple[float, ...]]:
-    """Mean drift of a sea as the table that a manoeuvring model takes."""
+    """Mean drift of a sea as the table that a manoeuvring model takes.
+
+    A DataError is raised where the frequencies leave out a tenth of the sea (`Rao.share_of`).
+    """
     a = nearest(rao.speed, speed, "speed [m/s]")
     headings = np.degrees(rao.heading)
     if sea.spreading is not None:
         raise DataError("A table of drift is that of a long-crested sea: leave out spreading.")
     if headings.min() > 1e-6 or headings.max() < 180.0 - 1e-6 or (headings > 180.0 + 1e-6).any():
         raise DataError("A table of drift needs headings from 0 to 180°, both ends among them.")
+    rao.share_of(sea)
     scale = rao.rho * rao.g * sea.Hs**2 * rao.L
     found = drift(rao)[:, a]
     order = np.argsort(-headings)
