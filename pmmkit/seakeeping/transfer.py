@@ -309,7 +309,10 @@ class Rao(Described):
         shown = rows[:30]
         head = ["speed, heading", "heave [m/m]", "roll [rad/m]", "pitch [rad/m]"]
         more = [f"Shown are {len(shown)} of {len(rows)} speeds and headings."]
+        hull, KG = self.strips.hull, self.loading.KG
+        afloat = f"{hull.in_words} GM {hull.hydrostatics.KM - KG:.3g} m."
         return [
+            Section(title="The hull as it floats", paragraphs=[afloat]),
             Section(
                 title="Largest motions per metre of wave amplitude, at ω [rad/s]",
                 paragraphs=more if len(shown) < len(rows) else [],

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pmmkit.base import DataError, UnknownNameError
-from pmmkit.seakeeping import Hull, hull_from_particulars, load_hull, read_hull
+from pmmkit.seakeeping import Hull, Loading, hull_from_particulars, load_hull, rao, read_hull
 from pmmkit.seakeeping.hull_forms.hull import Station
 from pmmkit.seakeeping.hull_forms.particulars import hulls
 from pmmkit.seakeeping.mapping import area, at, fit_sections, fitted, is_conformal, lewis, misfit
@@ -103,6 +103,59 @@ def test_the_layout_of_shipx_runs_aft_and_downward(tmp_path):
     found = read_hull(tmp_path / "box.mgf", draught=5.0)
     assert found.name == "boxlike"
     assert found.hydrostatics == box().hydrostatics
+
+
+def offsets(place=lambda x: x, y=8.0, z=8.0):
+    """A box of 100 x 16 x 5 m as a file of offsets, its places, half breadths, heights changed."""
+    points = [f"{place(x)},{a},{b}" for x in X for a, b in ((0, 0), (y, 0), (y, z))]
+    return "\n".join(["x,y,z", *points])
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (offsets(lambda x: x + 50), "from the aft perpendicular. Subtract 50 m"),
+        (offsets(lambda x: x - 50), "from the forward perpendicular. Add 50 m"),
+        (offsets(lambda x: 1000 * x), "are both in metres"),
+        (offsets(y=8000.0), "are half breadths in metres"),
+        (offsets(lambda x: x / 100), "are both in metres"),
+        (offsets(y=0.08, z=8.0), "are half breadths in metres"),
+    ],
+)
+def test_a_wrong_frame_or_unit_is_refused_with_what_it_may_be(tmp_path, text, says):
+    (tmp_path / "box.csv").write_text(text)
+    with pytest.raises(DataError, match=says):
+        read_hull(tmp_path / "box.csv", draught=5.0, L=100.0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_hull_whose_bow_stands_aft_is_doubted(sign, tmp_path):
+    ship = load_hull("s175-design")
+    rows = [
+        f"{sign * x},{point.imag},{9.5 - point.real}"
+        for x, contour in zip(ship.x, ship.contours, strict=True)
+        for point in contour
+    ]
+    (tmp_path / "s175.csv").write_text("\n".join(["x,y,z", *rows]))
+    notes = read_hull(tmp_path / "s175.csv", draught=9.5, L=175.0).notes
+    assert any("positive aft" in note for note in notes) is (sign < 0)
+
+
+def test_what_a_drawing_leaves_is_no_error(tmp_path):
+    """A keel with a step of .01 mm, and a stem above the water."""
+    points = [f"{x},{a},{b}" for x in X for a, b in ((0, 0), (8, 1e-5), (8, 0), (8, 8))]
+    points += [f"52,0,{z}" for z in (6, 8)]
+    (tmp_path / "box.csv").write_text("\n".join(["x,y,z", *points]))
+    found = read_hull(tmp_path / "box.csv", draught=5.0, L=100.0)
+    assert found.notes == ("Stations above the water are left out: x = 52 m.",)
+    assert found.hydrostatics.volume == pytest.approx(8000.0, rel=1e-5)
+
+
+def test_motions_say_how_the_hull_floats():
+    told = str(rao(box(), speeds=5.0, omega=[0.5], loading=Loading.of(box(), GM=1.5)))
+    assert "L 100 m, B 16 m, T 5 m (L/B 6.25, B/T 3.20)" in told
+    assert "8000 m³, CB 1.000" in told
+    assert "KM 6.77 m. GM 1.5 m." in told
 
 
 @pytest.mark.parametrize(

@@ -104,8 +104,58 @@ class Hull(Described):
             found.append("Stations must stand from aft to forward, each at a place of its own.")
         if not (self.L > 0.0 and self.draught > 0.0):
             found.append(f"L = {self.L:g} m and draught = {self.draught:g} m must be positive.")
+        found = found or self._out_of_shape()
         if found:
             raise DataError([Problem(message=text) for text in found], title=f"Hull {self.name}")
+
+    def _out_of_shape(self) -> list[str]:
+        """What no floating body is: frames, units and whole breadths in place of half ones."""
+        L, d, aft, fore = self.L, self.draught, float(self.x[0]), float(self.x[-1])
+        breadth, where = float(self.breadths.max()), f"from x = {aft:g} to {fore:g} m"
+        found = []
+        if not 0.5 < (fore - aft) / L < 1.5:
+            found.append(
+                f"Stations stand {where}, of a ship of L = {L:g} m: are both in metres, from aft "
+                "to forward?"
+            )
+        elif abs(fore + aft) > 0.4 * L:
+            end = "aft" if fore + aft > 0.0 else "forward"
+            found.append(
+                f"Stations stand {where}, of a ship of L = {L:g} m: x counts from midship, and "
+                f"here as if from the {end} perpendicular. "
+                f"{'Subtract' if end == 'aft' else 'Add'} {L / 2:g} m."
+            )
+        if not 0.7 < L / breadth < 30:
+            found.append(
+                f"The breadth at the water is {breadth:g} m, of a ship of L = {L:g} m: are half "
+                "breadths in metres?"
+            )
+        if not 0.5 < breadth / d < 100:
+            found.append(
+                f"The breadth at the water is {breadth:g} m at a draught of {d:g} m: are heights "
+                "above the base line, and the draught, in metres?"
+            )
+        return found
+
+    @property
+    def in_words(self) -> str:
+        """Its particulars in a line, by which a wrong frame, unit or order is seen.
+
+        Examples
+        --------
+        >>> from pmmkit.seakeeping.hull_forms.particulars import load_hull
+        >>> print(load_hull("s175-design").in_words)
+        L 175 m, B 25.4 m, T 9.5 m (L/B 6.89, B/T 2.67), stations from x = -86.6 to 86.6 m; \
+24052 m³, CB 0.570, LCB -2.63 m, LCF -6.91 m from midship, KM 10.5 m.
+        """
+        found, breadth = self.hydrostatics, float(self.breadths.max())
+        return (
+            f"L {self.L:.4g} m, B {breadth:.3g} m, T {self.draught:.3g} m (L/B "
+            f"{self.L / breadth:.2f}, B/T {breadth / self.draught:.2f}), stations from x = "
+            f"{self.x[0]:.3g} to {self.x[-1]:.3g} m; {found.volume:.5g} m³, CB "
+            f"{found.volume / (self.L * breadth * self.draught):.3f}, LCB {found.xB:.2f} m, LCF "
+            f"{found.xF:.2f} m from midship, KM {found.KM:.3g} m."
+        )
 
     @cached_property
     def x(self) -> Array:

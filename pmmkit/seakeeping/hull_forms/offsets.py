@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from typing import Final
@@ -82,7 +83,7 @@ def _from_csv(text: str, path: Path, draught: float, L: float) -> Hull:
             Station(x=x, y=np.array([r[1] for r in part]), z=np.array([r[2] for r in part]))
             for x, part in ((x, list(rows)) for x, rows in groupby(numbers, key=lambda r: r[0]))
         ]
-    return Hull(name=path.stem, L=L, draught=draught, stations=_from_aft(stations))
+    return _hull(path.stem, L, draught, stations)
 
 
 def _numbers(
@@ -99,8 +100,34 @@ def _numbers(
     return found
 
 
-def _from_aft(stations: Iterable[Station]) -> tuple[Station, ...]:
-    return tuple(sorted(stations, key=lambda station: station.x))
+STEP: Final = 1e-4
+"""Part of the draught by which heights may step down: a tenth of a millimetre of a drawing."""
+
+
+LEADING: Final = 0.005
+"""Part of the length by which the centre of the waterplane may lie before that of buoyancy; in the
+S175 and a tanker of 320 m it lies 2.4 and 3.3 % aft of it."""
+
+
+def _hull(name: str, L: float, draught: float, given: Iterable[Station]) -> Hull:
+    """A hull of stations as a file has them: from aft, without those above the water, and without
+    steps that are the rounding of a drawing."""
+    stations: list[Station] = []
+    dry: list[Station] = []
+    for station in sorted(given, key=lambda one: one.x):
+        level = np.maximum.accumulate(station.z)
+        if station.z.size and (level - station.z).max() <= STEP * draught:
+            station = replace(station, z=level)
+        (dry if station.z.size and station.z.min() >= draught else stations).append(station)
+    above = ", ".join(f"{station.x:g}" for station in dry)
+    notes = [f"Stations above the water are left out: x = {above} m."] if dry else []
+    hull = Hull(name=name, L=L, draught=draught, stations=tuple(stations))
+    if (ahead := hull.hydrostatics.xF - hull.hydrostatics.xB) > LEADING * L:
+        notes.append(
+            f"The centre of the waterplane lies {ahead:.3g} m forward of that of buoyancy; ships "
+            "have it aft. If x counts positive aft here, following seas are told as head seas."
+        )
+    return replace(hull, notes=tuple(notes))
 
 
 def _from_mgf(text: str, path: Path, draught: float) -> Hull:
@@ -136,4 +163,4 @@ def _from_mgf(text: str, path: Path, draught: float) -> Hull:
         points = np.array([take(2) for _ in range(int(count))]).reshape(-1, 2)[::-1]
         stations.append(Station(x=-aft, y=points[:, 0], z=points[:, 1]))
     name = lines[0].strip() or path.stem
-    return Hull(name=name, L=L, draught=draught, stations=_from_aft(stations))
+    return _hull(name, L, draught, stations)
