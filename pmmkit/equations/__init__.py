@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from pmmkit.equations.layouts import Ask, End, InputField, OverGround, State, Status
     from pmmkit.equations.plan import Phase, Plan, Probe, ProbeResults
     from pmmkit.equations.prepared import Conditions, Prepared, prepare
-    from pmmkit.equations.run import DenseHistory, Gear, run_plan, run_ships
+    from pmmkit.equations.run import DenseHistory, Gear, Revolutions, run_plan, run_ships
     from pmmkit.equations.structure import ACCELERATIONS, POLYNOMIALS, EquationStructure, Used
 
 __all__ = [
@@ -30,6 +30,7 @@ __all__ = [
     "Prepared",
     "Probe",
     "ProbeResults",
+    "Revolutions",
     "State",
     "Status",
     "Used",

@@ -260,7 +260,11 @@ def set_out(
     pace = speed / k[Constant.L]
     n0 = settings[SettingField.revolutions]
     if not n0 > 0.0:
+        height = k[Constant.wave_height]
+        if n0 == 0.0:
+            k[Constant.wave_height] = 0.0
         n0 = self_propulsion(speed, k, y, out)
+        k[Constant.wave_height] = height
         if math.isnan(n0):
             course[CourseField.status] = Status.no_propulsion
             return

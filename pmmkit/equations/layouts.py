@@ -121,7 +121,8 @@ SettingField = IntEnum(
     ),
     start=0,
 )
-"""Settings of the integrator; revolutions are those of the approach, 0 for self-propulsion."""
+"""Settings of the integrator; revolutions are those of the approach, 0 for self-propulsion without
+waves, below 0 for self-propulsion in them."""
 StepField = IntEnum("StepField", ("begin", "length"), start=0)
 """What a kept step begins with; the states and four coefficients for each follow."""
 EventField = IntEnum(

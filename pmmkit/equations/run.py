@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
 
@@ -38,6 +38,10 @@ MANY: Final = 10_000
 MOST: Final = 400 * 4**4
 """Steps of a manoeuvre: hundreds are usual, ten thousand with a tolerance of 1e-11. A ship that
 trembles, as some that are drawn from wide spreads do, would take millions."""
+
+
+Revolutions = float | Literal["speed"] | None
+"""Of the approach [1/s]: stated, or by which the speed is held, in waves or (None) without them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -188,7 +192,7 @@ class DenseHistory:
 
 
 def settings_for(
-    L: float, speed: float, gear: Gear, rtol: float, revolutions: float | None = None
+    L: float, speed: float, gear: Gear, rtol: float, revolutions: Revolutions = None
 ) -> list[float]:
     """The settings of the integrator, in the order of `SettingField`."""
     values = {
@@ -201,7 +205,7 @@ def settings_for(
         SettingField.revolutions_lag: 0.0,
         SettingField.bucket_rate: gear.bucket_rate,
         SettingField.bucket_lag: 0.0,
-        SettingField.revolutions: revolutions or 0.0,
+        SettingField.revolutions: -1.0 if revolutions == "speed" else revolutions or 0.0,
         SettingField.fastest: FASTEST * speed,
     }
     return [values[place] for place in SettingField]
@@ -214,7 +218,7 @@ def run_plan(
     *,
     rtol: float,
     fast: bool | None = None,
-    revolutions: float | None = None,
+    revolutions: Revolutions = None,
 ) -> DenseHistory:
     """Integrate one ship through a plan.
 
@@ -230,8 +234,9 @@ def run_plan(
         Relative tolerance.
     fast : bool, optional
         Whether compiled functions do it; by default once the structure is sailed often.
-    revolutions : float, optional
-        Of the approach [1/s]; by default those of self-propulsion.
+    revolutions : float or "speed", optional
+        Of the approach [1/s]; by default those of self-propulsion without waves, by ``speed``
+        those in the waves.
 
     Returns
     -------
@@ -322,7 +327,7 @@ def run_ships(
     *,
     speed: float,
     rtol: float,
-    revolutions: float | None = None,
+    revolutions: Revolutions = None,
     jobs: int | None = None,
     advance: Callable[[int], object] | None = None,
 ) -> tuple[ProbeResults, Array]:
@@ -344,7 +349,7 @@ def run_ships(
         Of the approach [m/s].
     rtol : float
         Relative tolerance.
-    revolutions : float, optional
+    revolutions : float or "speed", optional
         Of the approach [1/s]; by default those of self-propulsion.
     jobs : int, optional
         Threads; by default one for each core.

@@ -23,6 +23,7 @@ from pmmkit.equations import (
     Gear,
     Plan,
     Prepared,
+    Revolutions,
     Status,
     packed_following,
     run_plan,
@@ -213,7 +214,7 @@ class Batch:
     speed: float
     rtol: float = Prepared.RTOL
     conditions: Conditions = field(default_factory=Conditions)
-    revolutions: float | None = None
+    revolutions: Revolutions = None
     extrapolate: bool = False
     fn: Follow = "approach"
 
@@ -328,7 +329,7 @@ def batch_of(
     rudder_rate_deg: float | None = None,
     rudder_law: RudderLaw = "ramp",
     rudder_lag: float = 1.0,
-    revolutions: float | None = None,
+    revolutions: Revolutions = None,
     extrapolate: bool = False,
     **settings: Any,
 ) -> Batch:
@@ -347,7 +348,7 @@ def batch_of(
         rtol=rtol,
         rudder_law=rudder_law,
         rudder_lag=rudder_lag,
-        revolutions=revolutions,
+        revolutions=None if revolutions == "speed" else revolutions,
     )
     loaded = with_open_couplings(ship_for(chosen, loaded, speed, settings, extrapolate=extrapolate))
     conditions = Conditions(**around)

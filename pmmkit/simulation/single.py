@@ -12,7 +12,16 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from pmmkit.base import DataError, Problem, SimulationError
-from pmmkit.equations import Conditions, DenseHistory, End, Gear, Plan, Prepared, run_plan
+from pmmkit.equations import (
+    Conditions,
+    DenseHistory,
+    End,
+    Gear,
+    Plan,
+    Prepared,
+    Revolutions,
+    run_plan,
+)
 from pmmkit.models import Model, Standing, load_model
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
 from pmmkit.simulation.kinds.catalogue import manoeuvre_of
@@ -50,7 +59,7 @@ def simulate(
     depth: float | None = None,
     wave_height: float | None = None,
     waves_from_deg: float = 0.0,
-    revolutions: float | None = None,
+    revolutions: Revolutions = None,
     dt: float | None = None,
     rtol: float = Prepared.RTOL,
     extrapolate: bool = False,
@@ -92,8 +101,9 @@ def simulate(
         Significant height of the waves [m] and where they come from, as above [deg]; for models
         with a part ``wave_drift``, whose own sea they stand for. `pmmkit.seakeeping.in_waves`
         gives a model that part.
-    revolutions : float, optional
-        Of the approach [1/s]; by default those of self-propulsion.
+    revolutions : float or "speed", optional
+        Of the approach [1/s]. By default the lever stays where it holds the speed without waves,
+        in which the ship then slows down; by ``speed`` it is where it holds the speed in them.
     dt : float, optional
         Interval of the samples [s]; by default about a tenth of L/speed. The metrics do not
         depend on it.
@@ -153,7 +163,7 @@ def simulate(
         rudder_lag=rudder_lag,
         dt=dt,
         rtol=rtol,
-        revolutions=revolutions,
+        revolutions=None if revolutions == "speed" else revolutions,
     )
     loaded = ship_for(chosen, stated, speed, settings, extrapolate=extrapolate)
     calm = wave_height is None and not any(around.values())
@@ -169,6 +179,8 @@ def simulate(
     more = [Track.NO_BOTTOM] if depth is not None and not loaded.feels("depth") else []
     if wave_height is not None and not loaded.feels("wave_height"):
         more.append(Track.NO_WAVES)
+    if revolutions in (None, "speed") and _in_waves(loaded, wave_height):
+        more.append(Track.SPEED_HELD if revolutions == "speed" else Track.LEVER_HELD)
     if fn == "instant":
         track = replace(track, tested=froude_range(loaded, history))
         more.append(track.tested.words if track.tested else ONE_SET)
@@ -181,6 +193,16 @@ def simulate(
     heavy = Standing.of(stated, speed).heavy if chosen.reverses else ""
     more += [heavy] if heavy else []
     return replace(track, notes=(*track.notes, *more), standing=Standing.of(loaded, speed))
+
+
+def _in_waves(model: Model, height: float | None) -> bool:
+    """Whether waves act on a ship: of a height that is stated, or of its own."""
+    own = (
+        part.values.get("Hs", 0.0)
+        for part in model.parts.values()
+        if "wave_height" in part.known.needs
+    )
+    return any((each if height is None else height) != 0.0 for each in own)
 
 
 def ship_for(

@@ -107,6 +107,12 @@ class Track(Described):
         "The model does not feel the bottom: the depth changes nothing without a part "
         "shallow_water."
     )
+    LEVER_HELD: ClassVar[str] = (
+        "The lever is held: the propeller keeps the revolutions that hold the speed without waves."
+    )
+    SPEED_HELD: ClassVar[str] = (
+        "The propeller keeps the revolutions that hold the speed of the approach in the waves."
+    )
     NO_WAVES: ClassVar[str] = (
         "The model does not feel the waves: they change nothing without a part wave_drift."
     )

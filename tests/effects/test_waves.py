@@ -16,7 +16,7 @@ from pmmkit.models import Part, load_model
 from pmmkit.models.library import SHIPS
 from pmmkit.seakeeping import Sea, frequencies, in_waves, load_hull, rao
 from pmmkit.seakeeping.second_order.mean_drift import drift_table
-from pmmkit.simulation import simulate
+from pmmkit.simulation import Track, simulate
 
 MODEL = load_model("s175-3dof")
 NONE = (0.0,)
@@ -187,6 +187,19 @@ def test_a_sea_that_is_asked_for_stands_for_that_of_the_model(table):
     calm = sailed(30.0, 4.0, table, wave_height=0.0, compiled=False)
     plain = simulate(MODEL, rudder_deg=20, speed=8.0, compiled=False)
     assert calm.metrics["advance"] == plain.metrics["advance"]
+
+
+def test_the_lever_is_held_in_waves_and_the_speed_if_asked(table):
+    """In head seas the ship slows down, or the propeller turns faster from the begin."""
+    calm = sailed(0.0, 0.0, table, duration=60.0)
+    lever, speed = (sailed(0.0, 3.0, table, duration=60.0, revolutions=x) for x in (None, "speed"))
+    assert lever.n[0] == calm.n[0]
+    assert Track.LEVER_HELD in lever.notes
+    assert speed.n[0] > 1.02 * calm.n[0]
+    assert Track.SPEED_HELD in speed.notes
+    assert not {Track.LEVER_HELD, Track.SPEED_HELD} & set(calm.notes)
+    before = slice(0, 2)  # the rudder has hardly begun to move
+    assert np.ptp(speed.u[before]) < 0.3 * np.ptp(lever.u[before])
 
 
 def test_waves_that_nothing_feels_are_said():

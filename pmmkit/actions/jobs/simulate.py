@@ -49,6 +49,10 @@ class TrackWaveSettings(WaveSettings):
     waves_from_deg: float = setting(
         "Where they come from, from the bow of the approach.", default=0.0
     )
+    speed_held: bool = setting(
+        "Revolutions that hold the speed in the waves; else those that hold it without them.",
+        default=False,
+    )
     wave_motion: bool = setting(
         "Superpose heave, roll, pitch and yaw at wave frequency.", default=False
     )
@@ -108,6 +112,7 @@ def simulate(job: SimulateSettings) -> Outcome:
         speed=pace,
         fn=job.fn,
         extrapolate=job.extrapolate,
+        revolutions="speed" if job.waves.speed_held else None,
         **vars(job.conditions),
         **job.orders.given(),
     )
