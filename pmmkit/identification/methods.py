@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
 from pmmkit.base import DataError, ModelError, Progress, Registry
 from pmmkit.effects import CURRENT
-from pmmkit.identification.binding import places, with_parameters
 from pmmkit.identification.forces import ForceRecord, fit_to_forces
 from pmmkit.identification.prior import Prior, asked_names
 from pmmkit.identification.record import FreeRecord
@@ -431,9 +428,8 @@ def _told(
         [prior.mean[i] if name in unseen else found.values[i] for i, name in enumerate(prior.names)]
     )
     try:
-        made = _with_values(
-            model, prior.names, kept, covariance, f"{method} on free-running records"
-        )
+        known = replace(prior, mean=kept, covariance=covariance)
+        made = known.carried_by(model, f"{method} on free-running records")
         made = made.stepped(*_current_step(prior.names, kept, method, campaign))
     except ModelError as error:
         raise DataError(
@@ -482,36 +478,6 @@ def _current_step(
         source="identified",
     )
     return (step,)
-
-
-def _with_values(
-    model: Model, names: Sequence[str], values: Array, covariance: Array, how: str
-) -> Model:
-    """The model with new values, their source and their covariance."""
-    own = [name for name in names if name not in CURRENT]
-    at = places(model, own)
-    number = [list(names).index(name) for name in own]
-    made = with_parameters(model, at, values[number])
-    block = covariance[np.ix_(number, number)]
-    parts = dict(made.parts)
-    for (effect, name), variance in zip(at, np.diagonal(block).tolist(), strict=True):
-        part = parts[effect]
-        std = {known: x for known, x in part.std.items() if known != name}
-        if model.Fn and effect not in made.derivative_parts:
-            std[name] = math.sqrt(variance)
-        parts[effect] = replace(
-            part,
-            sources=MappingProxyType({**part.sources, name: f"identified: {how}"}),
-            std=MappingProxyType(std),
-        )
-    named = () if model.Fn else tuple(parts[effect].place(name) for effect, name in at)
-    return replace(
-        made,
-        parts=MappingProxyType(parts),
-        covariance=0.5 * (block + block.T) if named else None,
-        covariance_names=named,
-        steps=(*model.steps, Step(action="identified", names=tuple(own), method=how)),
-    )
 
 
 def _sparse(found: Any, prior: Prior, started: float) -> Identified:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.effects import CURRENT, HULL
-from pmmkit.identification.binding import places
-from pmmkit.models import Model
+from pmmkit.identification.binding import places, with_parameters
+from pmmkit.models import Model, Step
 from pmmkit.numerics import Array, precision_over
 from pmmkit.simulation import Spread
 
@@ -121,6 +123,53 @@ class Prior:
     def precision(self) -> Array:
         """Inverse of the covariance over the standard deviations (m, m)."""
         return precision_over(self.covariance, self.std)
+
+    def carried_by(self, model: Model, how: str, *, measured: bool = True) -> Model:
+        """The model with these values, their source and their covariance.
+
+        Parameters
+        ----------
+        model : Model
+            Has all of them but currents.
+        how : str
+            How they were found.
+        measured : bool
+            Whether they stand on measurements; else a value stays what it was, such as an
+            estimate, of which the source says that it was moved.
+
+        Examples
+        --------
+        >>> from pmmkit.models import load_model
+        >>> known = Prior(names=("Yv",), mean=np.array([-0.3]), covariance=np.array([[1e-4]]))
+        >>> made = known.carried_by(load_model("kvlcc2"), "a guess")
+        >>> made.std["Yv"], made.parts[HULL].source_of("Yv")
+        ((0.01,), 'identified: a guess')
+        """
+        own = [name for name in self.names if name not in CURRENT]
+        at = places(model, own)
+        number = [self.names.index(name) for name in own]
+        made = with_parameters(model, at, self.mean[number])
+        block = self.covariance[np.ix_(number, number)]
+        parts = dict(made.parts)
+        for (effect, name), variance in zip(at, np.diagonal(block).tolist(), strict=True):
+            part = parts[effect]
+            std = {known: x for known, x in part.std.items() if known != name}
+            if model.Fn and effect not in made.derivative_parts:
+                std[name] = math.sqrt(variance)
+            source = f"identified: {how}" if measured else f"{part.source_of(name)}; {how}"
+            parts[effect] = replace(
+                part,
+                sources=MappingProxyType({**part.sources, name: source}),
+                std=MappingProxyType(std),
+            )
+        named = () if model.Fn else tuple(parts[effect].place(name) for effect, name in at)
+        return replace(
+            made,
+            parts=MappingProxyType(parts),
+            covariance=0.5 * (block + block.T) if named else None,
+            covariance_names=named,
+            steps=(*model.steps, Step(action="identified", names=tuple(own), method=how)),
+        )
 
 
 def asked_names(model: Model, names: Sequence[str] | None) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from pmmkit.base import lazy
 if TYPE_CHECKING:
     from pmmkit.imo.conditions import LOADED, Condition, simulated_conditions
     from pmmkit.imo.judged import imo_turning, imo_verdicts, metrics_of, sided_tests
-    from pmmkit.imo.verdict import FullAstern, Verdict, judge, verdict_sections
+    from pmmkit.imo.verdict import FullAstern, Verdict, judge, manoeuvre_words, verdict_sections
 
 __all__ = [
     "LOADED",
@@ -17,6 +17,7 @@ __all__ = [
     "imo_turning",
     "imo_verdicts",
     "judge",
+    "manoeuvre_words",
     "metrics_of",
     "sided_tests",
     "simulated_conditions",

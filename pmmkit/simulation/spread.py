@@ -217,6 +217,12 @@ class Spread:
         values[:, own] = self.mean[own] * np.exp(values[:, own] / self.mean[own] - 1.0)
         return values
 
+    def slopes(self, normal: Array) -> Array:
+        """Change of the values (m, q) by each of the errors, where these are `normal` (q,)."""
+        grown = np.where(self._by_factors, self.of_normal(normal[None])[0] / self.mean, 1.0)
+        found: Array = grown[:, None] * self.root
+        return found
+
     @property
     def independent(self) -> Spread:
         """The same standard deviations, each value by an error of its own."""
