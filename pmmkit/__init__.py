@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from pmmkit.api import carried_to, citation, model_of, reduce
     from pmmkit.base import PmmkitError, __version__
     from pmmkit.campaigns import Campaign, Run, load_campaign, open_campaign, save_campaign
+    from pmmkit.cards import Card, read_card, ship_from_card
     from pmmkit.conventions import Ship, Water
     from pmmkit.diagnosis import Limits, Session, begin, diagnose, fit, next_runs, plan, replay
     from pmmkit.effects import (
@@ -95,6 +96,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Budget",
     "Campaign",
+    "Card",
     "Comparison",
     "DerivativeTable",
     "Effect",
@@ -159,6 +161,7 @@ __all__ = [
     "own_effects",
     "plan",
     "rao",
+    "read_card",
     "read_hull",
     "read_table",
     "reduce",
@@ -172,6 +175,7 @@ __all__ = [
     "scaled",
     "sea",
     "sensitivities",
+    "ship_from_card",
     "ships",
     "simulate",
     "sobol",

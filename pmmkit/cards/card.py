@@ -73,7 +73,7 @@ CABLES: Final = {"cable": 185.2, "cables": 185.2, "cbl": 185.2}
 """A tenth of a nautical mile [m]."""
 _NUMBER: Final = r"[-+]?(?:\d+\.?\d*|\.\d+)"
 _WRITTEN: Final = re.compile(
-    rf"(?P<value>{_NUMBER})\s*(?:(?:±|\+/-|\+-)\s*(?P<half>{_NUMBER}))?\s*(?P<unit>[^\d\s].*)?"
+    rf"(?P<value>{_NUMBER})\s*(?:(?:±|\+/-|\+-)\s*(?P<half>{_NUMBER}))?\s*(?P<unit>[^\d\s,.;].*)?"
 )
 
 
@@ -99,6 +99,11 @@ class CardMeasure:
         """In which it is: ``L``, ``deg``, ``s`` or nothing."""
         unit = Metric.of(self.name).unit_of(self.name)
         return "" if unit == "-" else unit
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Of 95 %."""
+        return self.value - WIDE * self.std, self.value + WIDE * self.std
 
     @property
     def written(self) -> str:
@@ -133,9 +138,13 @@ class CardTest:
         >>> CardTest(manoeuvre="turning", settings={"rudder_deg": -35.0}, speed=8.0).words
         'turning 35°, to port, 8 m/s'
         """
+        return self.told(math.nan)
+
+    def told(self, usual: float) -> str:
+        """The same, without the speed [m/s] if it is the usual one."""
         rudder = self.settings.get("rudder_deg", 0.0)
-        told = manoeuvre_words(self.manoeuvre, rudder, self.settings.get("switch_deg"))
-        return f"{told}, {self.speed:.3g} m/s"
+        words = manoeuvre_words(self.manoeuvre, rudder, self.settings.get("switch_deg"))
+        return words if self.speed == usual else f"{words}, {self.speed:.3g} m/s"
 
     @property
     def ordered(self) -> dict[str, Any]:
@@ -257,7 +266,10 @@ class Card(Described):
 
     def _sections(self) -> Sequence[Section]:
         groups = [
-            Group(title=test.words, rows=[[f"  {x.title}", x.written] for x in test.measures])
+            Group(
+                title=test.told(self.speed),
+                rows=[[f"  {x.title}", x.written] for x in test.measures],
+            )
             for test in self.tests
         ]
         told = Grid(head=["", "card"], groups=groups, caption="± is half of the 95 % interval")
@@ -456,7 +468,7 @@ class _Reading:
         own = self.stated("ship", raw)
         if len(self.problems) > before:
             return None
-        if set(own) == {"name"}:
+        if set(raw) == {"name"}:
             try:
                 return load_ship(own["name"])
             except DataError:

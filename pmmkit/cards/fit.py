@@ -37,6 +37,7 @@ from pmmkit.simulation import Sensitivities, Spread, monte_carlo, sensitivities
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 STEPS: Final = 20
 """Gauss-Newton steps; cards of ten ships took two to seven."""
@@ -66,8 +67,8 @@ own to 0.1."""
 class MetMeasure:
     """A measure of the card beside what the ship does.
 
-    `card`: what the card says. `before, after`: by the estimate, and by the model [its unit].
-    `std`: tolerance of the measure, with what an assumed engine adds.
+    `words`: it with its manoeuvre. `card`: what the card says. `before, after`: by the estimate,
+    and by the model [its unit]. `std`: tolerance, with what an assumed engine adds.
     """
 
     test: CardTest
@@ -75,11 +76,7 @@ class MetMeasure:
     before: float
     after: float
     std: float
-
-    @property
-    def words(self) -> str:
-        """The measure with its manoeuvre."""
-        return f"{self.test.words}: {self.card.title}"
+    words: str
 
     @property
     def missed(self) -> float:
@@ -91,10 +88,10 @@ class MetMeasure:
 class ForetoldMeasure:
     """A measure that is not on the card, with its 95 % interval.
 
-    `value`: of the model. `low, high; low_before, high_before`: by ships drawn from what is known
-    with the card, and from the estimate alone. `straight, std`: standard deviation to first order,
-    and of the ships. `tells`: share of the variance of all such measures that it would take away
-    if it were known. `of`: values of which it would tell most.
+    `words`: it with its manoeuvre. `value`: of the model. `low, high; low_before, high_before`: by
+    ships drawn from what is known with the card, and from the estimate alone. `straight, std`:
+    standard deviation to first order, and of the ships. `tells`: share of the variance of all such
+    measures that it would take away if it were known. `of`: values of which it would tell most.
     """
 
     test: CardTest
@@ -106,13 +103,9 @@ class ForetoldMeasure:
     high_before: float
     straight: float
     std: float
+    words: str
     tells: float = 0.0
     of: tuple[str, ...] = ()
-
-    @property
-    def words(self) -> str:
-        """The measure with its manoeuvre."""
-        return f"{self.test.words}: {Metric.in_words(self.name)}"
 
     @property
     def curved(self) -> bool:
@@ -271,6 +264,21 @@ class CardFit(Described):
             "std_over_before": self.shrunk,
         }
         return pd.DataFrame(rows, index=pd.Index(self.names, name="name"))
+
+    def plot(self) -> Figure:
+        """Intervals of 95 % before and after, over what the ship does, a row a measure."""
+        from pmmkit.cards.figures import measures
+
+        none = [math.nan, math.nan]
+        met = [[*none, *none, *item.card.interval] for item in self.met]
+        rest = [
+            [item.low_before, item.high_before, item.low, item.high, *none]
+            for item in self.foretold
+        ]
+        ship = [*(item.after for item in self.met), *(item.value for item in self.foretold)]
+        over = np.array([*met, *rest]) / np.array(ship)[:, None] - 1.0
+        words = [*(item.words for item in self.met), *(item.words for item in self.foretold)]
+        return measures(words, over)
 
     def _headline(self) -> str:
         return (
@@ -458,7 +466,14 @@ def ship_from_card(
         model=made,
         before=base,
         met=tuple(
-            MetMeasure(test=test, card=item, before=was, after=now, std=own)
+            MetMeasure(
+                test=test,
+                card=item,
+                before=was,
+                after=now,
+                std=own,
+                words=f"{test.told(known.speed)}: {item.title}",
+            )
             for (test, item), was, now, own in zip(*rows, strict=True)
         ),
         foretold=tuple(_ranked(foretold, search, at, posterior)),
@@ -689,6 +704,7 @@ def _foretold(
             high_before=high_before,
             straight=found.std(name),
             std=float(np.std(sailed)) if len(sailed) else math.nan,
+            words=f"{test.told(search.card.speed)}: {item.title}",
         )
         others = _of_others(found, name, search.spread.names)
         slopes = _of_names(found, name, search.spread.names) @ along

@@ -414,6 +414,15 @@ def _side_of(rudder_deg: float) -> Side:
 def manoeuvre_words(manoeuvre: str, rudder_deg: float, switch_deg: float | None = None) -> str:
     """A manoeuvre with its angles and the side of the first order.
 
+    Parameters
+    ----------
+    manoeuvre : str
+        Its name.
+    rudder_deg : float
+        Of the first order, positive to starboard; 0 where the rudder is not laid [deg].
+    switch_deg : float, optional
+        Heading at which a zigzag switches [deg].
+
     Examples
     --------
     >>> manoeuvre_words("turning", -35.0), manoeuvre_words("zigzag", 10.0, 10.0)

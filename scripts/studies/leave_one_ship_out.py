@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Final
@@ -352,7 +352,7 @@ def everything(ships: int, rule: Callable[[int], float] | None) -> list[Row]:
     return [*own, *measured(ships, rule)]
 
 
-def share(rows: list[Row]) -> str:
+def share(rows: Sequence[Row]) -> str:
     """How many bands hold, and the 95 % interval of their share if the figures were independent."""
     held, n = sum(row.held for row in rows), len(rows)
     known = stats.binomtest(held, n).proportion_ci(0.95, method="exact")

@@ -26,6 +26,7 @@ WORDS = {
     "seakeeping": ("sea", "response", "rao"),
     "estimate": ("estimated_model",),
     "trial": ("evaluate_trials",),
+    "card": ("ship_from_card",),
     "export": ("export",),
 }
 """Public words that do the work of a command."""

@@ -44,6 +44,12 @@ def track():
 
 
 @cache
+def card():
+    whole = pk.Card.of(SHIP, 9.0)
+    return replace(whole, tests=whole.tests[:1])
+
+
+@cache
 def ensemble():
     return pk.monte_carlo(SHIP, speed=9.0, n=20, spread=0.05)
 
@@ -267,6 +273,8 @@ MADE = {
     "SpiralCurve": cache(lambda: pk.spiral_curve("kvlcc2", 7.97)),
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
     "ImoForm": cache(lambda: form_of_model(model(), [pk.imo_turning(track())[0]], speed=9.0)),
+    "Card": card,
+    "CardFit": cache(lambda: pk.ship_from_card(card(), ships=20)),
     "Hull": hull,
     "Rao": waved,
     "Response": answered,
@@ -281,7 +289,7 @@ MADE = {
         lambda: pk.simulate(model(), speed=9.0, fn="instant", compiled=False).tested
     ),
 }
-LONG = ("Comparison", "MethodComparison", "Identified", "SobolIndices")
+LONG = ("CardFit", "Comparison", "MethodComparison", "Identified", "SobolIndices")
 EACH = [pytest.param(name, marks=pytest.mark.slow) if name in LONG else name for name in MADE]
 SAID = {
     "Effect": ("Hooft", "free running", "CD", "required", "0.55", "To be sure"),
@@ -316,6 +324,8 @@ SAID = {
     "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
     "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
     "ImoForm": ("predicted", "not supplied", "draughts", "3.44 L", "MSC/Circ.1053", "none, as sim"),
+    "Card": ("advance", "3.44 ± 0.34 L", "turning 35°, to starboard", "block coefficient"),
+    "CardFit": ("missed", "before", "cannot tell", "It tells most of", "20/20, to port"),
     "Hull": ("41 stations", "block coefficient", "metacentre", "not the ship's"),
     "Rao": ("30 frequencies", "heave [m/m]", "180°", "GM is assumed"),
     "Response": ("heave [m]", "bow", "ISO 2631-1", "an hour", "energy of the sea"),
