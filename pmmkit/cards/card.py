@@ -71,6 +71,8 @@ TOLERANCES: Final[Mapping[str, tuple[float, float]]] = MappingProxyType(
 Of repeated tests by HSVA overshoots differ by 2 to 12 % (reference of KVLCC2 and KCS)."""
 CABLES: Final = {"cable": 185.2, "cables": 185.2, "cbl": 185.2}
 """A tenth of a nautical mile [m]."""
+UNKNOWN: Final = Ship(name="", L=math.nan, B=1.0, d=1.0, volume=1.0, mass=1.0, Izz=1.0)
+"""Stands in where the particulars are wrong, so that all other problems are still found."""
 _NUMBER: Final = r"[-+]?(?:\d+\.?\d*|\.\d+)"
 _WRITTEN: Final = re.compile(
     rf"(?P<value>{_NUMBER})\s*(?:(?:±|\+/-|\+-)\s*(?P<half>{_NUMBER}))?\s*(?P<unit>[^\d\s,.;].*)?"
@@ -417,21 +419,20 @@ class _Reading:
         for name in SECTIONS:
             for key, message in SECTIONS[name].problems(own) if (own := content.get(name)) else ():
                 self.wrong(f"[{name}], key '{key}'", message)
-        if ship is None:
-            return None
+        sailed = ship or UNKNOWN
         head = content.get("card", {})
         if "speed" not in head:
             self.wrong(
                 "[card], key 'speed'", "is missing.", 'Write the full sea speed, such as "15.5 kn".'
             )
             return None
-        speed = self.speed(head["speed"], "[card]", ship, water)
+        speed = self.speed(head["speed"], "[card]", sailed, water)
         tests = [
             test
             for name, found in content.items()
             if name in MANOEUVRES
             for place, entry in enumerate(self.entries(name, found), start=1)
-            if (test := self.test(name, entry, f"[[{name}]] {place}", speed, ship, water))
+            if (test := self.test(name, entry, f"[[{name}]] {place}", speed, sailed, water))
         ]
         for place, one in enumerate(tests):
             if any(one.same(other) for other in tests[:place]):
@@ -444,14 +445,18 @@ class _Reading:
             self.wrong(
                 "the card", "has no measure.", 'Write one at least, such as advance = "3.1 L".'
             )
-        return Card(
-            ship=ship,
-            water=water,
-            speed=speed,
-            tests=tuple(tests),
-            propeller=MappingProxyType(dict(content.get("propeller", {}))),
-            rudder=MappingProxyType(dict(content.get("rudder", {}))),
-            imo=MappingProxyType(self.stated("imo", content.get("imo", {}))),
+        return (
+            None
+            if ship is None
+            else Card(
+                ship=ship,
+                water=water,
+                speed=speed,
+                tests=tuple(tests),
+                propeller=MappingProxyType(dict(content.get("propeller", {}))),
+                rudder=MappingProxyType(dict(content.get("rudder", {}))),
+                imo=MappingProxyType(self.stated("imo", content.get("imo", {}))),
+            )
         )
 
     def entries(self, name: str, found: Any) -> Iterable[Mapping[str, Any]]:
@@ -526,6 +531,8 @@ class _Reading:
             else:
                 kind, factor = _unit(found["unit"] or "m/s")
                 value = value * factor if kind == "m/s" else math.nan
+        if froude and math.isnan(ship.L) and found:
+            return math.nan
         if not value > 0.0:
             self.wrong(
                 f"{entry}, key 'speed'",
@@ -627,7 +634,7 @@ class _Reading:
         name = bare + (Metric.IN_LENGTHS if metric.length else "")
         value = value * scale * factor + added
         low, high = POSSIBLE.get(name, POSSIBLE.get(metric.name, (-math.inf, math.inf)))
-        if not low <= value <= high:
+        if value < low or value > high:
             unit = metric.unit_of(name)
             self.wrong(
                 where,

@@ -24,11 +24,13 @@ from typing import Final
 import pmmkit as pk
 from pmmkit.cards import Card, ship_from_card
 from pmmkit.cards.card import CardMeasure, CardTest, tolerance
+from pmmkit.cards.fit import CardFit
 from pmmkit.conventions import Metric
 from pmmkit.files import write_text
+from pmmkit.presentation import WIDE
 from scripts.documentation.fences import DOCS, page, table
 from scripts.studies.bulk_carrier import NAME, STOP, TRIAL, TURNS
-from scripts.studies.leave_one_ship_out import SPEEDS, Row, share
+from scripts.studies.leave_one_ship_out import SOURCES, SPEEDS, Row, deviations, share
 from scripts.validation.measurements import HSVA
 
 SHIPS: Final = {name: speed for name, (_, speed) in SPEEDS.items()} | {
@@ -71,8 +73,46 @@ def part(card: Card, known: Mapping[tuple[str, float], Sequence[str]]) -> Card:
     return replace(card, tests=tuple(tests))
 
 
-def rows_of(name: str, what: str, ships: int) -> tuple[float, list[Foretold]]:
-    """What is foretold of a ship from a part of her card; by what it was widened."""
+def band(value: float, std: float, *, by_factors: bool) -> tuple[float, float]:
+    """95 % interval of a value."""
+    low, high = -WIDE * std, WIDE * std
+    if by_factors:
+        one, two = (value * math.exp(x / value) for x in (low, high))
+        return min(one, two), max(one, two)
+    return value + low, value + high
+
+
+def values_of(name: str, what: str, found: CardFit) -> list[Foretold]:
+    """Derivatives and values of propeller and rudder beside those that were measured."""
+    whose = SPEEDS[name][0] if name in SPEEDS else ""
+    if SOURCES.get(whose) != name:
+        return []
+    rows = []
+    for place, row in found.values().iterrows():
+        own = str(place).replace("four_quadrant_", "")
+        if whose not in (known := deviations().get(own, {})):
+            continue
+        former = (
+            row["std"]
+            / row["std_over_before"]
+            * (row["before"] / row["value"] if "." in own else 1.0)
+        )
+        rows.append(
+            Foretold(
+                ship=name,
+                hidden=what,
+                manoeuvre="value",
+                measure=own,
+                truth=known[whose][1],
+                band=band(row["value"], row["std"], by_factors="." in own),
+                before=band(row["before"], former, by_factors="." in own),
+            )
+        )
+    return rows
+
+
+def rows_of(name: str, what: str, ships: int) -> tuple[float, list[Foretold], list[Foretold]]:
+    """By what a ship of a part of her card was widened, what is foretold of her, and her values."""
     full = Card.of(name, SHIPS[name])
     found = ship_from_card(part(full, CARDS[what]), ships=ships)
     truth = {(test.words, item.name): item.value for test in full.tests for item in test.measures}
@@ -89,7 +129,7 @@ def rows_of(name: str, what: str, ships: int) -> tuple[float, list[Foretold]]:
         for item in found.foretold
         if (item.test.words, item.name) in truth
     ]
-    return found.widened, rows
+    return found.widened, rows, values_of(name, what, found)
 
 
 ESSO_OSAKA: Final[Mapping[float, Mapping[str, float]]] = MappingProxyType(
@@ -201,7 +241,9 @@ def narrower(rows: Sequence[Foretold]) -> str:
     return f"{median(ratios):.2f}"
 
 
-def shares(rows: Sequence[Foretold], ships: Mapping[tuple[str, str], float]) -> str:
+def shares(
+    rows: Sequence[Foretold], values: Sequence[Foretold], ships: Mapping[tuple[str, str], float]
+) -> str:
     """By card, by measure and by ship."""
     by_card = [
         [
@@ -209,6 +251,8 @@ def shares(rows: Sequence[Foretold], ships: Mapping[tuple[str, str], float]) -> 
             *(share([x for x in rows if x.hidden == what and (x.manoeuvre == "stopping") is s])
               for s in (False, True)),
             narrower([x for x in rows if x.hidden == what]),
+            share(own := [x for x in values if x.hidden == what]),
+            narrower(own),
         ]
         for what in CARDS
     ]  # fmt: skip
@@ -232,7 +276,17 @@ def shares(rows: Sequence[Foretold], ships: Mapping[tuple[str, str], float]) -> 
     ]
     return "\n\n".join(
         [
-            table(["on the card", "all others hold", "stops hold", "width over before"], by_card),
+            table(
+                [
+                    "on the card",
+                    "others hold",
+                    "stops hold",
+                    "width over before",
+                    "derivatives and values hold",
+                    "width over before",
+                ],
+                by_card,
+            ),
             table(["measure", "hold", "width over before"], by_measure),
             table(["ship", *CARDS], by_ship),
         ]
@@ -261,20 +315,22 @@ def main() -> None:
     parser.add_argument("--write", action="store_true", help="put the tables into docs/card.md")
     args = parser.parse_args()
     rows: list[Foretold] = []
+    values: list[Foretold] = []
     widened: dict[tuple[str, str], float] = {}
     seconds = []
     for what in CARDS:
         for name in SHIPS:
             start = time.process_time()
-            widened[name, what], found = rows_of(name, what, args.ships)
+            widened[name, what], found, own = rows_of(name, what, args.ships)
             seconds.append(time.process_time() - start)
             rows += found
+            values += own
     sailed = [row for trial in trials() for row in trial_rows(*trial, args.ships)]
-    print(shares(rows, widened), measured(sailed), sep="\n\n")
+    print(shares(rows, values, widened), measured(sailed), sep="\n\n")
     print(f"\n{share(rows)}; {median(seconds):.1f} s a ship, {max(seconds):.1f} s at most")
     if args.write:
         made = {
-            "ships from cards": lambda: shares(rows, widened),
+            "ships from cards": lambda: shares(rows, values, widened),
             "trials from cards": lambda: measured(sailed),
         }
         write_text(DOCS / "card.md", page("card.md", made))

@@ -178,6 +178,16 @@ def test_all_slips_of_a_card_are_told_at_once(reads):
     assert str(raised.value).count("card.toml, ") == 3
 
 
+def test_slips_of_manoeuvres_are_told_beside_those_of_the_particulars(reads):
+    text = '[card]\nspeed = "Fn 0.15"\n[ship]\nL = "320 m"\nB = 58.0\nd = 20.8\nCB = 0.81\n'
+    with pytest.raises(pk.PmmkitError) as raised:
+        reads('[[turning]]\nadvance = "990 m"\ntransfer = 2\ndepth = 30\n', text)
+    told = str(raised.value)
+    assert "3 problems" in told
+    assert "must be a number, it is '320 m'" in told
+    assert "turning has no depth" in told
+
+
 def test_the_empty_card_is_a_card_once_it_is_filled_in(tmp_path):
     text = empty_card()
     for key, value in {"L": 320, "B": 58, "d": 20.8, "CB": 0.81}.items():
