@@ -217,7 +217,7 @@ class CardFit(Described):
                 f"straight line over the values (most of all {worst.words}): their intervals, of "
                 f"ships that were sailed, are rough."
             )
-        return said
+        return [*said, *self.model.notes]
 
     def to_pandas(self) -> pd.DataFrame:
         """A row a measure: on the card or not, value, interval, before."""
