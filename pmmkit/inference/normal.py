@@ -268,7 +268,7 @@ class Normal:
         moved = np.linalg.solve(self.information + np.eye(len(self.centre)), away)
         return np.asarray(self.centre + moved, float)
 
-    @property
+    @cached_property
     def posterior(self) -> tuple[Array, Array]:
         """Mean (…, q) and covariance (…, q, q) of the coefficients as the data leave them."""
         covariance = np.linalg.inv(self.information + np.eye(len(self.centre)))
@@ -301,20 +301,15 @@ class Normal:
         >>> round(gain, 4), value
         (5.5953, array([1.6]))
         """
-        tried = []
-        for size in sizes:
-            both = replace(
-                self,
-                information=np.block(
-                    [[self.information, size * cross], [size * cross.T, size**2 * inner]]
-                ),
-                score=np.concatenate([self.score, size * score]),
-                centre=np.concatenate([self.centre, np.zeros(len(score))]),
-            )
-            tried.append((float(both.log_evidence - self.log_evidence), size, both))
-        _, size, best = max(tried, key=lambda item: item[0])
-        total = float(np.logaddexp.reduce([value for value, _, _ in tried]))
-        return total - math.log(len(sizes)), size * best.posterior[0][len(self.score) :]
+        mean, covariance = self.posterior
+        squares, turn = np.linalg.eigh(inner - cross.T @ covariance @ cross)
+        along = (score - cross.T @ mean) @ turn
+        square = np.square(sizes)[:, None]
+        grown = 1.0 + square * squares
+        tried = 0.5 * np.sum(square * along**2 / grown - np.log(grown), axis=1)
+        best = int(np.argmax(tried))
+        total = float(np.logaddexp.reduce(tried))
+        return total - math.log(len(sizes)), turn @ (square * along / grown)[best]
 
     def chance_of(
         self, best: float, groups: Sequence[Sequence[Places]], *, draws: int, seed: int = 0

@@ -151,6 +151,8 @@ class Restricted:
 
     def _solved(self, logs: Array) -> _Solved:
         """Generalised least squares at sizes."""
+        from scipy.linalg import solve_triangular
+
         q = self.model + self.shared
         square = np.exp(2.0 * logs)
         gram, determinant = np.zeros((q + 1, q + 1)), 0.0
@@ -174,7 +176,7 @@ class Restricted:
             root = np.linalg.cholesky(normal)
         except np.linalg.LinAlgError:
             return _NOWHERE
-        back = np.linalg.inv(root)
+        back = solve_triangular(root, np.eye(q), lower=True, check_finite=False) if q else root
         pulled = back @ gram[:q, q]
         determinant += float(np.log(np.diagonal(root)).sum())
         misfit = max(float(gram[q, q] - pulled @ pulled), 0.0)
@@ -239,8 +241,6 @@ class RunEffects:
         Sizes of each of `KINDS`.
     weights : mapping of channel to array (g,)
         Posterior weight of each; they sum to one.
-    mode : mapping of channel to array (4,)
-        The most probable sizes.
     scale : mapping of channel to float
         Rms force of a channel, by which offset and harmonics are measured [N, N m].
     informed : mapping of channel to tuple of str
@@ -256,7 +256,6 @@ class RunEffects:
 
     nodes: Mapping[str, Array]
     weights: Mapping[str, Array]
-    mode: Mapping[str, Array]
     scale: Mapping[str, float]
     informed: Mapping[str, tuple[str, ...]]
 
@@ -288,15 +287,12 @@ class RunEffects:
         maximum at zero can stand for certainty. See Gelman (2006), Bayesian Anal. 1(3), on such
         priors.
         """
-        channels = list(likelihoods)
-        places = _places(len(channels))
-        mean, precision = _prior(len(channels))
-        at, information = _mode(list(likelihoods.values()), places, mean, precision)
+        places = dict(zip(likelihoods, _places(len(likelihoods)), strict=True))
+        at, information = _mode(list(likelihoods.values()))
         covariance = np.linalg.inv(information)
         nodes, weights, informed = {}, {}, {}
-        mode = {channel: np.exp(at[own]) for channel, own in zip(channels, places, strict=True)}
-        for channel, own in zip(channels, places, strict=True):
-            items = likelihoods[channel]
+        for channel, items in likelihoods.items():
+            own = places[channel]
             root = np.linalg.cholesky(covariance[np.ix_(own, own)])
             points, weight = _rule(len(cls.KINDS))
             away = points @ root.T
@@ -312,7 +308,22 @@ class RunEffects:
             informed[channel] = tuple(
                 kind for kind, yes in zip(cls.KINDS, acts, strict=True) if yes
             )
-        return cls(nodes=nodes, weights=weights, mode=mode, scale=dict(scale), informed=informed)
+        return cls(nodes=nodes, weights=weights, scale=dict(scale), informed=informed)
+
+    @staticmethod
+    def most_probable(likelihoods: Mapping[str, Sequence[Restricted]]) -> dict[str, Array]:
+        """Sizes (4,) of each channel at which the posterior of `of` is largest.
+
+        Examples
+        --------
+        >>> RunEffects.most_probable({"Y": ()})["Y"].round(4)
+        array([0.003, 0.004, 0.03 , 0.003])
+        """
+        at, _ = _mode(list(likelihoods.values()))
+        return {
+            channel: np.exp(at[own])
+            for channel, own in zip(likelihoods, _places(len(likelihoods)), strict=True)
+        }
 
     @classmethod
     def likelihood(
@@ -426,13 +437,10 @@ def _prior(count: int) -> tuple[Array, Array]:
     return mean, np.asarray(np.linalg.inv(covariance), float)
 
 
-def _mode(
-    likelihoods: Sequence[Sequence[Restricted]],
-    places: Sequence[Sequence[int]],
-    mean: Array,
-    precision: Array,
-) -> tuple[Array, Array]:
+def _mode(likelihoods: Sequence[Sequence[Restricted]]) -> tuple[Array, Array]:
     """The most probable logarithms and the information there, by damped Newton steps."""
+    places = _places(len(likelihoods))
+    mean, precision = _prior(len(likelihoods))
 
     def slope(at: Array) -> tuple[float, Array, Array]:
         away = at - mean

@@ -132,9 +132,10 @@ def of(rows, scale=3.0):
 
 def test_many_runs_tell_their_scatter_and_few_leave_it_to_the_prior():
     true = np.array([0.012, 0.016, 0.03, 0.006])
-    found = of(Rows(np.random.default_rng(7), true, runs=(5,) * 300))
-    assert found.sizes("Y") == pytest.approx(true, rel=0.25)
-    assert found.mode["Y"] == pytest.approx(true, rel=0.25)
+    many = Rows(np.random.default_rng(7), true, runs=(5,) * 300)
+    assert of(many).sizes("Y") == pytest.approx(true, rel=0.25)
+    mode = RunEffects.most_probable({"Y": [many.likelihood()]})["Y"]
+    assert mode == pytest.approx(true, rel=0.25)
     usual = RunEffects.usual({"Y": 3.0})
     few = of(Rows(np.random.default_rng(7), true, runs=(1, 1, 1)))
     assert few.sizes("Y")[3] == pytest.approx(usual.sizes("Y")[3], rel=0.05)
@@ -181,10 +182,11 @@ def test_weights_are_the_posterior_of_one_size():
     logs = np.log(usual.nodes["Y"][:, 0])
     mean = usual.weights["Y"] @ logs
     spread = np.sqrt(usual.weights["Y"] @ (logs - mean) ** 2)
-    top = likelihood.log_likelihood(np.log(found.mode["Y"]))
+    mode = np.log(RunEffects.most_probable({"Y": [likelihood]})["Y"])
+    top = likelihood.log_likelihood(mode)
 
     def density(x):
-        at = np.array([x, *np.log(found.mode["Y"][1:])])
+        at = np.array([x, *mode[1:]])
         return norm.pdf(x, mean, spread) * np.exp(likelihood.log_likelihood(at) - top)
 
     total = quad(density, -12, 1, limit=200)[0]

@@ -75,7 +75,7 @@ def build(
     floors = {c.name: floor * x for c, x in zip(channels, features, strict=True)}
     if scatter is None:
         models = {c.name: _largest(c, raw) for c in channels}
-        scatter = estimated_scatter(channels, views, base, own, models, floors)
+        scatter = estimated_scatter(channels, views, own, models, floors)
     drawn: list[Drawings] = [
         (
             item,
@@ -160,7 +160,6 @@ def build(
 def estimated_scatter(
     channels: Sequence[Channel],
     views: Sequence[View],
-    base: CaptiveBase,
     own: Mapping[str, Array],
     models: Mapping[str, Array],
     floors: Mapping[str, Array],
@@ -174,10 +173,9 @@ def estimated_scatter(
     What acts in single harmonics may be physics that no candidate holds, and looks like their
     scatter: of that repeated runs alone are asked.
     """
-    scale = {c.name: c.scale * base.reference**2 for c in channels}
     groups = Run.repeats(tuple({view.run.id: view.run for view in views}.values()))
     repeated = {c.name: _repeatability(c, views, own[c.name], groups) for c in channels}
-    known = RunEffects.of(repeated, scale).mode
+    known = RunEffects.most_probable(repeated)
     likelihoods = {}
     for c in channels:
         model, floor, drawn = models[c.name], floors[c.name], own[c.name]
@@ -193,7 +191,7 @@ def estimated_scatter(
                 HARMONICS, known[c.name][-1]
             )
         ]
-    mode = RunEffects.of(likelihoods, scale).mode
+    mode = RunEffects.most_probable(likelihoods)
     return {name: np.append(sizes[:-1], known[name][-1]) for name, sizes in mode.items()}
 
 

@@ -248,7 +248,7 @@ def _before_tests(
         )
     planned = _views(offered, base, stated_noise(size, noise), 0.0)
     every = _candidates_of(base, limits.speeds, candidates, own)
-    usual = RunEffects.usual(size).mode
+    usual = RunEffects.most_probable(dict.fromkeys(scale, ()))
     rows = rows_of(planned, base, every, floor=floor, scatter=usual, scale=scale)
     grids = {c.name: c.grid for c in every}
     values = {name: grids[name][len(grids[name]) // 2 :][:1] for name in given if name in grids}
