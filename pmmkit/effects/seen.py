@@ -97,8 +97,7 @@ Factor = Callable[[Array, Array], NDArray[np.complex128]]
 class Observed(Protocol):
     """Captive records and the forces of the water on the model, as faults see them.
 
-    One run, or several one after another: what is told of a run is then told of each sample (n,).
-    Faults that the checks suspect act on several; others may ask for one number.
+    Several runs one after another: what is told of a run is told of each sample (n,).
     """
 
     @property
@@ -118,7 +117,7 @@ class Observed(Protocol):
         """Heading in the tank at the samples [rad]."""
 
     @property
-    def drift(self) -> float | Array:
+    def drift(self) -> Array:
         """Heading about which the model is swung [rad]."""
 
     @property
@@ -126,23 +125,23 @@ class Observed(Protocol):
         """Time of the samples [s]."""
 
     @property
-    def speed(self) -> float | Array:
+    def speed(self) -> Array:
         """Speed of the carriage [m/s]."""
 
     @property
-    def omega(self) -> float | Array:
+    def omega(self) -> Array:
         """Angular frequency of the oscillation [rad/s]; 0 for a steady run."""
 
     @property
-    def sways(self) -> bool | Array:
+    def sways(self) -> Array:
         """Whether the rig oscillates the model across the tank."""
 
     @property
-    def yaws(self) -> bool | Array:
+    def yaws(self) -> Array:
         """Whether the rig oscillates the heading."""
 
     @property
-    def day(self) -> float:
+    def day(self) -> Array:
         """Where the run stands between the first (0) and the last (1) of the campaign."""
 
     @property
@@ -151,6 +150,9 @@ class Observed(Protocol):
 
     def along(self, motion: State, *, speed: float | Array | None = None) -> Forces:
         """The forces of the water if the model, or its carriage, went otherwise."""
+
+    def means(self, history: Array) -> Array:
+        """Mean of a history (n,) over each run, at its samples (n,)."""
 
     def project(self, history: Array) -> Array:
         """A history (n,) in the form of the forces."""

@@ -176,7 +176,7 @@ class Restricted:
             root = np.linalg.cholesky(normal)
         except np.linalg.LinAlgError:
             return _NOWHERE
-        back = solve_triangular(root, np.eye(q), lower=True, check_finite=False) if q else root
+        back = np.asarray(solve_triangular(root, np.eye(q), lower=True) if q else root, float)
         pulled = back @ gram[:q, q]
         determinant += float(np.log(np.diagonal(root)).sum())
         misfit = max(float(gram[q, q] - pulled @ pulled), 0.0)

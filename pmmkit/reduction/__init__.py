@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pmmkit.reduction.observations.equations import Rows
     from pmmkit.reduction.observations.prepare import PreparedRun, RunResult, one_cycle
     from pmmkit.reduction.observations.stated import altered, idle
-    from pmmkit.reduction.observations.views import FLOOR, RunView, View
+    from pmmkit.reduction.observations.views import FLOOR, RunViews, View
     from pmmkit.reduction.parts import Parts
     from pmmkit.reduction.reading.resume import resumable
     from pmmkit.reduction.reduce import Reduction, reduce_campaign
@@ -30,7 +30,7 @@ __all__ = [
     "Reduction",
     "Rows",
     "RunResult",
-    "RunView",
+    "RunViews",
     "View",
     "altered",
     "columns_of",

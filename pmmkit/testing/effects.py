@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
+from itertools import cycle, product
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -30,7 +30,7 @@ from pmmkit.models import (
     without_effect,
 )
 from pmmkit.numerics import Array
-from pmmkit.reduction import RunView
+from pmmkit.reduction import RunViews
 from pmmkit.testing import hold
 
 # What every fault of a measurement must hold.
@@ -60,7 +60,7 @@ def acts_on_records(case: _Case) -> Iterator[str]:
     views, base = standard_tests()
     speeds = sorted({view.speed for view in views})
     for view, value in product(views, candidate_of(effect, speeds).grid):
-        run = RunView(view, base)
+        run = RunViews(views=(view,), base=base)
         at = {effect.nonlinear.name: value} if effect.nonlinear else {}
         for item in effect.coefficients:
             none, once, twice = (
@@ -570,8 +570,9 @@ def _captive(case: _Case) -> Iterator[str]:
     if not candidate.grid:
         yield "there are no values to try of its parameter"
     acts = False
-    for view, value in product(views, candidate.grid):
-        for channel, columns in candidate.columns(view, base, value).items():
+    found = [x for value in candidate.grid for x in candidate.columns(views, base, value)]
+    for view, by_channel in zip(cycle(views), found, strict=False):
+        for channel, columns in by_channel.items():
             if columns.shape != (view.rows, candidate.size):
                 yield f"columns of {channel} have the shape {columns.shape}"
             elif not np.all(np.isfinite(columns)):

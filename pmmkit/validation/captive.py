@@ -16,7 +16,7 @@ from pmmkit.inference import COVERAGE
 from pmmkit.models import Model, Step
 from pmmkit.numerics import Array
 from pmmkit.presentation import listed
-from pmmkit.reduction import RunView, View, idle
+from pmmkit.reduction import RunViews, View, idle
 from pmmkit.simulation import Spread
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
 from pmmkit.validation.statistics import ChannelError
@@ -48,7 +48,7 @@ def sizes_told(steps: Mapping[str, Step]) -> dict[str, tuple[float, ...]]:
 
 def shown_too_much(view: View, predictor: Predictor, steps: Mapping[str, Step]) -> dict[str, Array]:
     """Harmonics that a run shows beside the forces of the water, by channel [N, N m]."""
-    seen = RunView(view, predictor)
+    seen = RunViews(views=(view,), base=predictor)
     beside: dict[str, Array] = {}
     for name, sizes in sizes_told(steps).items():
         effect = CATALOGUE[name]

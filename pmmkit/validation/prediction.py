@@ -16,7 +16,7 @@ from pmmkit.effects import State
 from pmmkit.equations import prepare
 from pmmkit.models import Model, Part, scaled
 from pmmkit.numerics import Array
-from pmmkit.reduction import View
+from pmmkit.reduction import RunViews, View
 
 Forces = Callable[[State, Array], dict[str, Array]]
 """From the motion of midship and its instants [s] to forces of the water by channel [N, N m]."""
@@ -46,14 +46,16 @@ class Predictor:
         """The water of the tank."""
         return self.model.water
 
-    def expected(self, view: View) -> dict[str, Array]:
-        """All harmonics of the forces that the model predicts in a view [N, N m]."""
-        return self.along(view, view.motion, view.speed)
-
-    def along(self, view: View, motion: State, speed: float) -> dict[str, Array]:
-        """The same if the model, or its carriage, went otherwise."""
-        forces = self.forces(view, speed)(motion, view.instants)
-        return {name: view.harmonics(x) for name, x in forces.items() if name in view.force}
+    def along(self, runs: RunViews, motion: State, speed: Array) -> dict[str, Array]:
+        """All harmonics of the forces that it predicts in views, one below the other, if the model
+        and its carriage (n,) went so."""
+        parts: dict[str, list[Array]] = {}
+        for view, at in zip(runs.views, runs.samples, strict=True):
+            forces = self.forces(view, float(speed[at.start]))(motion.at(at), view.instants)
+            for name, force in forces.items():
+                if name in view.force:
+                    parts.setdefault(name, []).append(view.harmonics(force))
+        return {name: np.concatenate(own) for name, own in parts.items()}
 
     def forces(self, view: View, speed: float | None = None) -> Forces:
         """What predicts the forces of a run; a propeller that does not turn in it exerts none.

@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 from hidden_effects import BASE, hidden_campaign
 
-from pmmkit.diagnosis.captive import base as stretch
 from pmmkit.diagnosis.captive.adequacy import gains
-from pmmkit.diagnosis.captive.base import SAMPLES, stretches
 from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.evidence import spread
 from pmmkit.diagnosis.captive.refit import captive_candidates
+from pmmkit.reduction import RunViews
+from pmmkit.reduction.observations import views
+
+SLOPE = 1e-10
+"""Rounding of a force over the step of 1e-4 by which slopes are taken, and room for two digits."""
 
 
 @pytest.fixture(scope="module")
@@ -22,27 +25,29 @@ def system():
 @pytest.mark.parametrize("item", captive_candidates((1.0, 1.5)), ids=lambda item: item.name)
 def test_columns_of_several_runs_are_those_of_each(system, item):
     value = item.grid[-1]
-    for view, found in zip(system.views, item.along(system.views, system.base, value), strict=True):
-        alone = item.columns(view, system.base, value)
-        assert found.keys() == alone.keys()
-        for name, columns in alone.items():
+    together = item.columns(system.views, system.base, value)
+    for view, found in zip(system.views, together, strict=True):
+        (alone,) = item.columns([view], system.base, value)
+        for name, force in view.force.items():
+            none = np.zeros((len(force), item.size))
+            columns, largest = alone.get(name, none), np.abs(force).max()
             np.testing.assert_allclose(
-                found[name], columns, rtol=1e-11, atol=1e-12 * np.abs(columns).max(initial=0.0)
+                found.get(name, none), columns, rtol=1e-11, atol=SLOPE * largest
             )
 
 
 def test_runs_stand_in_their_order_and_are_cut_before_they_are_too_long(system, monkeypatch):
-    whole = list(stretches(system.views))
+    whole = list(RunViews.stretches(system.views, system.base))
     assert [view for own in whole for view in own.views] == list(system.views)
-    assert all(own.size <= SAMPLES for own in whole if len(own.views) > 1)
-    monkeypatch.setattr(stretch, "SAMPLES", 1)
-    assert [own.views for own in stretches(system.views)] == [(view,) for view in system.views]
+    assert all(own.size <= views.SAMPLES for own in whole if len(own.views) > 1)
+    monkeypatch.setattr(views, "SAMPLES", 1)
+    cut = RunViews.stretches(system.views, system.base)
+    assert [own.views for own in cut] == [(view,) for view in system.views]
 
 
 def test_numbers_of_each_run_stand_at_its_samples(system):
-    (own, *_) = stretches(system.views)
-    speeds = [view.speed for view in own.views]
-    np.testing.assert_allclose(own.means(own.each(speeds)), speeds, rtol=1e-14)
+    (own, *_) = RunViews.stretches(system.views, system.base)
+    np.testing.assert_allclose(own.means(own.speed), own.speed, rtol=1e-14)
     for view, samples in zip(own.views, own.samples, strict=True):
         np.testing.assert_array_equal(own.history("v")[samples], view.motion.v)
 

@@ -18,7 +18,7 @@ from pmmkit.diagnosis.captive.base import CaptiveBase
 from pmmkit.diagnosis.captive.candidate import columns_of
 from pmmkit.effects import CATALOGUE
 from pmmkit.effects.faults.rig import strokes
-from pmmkit.reduction import RunView, View
+from pmmkit.reduction import RunViews, View
 from tests.support.by_hand import BY_HAND, behind_a_filter, forces, longer_strokes
 from tests.support.hidden_effects import SHIP, WATER, hidden_campaign
 from tests.support.hidden_effects.hull import TRUTH
@@ -67,9 +67,11 @@ def by_hand(make, view, size):
 def test_columns_are_the_slopes_of_what_a_faulty_laboratory_writes_down(name, views):
     size = SMALL[name]
     for view in views:
-        columns = columns_of(CATALOGUE[name])(view, BASE, 0.0)
+        (columns,) = columns_of(CATALOGUE[name])([view], BASE, 0.0)
         true = by_hand(BY_HAND[name], view, size)
-        scale = {channel: np.abs(x).max() for channel, x in BASE.expected(view).items()}
+        scale = {
+            channel: np.abs(x).max() for channel, x in BASE.expecting([view])[0].expected.items()
+        }
         largest = max(np.abs(x).max() / scale[channel] for channel, x in true.items())
         for channel, expected in true.items():
             found = columns[channel][:, 0] if channel in columns else np.zeros(view.rows)
@@ -84,7 +86,7 @@ def test_actions_are_exact_at_any_size(name, views):
     effect = CATALOGUE[name]
     label = effect.coefficients[0].name
     for view in views:
-        run = RunView(view, BASE)
+        run = RunViews(views=(view,), base=BASE)
         shown = effect.shown(run, {label: size})
         for channel, expected in by_hand(BY_HAND[name], view, size).items():
             found = shown.get(channel, run.forces[channel]) - run.forces[channel]
@@ -95,10 +97,10 @@ def test_actions_are_exact_at_any_size(name, views):
 def test_a_whole_filter_is_one_of_its_corner(views):
     for view in views:
         at = {"share": 1.0, "corner": 1 / (2 * np.pi * 0.08)}
-        shown = CATALOGUE["fault_filter_lag"].shown(RunView(view, BASE), at)
+        shown = CATALOGUE["fault_filter_lag"].shown(RunViews(views=(view,), base=BASE), at)
         for channel, expected in by_hand(behind_a_filter, view, 0.08).items():
-            found = shown[channel] - RunView(view, BASE).forces[channel]
-            scale = np.abs(RunView(view, BASE).forces[channel]).max()
+            found = shown[channel] - RunViews(views=(view,), base=BASE).forces[channel]
+            scale = np.abs(RunViews(views=(view,), base=BASE).forces[channel]).max()
             np.testing.assert_allclose(found, expected, atol=1e-9 * scale)
 
 
@@ -109,7 +111,7 @@ def test_longer_strokes_of_sway_and_heading_are_exact(share):
     chosen = [run for run in made.runs if run.dynamic]
     kept = each(made.with_(runs=tuple(chosen)), tuple(chosen), keep_without_roll)
     for view in View.of(kept, unknown_noise=True, pieces=False):
-        run = RunView(view, BASE)
+        run = RunViews(views=(view,), base=BASE)
         found = run.along(strokes(run, 1.0 + share, 1.0 + share))
         for channel, expected in by_hand(longer_strokes, view, share).items():
             scale = np.abs(run.forces[channel]).max()
@@ -123,7 +125,7 @@ def test_a_mass_on_the_balance_that_is_not_the_ship_s_is_what_is_left_in(views):
     view = next(view for view in views if view.run.test == "sway_yaw")
     m = motion_of(PLANS[view.run.id], view.t)
     shown = CATALOGUE["fault_inertia"].shown(
-        RunView(view, replace(BASE, ship=ship)), {"mass share": 0.1}
+        RunViews(views=(view,), base=replace(BASE, ship=ship)), {"mass share": 0.1}
     )
     mass, x = 0.05 * SHIP.mass, 0.1 * SHIP.L
     read = {
@@ -132,5 +134,5 @@ def test_a_mass_on_the_balance_that_is_not_the_ship_s_is_what_is_left_in(views):
         "N": -mass * x * m.ay,
     }
     for channel, expected in read.items():
-        change = shown[channel] - BASE.expected(view)[channel]
+        change = shown[channel] - BASE.expecting([view])[0].expected[channel]
         np.testing.assert_allclose(change, view.project(expected), rtol=1e-8, atol=1e-8)

@@ -252,15 +252,18 @@ def test_a_tied_effect_enters_a_model_with_its_shares():
 def test_one_written_by_hand_takes_part_too():
     """A candidate in Python: the coupling as one shape with a single coefficient."""
 
-    def columns(view, base, value):
+    def columns(views, base, value):
         of = {"Y": ("Yvvr", "Yvrr"), "N": ("Nvvr", "Nvrr")}
         size = {"Yvvr": 0.0214, "Yvrr": -0.0405, "Nvvr": -0.0424, "Nvrr": 0.00156}
-        return {
-            channel: view.project(
-                base.columns(names, view.motion, view.speed) @ [[size[n]] for n in names]
-            )
-            for channel, names in of.items()
-        }
+        return [
+            {
+                channel: view.project(
+                    base.columns(names, view.motion, view.speed) @ [[size[n]] for n in names]
+                )
+                for channel, names in of.items()
+            }
+            for view in views
+        ]
 
     own = Candidate(
         name="shape",

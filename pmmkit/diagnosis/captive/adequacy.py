@@ -62,7 +62,7 @@ def parities(system: System, block: CandidateColumns) -> frozenset[Parity]:
     scale = {channel.name: channel.scale for channel in system.channels}
     views = list(seen.values())
     both = (
-        block.candidate.along(own, system.base, block.value)
+        block.candidate.columns(own, system.base, block.value)
         for own in (views, [mirrored(view) for view in views])
     )
     for view, here, there in zip(views, *both, strict=True):

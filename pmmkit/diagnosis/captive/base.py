@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import accumulate, pairwise
 from types import MappingProxyType
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 
@@ -15,64 +15,9 @@ from pmmkit.campaigns import Run
 from pmmkit.conventions import Convention, Ship, Water
 from pmmkit.effects import BY_SPEED, Regressors, State
 from pmmkit.numerics import Array
-from pmmkit.reduction import View
+from pmmkit.reduction import RunViews, View
 
-# Several runs one after another, so that their samples are looked at together.
-
-
-SAMPLES: Final = 2048
-"""Samples that are looked at together: many more of them leave the processor's cache."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ViewSequence:
-    """Views one after another."""
-
-    views: tuple[View, ...]
-
-    @cached_property
-    def _edges(self) -> list[int]:
-        return list(accumulate((len(view.motion.u) for view in self.views), initial=0))
-
-    @property
-    def size(self) -> int:
-        """Number of samples."""
-        return self._edges[-1]
-
-    @property
-    def samples(self) -> list[slice]:
-        """Those of each view."""
-        return [slice(begin, end) for begin, end in pairwise(self._edges)]
-
-    def each(self, values: Sequence[float]) -> Array:
-        """A number of each view at its samples (n,)."""
-        return np.repeat(values, np.diff(self._edges))
-
-    def means(self, history: Array) -> Array:
-        """Mean of a history (n,) in each view."""
-        found: Array = np.add.reduceat(history, self._edges[:-1]) / np.diff(self._edges)
-        return found
-
-    def history(self, name: str) -> Array:
-        """One of the histories of the motion (n,)."""
-        return np.concatenate([getattr(view.motion, name) for view in self.views])
-
-
-def stretches(views: Sequence[View]) -> Iterator[ViewSequence]:
-    """Views in their order, as many in one stretch as have `SAMPLES` samples together."""
-    held: list[View] = []
-    count = 0
-    for view in views:
-        if held and count + len(view.motion.u) > SAMPLES:
-            yield ViewSequence(views=tuple(held))
-            held, count = [], 0
-        held.append(view)
-        count += len(view.motion.u)
-    if held:
-        yield ViewSequence(views=tuple(held))
-
-
-MOTION: Final[Mapping[str, Callable[[ViewSequence], Array]]] = MappingProxyType(
+MOTION: Final[Mapping[str, Callable[[RunViews], Array]]] = MappingProxyType(
     {
         "u": lambda s: s.history("u"),
         "v": lambda s: s.history("v"),
@@ -90,10 +35,13 @@ MOTION: Final[Mapping[str, Callable[[ViewSequence], Array]]] = MappingProxyType(
 """What an effect may ask for of the motion."""
 
 
+Speed = TypeVar("Speed", float, Array)
+"""One speed, or one at each sample [m/s]."""
 Forces = dict[str, Array]
 """Histories (n,) or (n, q), or their harmonics, by channel."""
-Acting = Callable[[Sequence[View], "CaptiveBase"], Sequence[Mapping[str, Array]]]
-"""Harmonics (m, q) of an effect in each view, by channel, at a value of its nonlinear parameter."""
+Columns = Callable[[Sequence[View], "CaptiveBase", float], Sequence[Mapping[str, Array]]]
+"""Harmonics (m, q) of an effect in each of several views, by channel, for a unit of each of its q
+coefficients, at a value of its nonlinear parameter."""
 LARGE: Final = (0.3, 0.8)
 """Sway over speed, and yaw rate r', from which terms of high order are looked for."""
 
@@ -105,7 +53,8 @@ class CaptiveBase:
     `convention`: what the derivatives mean. `reference`: speed [m/s] at which F =
     (U/reference)² - 1 is zero. `added`: derivatives of effects that act beside them, those with
     the mark of the speed times F. `beside`: effects that are no derivatives, each with what a
-    unit of its coefficients does in views, and these coefficients (q,). A fault of the motion
+    unit of its coefficients does in views, the value of its nonlinear parameter, and these
+    coefficients (q,). A fault of the motion
     changes the force of all of them.
     """
 
@@ -116,7 +65,7 @@ class CaptiveBase:
     convention: Convention
     reference: float
     added: Mapping[str, float] = field(default_factory=dict)
-    beside: tuple[tuple[Acting, Array], ...] = ()
+    beside: tuple[tuple[Columns, float, Array], ...] = ()
 
     @property
     def stands_alone(self) -> bool:
@@ -134,65 +83,79 @@ class CaptiveBase:
             approach_speed=speed,
         ).columns
 
-    def forces(self, motion: State, speed: float) -> Forces:
+    def forces(self, motion: State, speed: float | Array) -> Forces:
         """Predicted forces of the water along a motion [N, N m], of what are derivatives."""
-        acting = self._acting(speed)
-        columns = self.columns([*acting], motion, speed) * [*acting.values()]
-        edges = [0, *accumulate(sum(x[0] == channel for x in acting) for channel in self.names)]
+        names, values, by_speed = self._acting
+        columns = self.columns(names, motion, speed)
+        if by_speed.any():
+            law = self.law(np.broadcast_to(speed, (len(columns),)))
+            columns = columns * (values + law[:, None] * by_speed)
+        else:
+            columns = columns * values
+        edges = [0, *accumulate(sum(x[0] == channel for x in names) for channel in self.names)]
         return {
             channel: columns[:, begin:end].sum(axis=1)
             for channel, (begin, end) in zip(self.names, pairwise(edges), strict=True)
         }
 
-    def _acting(self, speed: float) -> dict[str, float]:
-        """All derivatives at a speed, channel by channel."""
-        acting: dict[str, float] = {}
+    @cached_property
+    def _acting(self) -> tuple[list[str], Array, Array]:
+        """All derivatives, channel by channel, with their values, and what they gain with F."""
+        acting: dict[str, list[float]] = {}
         for channel, names in self.names.items():
-            acting |= {name: self.values[name] for name in names}
+            acting |= {name: [self.values[name], 0.0] for name in names}
             for marked, value in self.added.items():
                 if marked[0] == channel:
                     name = marked.removesuffix(BY_SPEED)
-                    share = value if name == marked else value * self.law(speed)
-                    acting[name] = acting.get(name, 0.0) + share
-        return acting
+                    acting.setdefault(name, [0.0, 0.0])[name != marked] += value
+        values, by_speed = np.reshape([*acting.values()], (-1, 2)).T
+        return [*acting], values, by_speed
 
-    def expected(self, view: View) -> Forces:
-        """All harmonics of the forces that are predicted in a view."""
-        return dict(view.expected) or self.predicted(view)
-
-    def predicted(self, view: View) -> Forces:
-        """The same, whatever another base expected there."""
-        return self.along(view, view.motion, view.speed)
+    def expecting(self, views: Sequence[View]) -> list[View]:
+        """Views with all harmonics of the forces that are predicted in them."""
+        found = []
+        for runs in RunViews.stretches(views, self):
+            forces = self.along(runs, runs.motion, runs.speed)
+            edges = np.cumsum([len(view.whole) for view in runs.views])[:-1]
+            own = {name: np.split(x, edges) for name, x in forces.items()}
+            found += [
+                replace(view, expected={name: x[k] for name, x in own.items()})
+                for k, view in enumerate(runs.views)
+            ]
+        return found
 
     def design(self, names: Sequence[str], views: Sequence[View]) -> Array:
         """Harmonics of what derivatives multiply in views, one below the other (n, len(names))."""
         parts = [np.zeros((0, len(names)))]
-        for stretch in stretches(views):
-            columns = self.columns(
-                names,
-                State.joined([view.motion for view in stretch.views]),
-                stretch.each([view.speed for view in stretch.views]),
-            )
+        for runs in RunViews.stretches(views, self):
+            columns = self.columns(names, runs.motion, runs.speed)
             parts += [
-                view.project(columns[samples])
-                for view, samples in zip(stretch.views, stretch.samples, strict=True)
+                view.project(columns[at]) for view, at in zip(runs.views, runs.samples, strict=True)
             ]
         return np.concatenate(parts)
 
-    def along(self, view: View, motion: State, speed: float) -> Forces:
-        """All harmonics of the forces that are predicted if the model went otherwise in a view."""
-        found = {name: view.harmonics(x) for name, x in self.forces(motion, speed).items()}
+    def along(self, runs: RunViews, motion: State, speed: Array) -> Forces:
+        """All harmonics of the forces that are predicted in views, one below the other, if the
+        model and its carriage (n,) went so."""
+        forces = self.forces(motion, speed)
+        whole = np.stack([*forces.values()], axis=1)
+        harmonics = [
+            view.harmonics(whole[at]) for view, at in zip(runs.views, runs.samples, strict=True)
+        ]
+        found = dict(zip(forces, np.concatenate(harmonics).T, strict=True))
         if not self.beside:
             return found
-        run = view.run
-        if speed != view.speed:
-            run = replace(run, settings=replace(run.settings, speed=speed))
-        whole = view.projection if view.every is None else view.every
-        moved = replace(view, run=run, motion=motion, projection=whole, every=None, kept=None)
+        moved = [
+            view.moved(motion.at(at), float(speed[at.start]))
+            for view, at in zip(runs.views, runs.samples, strict=True)
+        ]
         bare = replace(self, beside=())
-        for along, sizes in self.beside:
-            for name, columns in along([moved], bare)[0].items():
-                found[name] = found[name] + columns @ sizes
+        edges = np.cumsum([0, *map(len, harmonics)]).tolist()
+        for columns_of, value, sizes in self.beside:
+            by_view = columns_of(moved, bare, value)
+            for own, (begin, end) in zip(by_view, pairwise(edges), strict=True):
+                for name, columns in own.items():
+                    found[name][begin:end] += columns @ sizes
         return found
 
     def excited(self, views: Sequence[View]) -> frozenset[str]:
@@ -217,6 +180,6 @@ class CaptiveBase:
             if there
         )
 
-    def law(self, speed: float) -> float:
+    def law(self, speed: Speed) -> Speed:
         """F = (U/reference)² - 1, in which the literature writes the dependence on speed."""
         return (speed / self.reference) ** 2 - 1.0

@@ -65,7 +65,7 @@ def build(
     channels = channels_of(views, base)
     if base.stands_alone:
         base = fitted(base, channels, views)
-    views = [replace(view, expected=base.predicted(view)) for view in views]
+    views = base.expecting(views)
     predicted = {c.name: predicted_rows(c, views, base) for c in channels}
     for_all = [item for item in candidates if not item.each_run]
     for_each = [item for item in candidates if item.each_run]

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import Any, Final, Literal
 
 import numpy as np
 
 from pmmkit.base import Problem, Remedy, UnknownNameError, Way, did_you_mean
 from pmmkit.conventions import parse_derivative
-from pmmkit.diagnosis.captive.base import MOTION, CaptiveBase, ViewSequence, stretches
+from pmmkit.diagnosis.captive.base import MOTION, CaptiveBase, Columns
 from pmmkit.effects import BY_SPEED, Effect
 from pmmkit.numerics import Array
-from pmmkit.reduction import RunView, View
+from pmmkit.reduction import RunViews, View
 
 # What an effect of the catalogue does to a captive run: harmonics per unit of each coefficient.
 
@@ -22,10 +21,6 @@ from pmmkit.reduction import RunView, View
 CHANNELS: Final = ("X", "Y", "N")
 Terms = Sequence[Mapping[str, float]]
 """Derivatives that each coefficient stands for, with its share of them."""
-Columns = Callable[[View, CaptiveBase, float], Mapping[str, Array]]
-"""Harmonics of an effect in one view by channel, (m, q), at one grid point, q coefficients."""
-Together = Callable[[Sequence[View], CaptiveBase, float], Sequence[Mapping[str, Array]]]
-"""`Columns` of several views."""
 
 
 def columns_of(effect: Effect) -> Columns:
@@ -33,16 +28,7 @@ def columns_of(effect: Effect) -> Columns:
     if effect.acts is not None:
         return _of_a_fault(effect)
     terms = terms_of(effect)
-    if terms:
-        return of_terms(terms)
-    together = of_a_force(effect)
-    return lambda view, base, value: together([view], base, value)[0]
-
-
-def together_of(effect: Effect) -> Together | None:
-    """The columns of an effect in several views at once, of a kind for which that is faster."""
-    given = effect.acts is not None or terms_of(effect)
-    return None if given else of_a_force(effect)
+    return of_terms(terms) if terms else _of_a_force(effect)
 
 
 def terms_of(effect: Effect) -> Terms:
@@ -52,27 +38,33 @@ def terms_of(effect: Effect) -> Terms:
     return tuple(effect.derivatives_of(name) for name in effect.typical)
 
 
-def spread_over(
-    view: View, parts: Mapping[str, Sequence[Array]], count: int
-) -> Mapping[str, Array]:
-    """Columns by channel from single columns: channel to one array per coefficient."""
-    return MappingProxyType(
-        {
-            channel: np.array(own, float).T
-            for channel, own in parts.items()
-            if channel in view.force and len(own) == count
-        }
-    )
-
-
 def _of_a_fault(effect: Effect) -> Columns:
     inner, names = effect.nonlinear, list(effect.typical)
 
-    def columns(view: View, base: CaptiveBase, value: float) -> Mapping[str, Array]:
+    def columns(
+        views: Sequence[View], base: CaptiveBase, value: float
+    ) -> Sequence[Mapping[str, Array]]:
         at = {inner.name: value} if inner is not None else {}
-        return spread_over(view, effect.slopes(RunView(view, base), at, names), len(names))
+        found: dict[int, Mapping[str, Array]] = {}
+        for numbers in _alike(views):
+            begin = 0
+            for runs in RunViews.stretches([views[i] for i in numbers], base):
+                slopes = effect.slopes(runs, at, names)
+                whole = {name: np.stack(own, axis=1) for name, own in slopes.items()}
+                for i, view, rows in zip(numbers[begin:], runs.views, runs.rows, strict=False):
+                    found[i] = {name: x[rows] for name, x in whole.items() if name in view.force}
+                begin += len(runs.views)
+        return [found[i] for i in range(len(views))]
 
     return columns
+
+
+def _alike(views: Sequence[View]) -> Iterable[list[int]]:
+    """Places of the views with equal numbers of harmonics, and steady as each other or not."""
+    kinds: dict[tuple[int, bool], list[int]] = {}
+    for i, view in enumerate(views):
+        kinds.setdefault((len(view.whole), view.omega > 0.0), []).append(i)
+    return kinds.values()
 
 
 def of_terms(shares: Terms) -> Columns:
@@ -81,12 +73,19 @@ def of_terms(shares: Terms) -> Columns:
     A derivative with the mark of the speed is multiplied by F at the speed of the run.
     """
 
-    def columns(view: View, base: CaptiveBase, value: float) -> Mapping[str, Array]:
+    def columns(
+        views: Sequence[View], base: CaptiveBase, value: float
+    ) -> Sequence[Mapping[str, Array]]:
         del value
-        acting = (name for name in channels_of_terms([shares]) if name in view.force)
-        return MappingProxyType(
-            {name: of_derivatives([shares], name, [view], base)[0] for name in acting}
-        )
+        edges = np.cumsum([view.rows for view in views])[:-1]
+        made = {
+            name: np.split(of_derivatives([shares], name, views, base)[0], edges)
+            for name in channels_of_terms([shares])
+        }
+        return [
+            {name: own[i] for name, own in made.items() if name in view.force}
+            for i, view in enumerate(views)
+        ]
 
     return columns
 
@@ -122,7 +121,7 @@ def of_derivatives(
     return columns
 
 
-def of_a_force(effect: Effect) -> Together:
+def _of_a_force(effect: Effect) -> Columns:
     """Columns of an effect with a force, a share of the mass matrix, or states of its own."""
     inner = effect.nonlinear
 
@@ -133,21 +132,19 @@ def of_a_force(effect: Effect) -> Together:
         asked = [{label: 1.0, **given} for label in effect.typical]
         return [
             found
-            for stretch in stretches(views)
-            for found in _projected(stretch, histories(effect, stretch, base, asked))
+            for runs in RunViews.stretches(views, base)
+            for found in _projected(runs, histories(effect, runs, base, asked))
         ]
 
     return columns
 
 
-def _projected(
-    stretch: ViewSequence, forces: Sequence[Mapping[str, Array]]
-) -> list[Mapping[str, Array]]:
+def _projected(runs: RunViews, forces: Sequence[Mapping[str, Array]]) -> list[Mapping[str, Array]]:
     """Columns by channel of each view, from the forces per unit of each coefficient."""
     count, channels = len(forces), list(forces[0])
     whole = np.stack([harmonics[name] for name in channels for harmonics in forces], axis=1)
     by_view: list[Mapping[str, Array]] = []
-    for view, samples in zip(stretch.views, stretch.samples, strict=True):
+    for view, samples in zip(runs.views, runs.samples, strict=True):
         harmonics = view.project(whole[samples])
         by_view.append(
             {
@@ -160,7 +157,7 @@ def _projected(
 
 
 def histories(
-    effect: Effect, stretch: ViewSequence, base: CaptiveBase, asked: Sequence[Mapping[str, float]]
+    effect: Effect, runs: RunViews, base: CaptiveBase, asked: Sequence[Mapping[str, float]]
 ) -> list[dict[str, Array]]:
     """Force of an effect of the catalogue along views, its states as in steady oscillation."""
     ship, water = base.ship, base.water
@@ -178,8 +175,8 @@ def histories(
         **dict.fromkeys(effect.options, 0),
     }
     if "Fn" in names:
-        there["Fn"] = stretch.each([ship.froude(view.speed, water.g) for view in stretch.views])
-    there |= {name: of(stretch) for name, of in MOTION.items() if name in names}
+        there["Fn"] = runs.each([ship.froude(view.speed, water.g) for view in runs.views])
+    there |= {name: of(runs) for name, of in MOTION.items() if name in names}
     force = effect.force_over_arrays if effect.force else None
     forces = []
     for values in asked:
@@ -190,8 +187,8 @@ def histories(
             made = force(**given) if force else ()
             return dict(zip(effect.outputs, made, strict=True))
 
-        settled = _settled(effect, stretch, outputs) if effect.states else {}
-        forces.append(_forces(stretch, outputs(settled)))
+        settled = _settled(effect, runs, outputs) if effect.states else {}
+        forces.append(_forces(runs, outputs(settled)))
     return forces
 
 
@@ -210,19 +207,19 @@ def _parameters(
     return given
 
 
-def _forces(stretch: ViewSequence, outputs: Mapping[str, Array]) -> dict[str, Array]:
+def _forces(runs: RunViews, outputs: Mapping[str, Array]) -> dict[str, Array]:
     """Forces by channel; a share of the mass matrix is multiplied by its acceleration."""
     forces: dict[str, Array] = {}
     for output, force in outputs.items():
         if output in CHANNELS:
-            forces[output] = np.broadcast_to(force, (stretch.size,))
+            forces[output] = np.broadcast_to(force, (runs.size,))
         elif output.endswith("dot"):
-            forces[output[0]] = force * stretch.history(output[1:])
+            forces[output[0]] = force * runs.history(output[1:])
     return forces
 
 
 def _settled(
-    effect: Effect, stretch: ViewSequence, outputs: Callable[..., Mapping[str, Array]]
+    effect: Effect, runs: RunViews, outputs: Callable[..., Mapping[str, Array]]
 ) -> dict[str, Array]:
     """States of an effect as they follow the motion once the start is forgotten.
 
@@ -234,14 +231,12 @@ def _settled(
         none = dict.fromkeys(effect.states, 0.0) | settled
         at_rest = outputs(none)[f"{state}_rate"]
         per_unit = at_rest - outputs(none | {state: 1.0})[f"{state}_rate"]
-        follows = np.broadcast_to(at_rest / per_unit, (stretch.size,))
-        rates = stretch.means(np.broadcast_to(per_unit, (stretch.size,)))
+        follows = np.broadcast_to(at_rest / per_unit, (runs.size,))
+        rates = runs.means(np.broadcast_to(per_unit, (runs.size,)))
         settled[state] = np.concatenate(
             [
-                _late(view, follows[samples], rate)
-                for view, samples, rate in zip(
-                    stretch.views, stretch.samples, rates.tolist(), strict=True
-                )
+                _late(view, follows[samples], float(rates[samples.start]))
+                for view, samples in zip(runs.views, runs.samples, strict=True)
             ]
         )
     return settled
@@ -267,9 +262,9 @@ class Candidate:
     `name, family`: name in the catalogue; family by which an answer is given first. `kind`:
     whether it is the ship and the water, or the measurement. `summary`: one sentence for
     people. `coefficients`: what is fitted: derivatives, or the size of a fault with its unit.
-    `typical`: their usual sizes, signed where nature has a sign. `columns`: from a view, the
-    base and a grid value to harmonics per unit coefficient; channels without force are left
-    out. `grid`: values of a nonlinear parameter; one without meaning where there is none.
+    `typical`: their usual sizes, signed where nature has a sign. `columns`: from views, the
+    base and a grid value to harmonics per unit coefficient in each view; channels without force
+    are left out. `grid`: values of a nonlinear parameter; one without meaning where there is none.
     `parameter`: what the grid is, with unit. `continuous`: whether values between those of the
     grid have a meaning. `centre`: values about which coefficients are expected; zeros where
     absent. `each_run`: whether each run and channel draws a size of its own. `check`: a check
@@ -277,8 +272,7 @@ class Candidate:
     ``several speeds``, ``roll``, ``rudder`` …. `linear`: places of the coefficients that are
     linear in the motion, of an effect with many others. `partial`: whether it is only these.
     `terms`: derivatives that each coefficient stands for, with its share of them, where
-    `columns` are those: of many such candidates they are made together. `together`: `columns`
-    of several views at once, where that is faster.
+    `columns` are those: of many such candidates they are made together.
     """
 
     name: str
@@ -298,15 +292,6 @@ class Candidate:
     linear: tuple[int, ...] = ()
     partial: bool = False
     terms: Terms = ()
-    together: Together | None = None
-
-    def along(
-        self, views: Sequence[View], base: CaptiveBase, value: float
-    ) -> Sequence[Mapping[str, Array]]:
-        """Columns in several views."""
-        if self.together is not None:
-            return self.together(views, base, value)
-        return [self.columns(view, base, value) for view in views]
 
     @property
     def size(self) -> int:
@@ -321,8 +306,13 @@ class Candidate:
             return (self,)
         places, columns = list(self.linear), self.columns
 
-        def linear(view: View, base: CaptiveBase, value: float) -> Mapping[str, Array]:
-            return {name: own[:, places] for name, own in columns(view, base, value).items()}
+        def linear(
+            views: Sequence[View], base: CaptiveBase, value: float
+        ) -> Sequence[Mapping[str, Array]]:
+            return [
+                {name: own[:, places] for name, own in found.items()}
+                for found in columns(views, base, value)
+            ]
 
         part = replace(
             self,
@@ -330,7 +320,6 @@ class Candidate:
             typical=tuple(self.typical[k] for k in places),
             centre=tuple(self.centre[k] for k in places) if self.centre else (),
             columns=linear,
-            together=None,
             linear=(),
             partial=True,
             terms=tuple(self.terms[k] for k in places) if self.terms else (),
@@ -378,7 +367,6 @@ def candidate_of(effect: Effect, speeds: Sequence[float] = ()) -> Candidate:
         excites=effect.excites,
         linear=_linear(effect),
         terms=terms_of(effect),
-        together=together_of(effect),
     )
 
 

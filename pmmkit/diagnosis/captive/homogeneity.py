@@ -37,7 +37,8 @@ def homogeneity(
         return ()
     factors = _factors(system.views, system.base.ship.L)
     found = [x for block in asked for x in _of_effect(system, given, answer, block, factors)]
-    found.sort(key=lambda item: item.chance)
+    # Factors whose levels are the same runs have one chance, but for rounding: they stay in order.
+    found.sort(key=lambda item: float(f"{item.chance:.6e}"))
     held, told = 0.0, []
     for number, item in enumerate(found):
         held = max(held, min((len(found) - number) * item.chance, 1.0))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -256,7 +256,7 @@ def _tangent(block: CandidateColumns, sizes: Array) -> CandidateColumns:
     def together(
         views: Sequence[View], base: CaptiveBase, _: float
     ) -> Sequence[Mapping[str, Array]]:
-        both = (c.along(views, base, value + step), c.along(views, base, value - step))
+        both = (c.columns(views, base, value + step), c.columns(views, base, value - step))
         return [
             {name: ((more[name] - less[name]) @ sizes / (2 * step))[:, None] for name in more}
             for more, less in zip(*both, strict=True)
@@ -268,8 +268,7 @@ def _tangent(block: CandidateColumns, sizes: Array) -> CandidateColumns:
         family=c.family,
         kind=c.kind,
         summary=c.summary,
-        columns=lambda view, base, grid: together([view], base, grid)[0],
-        together=together,
+        columns=together,
         coefficients=(PARAMETER,),
         typical=(spread,),
     )
@@ -337,7 +336,7 @@ def linearised(system: System, effects: Sequence[CandidateColumns]) -> System:
             for name, share in shares.items():
                 added[name] = added.get(name, 0.0) + share * size
         if not c.terms:
-            beside.append((partial(c.along, value=block.value), np.array(sizes)))
+            beside.append((c.columns, block.value, np.array(sizes)))
     base = replace(
         system.base,
         values={name: known.get(name, value) for name, value in system.base.values.items()},

@@ -15,12 +15,17 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.base import CaptiveBase
-from pmmkit.diagnosis.captive.candidate import Candidate, channels_of_terms, of_derivatives
+from pmmkit.diagnosis.captive.candidate import (
+    Candidate,
+    channels_of_terms,
+    columns_of,
+    of_derivatives,
+)
 from pmmkit.diagnosis.captive.whitening import Channel, OwnColumns, Piece, Places, RunEffectColumns
 from pmmkit.effects import CATALOGUE
 from pmmkit.inference import Normal
 from pmmkit.numerics import Array
-from pmmkit.reduction import RunView, View
+from pmmkit.reduction import View
 
 WIDER: Final = 1.5
 """Prior standard deviation of a coefficient over its typical size."""
@@ -189,17 +194,19 @@ def run_columns(
     """What each run draws for itself, at size one: offset, gain, degree of drift, and each of the
     k harmonics, which its pieces have in common (n, 3 + k)."""
     harmonics = max(view.rows for view in views)
-    turned = {
-        i: CATALOGUE["fault_misalignment"].slopes(RunView(view, base), {}, ["turned"])
+    drifting = [
+        i
         for i, view in enumerate(views)
         if view.run.settings.drift and not view.run.kind_of_test.swings_hull
-    }
+    ]
+    misaligned = columns_of(CATALOGUE["fault_misalignment"])([views[i] for i in drifting], base, 0)
+    turned = dict(zip(drifting, misaligned, strict=True))
     columns = {}
     for c in channels:
         drift, each = np.zeros(len(c.y)), np.zeros((len(c.y), harmonics))
         for i, rows in zip(c.views, c.rows, strict=True):
             if i in turned:
-                drift[rows] = turned[i][c.name][0]
+                drift[rows] = turned[i][c.name][:, 0]
             first = int(views[i].has_mean)
             own = range(rows.start + first, rows.stop)
             each[own, range(first, views[i].rows)] = c.scale * base.reference**2
@@ -274,7 +281,7 @@ def each_run_columns(
 
     A unit is the force of the run, that of its later cycles where it stands in two pieces.
     """
-    own_views = candidate.along([views[i] for i in channel.views], base, value)
+    own_views = candidate.columns([views[i] for i in channel.views], base, value)
     by_view = {i: own.get(channel.name) for i, own in zip(channel.views, own_views, strict=True)}
     ids = dict.fromkeys(views[i].run.id for i, own in by_view.items() if own is not None)
     number = {run: place for place, run in enumerate(ids)}
@@ -302,7 +309,7 @@ def candidate_columns(
     """Columns of a candidate by channel (n, q)."""
     if candidate.terms:
         return term_columns([candidate], channels, views, base)[0]
-    by_view = candidate.along(views, base, value)
+    by_view = candidate.columns(views, base, value)
     columns = {}
     for channel in channels:
         block = np.zeros((len(channel.y), candidate.size))

@@ -87,7 +87,7 @@ def rows_of(
     channels = [
         replace(c, scale=(scale or {}).get(c.name, c.scale)) for c in channels_of(views, base)
     ]
-    views = [replace(view, expected=base.expected(view)) for view in views]
+    views = base.expecting(views)
     blocks, centre = _blocks(candidates)
     raw = [
         candidate_columns(block.candidate, block.value, channels, views, base) for block in blocks
@@ -140,13 +140,20 @@ def _blocks(candidates: Sequence[Candidate]) -> tuple[tuple[CandidateColumns, ..
 def drawn_once(candidate: Candidate) -> Candidate:
     """A candidate that each run draws, as one share of the force of all runs."""
 
-    def columns(view: View, base: CaptiveBase, value: float) -> Mapping[str, Array]:
-        forces = base.forces(view.motion, view.speed)
-        return {
-            name: float(np.linalg.norm(view.project(forces[name]))) * own
-            for name, own in candidate.columns(view, base, value).items()
-            if name in forces
-        }
+    def columns(
+        views: Sequence[View], base: CaptiveBase, value: float
+    ) -> Sequence[Mapping[str, Array]]:
+        found = []
+        for view, columns_of_view in zip(views, candidate.columns(views, base, value), strict=True):
+            forces = base.forces(view.motion, view.speed)
+            found.append(
+                {
+                    name: float(np.linalg.norm(view.project(forces[name]))) * own
+                    for name, own in columns_of_view.items()
+                    if name in forces
+                }
+            )
+        return found
 
     return replace(candidate, columns=columns, each_run=False) if candidate.each_run else candidate
 

@@ -50,9 +50,11 @@ def current_over_ground(vessel: Vessel) -> Mapping[str, Move]:
 
 def rudder_off(run: Observed, at: Mapping[str, float]) -> Forces:
     """The rudder further to the side that turns to starboard than stated."""
-    if not np.any(run.motion.delta):
+    delta = run.motion.delta
+    steered = np.greater(run.means(np.abs(delta)), 0.0)
+    if not np.any(steered):
         return {}
-    return run.along(run.motion.with_(delta=run.motion.delta + math.radians(at["angle"])))
+    return run.along(run.motion.with_(delta=delta + math.radians(at["angle"]) * steered))
 
 
 def rudder_column_off(vessel: Vessel) -> Mapping[str, Move]:

@@ -38,7 +38,7 @@ def creep(run: Observed, at: Mapping[str, float]) -> Forces:
 
 def creep_over_the_day(run: Observed, at: Mapping[str, float]) -> Forces:
     """Gauges that show more from run to run, by so much from the first to the last [N, N m]."""
-    return _of_both_gauges(run, at, np.full_like(run.t, run.day))
+    return _of_both_gauges(run, at, run.day)
 
 
 Y_IN_X: Final = 0.0

@@ -100,24 +100,28 @@ WITH_SWAY: Final = 1.0
 
 def phase(run: Observed, at: Mapping[str, float]) -> Forces:
     """Rams out of step: sway follows the acceleration across the tank, ψ̇ U with v̇."""
-    omega = float(run.omega)
-    if not run.yaws or omega == 0.0 or (run.sways and at["combined"] == YAW_ALONE):
+    swings = np.logical_and(run.yaws, np.greater(run.omega, 0.0))
+    if at["combined"] == YAW_ALONE:
+        swings = np.logical_and(swings, np.logical_not(run.sways))
+    if not np.any(swings):
         return {}
-    m, lead = run.motion, math.radians(at["phase"]) / omega
-    swing = m.v - np.mean(m.v)
+    m = run.motion
+    lead = np.where(swings, math.radians(at["phase"]), 0.0) / np.where(swings, run.omega, 1.0)
+    swing = m.v - run.means(m.v)
     across = m.vdot + run.speed * m.r
-    rate = run.speed * m.rdot - omega**2 * swing
+    rate = run.speed * m.rdot - run.omega**2 * swing
     return run.along(m.with_(v=m.v + lead * across, vdot=m.vdot + lead * rate))
 
 
 def carriage(run: Observed, at: Mapping[str, float]) -> Forces:
     """The carriage faster than stated by a share, at one speed."""
-    stated, one, faster = float(run.speed), at["speed"], 1.0 + at["share"]
-    if one == 0.0 or abs(stated / one - 1) > 0.02:
+    one = at["speed"]
+    there = np.abs(run.speed - one) <= 0.02 * one
+    if not np.any(there):
         return {}
-    m = run.motion
-    v = m.v if run.sways else m.v * faster
-    return run.along(m.with_(u=m.u * faster, v=v), speed=stated * faster)
+    m, faster = run.motion, 1.0 + at["share"] * there
+    v = np.where(run.sways, m.v, m.v * faster)
+    return run.along(m.with_(u=m.u * faster, v=v), speed=run.speed * faster)
 
 
 def carriage_surge(run: Observed, at: Mapping[str, float]) -> Forces:
@@ -126,18 +130,19 @@ def carriage_surge(run: Observed, at: Mapping[str, float]) -> Forces:
     Pure yaw has u = Uc/cos ψ where the sway carriage follows the path; where the mean speed is
     held instead, part of that swing is missing, and of its acceleration with it.
     """
-    if not run.yaws or float(run.omega) == 0.0:
+    swings = np.logical_and(run.yaws, np.greater(run.omega, 0.0))
+    if not np.any(swings):
         return {}
-    m, share = run.motion, at["share"]
-    return run.along(m.with_(u=m.u - share * (m.u - np.mean(m.u)), udot=m.udot * (1 - share)))
+    m, share = run.motion, at["share"] * swings
+    return run.along(m.with_(u=m.u - share * (m.u - run.means(m.u)), udot=m.udot * (1 - share)))
 
 
 def start(run: Observed, at: Mapping[str, float]) -> Forces:
     """A force of the start that dies away, over its size; decay in L/U."""
-    if float(run.omega) == 0.0:
+    if not np.any(run.omega):
         return {}
     fading = at["share"] * np.exp(-run.t * run.speed / (at["decay"] * run.ship.L))
-    return beside(run, dict.fromkeys(run.forces, fading))
+    return beside(run, dict.fromkeys(run.forces, fading * np.greater(run.omega, 0.0)))
 
 
 def resonance(run: Observed, at: Mapping[str, float]) -> Forces:
@@ -147,7 +152,7 @@ def resonance(run: Observed, at: Mapping[str, float]) -> Forces:
     said, for damping decides there.
     """
     share, own = at["share"], 2.0 * math.pi * at["frequency"]
-    if float(run.omega) == 0.0:
+    if not np.any(run.omega):
         return {}
 
     def factor(n: Array, omega: Array) -> NDArray[np.complex128]:
@@ -159,10 +164,11 @@ def resonance(run: Observed, at: Mapping[str, float]) -> Forces:
 
 def laminar(run: Observed, at: Mapping[str, float]) -> Forces:
     """A share of the resistance that is missing up to a speed, where the flow stays laminar."""
-    if float(run.speed) > 1.02 * at["speed"]:
+    slow = np.less_equal(run.speed, 1.02 * at["speed"])
+    if not np.any(slow):
         return {}
     unit = 0.5 * run.water.rho * run.ship.L**2 * run.motion.speed**2 * 1e-4
-    return beside(run, {"X": at["X"] * unit})
+    return beside(run, {"X": at["X"] * unit * slow})
 
 
 def motion_point(run: Observed, at: Mapping[str, float]) -> Forces:

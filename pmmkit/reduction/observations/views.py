@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from itertools import accumulate, pairwise
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Literal, Protocol
 
@@ -120,17 +121,27 @@ class View:
         found: Array = self.projection @ history
         return found
 
+    @property
+    def whole(self) -> Array:
+        """The projection onto all harmonics (k, n), those too that the forces lack."""
+        return self.projection if self.every is None else self.every
+
     def harmonics(self, history: Array) -> Array:
-        """C0, C1, S1 … of a history, those too that the forces lack."""
-        found: Array = (self.projection if self.every is None else self.every) @ history
+        """C0, C1, S1 … of a history (n,) or (n, q), those too that the forces lack."""
+        found: Array = self.whole @ history
         return found
 
     @cached_property
     def basis(self) -> Array:
         """From all harmonics to the samples, (n, k): what `harmonics` undoes."""
-        return np.asarray(
-            np.linalg.pinv(self.projection if self.every is None else self.every), float
-        )
+        return np.asarray(np.linalg.pinv(self.whole), float)
+
+    def moved(self, motion: State, speed: float) -> View:
+        """All its harmonics, if the model and its carriage [m/s] went otherwise."""
+        run = self.run
+        if speed != self.speed:
+            run = replace(run, settings=replace(run.settings, speed=speed))
+        return replace(self, run=run, motion=motion, projection=self.whole, every=None, kept=None)
 
     def filtered(self, history: Array, factor: Callable[[Array], NDArray[np.complex128]]) -> Array:
         """A history of which each harmonic is multiplied by a complex factor of its order (n,)."""
@@ -402,7 +413,7 @@ def repeat_scatter(views: Sequence[View]) -> dict[tuple[str, bool], float]:
 
 
 def times_factors(harmonics: Array, factors: NDArray[np.complex128]) -> Array:
-    """Harmonics C0, C1, S1 … of which the n-th is multiplied by a complex factor.
+    """Harmonics C0, C1, S1 … (…, k) of which the n-th is multiplied by a complex factor.
 
     Examples
     --------
@@ -410,13 +421,17 @@ def times_factors(harmonics: Array, factors: NDArray[np.complex128]) -> Array:
     [0.0, 0.0, 2.0]
     """
     found = np.empty_like(harmonics)
-    found[0] = factors[0].real * harmonics[0]
-    values = (harmonics[1::2] - 1j * harmonics[2::2]) * factors[1:]
-    found[1::2], found[2::2] = values.real, -values.imag
+    found[..., 0] = factors[..., 0].real * harmonics[..., 0]
+    values = (harmonics[..., 1::2] - 1j * harmonics[..., 2::2]) * factors[..., 1:]
+    found[..., 1::2], found[..., 2::2] = values.real, -values.imag
     return found
 
 
-# A captive run as the faults of the catalogue see it.
+# Captive runs as the faults of the catalogue see them.
+
+
+SAMPLES: Final = 2048
+"""Samples that are looked at together: many more of them leave the processor's cache."""
 
 
 class Expects(Protocol):
@@ -430,27 +445,75 @@ class Expects(Protocol):
     def water(self) -> Water:
         """The water of the tank."""
 
-    def expected(self, view: View) -> Mapping[str, Array]:
-        """All harmonics of the forces that are predicted in a view, by channel [N, N m]."""
-
-    def along(self, view: View, motion: State, speed: float) -> Mapping[str, Array]:
-        """The same if the model, or its carriage, went otherwise."""
+    def along(self, runs: RunViews, motion: State, speed: Array) -> Mapping[str, Array]:
+        """All harmonics of the predicted forces in views, one below the other, if the model went so
+        and its carriage at these speeds (n,), by channel [N, N m]."""
 
 
-@dataclass(frozen=True)
-class RunView:
-    """A view of a run beside a prediction; `effects.seen.Observed` says what each word is.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunViews:
+    """Views of runs, one after another, beside a prediction.
+
+    `effects.seen.Observed` says what each word is.
 
     Parameters
     ----------
-    view : View
-        The run as measured.
+    views : tuple of View
+        The runs as measured. Their harmonics are multiplied by factors of their order only where
+        all have as many.
     base : Expects
-        What is expected of it.
+        What is expected of them.
     """
 
-    view: View
+    views: tuple[View, ...]
     base: Expects
+
+    @classmethod
+    def stretches(cls, views: Sequence[View], base: Expects) -> Iterator[RunViews]:
+        """Views in their order, as many in one stretch as have `SAMPLES` samples together."""
+        held: list[View] = []
+        count = 0
+        for view in views:
+            if held and count + len(view.motion.u) > SAMPLES:
+                yield cls(views=tuple(held), base=base)
+                held, count = [], 0
+            held.append(view)
+            count += len(view.motion.u)
+        if held:
+            yield cls(views=tuple(held), base=base)
+
+    @cached_property
+    def _edges(self) -> list[int]:
+        return list(accumulate((len(view.motion.u) for view in self.views), initial=0))
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self._edges[-1]
+
+    @cached_property
+    def samples(self) -> list[slice]:
+        """Those of each view."""
+        return [slice(begin, end) for begin, end in pairwise(self._edges)]
+
+    @cached_property
+    def rows(self) -> list[slice]:
+        """Harmonics of each view, of those that the forces have."""
+        edges = accumulate((view.rows for view in self.views), initial=0)
+        return [slice(begin, end) for begin, end in pairwise(edges)]
+
+    def each(self, values: Sequence[float] | Sequence[bool]) -> Array:
+        """A number of each view at its samples (n,)."""
+        return np.repeat(values, np.diff(self._edges))
+
+    def history(self, name: str) -> Array:
+        """One of the histories of the motion (n,)."""
+        return np.concatenate([getattr(view.motion, name) for view in self.views])
+
+    def means(self, history: Array) -> Array:
+        """Mean of a history (n,) in each view, at its samples."""
+        found = np.add.reduceat(history, self._edges[:-1]) / np.diff(self._edges)
+        return self.each(found.tolist())
 
     @property
     def ship(self) -> Ship:
@@ -462,90 +525,107 @@ class RunView:
         """The water of the tank."""
         return self.base.water
 
-    @property
+    @cached_property
     def motion(self) -> State:
         """Motion of midship at the samples."""
-        return self.view.motion
+        return State.joined([view.motion for view in self.views])
 
-    @property
+    @cached_property
     def heading(self) -> Array:
         """Heading in the tank [rad]."""
-        return self.view.heading
+        return np.concatenate([view.heading for view in self.views])
 
-    @property
-    def drift(self) -> float:
+    @cached_property
+    def drift(self) -> Array:
         """Heading about which the model is swung [rad]."""
-        return self.view.run.settings.drift
+        return self.each([view.run.settings.drift for view in self.views])
 
-    @property
+    @cached_property
     def t(self) -> Array:
         """Time of the samples [s]."""
-        return self.view.t
+        return np.concatenate([view.t for view in self.views])
 
-    @property
-    def speed(self) -> float:
+    @cached_property
+    def speed(self) -> Array:
         """Speed of the carriage [m/s]."""
-        return self.view.speed
+        return self.each([view.speed for view in self.views])
 
-    @property
-    def omega(self) -> float:
+    @cached_property
+    def omega(self) -> Array:
         """Angular frequency of the oscillation [rad/s]; 0 for a steady run."""
-        return self.view.omega
+        return self.each([view.omega for view in self.views])
 
-    @property
-    def sways(self) -> bool:
+    @cached_property
+    def sways(self) -> Array:
         """Whether the rig oscillates the model across the tank."""
-        return self.view.run.kind_of_test.sways
+        return self.each([view.run.kind_of_test.sways for view in self.views])
 
-    @property
-    def yaws(self) -> bool:
+    @cached_property
+    def yaws(self) -> Array:
         """Whether the rig oscillates the heading."""
-        return self.view.run.kind_of_test.yaws
+        return self.each([view.run.kind_of_test.yaws for view in self.views])
 
-    @property
-    def day(self) -> float:
-        """Where the run stands between the first (0) and the last (1) of the campaign."""
-        return self.view.day
+    @cached_property
+    def day(self) -> Array:
+        """Where the runs stand between the first (0) and the last (1) of the campaign."""
+        return self.each([view.day for view in self.views])
 
     @cached_property
     def _expected(self) -> Mapping[str, Array]:
-        return self.base.expected(self.view)
+        known = [view.expected for view in self.views]
+        if not all(known):
+            return self.base.along(self, self.motion, self.speed)
+        return {name: np.concatenate([own[name] for own in known]) for name in known[0]}
+
+    def _picked(self, harmonics: Mapping[str, Array]) -> dict[str, Array]:
+        """Of all harmonics, by channel, those that the forces have."""
+        if all(view.kept is None for view in self.views):
+            return dict(harmonics)
+        kept = np.concatenate(
+            [np.full(view.rows, True) if view.kept is None else view.kept for view in self.views]
+        )
+        return {name: x[kept] for name, x in harmonics.items()}
 
     @cached_property
     def forces(self) -> Mapping[str, Array]:
         """Harmonics of the predicted forces that the forces have [N, N m]."""
-        return MappingProxyType({name: self.view.pick(x) for name, x in self._expected.items()})
+        return MappingProxyType(self._picked(self._expected))
 
     def along(self, motion: State, *, speed: float | Array | None = None) -> Mapping[str, Array]:
         """The same if the model, or its carriage, went otherwise."""
-        found = self.base.along(self.view, motion, self.speed if speed is None else float(speed))
-        return {name: self.view.pick(x) for name, x in found.items()}
+        stated = self.speed if speed is None else np.broadcast_to(speed, (self.size,))
+        return self._picked(self.base.along(self, motion, stated))
 
     def project(self, history: Array) -> Array:
-        """Harmonics of a history."""
-        return self.view.project(history)
+        """Harmonics of a history (n,)."""
+        return np.concatenate(
+            [view.project(history[at]) for view, at in zip(self.views, self.samples, strict=True)]
+        )
 
     def shaped(self, force: Array, shape: Callable[[Array], Array]) -> Array:
         """Harmonics of a force of which each instant is changed by itself."""
-        return self.view.project(shape(self._history(force)))
+        return self.project(shape(self._history(force)))
 
     def times(self, force: Array, history: Array) -> Array:
         """Harmonics of a force times a history."""
-        return self.view.project(self._history(force) * history)
+        return self.project(self._history(force) * history)
 
     def _history(self, force: Array) -> Array:
         """A force at the samples, from the harmonics that it has."""
-        kept = slice(None) if self.view.kept is None else self.view.kept
-        return np.asarray(self.view.basis[:, kept] @ force)
+        parts = []
+        for view, rows in zip(self.views, self.rows, strict=True):
+            kept = slice(None) if view.kept is None else view.kept
+            parts.append(view.basis[:, kept] @ force[rows])
+        return np.concatenate(parts)
 
     def filtered(
         self, factor: Callable[[Array, Array], NDArray[np.complex128]], *channels: str
     ) -> dict[str, Array]:
         """Harmonics of predicted forces, each times a factor."""
-        expected = {name: self._expected[name] for name in channels or self._expected}
-        count = max(map(len, expected.values()), default=1)
-        factors = factor(np.arange((count - 1) // 2 + 1.0), np.asarray(self.omega))
-        return {
-            name: self.view.pick(times_factors(harmonics, factors))
-            for name, harmonics in expected.items()
-        }
+        omega = np.array([view.omega for view in self.views])[:, None]
+        found = {}
+        for name in channels or self._expected:
+            harmonics = self._expected[name].reshape(len(self.views), -1)
+            factors = factor(np.arange((harmonics.shape[1] - 1) // 2 + 1.0)[None], omega)
+            found[name] = times_factors(harmonics, factors).ravel()
+        return self._picked(found)

@@ -91,9 +91,9 @@ class Records:
         return _each([item.run.kind_of_test.yaws for item in self.group.summaries])
 
     @property
-    def day(self) -> float:
+    def day(self) -> Array:
         """No run is held against another hour of the day here."""
-        return 0.0
+        return np.zeros_like(self.speed)
 
     @cached_property
     def forces(self) -> Mapping[str, Array]:
@@ -103,6 +103,10 @@ class Records:
     def along(self, motion: State, *, speed: float | Array | None = None) -> Mapping[str, Array]:
         """The forces if the model, or its carriage, went otherwise."""
         return self._by_channel(self.group.histories(motion, speed=speed))
+
+    def means(self, history: Array) -> Array:
+        """Mean of a history over each run."""
+        return _each(history.reshape(-1, PHASES).mean(axis=1))
 
     def project(self, history: Array) -> Array:
         """A history as a force: of no parameter, so that only forces with values know it."""
