@@ -57,21 +57,23 @@ def build(
     *,
     floor: float = FLOOR,
     scatter: Mapping[str, Array] | None = None,
+    like: System | None = None,
 ) -> System:
     """The system of a campaign, about its base and what stands beside that.
 
-    scatter (4,).
+    scatter (4,). `like`: a system of the same runs and derivatives, of which all stays that hangs
+    on the motion alone: what faults change hangs on the base.
     """
-    channels = channels_of(views, base)
+    channels = like.channels if like else channels_of(views, base)
     if base.stands_alone:
         base = fitted(base, channels, views)
     views = base.expecting(views)
     predicted = {c.name: predicted_rows(c, views, base) for c in channels}
     for_all = [item for item in candidates if not item.each_run]
     for_each = [item for item in candidates if item.each_run]
-    raw = _raw(for_all, channels, views, base)
+    raw = _raw(for_all, channels, views, base, _of_the_motion(like) if like else {})
     own = run_columns(channels, views, base, predicted)
-    features = tuple(floor_features(c, views, base) for c in channels)
+    features = like.features if like else tuple(floor_features(c, views, base) for c in channels)
     floors = {c.name: floor * x for c, x in zip(channels, features, strict=True)}
     if scatter is None:
         models = {c.name: _largest(c, raw) for c in channels}
@@ -110,7 +112,7 @@ def build(
             ]
         )
         columns = np.column_stack(
-            [made * prior_sizes(block.candidate) for block, made in acting]
+            [made for _, made in acting]
             + [by_channel[number].dense() for _, _, by_channel in few]
             + [floors[c.name]]
         )
@@ -247,27 +249,47 @@ def prior_sizes(candidate: Candidate) -> Array:
     return np.array([WIDER * abs(size) for size in candidate.typical])
 
 
+Asked = tuple[str, int, float]
+"""A candidate in one of its forms, at one grid point."""
+
+
+def _asked(candidate: Candidate, value: float) -> Asked:
+    return candidate.name, candidate.size, value
+
+
+def _of_the_motion(system: System) -> dict[Asked, Mapping[str, Array]]:
+    """Columns of the candidates of a system that no base changes."""
+    return {
+        _asked(x.candidate, x.value): x.made
+        for x in system.blocks
+        if x.candidate.kind == "physics" and x.made is not None
+    }
+
+
 def _raw(
     candidates: Sequence[Candidate],
     channels: Sequence[Channel],
     views: Sequence[View],
     base: CaptiveBase,
+    known: Mapping[Asked, Mapping[str, Array]],
 ) -> list[CandidateColumns]:
-    """All candidates in all their forms at their grid points, with their columns as they are."""
+    """All candidates in all their forms at their grid points, with their columns; some are
+    known."""
     asked = [(form, value) for item in candidates for form in item.forms for value in item.grid]
-    terms = [item for item, _ in asked if item.terms]
-    made = iter(term_columns(terms, channels, views, base))
-    return [
-        CandidateColumns(
-            candidate=item,
-            value=value,
-            columns=slice(0, 0),
-            made=next(made)
-            if item.terms
-            else candidate_columns(item, value, channels, views, base),
-        )
-        for item, value in asked
-    ]
+    terms = [item for item, value in asked if item.terms and _asked(item, value) not in known]
+    of_terms = iter(term_columns(terms, channels, views, base))
+    blocks = []
+    for item, value in asked:
+        made = known.get(_asked(item, value))
+        if made is None:
+            found = (
+                next(of_terms)
+                if item.terms
+                else candidate_columns(item, value, channels, views, base)
+            )
+            made = {name: x * prior_sizes(item) for name, x in found.items()}
+        blocks.append(CandidateColumns(candidate=item, value=value, columns=slice(0, 0), made=made))
+    return blocks
 
 
 def _count(drawings: Drawings) -> int:
@@ -292,7 +314,7 @@ def _placed(
     blocks, at = [], 0
     for item in raw:
         end = at + item.candidate.size
-        blocks.append(replace(item, columns=slice(at, end), made=None))
+        blocks.append(replace(item, columns=slice(at, end)))
         at = end
     of_runs: list[list[Places]] = [[] for _ in range(channels)]
     for candidate, value, by_channel in drawn:

@@ -347,7 +347,7 @@ class MonomialSets:
             return self
         mine, system = [self.blocks[k] for k in places], self.system
         asked = [replace(x.candidate, grid=(x.value,)) for x in (*self.known, *mine)]
-        made = build(system.views, system.base, asked, floor=system.floor)
+        made = build(system.views, system.base, asked, floor=system.floor, like=system)
         total = [sum(np.sum(x[:2] ** 2) for x in own.scatter.values()) for own in (made, system)]
         return self if total[0] >= total[1] else MonomialSets.of(made, self.known, self.blocks)
 

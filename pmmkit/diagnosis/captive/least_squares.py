@@ -279,7 +279,9 @@ def refined(system: System, effects: Sequence[CandidateColumns]) -> tuple[Candid
     """Effects with their nonlinear parameters off the grid, where the runs are explained best."""
     from scipy.optimize import minimize_scalar
 
-    blocks = [_with_columns(system, block) for block in effects]
+    blocks = list(effects)
+    if any(block.candidate.continuous for block in effects):
+        blocks = [_made(system, block, block.value) for block in effects]
     for place, block in enumerate(effects):
         if not block.candidate.continuous:
             continue
@@ -292,21 +294,23 @@ def refined(system: System, effects: Sequence[CandidateColumns]) -> tuple[Candid
             high = 2 * grid[-1] - grid[-2]
 
         def misfit(value: float, place: int = place, block: CandidateColumns = block) -> float:
-            own = _with_columns(system, replace(block, value=value))
+            own = _made(system, block, value)
             return _misfit(stacked(system, [*blocks[:place], own, *blocks[place + 1 :]]))
 
         result = minimize_scalar(
             misfit, bounds=(low, high), method="bounded", options={"xatol": 0.01 * (high - low)}
         )
-        blocks[place] = _with_columns(system, replace(block, value=float(result.x)))
+        blocks[place] = _made(system, block, float(result.x))
     return tuple(
         replace(block, made=None) if block.candidate.each_run else block for block in blocks
     )
 
 
-def _with_columns(system: System, block: CandidateColumns) -> CandidateColumns:
-    """An effect with its columns made once for several fits."""
-    return replace(block, made=effect_columns(system, replace(block, made=None)))
+def _made(system: System, block: CandidateColumns, value: float) -> CandidateColumns:
+    """An effect at a value of its nonlinear parameter, with its columns made once for several
+    fits."""
+    own = block if value == block.value else replace(block, value=value, made=None)
+    return replace(own, made=effect_columns(system, own))
 
 
 def _misfit(stack: Stack) -> float:
@@ -317,8 +321,11 @@ def _misfit(stack: Stack) -> float:
     return float(left @ left + away @ away)
 
 
-def linearised(system: System, effects: Sequence[CandidateColumns]) -> System:
-    """A system whose candidates act on the base with some effects, at the values of a joint fit.
+def linearised(
+    system: System, effects: Sequence[CandidateColumns], asked: Sequence[Candidate] | None = None
+) -> System:
+    """A system whose candidates, or those that are asked, act on the base with some effects, at the
+    values of a joint fit.
 
     What a fault of the motion or of the balance changes is the force of the whole ship, so of all
     that is known of her: one round of Gauss and Newton.
@@ -346,7 +353,12 @@ def linearised(system: System, effects: Sequence[CandidateColumns]) -> System:
     forms = {(block.candidate.name, block.candidate.size) for block in system.blocks}
     every = {x.candidate.name: x.candidate for x in system.blocks if not x.candidate.partial}
     made = build(
-        system.views, base, list(every.values()), floor=system.floor, scatter=system.scatter
+        system.views,
+        base,
+        list(every.values()) if asked is None else asked,
+        floor=system.floor,
+        scatter=system.scatter,
+        like=system,
     )
     kept = [x for x in made.blocks if (x.candidate.name, x.candidate.size) in forms]
     return replace(made, blocks=tuple(kept), unasked=system.unasked)

@@ -45,8 +45,8 @@ LEAST: Final = 1e-4
 class CandidateColumns:
     """One candidate at one grid point: its columns, whitened and projected, over prior sizes.
 
-    Columns that each of very many runs draws stand beside the system, as `drawn`. Those that were
-    made to be fitted (`least_squares.effect_columns`) may be kept, as `made`.
+    Columns that each of very many runs draws stand beside the system, as `drawn`. `made`: the
+    columns before they are whitened, by channel (n, q); None of what each run draws.
     """
 
     candidate: Candidate

@@ -588,8 +588,8 @@ def _without(
 ) -> HeldOut:
     """Held-out errors without an effect: faults among the others act on what is left."""
     if effect.candidate.kind == "physics" and any(x.candidate.kind == "fault" for x in others):
-        system = linearised(system, others)
-        others = [replace(x, made=None) for x in others]
+        system = linearised(system, others, asked=())
+        others = [replace(x, made=None) if x.candidate.kind == "fault" else x for x in others]
     return held_out(system, others, with_level=False)
 
 
