@@ -233,22 +233,8 @@ def _settled(
         per_unit = at_rest - outputs(none | {state: 1.0})[f"{state}_rate"]
         follows = np.broadcast_to(at_rest / per_unit, (runs.size,))
         rates = runs.means(np.broadcast_to(per_unit, (runs.size,)))
-        settled[state] = np.concatenate(
-            [
-                _late(view, follows[samples], float(rates[samples.start]))
-                for view, samples in zip(runs.views, runs.samples, strict=True)
-            ]
-        )
+        settled[state] = runs.lagging(follows, rates)
     return settled
-
-
-def _late(view: View, follows: Array, rate: float) -> Array:
-    """A state that follows a history with a lag of one over a rate [1/s]."""
-    if not view.omega:
-        return follows
-    return view.filtered(
-        follows, lambda orders: np.asarray(1.0 / (1.0 + 1j * orders * (view.omega / rate)), complex)
-    )
 
 
 LARGE: Final = 5

@@ -191,17 +191,30 @@ def least_gains(
     at = np.concatenate([block.places for block in every])
     columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]
     known = system.normal.only(at)
-    edges = np.cumsum([0, *(block.count for block in blocks)])
-    rest = [np.delete(np.arange(len(at)), np.arange(a, b)) for a, b in pairwise(edges)]
-    least = [(np.inf, "")] * len(blocks)
-    for run, taken in taken_with(system, columns).items():
-        others = known - Normal.of_products(taken)
-        whole = others.log_evidence
-        for k, keep in enumerate(rest):
-            least[k] = min(least[k], (whole - others.only(keep).log_evidence, run))
-    return tuple(least)
+    edges = np.cumsum([0, *(block.count for block in blocks)]).tolist()
+    taken = taken_with(system, columns)
+    runs = list(taken)
+    gained = gains_without(known, list(taken.values()), [slice(*own) for own in pairwise(edges)])
+    return tuple((float(own.min()), runs[int(np.argmin(own))]) for own in gained)
 
 
+def gains_without(known: Normal, taken: Sequence[Array], parts: Sequence[slice]) -> list[Array]:
+    """ln evidence that parts of some columns add to the others, without some data (k,).
+
+    taken (q + 1, q + 1): products of columns and data that go, k of them.
+    """
+    few = max(1, HELD // (len(known.centre) + 1) ** 2)
+    found = []
+    for begin in range(0, len(taken), few):
+        others = known - Normal.of_products(np.stack(taken[begin : begin + few]))
+        every = np.arange(len(known.centre))
+        rest = [others.only(np.delete(every, part)).log_evidences for part in parts]
+        found.append(others.log_evidences - np.stack(rest))
+    return list(np.concatenate(found, axis=1))
+
+
+HELD: Final = 2**17
+"""Numbers of products that are weighed at once."""
 MOST: Final = 3
 """Effects in a set; three together are more often one that is not in the catalogue."""
 NEAR: Final = 2

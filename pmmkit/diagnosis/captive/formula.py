@@ -21,7 +21,7 @@ from pmmkit.conventions import CHANNELS, Structure, parse_derivative
 from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.build import build, prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate, of_terms
-from pmmkit.diagnosis.captive.evidence import taken_with
+from pmmkit.diagnosis.captive.evidence import gains_without, taken_with
 from pmmkit.diagnosis.captive.held_out import CHANGED, HeldOut, held_out
 from pmmkit.diagnosis.captive.least_squares import effect_columns, joint_fit, labels, refined
 from pmmkit.diagnosis.captive.refit import DerivativePlaces
@@ -295,15 +295,9 @@ class MonomialSets:
         count = sum(block.count for block in self.known)
         at = [*range(count), *(count + k for k in places)]
         columns = [own[:, [*at, -1]] for own in self.columns]
-        whole = _products(columns)
-        least = np.full(len(places), np.inf)
-        for taken in taken_with(self.system, columns).values():
-            others = whole - Normal.of_products(taken)
-            every = others.log_evidence
-            for k in range(len(places)):
-                rest = np.delete(np.arange(len(at)), count + k)
-                least[k] = min(least[k], every - others.only(rest).log_evidence)
-        return least
+        taken = list(taken_with(self.system, columns).values())
+        parts = [slice(count + k, count + k + 1) for k in range(len(places))]
+        return np.array([own.min() for own in gains_without(_products(columns), taken, parts)])
 
     @cached_property
     def shares(self) -> Array:

@@ -14,6 +14,7 @@ from pmmkit.diagnosis.captive.adequacy import blocks_of, chosen, flags, refused
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.disagreement import telling
 from pmmkit.diagnosis.captive.evidence import (
+    HELD,
     Sets,
     best_blocks,
     columns_at,
@@ -192,8 +193,6 @@ def _mimics(
 
 MOST: Final = 12
 """Sets that stand for election beside the best."""
-HELD: Final = 2**17
-"""Numbers of products that are weighed at once."""
 
 
 def chosen_anew(

@@ -143,12 +143,6 @@ class View:
             run = replace(run, settings=replace(run.settings, speed=speed))
         return replace(self, run=run, motion=motion, projection=self.whole, every=None, kept=None)
 
-    def filtered(self, history: Array, factor: Callable[[Array], NDArray[np.complex128]]) -> Array:
-        """A history of which each harmonic is multiplied by a complex factor of its order (n,)."""
-        harmonics = self.harmonics(history)
-        orders = np.arange((len(harmonics) - 1) // 2 + 1.0)
-        return np.asarray(self.basis @ times_factors(harmonics, factor(orders)), float)
-
     @property
     def places(self) -> list[int]:
         """Where its harmonics stand among C0, C1, S1, C2 …"""
@@ -514,6 +508,25 @@ class RunViews:
         """Mean of a history (n,) in each view, at its samples."""
         found = np.add.reduceat(history, self._edges[:-1]) / np.diff(self._edges)
         return self.each(found.tolist())
+
+    def lagging(self, history: Array, rate: Array) -> Array:
+        """What follows a history (n,) with a lag of one over a rate (n,) [1/s], start forgotten.
+
+        Where the motion is steady, it has arrived.
+        """
+        found, alike = history.copy(), dict[tuple[int, ...], list[int]]()
+        for i, view in enumerate(self.views):
+            if view.omega:
+                alike.setdefault(view.whole.shape, []).append(i)
+        for (k, n), numbers in alike.items():
+            views = [self.views[i] for i in numbers]
+            at = np.array([self._edges[i] for i in numbers])[:, None] + np.arange(n)
+            ratio = np.array([view.omega for view in views])[:, None] / rate[at[:, :1]]
+            factors = 1.0 / (1.0 + 1j * np.arange((k - 1) // 2 + 1.0) * ratio)
+            harmonics = np.stack([view.whole for view in views]) @ history[at][..., None]
+            turned = times_factors(harmonics[..., 0], factors)
+            found[at] = (np.stack([view.basis for view in views]) @ turned[..., None])[..., 0]
+        return found
 
     @property
     def ship(self) -> Ship:
