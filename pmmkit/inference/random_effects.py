@@ -15,6 +15,7 @@ from types import MappingProxyType
 from typing import ClassVar, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.inference.linear_fit import RANK_TOLERANCE
 from pmmkit.numerics import Array
@@ -23,69 +24,75 @@ from pmmkit.numerics import Array
 #
 # The rows of run i are y_i = X_i θ + Σ_j s_j D_ij z_ij + e_i with z_ij ~ N(0, 1) and e_i ~ N(0,
 # V_i). Whitened by V_i, the covariance of a run is C_i = 1 + Σ_j s_j² G_ij with G_ij = D_ij D_ij'.
+# It is taken apart as it stands: a difference of products (Woodbury) loses digits of quiet records.
 # Some columns of X may have a unit normal prior: they are random effects that all runs share.
+
+
+Places = NDArray[np.intp]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Restricted:
-    """Restricted likelihood of the sizes of k kinds of effects in one set of rows.
+    """Restricted likelihood of the sizes of kinds of effects in one set of rows.
 
     Parameters
     ----------
-    groups : tuple of (array (r, m, q), array (k, r, m, m))
+    groups : tuple of (array (r, m, q), array (r, m, d), array of int (d,))
         Of runs of m rows each, whitened by their noise: all columns (model, columns with a prior,
-        data), and ``D D'`` of each kind of effect at size one.
+        data), what a run draws at size one, and the kind of each of these.
     model, shared : int
         How many columns the model has, and how many have a unit prior.
     back : array (p, model)
         From the orthonormal basis of the model to its p coefficients.
     """
 
-    groups: tuple[tuple[Array, Array], ...]
+    groups: tuple[tuple[Array, Array, Places], ...]
     model: int
     shared: int
     back: Array
 
     @classmethod
-    def of(cls, groups: Sequence[tuple[Array, Array]], model: int, shared: int = 0) -> Restricted:
-        """From whitened columns (r, m, q) and kinds (k, r, m, m) of runs of equal length.
+    def of(
+        cls, groups: Sequence[tuple[Array, Array, Places]], model: int, shared: int = 0
+    ) -> Restricted:
+        """From whitened columns (r, m, q) of runs of equal length, and what each draws (r, m, d).
 
         Parameters
         ----------
-        groups : sequence of (array, array)
-            The last column is the data; the first `model` are the model, then `shared` others.
+        groups : sequence of (array, array, array)
+            The last column is the data; the first `model` are the model, then `shared` others. The
+            third array has the kind (d,) of each column that is drawn.
         model, shared : int
             How many columns.
         """
         if not model:
             return cls(groups=tuple(groups), model=0, shared=shared, back=np.zeros((0, 0)))
-        rows = np.concatenate([x[..., :model].reshape(-1, model) for x, _ in groups])
+        rows = np.concatenate([x[..., :model].reshape(-1, model) for x, *_ in groups])
         length = np.linalg.norm(rows, axis=0)
         unit = np.where(length > 0, length, 1.0)
         _, s, Vt = np.linalg.svd(np.linalg.qr(rows / unit, mode="r"), full_matrices=False)
         keep = s > RANK_TOLERANCE * (s[0] if len(s) else 1.0)
         turn = (Vt[keep].T / s[keep]) / unit[:, None]
         made = [
-            (np.concatenate([x[..., :model] @ turn, x[..., model:]], axis=2), G) for x, G in groups
+            (np.concatenate([x[..., :model] @ turn, x[..., model:]], axis=2), *drawn)
+            for x, *drawn in groups
         ]
         return cls(groups=tuple(made), model=int(keep.sum()), shared=shared, back=turn)
 
     def given(self, kind: int, size: float) -> Restricted:
         """With one kind of known size, which is noise then."""
         groups = []
-        for columns, kinds in self.groups:
-            m = columns.shape[1]
-            root = np.linalg.cholesky(np.eye(m) + size**2 * kinds[kind])
+        for columns, drawn, kinds in self.groups:
+            known = size * drawn[..., kinds == kind]
+            root = np.linalg.cholesky(np.eye(columns.shape[1]) + known @ _turned(known))
             white = np.linalg.inv(root)
-            others = white @ kinds @ np.swapaxes(white, 1, 2)
-            others[kind] = 0.0
-            groups.append((white @ columns, others))
+            rest = kinds != kind
+            groups.append((white @ columns, white @ drawn[..., rest], kinds[rest]))
         return replace(self, groups=tuple(groups))
 
-    def informed(self) -> Array:
-        """Which kinds act in any row, array of bool (k,)."""
-        acts: Array = np.any([np.any(G != 0.0, axis=(1, 2, 3)) for _, G in self.groups], axis=0)
-        return acts
+    def acts(self, kind: int) -> bool:
+        """Whether a kind acts in any row."""
+        return any(bool(np.any(drawn[..., kinds == kind])) for _, drawn, kinds in self.groups)
 
     def log_likelihood(self, logs: Array) -> float:
         """At logarithms of sizes (k,), without its slope."""
@@ -110,17 +117,18 @@ class Restricted:
             return at.value, np.zeros(k), np.zeros((k, k))
         gradient, plain = np.zeros(k), np.zeros((k, k))
         across = np.zeros((k, at.inverse.shape[0]))
-        for (_, kinds), (inverse, white) in zip(self.groups, at.parts, strict=True):
-            fitted = white[..., :-1]
-            z = np.einsum("rnm,rn->rm", inverse, white[..., -1] - fitted @ at.solution)
-            B = np.swapaxes(inverse, 1, 2) @ fitted  # C⁻¹ X
-            half = B @ at.inverse
-            P = np.swapaxes(inverse, 1, 2) @ inverse - half @ np.swapaxes(half, 1, 2)
-            pulled = np.einsum("krmn,rn->krm", kinds, z)
-            gradient += np.einsum("krm,rm->k", pulled, z) - np.einsum("krmn,rmn->k", kinds, P)
-            own = np.einsum("rnm,krm->krn", inverse, pulled)
-            plain += np.einsum("jrn,krn->jk", own, own)
-            across += np.einsum("krm,rmp->kp", pulled, half)
+        for (*_, kinds), (white, drawn) in zip(self.groups, at.parts, strict=True):
+            fitted, back = white[..., :-1], _turned(drawn)
+            left = white[..., -1] - fitted @ at.solution
+            pulled = (back @ left[..., None])[..., 0]  # D'z
+            half = (back @ fitted) @ at.inverse
+            own = back @ drawn  # D'C⁻¹D
+            of_kind = np.eye(k)[kinds]
+            traces = np.einsum("rdd->d", own) - np.einsum("rdp,rdp->d", half, half)
+            gradient += (np.sum(pulled**2, axis=0) - traces) @ of_kind
+            both = np.einsum("ra,rab,rb->ab", pulled, own, pulled)
+            plain += of_kind.T @ both @ of_kind
+            across += of_kind.T @ np.einsum("rd,rdp->dp", pulled, half)
         square = np.exp(2.0 * logs)
         gradient = square * gradient
         information = 2.0 * square[:, None] * square * (plain - across @ across.T)
@@ -154,11 +162,12 @@ class Restricted:
         from scipy.linalg import solve_triangular
 
         q = self.model + self.shared
-        square = np.exp(2.0 * logs)
+        sizes = np.exp(logs)
         gram, determinant = np.zeros((q + 1, q + 1)), 0.0
         parts = []
-        for columns, kinds in self.groups:
-            covariance = np.tensordot(square, kinds, axes=1) + np.eye(kinds.shape[-1])
+        for columns, drawn, kinds in self.groups:
+            sized = drawn * sizes[kinds]
+            covariance = np.eye(columns.shape[1]) + sized @ _turned(sized)
             try:
                 root = np.linalg.cholesky(covariance)
             except np.linalg.LinAlgError:
@@ -168,7 +177,7 @@ class Restricted:
             determinant += float(np.log(np.diagonal(root, axis1=1, axis2=2)).sum())
             flat = white.reshape(-1, q + 1)
             gram += flat.T @ flat
-            parts.append((inverse, white))
+            parts.append((white, inverse @ drawn))
         normal = gram[:q, :q].copy()
         prior = np.arange(self.model, q)
         normal[prior, prior] += 1.0
@@ -189,9 +198,15 @@ class Restricted:
         )
 
 
+def _turned(arrays: Array) -> Array:
+    """Each of several arrays turned (…, n, m)."""
+    return np.swapaxes(arrays, -1, -2)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Solved:
-    """Generalised least squares at one set of sizes: R R' of `inverse` is (X'C⁻¹X)⁻¹."""
+    """Generalised least squares at one set of sizes: R R' of `inverse` is (X'C⁻¹X)⁻¹; `parts` are
+    columns and what is drawn, whitened."""
 
     value: float
     misfit: float
@@ -227,6 +242,10 @@ CONVERGED: Final = 1e-9
 known to some 1e-5 of its uncertainty."""
 SHORTEST: Final = 1e-4
 """Share of a step below which none is taken: rounding decides there."""
+SLOW: Final = 0.3
+"""Share of the gain that the step before promised from which steps are too short or too long: the
+curvature is then taken along the last step as it was seen there (the formula of Broyden, Fletcher,
+Goldfarb and Shanno). Where little tells a size, 37 steps become 16."""
 SOON: Final = 1e-4
 """Share of the promised gain of likelihood that a step must bring (Armijo)."""
 
@@ -304,9 +323,10 @@ class RunEffects:
                 promised = value + away @ gradient - 0.5 * np.sum(away @ curved * away, axis=1)
                 weight = weight * np.exp(told - promised - np.max(told - promised))
             nodes[channel], weights[channel] = np.exp(logs), weight / weight.sum()
-            acts = np.any([item.informed() for item in items], axis=0) if items else cls.KINDS
             informed[channel] = tuple(
-                kind for kind, yes in zip(cls.KINDS, acts, strict=True) if yes
+                name
+                for kind, name in enumerate(cls.KINDS)
+                if not items or any(item.acts(kind) for item in items)
             )
         return cls(nodes=nodes, weights=weights, scale=dict(scale), informed=informed)
 
@@ -339,11 +359,11 @@ class RunEffects:
         model, shared : int
             How many of the columns are the model's, and how many have a unit prior.
         """
-        few = len(cls.KINDS) - 1
-        made = []
-        for columns, drawn in groups:
-            parts = [drawn[..., kind : kind + 1] for kind in range(few)] + [drawn[..., few:]]
-            made.append((columns, np.stack([part @ np.swapaxes(part, 1, 2) for part in parts])))
+        last = len(cls.KINDS) - 1
+        made = [
+            (columns, drawn, np.minimum(np.arange(drawn.shape[-1]), last))
+            for columns, drawn in groups
+        ]
         return Restricted.of(made, model, shared)
 
     @classmethod
@@ -454,10 +474,11 @@ def _mode(likelihoods: Sequence[Sequence[Restricted]]) -> tuple[Array, Array]:
                 information[np.ix_(own, own)] += curved
         return value, gradient, information
 
-    at = mean
+    at, last = mean, np.inf
     value, gradient, information = slope(at)
+    curved = information
     for _ in range(STEPS):
-        step = np.linalg.solve(information, gradient)
+        step = np.linalg.solve(curved, gradient)
         if float(gradient @ step) < CONVERGED:
             break
         step *= min(1.0, LONGEST / float(np.max(np.abs(step))))
@@ -468,7 +489,14 @@ def _mode(likelihoods: Sequence[Sequence[Restricted]]) -> tuple[Array, Array]:
             new = slope(at + share * step)
         if share <= SHORTEST:
             break
-        at, (value, gradient, information) = at + share * step, new
+        moved, bent = share * step, gradient - new[1]
+        at, (value, gradient, information) = at + moved, new
+        curved = information
+        if promised > SLOW * last and bent @ moved > 0.0:
+            own = curved @ moved
+            curved = curved - np.outer(own, own) / (moved @ own)
+            curved += np.outer(bent, bent) / (bent @ moved)
+        last = promised
     return at, information
 
 
