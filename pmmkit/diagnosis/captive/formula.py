@@ -348,7 +348,8 @@ class MonomialSets:
     def left_out(self, places: Sequence[int], *, with_level: bool = False) -> HeldOut:
         """Errors of left-out conditions with a set."""
         mine = [self.blocks[k] for k in places]
-        return held_out(self.system, [*self.known, *mine], with_level=with_level)
+        every = [*self.known, *mine]
+        return held_out(self.system, every, with_level=with_level, with_spread=False)
 
 
 def _products(columns: Sequence[Array]) -> Normal:

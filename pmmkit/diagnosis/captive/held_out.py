@@ -77,7 +77,13 @@ class _Errors:
 
 
 def expected_errors(
-    system: System, stack: Stack, found: Solved, residual: Array, folds: Sequence[LeftOut]
+    system: System,
+    stack: Stack,
+    found: Solved,
+    residual: Array,
+    folds: Sequence[LeftOut],
+    *,
+    with_spread: bool,
 ) -> tuple[Array, Array, Array, Array]:
     """What noise, run scatter, smooth floor and the fit to the others give left-out conditions.
 
@@ -101,18 +107,22 @@ def expected_errors(
                 left[mine, edges[k] : edges[k + 1]] += own[fold.rows[mine] - begin]
             errors = _Errors(own=np.eye(len(fold.rows)), fit=found.Q[fold.rows], floor=left)
             root = np.linalg.cholesky(errors.covariance)
-            white.append(errors.by(np.linalg.inv(root)))
             distance[number] = float(np.sum(np.linalg.solve(root, residual[fold.rows]) ** 2))
             shown = errors.by(_root(system, begins, fold) @ fold.inverse)
             variance = fold.weight * np.maximum(np.diagonal(shown.covariance), 0.0)
             square[number] = np.bincount(fold.channel, variance, minlength=len(begins))
+            if not with_spread:
+                continue
+            white.append(errors.by(np.linalg.inv(root)))
             size = np.where(square[number] > 0.0, square[number], np.inf)[fold.channel]
             scaled = shown.times(np.sqrt(fold.weight / size))
             plain.append([scaled.of(np.flatnonzero(fold.channel == k)) for k in range(len(begins))])
-        every = [*zip(*plain, strict=True), white]
-        sums = [one.with_(more) for one, more in zip(sums, every, strict=True)]
+        if with_spread:
+            every = [*zip(*plain, strict=True), white]
+            sums = [one.with_(more) for one, more in zip(sums, every, strict=True)]
     rows = np.array([len(fold.rows) for fold in folds], float)
-    return square, distance, rows, np.array([item.variance for item in sums])
+    spread = [item.variance if with_spread else np.nan for item in sums]
+    return square, distance, rows, np.array(spread)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -304,9 +314,15 @@ def _rms(values: Array) -> Array:
 
 
 def held_out(
-    system: System, effects: Sequence[CandidateColumns] = (), *, with_level: bool = True
+    system: System,
+    effects: Sequence[CandidateColumns] = (),
+    *,
+    with_level: bool = True,
+    with_spread: bool = True,
 ) -> HeldOut:
     """Errors of base and effects on each condition, fitted to all other conditions.
+
+    Their noise levels, and what spread these have over all conditions, take longer than they do.
 
     Notes
     -----
@@ -355,7 +371,7 @@ def held_out(
     if with_level and folds:
         at = list(folds)
         square, distance[at], rows_of[at], spread = expected_errors(
-            system, stack, fit, residual, tuple(folds.values())
+            system, stack, fit, residual, tuple(folds.values()), with_spread=with_spread
         )
         level[at] = np.where(np.isfinite(error[at]), np.sqrt(square), np.nan)
     return HeldOut(

@@ -225,7 +225,8 @@ def chosen_anew(
         elected.setdefault(int(np.argmax(left)), []).append(number)
     for winner, rows in elected.items():
         if winner:
-            other = held_out(system, [*given, *blocks_of(system, rivals[winner - 1])])
+            more = [*given, *blocks_of(system, rivals[winner - 1])]
+            other = held_out(system, more, with_spread=False)
             predicted = predicted.with_rows_of(other, rows)
     return predicted
 

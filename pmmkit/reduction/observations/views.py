@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
-from itertools import accumulate, pairwise
+from itertools import accumulate, compress, pairwise
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Literal, Protocol
 
@@ -605,9 +605,27 @@ class RunViews:
         return MappingProxyType(self._picked(self._expected))
 
     def along(self, motion: State, *, speed: float | Array | None = None) -> Mapping[str, Array]:
-        """The same if the model, or its carriage, went otherwise."""
+        """The same if the model, or its carriage, went otherwise; runs that go as they did are not
+        predicted again."""
         stated = self.speed if speed is None else np.broadcast_to(speed, (self.size,))
-        return self._picked(self.base.along(self, motion, stated))
+        moved = stated != self.speed
+        for field_ in fields(State):
+            here, there = getattr(motion, field_.name), getattr(self.motion, field_.name)
+            if here is not there:
+                moved = moved | (here != there)
+        changed = np.logical_or.reduceat(moved, self._edges[:-1])
+        if not changed.any():
+            return self.forces
+        if changed.all():
+            return self._picked(self.base.along(self, motion, stated))
+        kept = self.each(changed.tolist())
+        some = RunViews(views=tuple(compress(self.views, changed)), base=self.base)
+        own = self.base.along(some, motion.at(kept), stated[kept])
+        rows = np.repeat(changed, [len(view.whole) for view in self.views])
+        found = {name: x.copy() for name, x in self._expected.items()}
+        for name, x in own.items():
+            found[name][rows] = x
+        return self._picked(found)
 
     def project(self, history: Array) -> Array:
         """Harmonics of a history (n,)."""
