@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 from pmmkit.base import DataError
 from pmmkit.campaigns.run_settings import RUN_SETTINGS
 from pmmkit.campaigns.setting import ANGLE
-from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.stated_run import StatedRun
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.effects import State
@@ -428,25 +427,24 @@ def _stated(runs: Sequence[Run]) -> dict[str, str]:
 
 def _set_alike(runs: Sequence[Run]) -> dict[str, str]:
     """The first run of the same test that was set like each, by id."""
-    equal: dict[tuple[str, Settings], list[str]] = {}
+    kinds: dict[tuple[object, ...], dict[tuple[float | None, ...], list[str]]] = {}
     for run in runs:
-        key = (run.test, replace(run.settings, repeat_of=None))
-        equal.setdefault(key, []).append(run.id)
-    kinds: dict[tuple[object, ...], list[tuple[str, Settings]]] = {}
-    for test, settings in equal:
-        unstated = tuple(settings.value(name) is None for name in RUN_SETTINGS.resolution)
-        kinds.setdefault((test, unstated), []).append((test, settings))
+        values = tuple(run.settings.value(name) for name in RUN_SETTINGS.resolution)
+        stated = tuple(value is None for value in values)
+        kinds.setdefault((run.test, stated), {}).setdefault(values, []).append(run.id)
     found = {}
-    for keys in kinds.values():
-        for key, first in zip(keys, _first_alike([item[1] for item in keys]), strict=True):
-            found.update(dict.fromkeys(equal[key], equal[keys[first]][0]))
+    for equal in kinds.values():
+        together = list(equal.values())
+        for own, first in zip(together, _first_alike(list(equal)), strict=True):
+            found.update(dict.fromkeys(own, together[first][0]))
     return found
 
 
-def _first_alike(settings: Sequence[Settings]) -> list[int]:
+def _first_alike(settings: Sequence[tuple[float | None, ...]]) -> list[int]:
     """Place of the first of settings that each is alike; all state the same ones."""
     limits = RUN_SETTINGS.resolution
-    values = np.array([[s.value(name) or 0.0 for name in limits] for s in settings])
+    values = np.array(settings, float)
+    values[np.isnan(values)] = 0.0
     allowed = np.array(list(limits.values()))
     angular = np.array([limit is ANGLE for limit in limits.values()])
     first = np.full(len(settings), -1)

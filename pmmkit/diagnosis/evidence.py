@@ -75,19 +75,22 @@ def could_hide(
 
 
 def mimics(
-    information: Array, across: Array, signal: float, others: Mapping[str, NDArray[np.intp]]
-) -> dict[str, float]:
-    """Effects that reproduce most of a signature, with the share; the best first.
+    information: Array, across: Array, signals: Array, others: Mapping[str, NDArray[np.intp]]
+) -> list[dict[str, float]]:
+    """Effects that reproduce most of each of n signatures, with the share; the best first.
 
-    information (q, q); across (q,).
+    information (q, q); across (q, n); signals (n,).
     """
     shares = {}
     for name, at in others.items():
-        coefficients = np.linalg.lstsq(information[np.ix_(at, at)], across[at], rcond=REPRODUCES)[0]
-        share = float(across[at] @ coefficients) / signal
-        if share >= MIMICS:
-            shares[name] = min(share, 1.0)
-    return dict(sorted(shares.items(), key=lambda item: -item[1]))
+        own = across[at]
+        coefficients = np.linalg.lstsq(information[np.ix_(at, at)], own, rcond=REPRODUCES)[0]
+        shares[name] = np.minimum(np.sum(own * coefficients, axis=0) / signals, 1.0).tolist()
+    found = []
+    for k in range(len(signals)):
+        most = sorted(others, key=lambda name: -shares[name][k])
+        found.append({name: shares[name][k] for name in most if shares[name][k] >= MIMICS})
+    return found
 
 
 def finite(value: float) -> float | None:

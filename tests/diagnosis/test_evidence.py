@@ -145,7 +145,7 @@ def test_a_mimic_reproduces_the_square_of_the_correlation():
     columns = np.array([[1.0, 0.0, 0.0], [0.8, 0.6, 0.0], [0.6, 0.0, 0.8], [1.0, 0.0, 0.0]]).T
     G = columns.T @ columns
     others = {"near": np.array([1]), "far": np.array([2]), "both": np.array([1, 2])}
-    found = mimics(G, G[:, 0], 1.0, others)
+    (found,) = mimics(G, G[:, :1], np.ones(1), others)
     assert found["near"] == pytest.approx(0.64)
     assert "far" not in found
     # Of the plane of both the normal is (-.48, .64, .36) over its length.

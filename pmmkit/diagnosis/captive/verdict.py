@@ -65,6 +65,8 @@ def coverage(system: System) -> tuple[Visible, ...]:
             best[name] = (signal, block)
     visible = []
     robust = _without_a_run(system, [block for _, block in best.values()])
+    names = [name for name, (left, _) in zip(best, robust, strict=True) if left >= SHOWS]
+    mimicked = _mimics(system, names, best)
     for (name, (signal, block)), (left, run) in zip(best.items(), robust, strict=True):
         shown = left >= SHOWS
         visible.append(
@@ -84,7 +86,7 @@ def coverage(system: System) -> tuple[Visible, ...]:
                     still=signal <= ROUNDING
                     and not any(np.any(x) for x in effect_columns(system, block).values()),
                 ),
-                mimics=_mimics(system, block, signal, best) if shown else {},
+                mimics=mimicked.get(name, {}),
             )
         )
     # a signal of rounding alone is none: these stand by their names on any machine
@@ -175,17 +177,22 @@ def _why(candidate: Candidate, signal: float, run: str, *, still: bool) -> str:
 
 
 def _mimics(
-    system: System,
-    block: CandidateColumns,
-    signal: float,
-    others: Mapping[str, tuple[float, CandidateColumns]],
-) -> dict[str, float]:
-    """Effects that reproduce most of a signature."""
+    system: System, names: Sequence[str], every: Mapping[str, tuple[float, CandidateColumns]]
+) -> dict[str, dict[str, float]]:
+    """Effects that reproduce most of the signature of each of some."""
     information = system.normal.information
-    products = block.drawn.across if block.drawn else information[:, block.columns]
-    name = block.candidate.name
-    places = {x: other.places for x, (_, other) in others.items() if x != name and not wide(other)}
-    return mimics(information, products @ _at_usual_size(block), signal, places)
+    across = [np.zeros((len(information), 0))]
+    for name in names:
+        block = every[name][1]
+        products = block.drawn.across if block.drawn else information[:, block.columns]
+        across.append((products @ _at_usual_size(block))[:, None])
+    places = {name: block.places for name, (_, block) in every.items() if not wide(block)}
+    signals = np.array([every[name][0] for name in names])
+    found = mimics(information, np.hstack(across), signals, places)
+    return {
+        name: {other: share for other, share in own.items() if other != name}
+        for name, own in zip(names, found, strict=True)
+    }
 
 
 # Predictions of left-out conditions by the set that the other conditions would have chosen.

@@ -208,7 +208,9 @@ def coverage_of(
                 hides=could_hide(seen.normal.information[np.ix_(own, own)], a),
                 shown=shown,
                 why="" if shown else _why(strength),
-                mimics=mimics(seen.normal.information, across, strength, others)
+                mimics=mimics(
+                    seen.normal.information, across[:, None], np.array([strength]), others
+                )[0]
                 if strength > 1.0
                 else {},
             )
