@@ -154,8 +154,18 @@ def build(
         floor=floor,
         floor_columns=slice(begin, width),
         prior=prior,
-        pieces=tuple(pieces),
+        pieces=tuple(_without_floor(piece) for piece in pieces),
         features=features,
+    )
+
+
+def _without_floor(piece: Piece) -> Piece:
+    """A piece without the floor's columns, the last, of which the products are enough."""
+    return replace(
+        piece,
+        columns=piece.columns[:, :-FEATURES].copy(),
+        places=piece.places[:-FEATURES],
+        data=piece.data.copy(),
     )
 
 

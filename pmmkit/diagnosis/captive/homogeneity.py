@@ -84,12 +84,11 @@ def _of_effect(
     for piece in system.pieces:
         channel = piece.projection.channel
         force = raw[channel.name] @ own if channel.name in raw else np.zeros(len(channel.y))
-        ids = np.array([""] * len(force), object)
-        for i, rows in zip(channel.views, channel.rows, strict=True):
-            ids[rows] = system.views[i].run.id
+        ids = dict.fromkeys(system.views[i].run.id for i in channel.views)
         for factor, levels in factors.items():
-            inside = [np.isin(ids, list(runs)) * force for runs in levels.values()]
-            left.setdefault(factor, []).append(piece.projection.left(np.column_stack(inside)))
+            held = np.array([[name in runs for runs in levels.values()] for name in ids])
+            inside = held[piece.projection.run_of_row] * force[:, None]
+            left.setdefault(factor, []).append(piece.projection.left(inside))
     for factor, levels in factors.items():
         inner = np.sum([x.T @ x for x in left[factor]], axis=0)
         score, cross = np.zeros(len(levels)), np.zeros((len(at), len(levels)))

@@ -95,7 +95,8 @@ class Projection:
         return of_others(self.span[rows])[0]
 
     @cached_property
-    def _run_of_row(self) -> Places:
+    def run_of_row(self) -> Places:
+        """Number of the run that each row belongs to (n,)."""
         run = np.zeros(len(self.channel.y), np.intp)
         for number, rows in enumerate(self.channel.runs):
             run[rows] = number
@@ -104,7 +105,7 @@ class Projection:
     def runs_of(self, rows: Places) -> tuple[int, ...]:
         """Numbers of the runs that some rows belong to; rows of other channels are left out."""
         inside = rows[(rows >= 0) & (rows < len(self.channel.y))]
-        return tuple(dict.fromkeys(self._run_of_row[inside].tolist()))
+        return tuple(dict.fromkeys(self.run_of_row[inside].tolist()))
 
     @cached_property
     def roots(self) -> tuple[Array, ...]:
@@ -149,7 +150,7 @@ class Piece:
     """One channel of a system: whitened, with what base and floor explain taken off.
 
     `projection`: how that is done to any column. `columns (n + D, q)`: those of the system that
-    act in this channel. `places (q,)`: their places in the system.
+    act in this channel, but for the floor. `places (q,)`: their places in the system.
     """
 
     projection: Projection
