@@ -25,7 +25,7 @@ SAME_LENGTH: Final = 1e-3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Predictor:
-    """A model as it stands in the towing tank: what `observations.seen.Seen` asks for forces.
+    """A model as it stands in the towing tank: what `RunViews` ask for forces.
 
     `model`: at the scale of the tests, in their water, with the parts that the tests hold.
     `extrapolate`: allow speeds outside the range of the model's values. `notes`: what was done

@@ -104,8 +104,8 @@ def _stacked(
     none = np.zeros((1, candidate.size))
     return np.concatenate(
         [
-            candidate.columns(view, base, value).get(channel, np.repeat(none, view.rows, axis=0))
-            for view in views
+            columns.get(channel, np.repeat(none, view.rows, axis=0))
+            for view, columns in zip(views, candidate.columns(views, base, value), strict=True)
         ]
     )
 
@@ -119,8 +119,8 @@ def _acts(
 ) -> dict[str, dict[str, dict[str, float]]]:
     """By test the harmonics of the run in which they are largest."""
     found: dict[str, dict[str, dict[str, float]]] = {}
-    for view in views:
-        for channel, columns in candidate.columns(view, base, value).items():
+    for view, by_channel in zip(views, candidate.columns(views, base, value), strict=True):
+        for channel, columns in by_channel.items():
             shares = columns @ _usual(candidate) / sizes[view.speed, channel]
             own = {
                 label: float(x)

@@ -209,7 +209,7 @@ def test_columns_are_those_of_the_polynomial():
     tied = candidate_of(pk.own_effect("tied", "Y: a*v*v*r; N: -0.4*a*v*|v|; a ~ 1"))
     known = polynomial("known", "hull", "", {"Yvvr": 1.0, "Nv|v|": 1.0})
     for view in View.of(SMALL):
-        one, other, sum_ = (x.columns(view, base, 0.0) for x in (text, known, tied))
+        one, other, sum_ = (x.columns([view], base, 0.0)[0] for x in (text, known, tied))
         for channel, share in (("Y", [1.0, 0.0]), ("N", [0.0, -0.4])):
             np.testing.assert_allclose(one[channel], other[channel], rtol=1e-12)
             np.testing.assert_allclose(sum_[channel][:, 0], one[channel] @ share, rtol=1e-12)
