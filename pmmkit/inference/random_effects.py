@@ -74,8 +74,8 @@ class Restricted:
         keep = s > RANK_TOLERANCE * (s[0] if len(s) else 1.0)
         turn = (Vt[keep].T / s[keep]) / unit[:, None]
         made = [
-            (np.concatenate([x[..., :model] @ turn, x[..., model:]], axis=2), *drawn)
-            for x, *drawn in groups
+            (np.concatenate([x[..., :model] @ turn, x[..., model:]], axis=2), drawn, kinds)
+            for x, drawn, kinds in groups
         ]
         return cls(groups=tuple(made), model=int(keep.sum()), shared=shared, back=turn)
 

@@ -522,7 +522,7 @@ class RunViews:
             views = [self.views[i] for i in numbers]
             at = np.array([self._edges[i] for i in numbers])[:, None] + np.arange(n)
             ratio = np.array([view.omega for view in views])[:, None] / rate[at[:, :1]]
-            factors = 1.0 / (1.0 + 1j * np.arange((k - 1) // 2 + 1.0) * ratio)
+            factors = np.asarray(1.0 / (1.0 + 1j * np.arange((k - 1) // 2 + 1.0) * ratio), complex)
             harmonics = np.stack([view.whole for view in views]) @ history[at][..., None]
             turned = times_factors(harmonics[..., 0], factors)
             found[at] = (np.stack([view.basis for view in views]) @ turned[..., None])[..., 0]
