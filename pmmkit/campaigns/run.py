@@ -190,6 +190,8 @@ class Run(StatedRun, Described):
     def levels(runs: Sequence[Run]) -> dict[str, dict[str, frozenset[str]]]:
         """Names of runs by kind of test, speed, side of the drift and frequency.
 
+        The side of a free-running manoeuvre is that to which its rudder is put first.
+
         Parameters
         ----------
         runs : sequence of Run
@@ -209,6 +211,12 @@ class Run(StatedRun, Described):
         {'at positive drift': ['a'], 'at negative drift': ['b']}
         """
         sides = {1.0: "at positive drift", -1.0: "at negative drift"}
+        turns = {1.0: "turned to starboard first", -1.0: "turned to port first"}
+
+        def side(run: Run) -> str:
+            if run.kind_of_test.free_running:
+                return turns.get(float(np.sign(run.settings.rudder)), "")
+            return sides.get(float(np.sign(run.settings.drift)), "")
 
         def by(words: Callable[[Run], str], order: Callable[[Run], float]) -> dict[str, Any]:
             levels: dict[str, list[str]] = {}
@@ -225,9 +233,7 @@ class Run(StatedRun, Described):
                 lambda run: f"at {round(run.settings.speed, 6):g} m/s",
                 lambda run: run.settings.speed,
             ),
-            "side": by(
-                lambda run: sides.get(float(np.sign(run.settings.drift)), ""), lambda _: 0.0
-            ),
+            "side": by(side, lambda _: 0.0),
             "frequency": by(lambda run: f"at {omega(run):.3g} rad/s" if omega(run) else "", omega),
         }
 

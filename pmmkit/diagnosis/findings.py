@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.diagnosis.empirical import EmpiricalFormula
 from pmmkit.diagnosis.evidence import RankedSet, Visible, finite
-from pmmkit.intake import Untold
+from pmmkit.intake import Disagreement, Untold
 from pmmkit.models import Model, odds
 from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
 
@@ -215,36 +215,6 @@ class SuspectRun:
 
     def __str__(self) -> str:
         return f"{self.effect} (run {self.run})"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Disagreement:
-    """A group of runs in which a channel reads otherwise than in all others.
-
-    `channel, group`: the channel, and the group in words. `runs`: their names. `gain`: what it
-    reads more, as a share of the force. `offset`: what its means read more, over the rms force.
-    `log_odds`: ln of the odds for it beside the answer, `instead` in its place. `rival`: whether
-    it is told because it explains as much in the answer's place.
-    """
-
-    channel: str
-    group: str
-    runs: tuple[str, ...]
-    gain: float
-    offset: float
-    log_odds: float
-    instead: float
-    rival: bool = False
-
-    def __str__(self) -> str:
-        who = f"{self.channel} {self.group} ({counted(len(self.runs), 'run')})"
-        if self.rival:
-            return f"an error of {who} would explain as much"
-        size, side = 100.0 * abs(self.gain), "more" if self.gain > 0.0 else "less"
-        return (
-            f"{who} disagrees with the others ({odds(self.log_odds)}): "
-            f"it reads {size:.1f} % {side}, offset {100.0 * self.offset:+.1f} % of the rms force"
-        )
 
 
 VARIES: Final = 0.25

@@ -6,10 +6,10 @@ from pmmkit.base import lazy
 
 if TYPE_CHECKING:
     from pmmkit.intake.checks import examine
+    from pmmkit.intake.checks.disagreement import Disagreement
     from pmmkit.intake.checks.finding import CheckFinding, Summary, name_runs, refuse
     from pmmkit.intake.checks.positions import digits, position_jumps
     from pmmkit.intake.checks.reading import KnownHistory, summarise
-    from pmmkit.intake.checks.record import FLAT_SAMPLES
     from pmmkit.intake.checks.untold import Untold
     from pmmkit.intake.drafting import DraftAnswers, Drafted
     from pmmkit.intake.drafts.columns import ColumnChoice
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from pmmkit.intake.seen import ColumnLook, FileLook
 
 __all__ = [
-    "FLAT_SAMPLES",
     "LARGE",
     "CheckFinding",
     "ColumnChoice",
     "ColumnLook",
+    "Disagreement",
     "DraftAnswers",
     "Drafted",
     "FileGroup",

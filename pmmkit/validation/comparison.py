@@ -13,6 +13,7 @@ from pmmkit.base import DataError, Progress, UnknownNameError
 from pmmkit.campaigns import TEST_KINDS, Campaign, Rig, Run
 from pmmkit.conventions import CHANNEL_UNITS, METRICS, Metric, Ship, Water
 from pmmkit.inference import COVERAGE
+from pmmkit.intake import Disagreement
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number, percent
@@ -20,6 +21,7 @@ from pmmkit.reduction import FLOOR, View
 from pmmkit.validation.captive import CaptiveRun, compare_captive
 from pmmkit.validation.dataset import of_harmonics, of_samples, rows_of
 from pmmkit.validation.free_running import MOTIONS, FreeRun, ManoeuvreComparison, compare_free
+from pmmkit.validation.groups import groups_off, records_off
 from pmmkit.validation.misfit import (
     STANDS_OUT,
     MisfitCell,
@@ -76,6 +78,8 @@ class Comparison(Described):
         Of captive tests.
     notes : tuple of str
         What a reader must know.
+    disagreements : tuple of Disagreement
+        Groups of runs, or of records, that the model misses otherwise than the rest.
     """
 
     model: str
@@ -89,6 +93,7 @@ class Comparison(Described):
     manoeuvres: tuple[ManoeuvreComparison, ...]
     rig: Rig
     notes: tuple[str, ...]
+    disagreements: tuple[Disagreement, ...] = ()
 
     def rows(self) -> list[dict[str, Any]]:
         """A row per run and channel.
@@ -123,6 +128,7 @@ class Comparison(Described):
             if self.captive
             else [{"text": text} for text in self.standouts()],
             "manoeuvres": [row for item in self.manoeuvres for row in item.rows()],
+            "disagreements": [asdict(item) for item in self.disagreements],
             "notes": list(self.notes),
         }
 
@@ -179,6 +185,16 @@ class Comparison(Described):
             Section(title="What stands out", points=shown)
             if shown
             else Section(paragraphs=["Nothing stands out."]),
+            *(
+                [
+                    Section(
+                        title="Runs that disagree with the others, whatever the derivatives",
+                        points=apart,
+                    )
+                ]
+                if (apart := [str(item) for item in self.disagreements])
+                else []
+            ),
         ]
 
     def _errors(self) -> Grid:
@@ -468,6 +484,7 @@ def compare(
         manoeuvres=manoeuvres,
         rig=campaign.rig,
         notes=(known.not_usable, *notes) if known.not_usable else notes,
+        disagreements=groups_off(captive, campaign) if captive else records_off(free, campaign),
     )
 
 

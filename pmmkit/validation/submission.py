@@ -19,6 +19,7 @@ from pmmkit.reduction import FLOOR, View
 from pmmkit.validation.captive import CaptiveRun, measured_shares, observed
 from pmmkit.validation.comparison import Comparison
 from pmmkit.validation.free_running import ManoeuvreComparison
+from pmmkit.validation.groups import groups_off
 from pmmkit.validation.uncertainty import Share, scales, sources_of
 
 # Turning circles, zigzags and stops of a submission beside the measured ones.
@@ -175,6 +176,7 @@ def compare_submission(
         manoeuvres=manoeuvres,
         rig=campaign.rig,
         notes=notes,
+        disagreements=groups_off(runs, campaign) if runs else (),
     )
 
 

@@ -118,3 +118,25 @@ def test_the_numbers_of_a_run_are_those_that_are_written():
     (made,) = Programme.of([option]).runs
     assert made.settings.drift == pytest.approx(math.radians(1.2346), rel=1e-12)
     assert made.settings.period == 7.1235
+
+
+def test_a_reference_run_parts_the_day_from_the_settings():
+    """Each day of a set-up begins and ends with it, and has it in the middle."""
+    made = Programme.of(EVERY, draw=True, references=True)
+    names = [run.id for run in made.runs]
+    for first, again in made.references.items():
+        block = next(run.option.set_up for run in made.runs if run.id == first)
+        own = [run.id for run in made.runs if run.option.set_up == block]
+        assert (own[0], own[-1]) == (first, again[-1])
+        assert len(again) >= 3
+        middle = names.index(again[1]) - names.index(first)
+        assert abs(2 * middle - (names.index(again[2]) - names.index(first))) <= 1
+        assert all(run.entry["repeat_of"] == first for run in made.runs if run.id in again[1:])
+    assert len(made.runs) == len(EVERY) + sum(len(x) - 1 for x in made.references.values())
+    assert len(made.reference_lines) == len(made.references)
+
+
+def test_so_few_runs_have_no_reference_run():
+    made = Programme.of(EVERY[:3], draw=True, references=True)
+    assert len(made.runs) == 3
+    assert not made.references

@@ -169,6 +169,14 @@ def write_openfoam(case: Path, t, Fx, Fy, Mz) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("to", ["openfoam", "starccm"])
+def test_no_run_of_a_solver_is_made_again_as_a_reference(to, tmp_path, capsys):
+    folder = planned(tmp_path, to)
+    assert "No reference run: a solver gives the same" in capsys.readouterr().out
+    assert "a solver gives the same" in (folder / "how_to.txt").read_text(encoding="utf-8")
+    assert not any(row.get("repeat of") for row in sheet(folder))
+
+
 def test_what_openfoam_computes_of_a_programme_is_reduced_without_an_edit(tmp_path, capsys):
     folder = planned(tmp_path, "openfoam")
     for row in sheet(folder):
@@ -455,6 +463,7 @@ def save(file: Path, columns) -> None:
 @pytest.mark.slow
 def test_what_a_carriage_records_of_a_programme_is_reduced_without_an_edit(tmp_path, capsys):
     folder = planned(tmp_path, "csv")
+    assert "Reference run" in capsys.readouterr().out
     ship = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))["ship"]
     rng = np.random.default_rng(3)
     made = sheet(folder)
@@ -468,3 +477,11 @@ def test_what_a_carriage_records_of_a_programme_is_reduced_without_an_edit(tmp_p
         save(folder / row["file"], carriage_record(row, ship, rng))
     names = ("Xuu", "Xvr", "Yv", "Yvvv", "Yr", "Yvdot", "Nv", "Nr", "Nvvr", "Nrdot")
     check(folder, capsys, names, share=0.04)
+    again = {row["repeat of"] for row in made if row["repeat of"]}
+    for first in again:
+        (block,) = {row["set-up"] for row in made if row["id"] == first}
+        own = [row for row in made if row["set-up"] == block]
+        there = [row["repeat of"] == first or row["id"] == first for row in own]
+        assert (there[0], there[-1]) == (True, True)
+        assert sum(there) == 3
+    assert again, "a drift of the day shows in a run that is made again"

@@ -29,6 +29,15 @@ Maker = Literal["csv", "openfoam", "starccm"]
 """Who makes the runs: a carriage, by a table, or a solver."""
 
 
+NO_REFERENCE: Final = {
+    "csv": "No run is repeated as a reference through the day.",
+    **dict.fromkeys(
+        ("openfoam", "starccm"), "No reference run: a solver gives the same on any day."
+    ),
+}
+"""What is said where no run shows what the day does."""
+
+
 @settings
 class ProgrammeSettings:
     """A programme."""
@@ -118,6 +127,11 @@ class PlanSettings:
         "Write the runs for those who make them: a table for the carriage, or cases of a solver.",
         default=None,
     )
+    references: bool = setting(
+        "With --to csv: make a reference run of each set-up at the begin, in the middle and at the "
+        "end of each day.",
+        default=True,
+    )
     before: bool = setting("As if no test of the campaign were made.", default=False)
     data: Data = None
     out: Out = None
@@ -182,7 +196,8 @@ def _captive(
 
     options, known = found.options, load_model(job.model) if campaign is None else campaign
     if job.to == "csv":
-        programme, whom = Programme.of(options, draw=True), "The carriage makes"
+        programme = Programme.of(options, draw=True, references=job.references)
+        whom = "The carriage makes"
     else:
         # The runs that tell most are computed first: no day goes by that could look like a setting.
         # And a solver gives the same twice.
@@ -191,13 +206,15 @@ def _captive(
     then = f"Then: pmmkit reduce {quoted(folder)}"
     if campaign is not None and campaign.runs:
         then = f"{then}, or put [[runs]] of its campaign.toml into that of the tests before."
+    references = " ".join(programme.reference_lines)
     said = f"{whom} {counted(len(programme.runs), 'run')}: how_to.txt and programme.csv. {then}"
+    said = f"{said}\n{references or NO_REFERENCE[job.to]}"
     return marked(_written(found, [*lines, said], folder, files), job.model)
 
 
 def _refuse_captive(job: PlanSettings) -> None:
     """What the planning of captive tests alone takes."""
-    captive = ("runs", "hours", "noise", "given", "before", "to")
+    captive = ("runs", "hours", "noise", "given", "before", "to", "references")
     given = [f"--{name}" for name in captive if name in stated(job)]
     if given:
         raise DataError(

@@ -1,14 +1,11 @@
 """Runs that disagree with the others: a kind of test, a speed, a side, a part of the day.
 
-In the runs S of a group a channel reads F (1 + g) + a + b β in place of F: a gain, an offset and a
-slope in the drift angle, each 0 ± s of the channel's force, s averaged over `Run.OTHERWISE`. Such a
-group is a rival as thin as an entry of the catalogue. Truths that no entry holds differ in just
-this: their means in one kind of test do not go with those of another.
+Such a group (`Disagreement`) is a rival as thin as an entry of the catalogue. Truths that no entry
+holds differ in just this: their means in one kind of test do not go with those of another.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -20,7 +17,7 @@ from pmmkit.diagnosis.captive.evidence import columns_at, spread
 from pmmkit.diagnosis.captive.system import CandidateColumns, System, offset_column
 from pmmkit.diagnosis.captive.whitening import Piece, Places
 from pmmkit.diagnosis.evidence import RIVALS
-from pmmkit.diagnosis.findings import Disagreement
+from pmmkit.intake import Disagreement
 
 
 def disagreements(
@@ -36,7 +33,7 @@ def disagreements(
     known, whole = (
         np.concatenate([np.zeros(0, np.intp), *some]) for some in (places[: len(given)], places)
     )
-    price = math.log(2.0 * len(groups) * len(system.pieces))
+    price = Disagreement.price(len(groups), len(system.pieces))
     found = [
         item
         for piece in system.pieces
@@ -74,27 +71,21 @@ def _of_channel(
     steepest = float(np.max(np.abs(drift))) or 1.0
     offset = offset_column(channel, views, system.base)
     columns = np.column_stack([predicted_rows(channel, views, system.base), offset, offset])
-    inside = {words: np.zeros(len(channel.y)) for words in groups}
+    ids = np.empty(len(channel.y), object)
     for i, rows in zip(channel.views, channel.rows, strict=True):
         columns[rows, 2] *= drift[i] / steepest
-        for words, ids in groups.items():
-            inside[words][rows] = views[i].run.id in ids
-    there = [words for words, rows in inside.items() if np.any(rows) and not np.all(rows)]
-    if not there:
-        return
-    left = piece.projection.left(np.column_stack([columns * inside[x][:, None] for x in there]))
-    known = [(columns_at(piece, at), system.normal.only(at)) for at in sets]
-    for words, own in zip(there, np.split(left, len(there), axis=1), strict=True):
-        inner, score = own.T @ own, own.T @ piece.data
-        (instead, _), (log_odds, mean) = (
-            normal.added(inner, score, beside.T @ own, Run.OTHERWISE) for beside, normal in known
-        )
-        yield Disagreement(
-            channel=channel.name,
-            group=words,
-            runs=tuple(sorted(groups[words])),
-            gain=float(mean[0]),
-            offset=float(mean[1]),
-            log_odds=log_odds - price,
-            instead=instead - price,
-        )
+        ids[rows] = views[i].run.id
+    known = (
+        (columns_at(piece, sets[0]), system.normal.only(sets[0])),
+        (columns_at(piece, sets[1]), system.normal.only(sets[1])),
+    )
+    yield from Disagreement.among(
+        channel.name,
+        groups,
+        ids,
+        columns,
+        piece.data,
+        price=price,
+        left=piece.projection.left,
+        beside=known,
+    )

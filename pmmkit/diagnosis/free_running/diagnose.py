@@ -26,6 +26,7 @@ from pmmkit.diagnosis.free_running.contest import (
     steady,
     why_not,
 )
+from pmmkit.diagnosis.free_running.disagreement import telling
 from pmmkit.diagnosis.free_running.findings import (
     NamedSet,
     coverage_of,
@@ -64,6 +65,7 @@ from pmmkit.diagnosis.free_running.question import RecordQuestion, question_of, 
 from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects import OUTSIDE, Effect
 from pmmkit.identification import FreeRecord, Prior, sea_notes
+from pmmkit.intake import Disagreement
 from pmmkit.models import Model, Sailing
 
 # Records, a model and its candidates, with what is made of them once.
@@ -332,8 +334,9 @@ def answer(
     errors = _errors(contest, refit, better)
     left = _left(last, tolerance)
     forced = above_floor(last) > BEYOND
+    apart = telling(last, null, found if told else math.inf)
     verdict: Verdict = "missing_effect" if told else "noise"
-    if many or (not named and forced and left):
+    if many or (not told and apart) or (not named and forced and left):
         verdict = "unexplained"
     made = model_of(model, every, last, speed)
     refitted = model_of(model, every, refit, speed)
@@ -358,7 +361,7 @@ def answer(
     return Diagnosis(
         verdict=verdict,
         group=tuple(group) if told else (),
-        flags=_flags(told, many, told and forced and left),
+        flags=_flags(many, told and forced and left, apart),
         findings=_findings(
             replace(best, fit=last), contest, every, covered, errors[f"left out, {ALONE}"]
         )
@@ -375,6 +378,7 @@ def answer(
         refitted=refitted,
         corrections=MappingProxyType(corrections),
         notes=(*_notes(question, last), *_refused(contest)),
+        disagreements=apart,
     )
 
 
@@ -437,9 +441,9 @@ def _left(fit: SetFit, tolerance: tuple[float, float]) -> bool:
     )
 
 
-def _flags(told: bool, many: bool, left: bool) -> tuple[str, ...]:
+def _flags(many: bool, left: bool, apart: Sequence[Disagreement]) -> tuple[str, ...]:
     """What to warn of."""
-    found = ["not_the_whole_story"] if told and left else []
+    found = ["not_the_whole_story", *map(str, apart)] if left or apart else []
     return (*found, *(["no_short_group"] if many else []))
 
 

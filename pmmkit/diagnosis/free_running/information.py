@@ -111,6 +111,24 @@ class Information:
         wide[:-1, :-1], wide[-1, -1] = T, 1.0
         return self._times(wide)
 
+    def with_pushes(self, patterns: Sequence[Sequence[Array]]) -> Information:
+        """With further values before all others: pushes of given patterns (p, f, k) over the pieces
+        of each window of each record, which act like the unknown forces."""
+        by: dict[int, list[Array]] = {}
+        for window in (x for own in patterns for x in own):
+            by.setdefault(len(window), []).append(window.reshape(-1, window.shape[2]))
+        made = []
+        for item in self.alike:
+            pushed = np.stack(by[item.pieces])
+            turned = np.swapaxes(pushed, 1, 2)
+            cross = item.forces @ pushed
+            beside = turned @ item.cross
+            values = np.block([[turned @ cross, beside], [np.swapaxes(beside, 1, 2), item.values]])
+            made.append(
+                replace(item, cross=np.concatenate([cross, item.cross], axis=2), values=values)
+            )
+        return replace(self, alike=tuple(made))
+
     def _times(self, wide: Array) -> Information:
         """The slopes and errors of all rows times a matrix."""
         return replace(

@@ -48,15 +48,15 @@ def each(records: Sequence[FreeRecord]) -> list[tuple[int, ...]]:
 def kinds(records: Sequence[FreeRecord]) -> dict[str, tuple[int, ...]]:
     """Numbers of turns, of zigzags, and of each range of speed, where there are others to predict
     them by."""
-    turns = np.array([_turns(item) for item in records])
+    turning = np.array([turns(item) for item in records])
     speeds = np.array([item.speed for item in records])
     fast = speeds > 1.1 * np.min(speeds)
-    groups = {"turns": turns, "zigzags": ~turns, "slow records": ~fast, "fast records": fast}
+    groups = {"turns": turning, "zigzags": ~turning, "slow records": ~fast, "fast records": fast}
     numbers = {name: tuple(np.flatnonzero(there).tolist()) for name, there in groups.items()}
     return {name: own for name, own in numbers.items() if 0 < len(own) < len(records)}
 
 
-def _turns(record: FreeRecord) -> bool:
+def turns(record: FreeRecord) -> bool:
     """Whether the rudder stands to one side."""
     return abs(float(np.sum(record.delta))) > TURNS * float(np.sum(np.abs(record.delta)))
 

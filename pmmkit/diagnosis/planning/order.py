@@ -5,15 +5,20 @@ must not look like one of them. Runs are therefore made in a drawn order; what i
 stays the same in a block, as in a split-plot design. A drawn order may by chance go with a setting,
 so that the one is taken of many whose settings go least with the time of the day: what an order is
 judged by is said before it is drawn (Morgan and Rubin 2012). A run that is made twice is made early
-and late in its block: as the repeated reference run of towing tanks it shows what changed.
+and late in its block.
+
+One run of each set-up, the reference run, is made again at the begin, in the middle and at the end
+of each day: what it shows otherwise is the day, whatever the order of the settings is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, groupby
+from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
@@ -23,12 +28,19 @@ from pmmkit.campaigns import RUN_SETTINGS, Settings
 from pmmkit.diagnosis.planning.options import Option
 from pmmkit.diagnosis.planning.plan_file import entries_of
 from pmmkit.numerics import Array
+from pmmkit.presentation import counted
 
 DRAWS: Final = 2000
 """Orders that are drawn: of 24 runs of a tanker at three speeds the best has no setting that
 correlates with the time by more than 0.10; a single draw has 0.24 (median of 300)."""
 APART: Final = 1.0 / 3.0
 """Share of a block by which a run and its repeat are to lie apart."""
+DAY: Final = 8.0
+"""Hours of work in a tank in a day."""
+THREE: Final = 3
+"""A reference run is made at the begin, in the middle and at the end of a day."""
+FEW: Final = 3
+"""Runs that show no day: a block of so few has no reference run, and a day no third one."""
 SEED: Final = 1
 """Of the draws: the same programme has the same order every time."""
 
@@ -79,13 +91,18 @@ class Programme:
         The runs.
     drawn : bool
         Whether the order was drawn.
+    references : mapping of str to tuple of str
+        Names of the runs of each reference run, the first of which is the key.
     """
 
     runs: tuple[ProgrammeRun, ...]
     drawn: bool = False
+    references: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
 
     @classmethod
-    def of(cls, options: Sequence[Option], *, draw: bool = False) -> Programme:
+    def of(
+        cls, options: Sequence[Option], *, draw: bool = False, references: bool = False
+    ) -> Programme:
         """Runs as they stand, or in a drawn order.
 
         Parameters
@@ -94,6 +111,9 @@ class Programme:
             The runs; one that is there several times is repeated.
         draw : bool
             Whether the order is drawn, in blocks of one set-up.
+        references : bool
+            Whether a reference run of each set-up is made at the begin, in the middle and at the
+            end of each day.
 
         Examples
         --------
@@ -105,21 +125,93 @@ class Programme:
         >>> swung = [run.option.set_up for run in made.runs]
         >>> len(swung), sum(one != other for one, other in zip(swung, swung[1:]))
         (36, 1)
+        >>> every = options_of(limits, tank.ship, tank.water)
+        >>> again = Programme.of(every, draw=True, references=True)
+        >>> [len(names) for names in again.references.values()]
+        [3, 5]
         """
         order = drawn_order(options) if draw else range(len(options))
         kept = [options[place] for place in order]
+        chosen: list[Option] = []
+        if references:
+            kept, chosen = _with_references(kept)
         runs = tuple(
             ProgrammeRun(number=number, option=option, entry=entry)
             for number, (option, entry) in enumerate(
                 zip(kept, entries_of(kept), strict=True), start=1
             )
         )
-        return cls(runs=runs, drawn=draw)
+        again = {
+            item.id: tuple(run.id for run in runs if run.option.id == item.id) for item in chosen
+        }
+        return cls(runs=runs, drawn=draw, references=MappingProxyType(again))
 
     @property
     def hours(self) -> float:
         """Time that it takes [h]."""
         return sum(run.option.hours for run in self.runs)
+
+    @property
+    def reference_lines(self) -> tuple[str, ...]:
+        """What is said of each reference run, with the time that it takes."""
+        known = {run.id: run.option for run in self.runs}
+        return tuple(
+            f"Reference run {name} ({known[name].words}): at the begin, in the middle and at the "
+            f"end of each day, {counted(len(names), 'time')}, {len(names) * known[name].hours:.1f} "
+            f"h in all."
+            for name, names in self.references.items()
+        )
+
+
+def _with_references(options: Sequence[Option]) -> tuple[list[Option], list[Option]]:
+    """Runs in their order with the reference run of each block, and these reference runs."""
+    made: list[Option] = []
+    chosen = []
+    for _, block in groupby(options, key=lambda option: option.set_up):
+        own = list(block)
+        if len(own) <= FEW:
+            made += own
+            continue
+        reference = _reference(own)
+        for _ in range(min(own.count(reference), THREE)):
+            own.remove(reference)
+        chosen.append(reference)
+        begun = sum(option.hours for option in made) % DAY
+        for day in _days(own, begun, reference.hours):
+            middle = len(day) // 2
+            between = [reference] if len(day) > FEW else []
+            made += [reference, *day[:middle], *between, *day[middle:], reference]
+    return made, chosen
+
+
+def _days(options: Sequence[Option], begun: float, reference: float) -> list[list[Option]]:
+    """Runs by the day on which they are made, of which some hours are gone, three reference runs in
+    each."""
+    days: list[list[Option]] = [[]]
+    left = DAY - begun - THREE * reference
+    for option in options:
+        if option.hours > left and days[-1]:
+            days.append([])
+            left = DAY - THREE * reference
+        days[-1].append(option)
+        left -= option.hours
+    return days
+
+
+def _reference(options: Sequence[Option]) -> Option:
+    """A run that is made several times anyway; else of the kind of test that is made most, at the
+    speed nearest to the middle one, the run of middle size."""
+    ids = Counter(option.id for option in options)
+    again = [option for option in options if ids[option.id] > 1]
+    counts = Counter(option.test for option in again or options)
+    (test, _), *_ = counts.most_common(1)
+    own = [option for option in again or options if option.test == test]
+    middle = float(np.median([option.settings.speed for option in own]))
+    nearest = min(own, key=lambda option: abs(option.settings.speed - middle)).settings.speed
+    there = [option for option in own if option.settings.speed == nearest]
+    sizes = [item.name for item in RUN_SETTINGS.values() if item.kept and not item.surroundings]
+    there.sort(key=lambda x: [abs(x.settings.value(name) or 0.0) for name in sizes])
+    return there[len(there) // 2]
 
 
 def drawn_order(options: Sequence[Option]) -> list[int]:

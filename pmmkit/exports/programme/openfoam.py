@@ -16,7 +16,7 @@ import numpy as np
 
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis import Programme
-from pmmkit.exports.programme.solver import TowingSolver, held_in_words, origin_in_words
+from pmmkit.exports.programme.solver import NO_DAY, TowingSolver, held_in_words, origin_in_words
 from pmmkit.exports.programme.towed_path import TowedPath
 
 MOTION: Final = "constant/6DoF.dat"
@@ -62,6 +62,7 @@ def how_to(programme: Programme, campaign: Campaign) -> list[str]:
         "   along axes that stay and about (0 0 0), such as",
         f"   runs/{first}/postProcessing/forces/0/force.dat and moment.dat.",
         "5. pmmkit reduce . in this folder. Runs that are not computed yet are left out.",
+        NO_DAY,
         *held_in_words(programme),
     ]
 

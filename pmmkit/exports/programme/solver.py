@@ -22,6 +22,7 @@ from pmmkit.exports.programme.towed_path import TowedPath, is_towed, towed_path
 
 MESH: Final = Frame(reversed_axes="yz", drift_positive="starboard-bow")
 """Axes of the mesh, seen from those of the ship."""
+NO_DAY: Final = "   No run is made again as a reference: a solver gives the same on any day."
 _TURNED: Final = {"yaw_rate": "r", "radius": "r"}
 """Settings of a circle, and the channel with whose sign they are stated."""
 

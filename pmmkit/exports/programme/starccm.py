@@ -15,7 +15,7 @@ import numpy as np
 
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis import Programme
-from pmmkit.exports.programme.solver import TowingSolver, held_in_words, origin_in_words
+from pmmkit.exports.programme.solver import NO_DAY, TowingSolver, held_in_words, origin_in_words
 from pmmkit.exports.programme.towed_path import TowedPath
 
 MOTION: Final = "motion.csv"
@@ -71,6 +71,7 @@ def how_to(programme: Programme, campaign: Campaign) -> list[str]:
         "5. Compute to the end time (end time [s] in programme.csv). Export the plot of each run:",
         f"   runs/{first}/forces.csv; after a restart a second one, forces_2.csv.",
         "6. pmmkit reduce . in this folder. Runs that are not computed yet are left out.",
+        NO_DAY,
         *held_in_words(programme),
     ]
 

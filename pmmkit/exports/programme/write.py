@@ -146,6 +146,7 @@ def _carriage_how_to(programme: Programme, campaign: Campaign, *, struts: bool) 
     return [
         *lines,
         "2. A run that repeats another shows what changed in between.",
+        *(f"   {line}" for line in programme.reference_lines),
         f"3. Save each record as CSV under its name, such as runs/{first}.csv, with these columns:",
         f"   {', '.join(record_columns(struts=struts)['head'])}",
         f"   Moments are about {reference}. Further columns do no harm; {COLUMNS} says more.",

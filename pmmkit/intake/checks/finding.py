@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
 import numpy as np
 
@@ -54,6 +54,9 @@ class Summary:
     refused : Problem, optional
         Why the record cannot be reduced; nothing but the facts of its clock is known then.
     """
+
+    FLAT_SAMPLES: ClassVar[int] = 5
+    """Equal samples from which a stretch of a record is flat."""
 
     run: Run
     means: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))

@@ -11,16 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.intake.checks.expected import prime_unit
-from pmmkit.intake.checks.finding import Check, CheckFinding, figure
+from pmmkit.intake.checks.finding import Check, CheckFinding, Summary, figure
 from pmmkit.numerics import Array, stretches
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
-    from pmmkit.intake.checks.finding import Summary
 
 Cycles = NDArray[np.complex128]
 
-FLAT_SAMPLES: Final = 5
 FLAT_SHARE: Final = 0.01
 FLAT_DENSITY: Final = 6.0
 CYCLE_SHARE: Final = 0.03
@@ -41,7 +39,7 @@ def flat_facts(values: Array) -> Mapping[str, float]:
     """
     finite = values[np.isfinite(values)]
     found = {"share": 0.0, "level": 0.0, "stretches": 0.0}
-    if len(finite) < 10 * FLAT_SAMPLES or finite.max() == finite.min():
+    if len(finite) < 10 * Summary.FLAT_SAMPLES or finite.max() == finite.min():
         return found
     share, pieces, level = 0.0, 0, 0.0
     for extreme in (finite.max(), finite.min()):
@@ -53,7 +51,7 @@ def flat_facts(values: Array) -> Mapping[str, float]:
             continue
         starts, stops = stretches(at)
         lengths = stops - starts
-        long = lengths >= FLAT_SAMPLES
+        long = lengths >= Summary.FLAT_SAMPLES
         if long.any():
             share += float(lengths[long].sum()) / len(finite)
             pieces += int(long.sum())

@@ -12,7 +12,7 @@ import numpy as np
 from pmmkit.base import DataError, PmmkitError
 from pmmkit.campaigns import TEST_KINDS, Campaign, Correction, Run, usable
 from pmmkit.conventions import CHANNEL_UNITS
-from pmmkit.intake import FLAT_SAMPLES, LARGE
+from pmmkit.intake import LARGE, Summary
 from pmmkit.numerics import Array, stretches
 from pmmkit.reduction import PreparedRun
 from pmmkit.views.pages.numbers import BUCKETS, short, thinned
@@ -90,7 +90,7 @@ def _flat(t: Array, values: Array, level: float) -> Iterator[tuple[float, float]
     """Stretches in which a channel stands at a level."""
     at = np.isclose(values, level, rtol=1e-9, atol=0.0)
     for start, stop in zip(*stretches(at), strict=True):
-        if stop - start >= FLAT_SAMPLES:
+        if stop - start >= Summary.FLAT_SAMPLES:
             yield float(t[start]), float(t[stop - 1])
 
 
