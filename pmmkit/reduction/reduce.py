@@ -448,7 +448,8 @@ def reduce_campaign(
     weighed = odd_runs == "weigh"
     told = (
         *surge_zero(solution),
-        *findings,
+        # groups are asked below beside the derivatives that were asked for
+        *(item for item in findings if item.check != "odd_group"),
         *at_odds(odd, weighed=weighed),
         *groups_at_odds(solution, rows, campaign),
     )

@@ -80,14 +80,7 @@ def _of_channel(
         return normal.log_density - 0.5 * float(np.log(whole).sum())
 
     std = np.sqrt(variance + max(SCATTER, key=likely) ** 2)
-    U, sizes, _ = np.linalg.svd(beside / std[:, None], full_matrices=False)
-    taken = 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
-
-    def left(columns: Array) -> Array:
-        """Columns over the root of the covariance that what may be off gives."""
-        found: Array = columns - U @ (taken[:, None] * (U.T @ columns))
-        return found
-
+    left = Disagreement.spread_by(beside / std[:, None])
     yield from Disagreement.among(
         channel,
         groups,

@@ -188,6 +188,43 @@ def test_an_effect_of_another_size_in_each_is_the_laboratorys(base):
 
 
 @pytest.mark.slow
+def test_what_one_laboratory_reads_otherwise_in_some_runs_is_not_the_ships(base):
+    """A coupling is in both; the steady runs of one read 5 % more of N."""
+
+    def steady_reads_more(campaign):
+        def one(run):
+            data = run.data.assign(N=1.05 * run.data.N)
+            return run if run.dynamic else run.with_(loader=lambda: data)
+
+        return campaign.with_(runs=tuple(map(one, campaign.runs)))
+
+    hidden = {"yaw_sway_coupling": 1.0}
+    one = steady_reads_more(hidden_campaign("full", hidden, seed=6))
+    other = hidden_campaign("full", hidden, seed=7)
+    found = joint_diagnosis(base, {"scaled": one, "sound": other})
+    assert "yaw_sway_coupling" in found.best
+    assert list(found.disagreements) == ["scaled"]
+    (told,) = found.disagreements["scaled"]
+    assert (told.channel, told.rival) == ("N", False)
+    assert any(str(told) in flag for flag in found.flags)
+    assert found.to_dict()["disagreements"]["scaled"][0]["channel"] == "N"
+
+
+@pytest.mark.slow
+def test_each_campaign_says_what_fits_and_what_it_cannot_tell(base):
+    """A drag of the acceleration is in no catalogue: a formula may stand for it."""
+    found = joint_diagnosis(
+        base,
+        {"tank": hidden_campaign("full", {"outside_vr3": 1.0, "yaw_sway_coupling": 1.0}, seed=3)},
+    )
+    alone = found.diagnoses["tank"]
+    assert alone.untold
+    assert f"tank: {alone.untold[0]}" in " ".join(str(found).split())
+    assert alone.formula is not None
+    assert "What fits where no effect explains it" in str(found)
+
+
+@pytest.mark.slow
 def test_nothing_hidden_is_named_by_none(base):
     campaigns = {str(seed): hidden_campaign("small", {}, seed=seed) for seed in (1, 2)}
     found = joint_diagnosis(pk.load_model("s175-3dof"), campaigns)

@@ -477,7 +477,8 @@ def test_what_a_carriage_records_of_a_programme_is_reduced_without_an_edit(tmp_p
         save(folder / row["file"], carriage_record(row, ship, rng))
     names = ("Xuu", "Xvr", "Yv", "Yvvv", "Yr", "Yvdot", "Nv", "Nr", "Nvvr", "Nrdot")
     check(folder, capsys, names, share=0.04)
-    again = {row["repeat of"] for row in made if row["repeat of"]}
+    how = (folder / "how_to.txt").read_text(encoding="utf-8")
+    again = re.findall(r"Reference run (\S+) \(", how)
     for first in again:
         (block,) = {row["set-up"] for row in made if row["id"] == first}
         own = [row for row in made if row["set-up"] == block]

@@ -7,7 +7,6 @@ holds differ in just this: their means in one kind of test do not go with those 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -16,14 +15,13 @@ from pmmkit.diagnosis.captive.build import predicted_rows
 from pmmkit.diagnosis.captive.evidence import columns_at, spread
 from pmmkit.diagnosis.captive.system import CandidateColumns, System, offset_column
 from pmmkit.diagnosis.captive.whitening import Piece, Places
-from pmmkit.diagnosis.evidence import RIVALS
 from pmmkit.intake import Disagreement
 
 
 def disagreements(
     system: System, given: Sequence[CandidateColumns], answer: Sequence[CandidateColumns]
 ) -> list[Disagreement]:
-    """Groups of runs by the evidence that they disagree beside an answer, the best first."""
+    """Groups of runs with the evidence that they disagree, beside an answer and in its place."""
     views = {view.run.id: view for view in system.views}.values()
     groups = Run.groups([view.run for view in views], [view.day for view in views])
     if not groups:
@@ -34,12 +32,11 @@ def disagreements(
         np.concatenate([np.zeros(0, np.intp), *some]) for some in (places[: len(given)], places)
     )
     price = Disagreement.price(len(groups), len(system.pieces))
-    found = [
+    return [
         item
         for piece in system.pieces
         for item in _of_channel(system, piece, groups, (known, whole), price)
     ]
-    return sorted(found, key=lambda item: -item.log_odds)
 
 
 def telling(
@@ -50,12 +47,7 @@ def telling(
 ) -> tuple[Disagreement, ...]:
     """The group that disagrees most beside an answer, and the one that explains as much in its
     place, where there are such."""
-    every = disagreements(system, given, answer)
-    told = [item for item in every[:1] if item.log_odds > RIVALS]
-    most = max(every, key=lambda item: item.instead, default=None)
-    if most is not None and most not in told and most.instead > log_evidence - RIVALS:
-        told.append(replace(most, rival=True))
-    return tuple(told)
+    return Disagreement.telling(disagreements(system, given, answer), log_evidence)
 
 
 def _of_channel(

@@ -372,9 +372,15 @@ Source = Model | str | Sequence[str] | Structure
 def answer_with_formula(
     system: System, given: Sequence[str] = (), *, floor: float, seed: int = 0, source: Source
 ) -> Diagnosis:
-    """Ask a system which effects the base lacks, and where none explains it, or products of the
-    motion do better, for a formula that the model has a place for."""
-    ranking = ranked(system, given, seed)
+    """Ask a system which effects the base lacks, and for a formula, `told_with_formula`."""
+    return told_with_formula(ranked(system, given, seed), given, floor=floor, source=source)
+
+
+def told_with_formula(
+    ranking: RankedSets, given: Sequence[str], *, floor: float, source: Source
+) -> Diagnosis:
+    """What a ranking says; where no effect explains it, or products of the motion do better, with a
+    formula that the model has a place for."""
     found = told(ranking, given, floor=floor)
     if not found.findings and found.verdict != "unexplained":
         return found

@@ -26,7 +26,7 @@ from pmmkit.diagnosis.free_running.contest import (
     steady,
     why_not,
 )
-from pmmkit.diagnosis.free_running.disagreement import telling
+from pmmkit.diagnosis.free_running.disagreement import disagreements
 from pmmkit.diagnosis.free_running.findings import (
     NamedSet,
     coverage_of,
@@ -334,7 +334,9 @@ def answer(
     errors = _errors(contest, refit, better)
     left = _left(last, tolerance)
     forced = above_floor(last) > BEYOND
-    apart = telling(last, null, found if told else math.inf)
+    apart = Disagreement.telling(
+        disagreements(last, null), best.gain if told and best else math.inf
+    )
     verdict: Verdict = "missing_effect" if told else "noise"
     if many or (not told and apart) or (not named and forced and left):
         verdict = "unexplained"

@@ -15,7 +15,6 @@ from scipy.linalg import block_diag
 
 from pmmkit.campaigns import Run, Settings
 from pmmkit.conventions import CHANNELS
-from pmmkit.diagnosis.evidence import RIVALS
 from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.left_out import turns
 from pmmkit.diagnosis.free_running.windows import RecordWindows, by_piece, piece_begins, sailed
@@ -26,20 +25,10 @@ from pmmkit.intake import Disagreement
 from pmmkit.numerics import Array
 
 
-def telling(fit: SetFit, null: SetFit, gain: float) -> tuple[Disagreement, ...]:
-    """The group that disagrees most beside an answer, and the one that explains as much in its
-    place; gain: ln evidence of the answer before its price, infinite of none."""
-    beside, alone = (list(_every(x)) for x in (fit, null))
-    told = [x for x in sorted(beside, key=lambda x: -x.log_odds)[:1] if x.log_odds > RIVALS]
-    most = max(alone, key=lambda item: item.log_odds, default=None)
-    known = {(x.channel, x.group) for x in told}
-    if (
-        most is not None
-        and most.log_odds > gain - RIVALS
-        and (most.channel, most.group) not in known
-    ):
-        told.append(replace(most, instead=most.log_odds, rival=True))
-    return tuple(told)
+def disagreements(fit: SetFit, null: SetFit) -> list[Disagreement]:
+    """Groups of records with the evidence that they disagree, beside a fit and in its place."""
+    alone = {(item.channel, item.group): item.log_odds for item in _every(null)}
+    return [replace(item, instead=alone[item.channel, item.group]) for item in _every(fit)]
 
 
 def run_of(record: FreeRecord) -> Run:

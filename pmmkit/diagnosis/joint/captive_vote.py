@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal, Protocol
 
 import numpy as np
@@ -12,14 +12,17 @@ from pmmkit.base import ModelError, TableError
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
+from pmmkit.diagnosis.captive.disagreement import disagreements
+from pmmkit.diagnosis.captive.formula import told_with_formula
 from pmmkit.diagnosis.captive.least_squares import JointFit, joint_fit, labels, refined
 from pmmkit.diagnosis.captive.refit import in_convention, refitted, written_in
 from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
-from pmmkit.diagnosis.captive.verdict import RankedSets, ranked, told
+from pmmkit.diagnosis.captive.verdict import RankedSets, ranked
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues
 from pmmkit.effects import Effect, is_fault
+from pmmkit.intake import Disagreement, Untold
 from pmmkit.models import DerivativeTable, Model
 from pmmkit.numerics import Array
 
@@ -76,6 +79,9 @@ class Vote(Protocol):
 
     def sizes(self, names: Names, faults: Names) -> Mapping[str, LaboratoryValues]:
         """The effects of a set, fitted together."""
+
+    def groups(self, names: Names, faults: Names) -> Sequence[Disagreement]:
+        """Groups of runs with the evidence that they disagree, beside a set and in its place."""
 
     def model_with(self, names: Names, faults: Names) -> Model | None:
         """The model with a set, all fitted to this campaign; None without a complete model."""
@@ -248,6 +254,13 @@ class CaptiveVote:
         found = np.array([item.value[0] - first.value[0] for item in changes])
         return tuple(first.names), found.reshape(len(changes), len(first.names)).T
 
+    def groups(self, names: Names, faults: Names) -> Sequence[Disagreement]:
+        """Groups of runs with the evidence that they disagree, beside a set and in its place."""
+        mine = [name for name in (*names, *faults) if name in self.ranking.sets.by_name]
+        home = self.ranking.home(mine)
+        blocks = blocks_of(home.beside, home.sets.entry(mine)) if mine else []
+        return disagreements(home.system, home.used, blocks)
+
     def model_with(self, names: Names, faults: Names) -> Model | None:
         """The model with a set, all fitted together; None if these tests excite too little."""
         blocks, fit = self._fitted(names, faults)
@@ -302,11 +315,13 @@ def vote_of_tests(
 ) -> CaptiveVote:
     """Diagnose a system of captive tests and keep what more sets need."""
     ranking = ranked(system, given, seed)
+    found = told_with_formula(ranking, given, floor=system.floor, source=model)
+    untold = Untold.of(campaign.within_reach(), values=found.base, recorded=True)
     return CaptiveVote(
         name=name,
         campaign=campaign,
         model=model,
-        diagnosis=told(ranking, given, floor=system.floor),
+        diagnosis=replace(found, untold=untold),
         ranking=ranking,
         faults=[(), *fault_sets(ranking.entries, FAULTS)],
         own=tuple(own),

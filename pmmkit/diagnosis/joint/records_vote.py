@@ -21,6 +21,7 @@ from pmmkit.diagnosis.free_running.diagnose import (
     free_system,
     with_given,
 )
+from pmmkit.diagnosis.free_running.disagreement import disagreements
 from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import SetFit, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, FreeCandidate
@@ -28,6 +29,7 @@ from pmmkit.diagnosis.free_running.left_out import left_out_error
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues
 from pmmkit.diagnosis.joint.captive_vote import Ballot, Kind, Names, asked_in, fault_sets, of_ship
 from pmmkit.identification import FreeRecord
+from pmmkit.intake import Disagreement
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 
@@ -255,6 +257,11 @@ class RecordsVote:
             return None if fit is None else steady(fit)
 
         return cache(made)
+
+    def groups(self, names: Names, faults: Names) -> Sequence[Disagreement]:
+        """Groups of records with the evidence that they disagree, beside a set and in its place."""
+        fit = self.steady(frozenset((*self._asked(names), *faults)))
+        return [] if fit is None else disagreements(fit, self.contest.null)
 
     @property
     def faults(self) -> Names:

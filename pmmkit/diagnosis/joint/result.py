@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -14,6 +15,7 @@ from pmmkit.diagnosis.findings import AS_LIKELY, VERDICTS, Diagnosis, Verdict
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues, Owner, Third
 from pmmkit.diagnosis.joint.captive_vote import Ballot, Names, of_ship
 from pmmkit.effects import CATALOGUE
+from pmmkit.intake import Disagreement
 from pmmkit.models import Model, odds
 from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
 
@@ -172,6 +174,9 @@ class Together(Described):
         first is the one to use. None without free-running records.
     given : tuple of str
         Candidates that the base had already.
+    disagreements : mapping of str to tuple of Disagreement
+        By campaign: groups of runs that disagree with the others beside the best set; and those
+        that, one in each campaign, explain as much in its place.
     """
 
     verdict: Verdict
@@ -186,6 +191,9 @@ class Together(Described):
     model: Model | None = None
     others: tuple[Another, ...] = ()
     given: Names = ()
+    disagreements: Mapping[str, tuple[Disagreement, ...]] = field(
+        default_factory=lambda: MappingProxyType({})
+    )
 
     @property
     def best(self) -> Names:
@@ -285,6 +293,9 @@ class Together(Described):
             ],
             "refused": [{"campaign": name, "effects": list(names)} for name, names in self.refused],
             "price": PRICE,
+            "disagreements": {
+                name: [asdict(item) for item in own] for name, own in self.disagreements.items()
+            },
             "flags": list(self.flags),
             "notes": list(self.notes),
             "campaigns": {name: item.to_dict() for name, item in self.diagnoses.items()},
@@ -333,6 +344,19 @@ class Together(Described):
                 tables=[self._scatter()] if self.others else [],
             ),
             Section(title="Refused, since what is left out gets worse by it", points=refused),
+            Section(
+                title="What fits where no effect explains it",
+                points=[
+                    f"{name}: {text}"
+                    for name, item in self.diagnoses.items()
+                    if item.formula is not None
+                    for text in item.formula.remarks()
+                ],
+            ),
+            Section(
+                title="What these runs cannot tell",
+                points=[f"{name}: {x}" for name, own in self.diagnoses.items() for x in own.untold],
+            ),
             Section(title="Notes", points=self.notes),
         ]
         effects = [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import combinations
 from types import MappingProxyType
@@ -38,6 +39,7 @@ from pmmkit.diagnosis.joint.captive_vote import (
 from pmmkit.diagnosis.joint.records_vote import RecordsVote, records_vote
 from pmmkit.diagnosis.joint.result import Another, Belonging, JointEntry, Together
 from pmmkit.identification import Chosen, FreeRecord
+from pmmkit.intake import Disagreement
 from pmmkit.models import Model, scaled
 
 # Which sets of effects all campaigns are asked for, and what they say.
@@ -184,6 +186,39 @@ def belongings(votes: Sequence[Vote], best: JointEntry) -> tuple[Belonging, ...]
     return tuple(
         _belonging(name, [own[name] for own in sizes if name in own]) for name in best.names
     )
+
+
+def laboratories_apart(
+    votes: Sequence[Vote], best: JointEntry
+) -> dict[str, tuple[Disagreement, ...]]:
+    """Of each campaign the group of runs that disagrees beside the best set; and the groups, one in
+    each campaign that votes for it, that explain as much in its place: then it is no ship's.
+    """
+    found: dict[str, tuple[Disagreement, ...]] = {}
+    instead = {}
+    for item in votes:
+        ballot = best.ballots.get(item.name, _NONE)
+        groups = item.groups(best.names, ballot.faults)
+        # Each campaign alone is never asked for the place of the set: all together are.
+        if told := Disagreement.telling(groups, math.inf):
+            found[item.name] = told
+        # What its own faults explain is no group's.
+        if groups and item.name in best.ballots and not ballot.faults:
+            most = max(groups, key=lambda x: x.instead)
+            if most.instead > 0.0:
+                instead[item.name] = replace(most, rival=True)
+    if sum(item.instead for item in instead.values()) > best.log_evidence - RIVALS:
+        found |= {name: (*found.get(name, ()), item) for name, item in instead.items()}
+    return found
+
+
+def _apart(found: Mapping[str, Sequence[Disagreement]]) -> list[str]:
+    """What is warned of: an error of one laboratory's runs is no effect of the ship."""
+    return [
+        f"{name}: {item}{', and it is not the ship but the laboratory' if item.rival else ''}."
+        for name, own in found.items()
+        for item in own
+    ]
 
 
 def _belonging(name: str, found: Sequence[LaboratoryValues]) -> Belonging:
@@ -401,8 +436,11 @@ def answered(
     group = _group(entries) if told else ()
     added: dict[str, float] = {}
     belongs: tuple[Belonging, ...] = ()
+    apart: Mapping[str, tuple[Disagreement, ...]] = {}
     made = None
     if told and best is not None:
+        tell("Groups of runs")
+        apart = laboratories_apart(votes, best)
         known = {item.names: item.log_evidence for item in entries}
         for name in best.names:
             rest = tuple(x for x in best.names if x != name)
@@ -432,7 +470,8 @@ def answered(
         belongs=belongs,
         added=MappingProxyType(added),
         refused=refused,
-        flags=_flags(votes),
+        flags=(*_flags(votes), *_apart(apart)),
+        disagreements=MappingProxyType(dict(apart)),
         notes=(
             *said,
             f"each effect pays {PRICE:.2f} once: odds of 1 to 80 before any test",

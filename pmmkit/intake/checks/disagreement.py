@@ -8,8 +8,8 @@ Checks, reduction, comparison and diagnosis ask it here, each beside what it has
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -148,6 +148,25 @@ class Disagreement:
                 price=price,
             )
 
+    @staticmethod
+    def spread_by(columns: Array) -> Callable[[Array], Array]:
+        """From columns (n, k) to what whitens them where the rows may be off by others as well.
+
+        Parameters
+        ----------
+        columns : array (n, q)
+            By which the rows may be off, over the root of the covariance of the rest, each at one
+            standard deviation: the covariance is ``1 + columns columns'``.
+        """
+        U, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+        taken = 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
+
+        def left(rows: Array) -> Array:
+            found: Array = rows - U @ (taken[:, None] * (U.T @ rows))
+            return found
+
+        return left
+
     @classmethod
     def of(
         cls,
@@ -179,3 +198,19 @@ class Disagreement:
             if item.log_odds > (best[item.channel].log_odds if item.channel in best else least):
                 best[item.channel] = item
         return tuple(best.values())
+
+    @classmethod
+    def telling(
+        cls, found: Sequence[Disagreement], log_evidence: float
+    ) -> tuple[Disagreement, ...]:
+        """The group that disagrees most beside an answer, and the one that explains as much in its
+        place, where there are such.
+
+        log_evidence: ln evidence of the answer, its price paid; infinite where there is none.
+        """
+        beside = max(found, key=lambda item: item.log_odds, default=None)
+        most = max(found, key=lambda item: item.instead, default=None)
+        told = [beside] if beside is not None and beside.log_odds > cls.TOLD else []
+        if most is not None and most not in told and most.instead > log_evidence - cls.TOLD:
+            told.append(replace(most, rival=True))
+        return tuple(told)

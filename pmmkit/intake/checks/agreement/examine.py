@@ -16,6 +16,7 @@ from pmmkit.intake.checks.agreement.asking import (
     of_one,
     suspects,
 )
+from pmmkit.intake.checks.agreement.groups import groups_apart
 from pmmkit.intake.checks.agreement.posterior import Agreement, agreement
 from pmmkit.intake.checks.agreement.rows import CHANNELS, MAIN, groups_of
 from pmmkit.intake.checks.expected import is_shallow
@@ -59,7 +60,8 @@ def examine_agreement(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
     A polynomial of third order in the motion, with the derivatives that hulls of these particulars
     usually have as its prior, is fitted to all runs of a speed. Runs that miss what the others
     predict, and campaigns whose runs contradict one another or physics, are asked what slip or
-    fault would bring them to agree; it is named where the evidence is clear.
+    fault would bring them to agree; it is named where the evidence is clear. Where nothing is at
+    odds, groups of runs are asked whether they read otherwise than the rest.
     """
     if campaign.kind != "captive":
         return
@@ -91,6 +93,7 @@ def examine_agreement(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
         yield from _rest([entry for entry in odd if entry not in named])
     if deep and not common and not odd:
         yield from _strange(found)
+        yield from groups_apart(campaign, found, SCATTER)
 
 
 def _common(found: Sequence[Agreement], without: Sequence[tuple[Agreement, int]]) -> list[Answer]:
