@@ -187,7 +187,7 @@ def _of_records(
     for share, likely in tried:
         white = beside / share
         normal = Normal.of(white, rest / share)
-        for item in Disagreement.among(
+        for group in Disagreement.among(
             channel,
             groups,
             ids,
@@ -196,7 +196,7 @@ def _of_records(
             price=price,
             beside=((white, normal), (white, normal)),
         ):
-            of_each.setdefault(item.group, []).append((likely - common + item.log_odds, item))
+            of_each.setdefault(group.group, []).append((likely - common + group.log_odds, group))
     for own in of_each.values():
         log_odds = float(np.logaddexp.reduce([x for x, _ in own]))
         yield replace(max(own, key=lambda x: x[0])[1], log_odds=log_odds, instead=log_odds)

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import block_diag
 
+from pmmkit.base import DataError
 from pmmkit.campaigns import Run, Settings
 from pmmkit.conventions import CHANNELS
 from pmmkit.diagnosis.free_running.fits import SetFit
@@ -24,11 +26,18 @@ from pmmkit.inference import Normal
 from pmmkit.intake import Disagreement
 from pmmkit.numerics import Array
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 def disagreements(fit: SetFit, null: SetFit) -> list[Disagreement]:
     """Groups of records with the evidence that they disagree, beside a fit and in its place."""
     alone = {(item.channel, item.group): item.log_odds for item in _every(null)}
     return [replace(item, instead=alone[item.channel, item.group]) for item in _every(fit)]
+
+
+def _unread() -> xr.Dataset:
+    raise DataError("A record stands for its run by what it was set to alone.")
 
 
 def run_of(record: FreeRecord) -> Run:
@@ -39,7 +48,7 @@ def run_of(record: FreeRecord) -> Run:
         id=record.name,
         test="turning" if turns(record) else "zigzag",
         kind="history",
-        loader=dict,
+        loader=_unread,
         settings=Settings(speed=record.speed, rudder=first),
     )
 

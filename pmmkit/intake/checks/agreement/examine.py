@@ -83,17 +83,22 @@ def examine_agreement(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
         alone = max((answers[0].gain for _, _, answers in single), default=0.0)
         if common and not few and common[0].gain < alone:
             common = []
-    if common:
-        yield _of_all(common, found)
+    apart = [] if common else list(groups_apart(campaign, found, SCATTER))
+    inside = {item.group.summaries[place].run.id for item, place in odd}
+    if not few and any(inside.issubset(item.runs) for item in apart):
+        # What is off in all runs of a group is no slip of each.
+        yield from apart
+        return
+    said = [_of_all(common, found)] if common else []
     if few or not common:
         named = [(item, place) for item, place, answers in single if few or _explain(answers)]
         for item, place, answers in single:
             if (item, place) in named:
-                yield from _of_one(item, place, answers)
-        yield from _rest([entry for entry in odd if entry not in named])
+                said += _of_one(item, place, answers)
+        said += _rest([entry for entry in odd if entry not in named])
     if deep and not common and not odd:
-        yield from _strange(found)
-        yield from groups_apart(campaign, found, SCATTER)
+        said += _strange(found)
+    yield from said or apart
 
 
 def _common(found: Sequence[Agreement], without: Sequence[tuple[Agreement, int]]) -> list[Answer]:
