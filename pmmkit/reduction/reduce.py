@@ -449,7 +449,7 @@ def reduce_campaign(
     told = (
         *surge_zero(solution),
         # groups are asked below beside the derivatives that were asked for
-        *(item for item in findings if item.check != "odd_group"),
+        *(item for item in findings if item.cause != "odd_group"),
         *at_odds(odd, weighed=weighed),
         *groups_at_odds(solution, rows, campaign),
     )

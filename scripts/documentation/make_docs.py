@@ -103,7 +103,10 @@ a speed, with the derivatives that hulls of these particulars usually have as it
 the others do not predict within the scatter that a good laboratory has (gain 0.7 %, zero 0.6 % of
 the channel's size, as much for what no such polynomial holds) are left out one by one; then each is
 asked what slip or fault would bring it to agree. If more than two are at odds, or the derivatives
-or the scatter are unlike a hull's, the same is asked of all runs together. What is asked:
+or the scatter are unlike a hull's, the same is asked of all runs together. Where all of them are of
+one kind of test, speed, side or part of the day that reads otherwise than the rest (by a gain, an
+offset or a slope in the drift), the group is told in their place; and also where no run is at odds
+([theory](theory/evidence.md#runs-that-disagree)). What is asked:
 
 - units (kgf, lbf, lbf ft), signs, half of the hull, Y and N exchanged, forces or velocities along
   and across the tank, the record of another run, half a cycle, amplitudes stated peak to peak,

@@ -3,8 +3,9 @@
     python -m scripts.studies.false_alarms [--count 200] [--first 2000] [--programme full]
                                            [--noise standard] [--workers 2]
 
-Campaigns of the virtual tank are reduced by the structure that they are made of, and diagnosed
-about it. A doubt is what speaks against the table, a name, or something unexplained.
+Campaigns of the virtual tank are checked, reduced by the structure that they are made of, diagnosed
+about it, and compared with the model of the table. A doubt is what speaks against the table, a name,
+something unexplained, or a group of runs that is said to disagree.
 """
 
 from __future__ import annotations
@@ -15,7 +16,10 @@ from collections import Counter
 from dataclasses import dataclass
 
 from pmmkit.diagnosis.captive.diagnose import diagnose_captive
+from pmmkit.intake import examine
+from pmmkit.models import to_model
 from pmmkit.reduction import reduce_campaign
+from pmmkit.validation import compare
 from scripts.studies.hidden_effects import tank, upper
 from scripts.studies.workers import add_workers, crew, in_order
 
@@ -38,9 +42,12 @@ def doubts(job: Job) -> tuple[str, ...]:
     campaign = made.hidden_campaign(job.programme, {}, seed=job.seed, noise=job.noise)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        table = reduce_campaign(campaign, structure=(*made.BASE, *RUDDER)).verdict
+        table = reduce_campaign(campaign, structure=(*made.BASE, *RUDDER)).table
         found = diagnose_captive(campaign, made.BASE)
-    said = [f"reduce: {text}" for text in table.reasons]
+        groups = compare(to_model(table, force=True, missing="zero"), campaign).disagreements
+    said = [f"reduce: {text}" for text in table.verdict.reasons]
+    said += [f"check: {x.message}" for x in examine(campaign) if x.cause == "odd_group"]
+    said += [f"compare: {item}" for item in groups]
     if found.verdict != "noise":
         said.append(f"diagnose: {found.verdict} {' '.join(found.best)}")
     return (*said, *(f"flag: {text}" for text in found.flags[1:]))

@@ -9,7 +9,7 @@ from tests.support.hidden_effects import hidden_campaign
 
 
 def told(campaign):
-    return [item for item in examine(campaign) if item.check == "odd_group"]
+    return [item for item in examine(campaign) if item.cause == "odd_group"]
 
 
 def later_reads(campaign, channel, share, part):

@@ -74,6 +74,7 @@ class Disagreement:
             ),
             numbers={"gain": self.gain, "offset": self.offset, "log_odds": self.log_odds},
             channels=(self.channel,),
+            cause="odd_group",
         )
 
     @staticmethod
