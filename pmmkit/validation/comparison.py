@@ -185,16 +185,6 @@ class Comparison(Described):
             Section(title="What stands out", points=shown)
             if shown
             else Section(paragraphs=["Nothing stands out."]),
-            *(
-                [
-                    Section(
-                        title="Runs that disagree with the others, whatever the derivatives",
-                        points=apart,
-                    )
-                ]
-                if (apart := [str(item) for item in self.disagreements])
-                else []
-            ),
         ]
 
     def _errors(self) -> Grid:
@@ -335,16 +325,22 @@ class Comparison(Described):
         return tuple(item.text for item in self.statements(least))
 
     def statements(self, least: float = STANDS_OUT) -> tuple[Statement, ...]:
-        """The sentences of `standouts`, each with the channel and the runs that it speaks of.
+        """The sentences of `standouts`, each with the channel and the runs that it speaks of; those
+        of groups that disagree with the others first.
 
         Parameters
         ----------
         least : float
             As for `outstanding`.
         """
+        apart = [
+            Statement(text=str(item), channel=item.channel, runs=item.runs)
+            for item in self.disagreements
+        ]
         if self.captive:
-            return statements_of(self.outstanding(least), self.captive)
+            return (*apart, *statements_of(self.outstanding(least), self.captive))
         return (
+            *apart,
             *(_record_statements(self.misfit(), self.free, least) if self.free else ()),
             *_measure_statements(self.manoeuvres, self.free),
         )

@@ -45,9 +45,10 @@ def groups_off(runs: Sequence[CaptiveRun], campaign: Campaign) -> tuple[Disagree
     """Of each channel of captive tests the group that disagrees most, where it is enough."""
     views = [item.view for item in runs]
     groups = Run.groups([view.run for view in views], [view.day for view in views])
-    channels = list(dict.fromkeys(name for item in runs for name in item.channels))
-    price = Disagreement.price(len(groups), len(channels))
     size = scales(views)
+    every = dict.fromkeys(name for item in runs for name in item.channels)
+    channels = [name for name in every if groups and size[name] > 0.0]
+    price = Disagreement.price(len(groups), len(channels))
     found = (
         item
         for name in channels
@@ -146,7 +147,8 @@ def records_off(runs: Sequence[FreeRun], campaign: Campaign) -> tuple[Disagreeme
     days = dict(zip((run.id for run in campaign.runs), campaign.places_in_day, strict=True))
     held = [replace(item.run, id=item.name) for item in runs]
     groups = Run.groups(held, [days[item.run.id] for item in runs])
-    channels = list(dict.fromkeys(name for item in runs for name in item.force))
+    every = dict.fromkeys(name for item in runs for name in item.force)
+    channels = list(every) if groups else []
     price = Disagreement.price(len(groups), len(channels))
     found = (
         item

@@ -4,8 +4,8 @@
                                            [--noise standard] [--workers 2]
 
 Campaigns of the virtual tank are checked, reduced by the structure that they are made of, diagnosed
-about it, and compared with the model of the table. A doubt is what speaks against the table, a name,
-something unexplained, or a group of runs that is said to disagree.
+about it, and compared with the model of the table. A doubt is what speaks against the table, a
+name, something unexplained, or a group of runs that is said to disagree.
 """
 
 from __future__ import annotations

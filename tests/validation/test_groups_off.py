@@ -39,7 +39,7 @@ def test_the_later_half_of_a_day_that_reads_more_is_told_beside_a_wrong_model(mo
     (told,) = found.disagreements
     assert (told.channel, set(told.runs)) == ("Y", later)
     assert told.gain == pytest.approx(0.03, abs=0.015)
-    assert str(told) in str(found)
+    assert found.standouts()[0] == str(told)
     assert found.to_dict()["disagreements"][0]["group"] == told.group
 
 
@@ -49,7 +49,6 @@ def test_a_wrong_model_makes_no_group_of_sound_runs(model, seed):
     """Its rudder is 40 % off, which no run is to blame for."""
     found = pk.compare(model, hidden_campaign("small", seed=seed))
     assert found.disagreements == ()
-    assert "Runs that disagree" not in str(found)
     assert any("rudder" in text for text in found.standouts())
 
 
