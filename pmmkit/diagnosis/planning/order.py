@@ -128,7 +128,7 @@ class Programme:
         >>> every = options_of(limits, tank.ship, tank.water)
         >>> again = Programme.of(every, draw=True, references=True)
         >>> [len(names) for names in again.references.values()]
-        [3, 5]
+        [3, 6]
         """
         order = drawn_order(options) if draw else range(len(options))
         kept = [options[place] for place in order]
