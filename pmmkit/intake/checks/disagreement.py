@@ -30,10 +30,20 @@ Beside = tuple[Array, Normal]
 class Disagreement:
     """A group of runs in which a channel reads otherwise than in all others.
 
-    `channel, group`: the channel, and the group in words. `runs`: their names. `gain`: what it
-    reads more, as a share of the force. `offset`: what its means read more, over the rms force.
-    `log_odds`: ln of the odds for it beside the answer, `instead` in its place. `rival`: whether
-    it is told because it explains as much in the answer's place.
+    Parameters
+    ----------
+    channel, group : str
+        The channel, and the group in words.
+    runs : tuple of str
+        Names of its runs.
+    gain : float
+        What it reads more, as a share of the force [-].
+    offset : float
+        What its means read more, over the rms force [-].
+    log_odds, instead : float
+        ln of the odds for it beside the answer, and in its place.
+    rival : bool
+        Whether it is told because it explains as much in the answer's place.
     """
 
     TOLD: ClassVar[float] = math.log(20.0)
