@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.diagnosis.empirical import EmpiricalFormula
 from pmmkit.diagnosis.evidence import RankedSet, Visible, finite
+from pmmkit.diagnosis.outside import PERHAPS, HiddenEntries, Outside
 from pmmkit.intake import Disagreement, Untold
 from pmmkit.models import Model, odds
 from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
@@ -295,7 +296,8 @@ class Diagnosis(Described):
         The best set first, with the odds of each against it: these runs cannot tell them apart.
     flags : tuple of str
         Empty, or ``not_the_whole_story`` and the reasons in words: something is left beside the
-        best set, or, where nothing is named, beside the base.
+        best set, or, where nothing is named, beside the base; or ``perhaps_outside`` and how
+        probable it is, above 5 %, that the name stands for something outside the catalogue.
     findings : tuple of Finding
         The effects of the best set.
     chance : float
@@ -338,6 +340,9 @@ class Diagnosis(Described):
         The rest of the catalogue, and why such runs are not asked for it (captive tests).
     untold : tuple of Untold
         What the runs cannot tell of their own errors, by their settings alone (captive tests).
+    outside : Outside, optional
+        How probable it is that the answer stands for something outside the catalogue, where its
+        entries were hidden in these runs (captive tests).
     """
 
     verdict: Verdict
@@ -362,6 +367,19 @@ class Diagnosis(Described):
     homogeneity: tuple[Homogeneity, ...] = ()
     not_asked: Mapping[str, str] = field(default_factory=_none)
     untold: tuple[Untold, ...] = ()
+    outside: Outside | None = None
+
+    def beside(self, hidden: HiddenEntries) -> Diagnosis:
+        """With what hidden entries say of the answer: a name that may stand for something else is
+        flagged."""
+        names = self.best or (() if self.nearest is None else self.nearest.effects)
+        if not names:
+            return self
+        rivals = dict.fromkeys(name for own, _ in self.group[1:] for name in own)
+        scores = {} if self.flags else {item.effect: item.log_odds for item in self.findings}
+        outside = hidden.of(names, tuple(rivals), scores, self.covered)
+        flags = (PERHAPS, str(outside)) if outside.doubtful else self.flags
+        return replace(self, outside=outside, flags=flags)
 
     @property
     def best(self) -> tuple[str, ...]:
@@ -409,7 +427,8 @@ class Diagnosis(Described):
             said.append(f"The base has already: {', '.join(self.given)}.")
         if self.findings:
             said.append(f"Family: {', '.join(self.families)}.")
-        if self.flags and self.findings:
+        outside = [] if self.outside is None or self.outside.doubtful else [str(self.outside)]
+        if self.flags and self.flags[0] != PERHAPS and self.findings:
             said.append(
                 "It is not the whole story: something is left that no named effect explains. "
                 "Take it as the nearest relative."
@@ -417,7 +436,7 @@ class Diagnosis(Described):
         if self.nearest is not None:
             said.append(str(self.nearest))
         formula = [] if self.formula is None else self.formula.remarks()
-        return [*said, *self.flags[1:], *formula]
+        return [*said, *self.flags[1:], *filter(None, outside), *formula]
 
     def table(self) -> Grid:
         """The coefficients of all findings."""
@@ -559,6 +578,7 @@ class Diagnosis(Described):
                 ),
             ],
             "untold": [item.to_dict() for item in self.untold],
+            "outside": None if self.outside is None else self.outside.to_dict(),
             "chance": self.chance,
             "floor": self.floor,
             "given": list(self.given),

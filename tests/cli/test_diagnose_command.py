@@ -34,6 +34,7 @@ def folder(tmp_path_factory):
 
 def steady_tests(folder):
     """Nine towed runs at three drift and three rudder angles, a row each, and nothing that yaws."""
+    folder.mkdir(exist_ok=True)
     rows, scatter = ["drift_deg,rudder_deg,X,Y,N"], np.random.default_rng(9)
     for drift, rudder in product((-6.0, 0.0, 6.0), (-20.0, 0.0, 20.0)):
         beta, delta = np.radians([drift, rudder])
@@ -78,6 +79,21 @@ def test_without_yaw_tests_what_they_would_show_is_named(tmp_path, capsys):
     assert status == 0
     assert "yaw_sway_coupling" in words.partition("These runs could not show")[2]
     assert (tmp_path / "report.html").exists()
+
+
+@pytest.mark.slow
+def test_entries_are_hidden_once_and_known_from_then_on(tmp_path, capsys):
+    """Nine steady tests, few of whose entries can be hidden."""
+    place = steady_tests(tmp_path / "tests")
+    asked = ("diagnose", "cubic", place, "--noise", "0.01", "--no-figures", "--json", "--out")
+    status, first, told = run(capsys, *asked, tmp_path / "first", "--outside", "--workers", "1")
+    assert status == 0
+    assert "hidden: " in told
+    (table,) = json.loads((place / "hidden_entries.json").read_text())["tables"]
+    assert len(table["ends"]) == 2 * len(table["families"])
+    _, second, told = run(capsys, *asked, tmp_path / "second")
+    assert "hidden: " not in told
+    assert json.loads(first)["outside"] == json.loads(second)["outside"]
 
 
 @pytest.mark.slow
@@ -352,6 +368,7 @@ def test_records_of_a_ship_that_is_the_model_name_nothing(tmp_path, capsys):
     [
         (["--noise", "0.01"], "captive tests"),
         (["--given", "memory"], "captive tests"),
+        (["--outside"], "captive tests"),
         (["--windage", "0.1"], "two areas"),
     ],
 )

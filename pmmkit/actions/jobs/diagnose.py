@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from functools import partial
 from itertools import count
 from pathlib import Path
@@ -118,6 +120,12 @@ class DiagnoseSettings:
         default=None,
     )
     records: RecordSettings = RecordSettings()
+    outside: bool = setting(
+        "Hide each entry of the catalogue in these captive tests while the catalogue has it not: "
+        "how probable is it that a name stands for something outside? A minute of processor time "
+        "for 50 runs, kept in hidden_entries.json beside the campaign.",
+        default=False,
+    )
     figures: DrawFigures = True
     data: Data = None
     execution: ExecutionSettings = ExecutionSettings()
@@ -137,10 +145,11 @@ def diagnose(job: DiagnoseSettings) -> Outcome:
     name = "-".join(map(stem, job.campaigns))
     folder = results_folder(job.out, f"{name}-diagnosed", read=[job.model], force=job.force)
     if len(job.campaigns) > 1:
-        if known or job.own is not None or {"test_runs", "window"} & set(stated(asked)) or executor:
+        of_one = known or job.own is not None or job.outside or executor
+        if of_one or {"test_runs", "window"} & set(stated(asked)):
             raise DataError(
-                "--given, --own, --test-runs, --window, --workers and --scheduler belong to the "
-                "diagnosis of one campaign."
+                "--given, --own, --outside, --test-runs, --window, --workers and --scheduler "
+                "belong to the diagnosis of one campaign."
             )
 
         return together_outcome(
@@ -154,9 +163,10 @@ def diagnose(job: DiagnoseSettings) -> Outcome:
         )
     opened, checked = sound_campaign(campaign, job.data, executor)
     if opened.kind == "free-running":
-        if known or job.uncertainty.noise is not None or job.own is not None:
+        if known or job.uncertainty.noise is not None or job.own is not None or job.outside:
             raise DataError(
-                "--given, --noise and --own belong to captive tests; these runs run free."
+                "--given, --noise, --own and --outside belong to captive tests; these runs run "
+                "free."
             )
         found, more, files, head, tail = _of_records(job, opened, checked, names)
     elif names is not None or stated(asked):
@@ -184,18 +194,27 @@ _Answer = tuple[
 def _of_captive_tests(
     job: DiagnoseSettings, campaign: Tests, checked: Sequence[CheckFinding], given: Sequence[str]
 ) -> _Answer:
+    from pmmkit.base import shown
     from pmmkit.diagnosis import begin
     from pmmkit.effects import own_effects
     from pmmkit.plotting import save
     from pmmkit.views import Loop, write_report
 
     own = own_effects(job.own) if job.own else ()
-    session = begin(
-        job.model, campaign, **vars(job.uncertainty), own=own, executor=job.execution.executor
-    )
-    for effect in given:
-        session = session.add(effect, "known to be there")
-    loop = Loop.of(session, job.model)
+    executor = job.execution.executor
+    with shown() if job.outside else nullcontext() as progress:
+        session = begin(
+            job.model,
+            campaign,
+            **vars(job.uncertainty),
+            own=own,
+            executor=executor or (os.cpu_count() if job.outside else None),
+            outside=job.outside,
+            progress=progress,
+        )
+        for effect in given:
+            session = session.add(effect, "known to be there")
+        loop = Loop.of(session, job.model)
     count = len(campaign.runs)
     formula = loop.diagnosis.formula
     page = partial(write_report, loop, title=campaign.title, runs=count, findings=checked)

@@ -370,19 +370,28 @@ Source = Model | str | Sequence[str] | Structure
 
 
 def answer_with_formula(
-    system: System, given: Sequence[str] = (), *, floor: float, seed: int = 0, source: Source
+    system: System,
+    given: Sequence[str] = (),
+    *,
+    floor: float,
+    seed: int = 0,
+    source: Source,
+    offered: bool = True,
 ) -> Diagnosis:
     """Ask a system which effects the base lacks, and for a formula, `told_with_formula`."""
-    return told_with_formula(ranked(system, given, seed), given, floor=floor, source=source)
+    ranking = ranked(system, given, seed)
+    return told_with_formula(ranking, given, floor=floor, source=source, offered=offered)
 
 
 def told_with_formula(
-    ranking: RankedSets, given: Sequence[str], *, floor: float, source: Source
+    ranking: RankedSets, given: Sequence[str], *, floor: float, source: Source, offered: bool = True
 ) -> Diagnosis:
     """What a ranking says; where no effect explains it, or products of the motion do better, with a
-    formula that the model has a place for."""
+    formula that the model has a place for, if that is to be `offered`."""
     found = told(ranking, given, floor=floor)
     if not found.findings and found.verdict != "unexplained":
+        return found
+    if not offered and (found.flags or not found.findings):
         return found
     with threadpool_limits(1):
         sets = MonomialSets.instead(ranking, DerivativePlaces.of(source))
@@ -390,7 +399,7 @@ def told_with_formula(
             return found
         if found.findings and not found.flags:
             found = replace(found, flags=_better_products(ranking, found.best, sets))
-        if found.verdict == "unexplained" or found.flags:
+        if offered and (found.verdict == "unexplained" or found.flags):
             formula = formula_of(ranking, found.best, sets)
             if formula.terms or not found.findings:
                 found = replace(found, formula=formula)

@@ -55,12 +55,13 @@ def _factors(views: Sequence[View], L: float) -> dict[str, dict[str, frozenset[s
         moved = (m.v**2 + (m.r * L) ** 2) / view.speed**2
         swing[name] = float(np.sqrt(np.mean(moved)))
     middle = float(np.median(list(swing.values())))
-    return Run.levels([view.run for view in of_run.values()]) | {
+    factors = Run.levels([view.run for view in of_run.values()]) | {
         "amplitude": {
             "in small motions": frozenset(x for x in swing if swing[x] <= middle),
             "in large motions": frozenset(x for x in swing if swing[x] > middle),
         }
     }
+    return {factor: levels for factor, levels in factors.items() if len(levels) >= FEWEST}
 
 
 def _of_effect(

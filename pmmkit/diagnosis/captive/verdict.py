@@ -59,7 +59,7 @@ def coverage(system: System) -> tuple[Visible, ...]:
     """Coverage of every candidate by the runs of a system; the forces do not enter but by noise."""
     best: dict[str, tuple[float, CandidateColumns]] = {}
     for block in system.blocks:
-        signal = _signal(system, block)
+        signal = signal_of(system, block)
         name = block.candidate.name
         if name not in best or signal > best[name][0]:
             best[name] = (signal, block)
@@ -108,7 +108,7 @@ def _not_held(candidate: Candidate) -> Visible:
     )
 
 
-def _at_usual_size(block: CandidateColumns) -> Array:
+def at_usual_size(block: CandidateColumns) -> Array:
     """Coefficients at the usual size, in units of the prior."""
     if block.candidate.each_run:
         return np.full(block.count, 1.0 / WIDER)
@@ -118,8 +118,9 @@ def _at_usual_size(block: CandidateColumns) -> Array:
     return usual
 
 
-def _signal(system: System, block: CandidateColumns) -> float:
-    a = _at_usual_size(block)
+def signal_of(system: System, block: CandidateColumns) -> float:
+    """Squared signal over noise at the usual size."""
+    a = at_usual_size(block)
     if block.drawn:
         return block.drawn.square_of(a)
     return float(a @ system.normal.information[block.columns, block.columns] @ a)
@@ -133,7 +134,7 @@ def _could_hide(system: System, best: CandidateColumns, share: float) -> float:
     for block in system.blocks:
         if (block.candidate.name, block.candidate.size) != (name, size):
             continue
-        usual, at = _at_usual_size(block), block.columns
+        usual, at = at_usual_size(block), block.columns
         if block.drawn:
             sizes.append(could_hide(share * block.drawn.squares, usual))
         else:
@@ -144,7 +145,7 @@ def _could_hide(system: System, best: CandidateColumns, share: float) -> float:
 
 def _signature(system: System, block: CandidateColumns) -> list[Array]:
     """An effect at its usual size in each channel (n + D,)."""
-    a = _at_usual_size(block)
+    a = at_usual_size(block)
     if block.drawn:
         return block.drawn.left(system.pieces, a)
     return [columns_at(piece, block.places) @ a for piece in system.pieces]
@@ -158,7 +159,7 @@ def _without_a_run(system: System, blocks: Sequence[CandidateColumns]) -> list[t
     runs = list(taken)
     lost = np.stack([taken[run] for run in runs])
     return [
-        (_signal(system, block) - float(lost[:, k].max()), runs[int(np.argmax(lost[:, k]))])
+        (signal_of(system, block) - float(lost[:, k].max()), runs[int(np.argmax(lost[:, k]))])
         for k, block in enumerate(blocks)
     ]
 
@@ -185,7 +186,7 @@ def _mimics(
     for name in names:
         block = every[name][1]
         products = block.drawn.across if block.drawn else information[:, block.columns]
-        across.append((products @ _at_usual_size(block))[:, None])
+        across.append((products @ at_usual_size(block))[:, None])
     places = {name: block.places for name, (_, block) in every.items() if not wide(block)}
     signals = np.array([every[name][0] for name in names])
     found = mimics(information, np.hstack(across), signals, places)

@@ -12,7 +12,7 @@ from typing import Final, Protocol, TypeVar
 
 import numpy as np
 
-from pmmkit.base import DataError, ModelError, Workers
+from pmmkit.base import DataError, ModelError, Progress, Workers
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import CHANNEL_UNITS, Structure
 from pmmkit.diagnosis.captive.adequacy import blocks_of
@@ -20,6 +20,7 @@ from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
 from pmmkit.diagnosis.captive.formula import answer_with_formula
 from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
+from pmmkit.diagnosis.captive.hidden_entries import OutsideCheck
 from pmmkit.diagnosis.captive.least_squares import (
     JointFit,
     Stack,
@@ -198,13 +199,15 @@ class CaptiveTests:
 
     `source`: the base: a model, the name of a structure, or derivatives. `system`: runs, base
     and candidates. `floor`: what is too small to matter, over the rms force of a channel.
-    `begun`: effects that the base has from the beginning. `own`: effects of the user.
+    `begun`: effects that the base has from the beginning. `own`: effects of the user. `outside`:
+    what is asked of names.
     """
 
     source: Model | str | tuple[str, ...] | Structure
     campaign: Campaign
     system: System
     floor: float
+    outside: OutsideCheck
     begun: tuple[str, ...] = ()
     own: tuple[Effect, ...] = ()
 
@@ -250,6 +253,7 @@ class CaptiveTests:
         found = answer_with_formula(
             own.system, own.begun, floor=own.floor, seed=seed, source=self.source
         )
+        found = self.outside.judged(found, own.system, own.begun, self.source)
         untold = Untold.of(self.campaign.within_reach(), values=found.base, recorded=True)
         return replace(found, given=self._names(steps), untold=untold)
 
@@ -384,6 +388,8 @@ def captive_tests(
     noise: float | None,
     own: Sequence[Effect],
     executor: Workers = None,
+    outside: bool = False,
+    progress: Progress | None = None,
 ) -> CaptiveTests:
     """The evidence of captive tests; arguments as for `begin`."""
     source, structure, effects = derivatives_of(model)
@@ -403,6 +409,9 @@ def captive_tests(
         campaign=campaign,
         system=system.whole(begun),
         floor=system.floor,
+        outside=OutsideCheck.beside(
+            campaign.folder, made=outside, executor=executor, progress=progress
+        ),
         begun=begun,
         own=own,
     )

@@ -295,8 +295,9 @@ def begin(
         Of several campaigns ``noise`` is that of captive tests, ``candidates`` are those of
         records.
     **settings
-        Of free-running records alone, as for `diagnose_free`; of several campaigns also ``runs``,
-        ``test_runs`` (held out), ``channels`` and ``shortest``, as for `Chosen.of`.
+        Of captive tests ``outside`` and ``progress``, as for `diagnose_captive`. Of free-running
+        records as for `diagnose_free`; of several campaigns also ``runs``, ``test_runs`` (held
+        out), ``channels`` and ``shortest``, as for `Chosen.of`.
 
     Returns
     -------
@@ -331,6 +332,8 @@ def begin(
             **settings,
         )
         return Session(evidence=records)
+    outside = bool(settings.pop("outside", False))
+    progress = settings.pop("progress", None)
     if settings:
         raise DataError(f"Of no use for captive tests: {', '.join(settings)}.")
     asked: list[Candidate] | None = None if candidates is None else []
@@ -340,7 +343,15 @@ def begin(
         if asked is not None:
             asked.append(item)
     tests = captive_tests(
-        model, campaign, floor=floor, candidates=asked, noise=noise, own=own, executor=executor
+        model,
+        campaign,
+        floor=floor,
+        candidates=asked,
+        noise=noise,
+        own=own,
+        executor=executor,
+        outside=outside,
+        progress=progress,
     )
     return Session(evidence=tests)
 
