@@ -27,9 +27,10 @@ UNITS: Final[Mapping[str, str]] = CHANNEL_UNITS | {
     "yaw_rate": "deg/s",
 }
 """Of the errors: forces and moments, or how free-running records are missed."""
-Verdict = Literal["noise", "missing_effect", "suspected", "unexplained"]
+Verdict = Literal["noise", "refit", "missing_effect", "suspected", "unexplained"]
 VERDICTS: Final[Mapping[Verdict, str]] = {
     "noise": "Nothing is missing that these runs could show.",
+    "refit": "No effect is missing that these runs could show: values of the model are others.",
     "missing_effect": "An effect is missing.",
     "suspected": "An effect is suspected: one run shows most of it.",
     "unexplained": "Something is missing that nothing in the catalogue explains.",
@@ -255,9 +256,10 @@ class Nearest:
     """The set of effects that comes nearest to something that is not in the catalogue.
 
     `effects`: the set. It is not named. `error_before, error_after, error_level`: held-out
-    error without and with it, and what noise alone gives, over the rms forces. `channel`:
-    channel whose errors stay furthest above noise, ``all`` for all of their harmonics. `ratio`:
-    root mean square of these over what noise gives.
+    error without and with it, and what noise alone gives, over the rms forces; of free-running
+    records that of `channel` in its unit. `channel`: channel whose errors stay furthest above
+    noise, ``all`` for all of their harmonics. `ratio`: root mean square of these over what noise
+    gives.
     """
 
     effects: tuple[str, ...]
@@ -269,10 +271,14 @@ class Nearest:
 
     def __str__(self) -> str:
         where = "harmonics" if self.channel == "all" else f"errors in {self.channel}"
-        shares = fallen(self.error_before, self.error_after, self.error_level)
+        if self.channel in CHANNEL_UNITS or self.channel == "all":
+            what = f"from {fallen(self.error_before, self.error_after, self.error_level)}"
+        else:
+            where = where.replace("_", " ")
+            what = f"from {self.error_before:.3g} to {self.error_after:.3g} {UNITS[self.channel]}"
         return (
             f"The nearest relative is {' and '.join(self.effects)}; do not take it for the cause. "
-            f"With it the error of what was left out goes from {shares}, and {where} stay at "
+            f"With it the error of what was left out goes {what}, and {where} stay at "
             f"{self.ratio:.2f} times what noise gives."
         )
 
@@ -289,9 +295,10 @@ class Diagnosis(Described):
 
     Parameters
     ----------
-    verdict : {"noise", "missing_effect", "suspected", "unexplained"}
-        No effect is needed; a set of effects is missing; one run alone shows an effect; something
-        is missing, and nothing in the catalogue explains it.
+    verdict : {"noise", "refit", "missing_effect", "suspected", "unexplained"}
+        No effect is needed; none, but values of the model are others (free-running records); a set
+        of effects is missing; one run alone shows an effect; something is missing, and nothing in
+        the catalogue explains it.
     group : tuple of (effects, odds)
         The best set first, with the odds of each against it: these runs cannot tell them apart.
     flags : tuple of str
@@ -327,7 +334,7 @@ class Diagnosis(Described):
     suspected : tuple of SuspectRun
         Effects that one run alone decides.
     nearest : Nearest, optional
-        What comes nearest where something is unexplained (captive tests).
+        What comes nearest where something is unexplained.
     formula : EmpiricalFormula, optional
         What fits where something is unexplained or flagged (captive tests): numbers, no cause.
     disagreements : tuple of Disagreement

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.base import DataError
 from pmmkit.diagnosis.free_running.information import Forces, Information, WindowInformation
@@ -126,17 +127,25 @@ class FreeBase:
     `names`: values of the model. `sizes (b,)`: usual size of each. `known (b + g, b + g)`:
     covariance that holds whatever the spread is, over the sizes; after the values, that of the
     coefficients of effects that the base has. `spreads (s,)`: standard deviations over the
-    sizes that are weighed against each other, beside it.
+    sizes that are weighed against each other, beside it. `open (b,)`: values that move by these
+    too. `alone (b,)`: values that state an uncertainty of their own, without a covariance.
     """
 
     names: tuple[str, ...]
     sizes: Array
     known: Array
     spreads: Array
+    open: NDArray[np.bool_]
+    alone: NDArray[np.bool_]
 
     def within(self, count: int) -> FreeBase:
         """The same with the first, smallest spreads alone; the first is none."""
         return replace(self, spreads=self.spreads[:count])
+
+    @property
+    def held(self) -> FreeBase:
+        """The same of which no value moves."""
+        return replace(self, known=np.zeros_like(self.known), spreads=np.zeros(1))
 
     def having(self, coefficients: int) -> FreeBase:
         """The same with effects of so many coefficients, each as wide as a candidate's."""
@@ -149,7 +158,7 @@ class FreeBase:
         """Root (b + g, m) of the covariance at a spread, with a column for each of the m numbers
         that may move."""
         whole = self.known.copy()
-        values = np.arange(len(self.sizes))
+        values = np.flatnonzero(self.open)
         whole[values, values] += spread**2
         moves = np.diagonal(whole) > 0.0
         scale = np.sqrt(np.diagonal(whole)[moves])
@@ -168,7 +177,8 @@ def idle(part: Part) -> bool:
 
 
 def movable(model: Model) -> tuple[str, ...]:
-    """Derivatives of hull, rudder and added mass, and the uncertain values of other parts.
+    """Derivatives of hull, rudder and added mass, and of other parts the values that are uncertain
+    with any ship, or that state how uncertain they are.
 
     A table of wave drift whose factors are zero waits to be asked for: it does not act, and no base
     moves it.
@@ -177,7 +187,10 @@ def movable(model: Model) -> tuple[str, ...]:
         f"{part.effect}.{item.name}"
         for part in model.parts.values()
         for item in part.known.parameters
-        if item.uncertain and item.name in part.values and not idle(part)
+        if item.name in part.values
+        and not item.table
+        and (item.uncertain or part.std.get(item.name, 0.0) > 0.0)
+        and not idle(part)
     ]
     return (*model.derivatives, *others)
 
@@ -185,9 +198,11 @@ def movable(model: Model) -> tuple[str, ...]:
 def base_of(
     model: Model, speed: float, *, spread: float = SPREAD, extrapolate: bool = False
 ) -> FreeBase:
-    """The values of a model, its covariance, and a spread that the records have to tell.
+    """The values of a model, how uncertain it states them, and a spread that records have to tell.
 
-    speed [m/s].
+    A value of a part that states its uncertainty, measured or a guess, moves within that. The
+    covariance of derivatives is that of one fit, of one form in one laboratory: the spread comes to
+    it. speed [m/s].
 
     Examples
     --------
@@ -203,11 +218,29 @@ def base_of(
         [max(size, usual.get(name, 0.0)) for name, size in zip(names, own.std, strict=True)]
     )
     stated = Prior.of(model, names, speed, spread=None, extrapolate=extrapolate)
-    there = np.isin(names, model.covariance_names)
+    fitted = np.isin(names, model.covariance_names)
+    alone = ~fitted & np.isin(names, own_uncertainties(model))
+    there = fitted | alone
     known = np.where(np.outer(there, there), stated.covariance, 0.0) / np.outer(sizes, sizes)
+    of_parts = np.array(["." in name for name in names])
     return FreeBase(
-        names=names, sizes=sizes, known=known, spreads=np.round(spread * np.array(STEPS), 12)
+        names=names,
+        sizes=sizes,
+        known=known,
+        spreads=np.round(spread * np.array(STEPS), 12),
+        open=~there | (fitted & ~of_parts),
+        alone=alone,
     )
+
+
+def own_uncertainties(model: Model) -> list[str]:
+    """Values that state an uncertainty of their own."""
+    return [
+        part.place(name)
+        for part in model.parts.values()
+        for name, std in part.std.items()
+        if std > 0.0
+    ]
 
 
 def stated_base(prior: Prior) -> FreeBase:
@@ -218,6 +251,8 @@ def stated_base(prior: Prior) -> FreeBase:
         sizes=sizes,
         known=prior.covariance / np.outer(sizes, sizes),
         spreads=np.zeros(1),
+        open=np.zeros(len(sizes), bool),
+        alone=np.zeros(len(sizes), bool),
     )
 
 

@@ -16,7 +16,7 @@ from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.captive.verdict import CHANCE
 from pmmkit.diagnosis.evidence import LEAST, PRICE, RIVALS, Visible
-from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict
+from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, Verdict
 from pmmkit.diagnosis.free_running.base import FLOOR, SPREAD, FreeBase, base_of, stated_base
 from pmmkit.diagnosis.free_running.contest import (
     MOST,
@@ -34,11 +34,13 @@ from pmmkit.diagnosis.free_running.findings import (
     held_out_errors,
     model_of,
     moved,
+    moved_most,
+    odd_sizes,
 )
 from pmmkit.diagnosis.free_running.fits import (
     Linearised,
     SetFit,
-    above_floor,
+    at_place,
     first_place,
     fitted,
     having,
@@ -61,6 +63,7 @@ from pmmkit.diagnosis.free_running.left_out import (
     pooled,
     predicted,
 )
+from pmmkit.diagnosis.free_running.misfit import LeftOutMisfit, left_out_squares
 from pmmkit.diagnosis.free_running.question import RecordQuestion, question_of, records_of
 from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects import OUTSIDE, Effect
@@ -219,10 +222,9 @@ DRAWS: Final = 4000
 """Records that are drawn for the chance: of one in a hundred it is known to .16 %."""
 LONGEST: Final = 6
 """A group of more sets names nothing."""
-BEYOND: Final = 10.0
-"""ln evidence of unknown forces above the floor from which something is left to explain."""
-TOLERANCE: Final = (math.degrees(0.0087), 0.005)
-"""Errors of heading [deg] and of speed over the approach over a window that do not matter."""
+MOVED: Final = PRICE
+"""ln evidence from which the values of the base are others than those of the model as it is given:
+as much as an effect has to bring."""
 
 
 def diagnose_free(
@@ -232,7 +234,6 @@ def diagnose_free(
     prior: Prior | None = None,
     spread: float = SPREAD,
     floor: float = FLOOR,
-    tolerance: tuple[float, float] = TOLERANCE,
     window: float | None = None,
     held_out: Sequence[FreeRecord] = (),
     held_out_window: float | None = None,
@@ -264,8 +265,9 @@ def diagnose_free(
     their usual sizes; the records are averaged over several such shares, none of it among them.
     Sets of up to `most` effects are compared by the probability that is left (Laplace), those in
     front after a fit through the equations. Nothing is named unless the records are more probable
-    by more than e after the price, records left out one after another are too, and chance gives
-    such evidence in less than 1 % of campaigns without any effect.
+    by more than e after the price, records left out one after another are too, what these are
+    missed by above the noise falls, and chance gives such evidence in less than 1 % of campaigns
+    without any effect.
     """
     system = free_system(
         model,
@@ -282,21 +284,13 @@ def diagnose_free(
         progress=progress,
         executor=executor,
     )
-    return answer(
-        system,
-        tolerance=tolerance,
-        held_out=held_out,
-        held_out_window=held_out_window,
-        most=most,
-        seed=seed,
-    )
+    return answer(system, held_out=held_out, held_out_window=held_out_window, most=most, seed=seed)
 
 
 def answer(
     system: FreeSystem,
     given: Sequence[str] = (),
     *,
-    tolerance: tuple[float, float] = TOLERANCE,
     held_out: Sequence[FreeRecord] = (),
     held_out_window: float | None = None,
     most: int = MOST,
@@ -315,8 +309,13 @@ def answer(
     found = best.gain + PRICE * len(best.names) if best else -math.inf
     groups = [[at] for at in seen.columns.values()]
     chance = seen.normal.chance_of(found, groups, draws=DRAWS, seed=seed)
-    kept_out = float(np.sum(log_left_out(best.fit) - log_left_out(null))) if best else 0.0
-    named = best is not None and chance < CHANCE and best.gain > LEAST and kept_out > 0.0
+    named = (
+        best is not None
+        and chance < CHANCE
+        and best.gain > LEAST
+        and float(np.sum(log_left_out(best.fit) - log_left_out(null))) > 0.0
+        and left_out_squares(best.fit).falls_from(left_out_squares(null.read_by(best.fit.sensors)))
+    )
     group = [
         (item.names, math.exp(item.gain - settled[0].gain))
         for item in settled
@@ -332,13 +331,14 @@ def answer(
         better = best.fit if why_not(model, every, held, speed) else held
     last = better or refit
     errors = _errors(contest, refit, better)
-    left = _left(last, tolerance)
-    forced = above_floor(last) > BEYOND
+    misfit = left_out_squares(last).misfit
+    left = misfit.chance < CHANCE
+    is_moved = _gained(contest, refit) > MOVED
     apart = Disagreement.telling(
         disagreements(last, null), best.gain if told and best else math.inf
     )
-    verdict: Verdict = "missing_effect" if told else "noise"
-    if many or (not told and apart) or (not named and forced and left):
+    verdict: Verdict = "missing_effect" if told else "refit" if is_moved else "noise"
+    if many or (not told and apart) or (left and not named):
         verdict = "unexplained"
     made = model_of(model, every, last, speed)
     refitted = model_of(model, every, refit, speed)
@@ -363,7 +363,13 @@ def answer(
     return Diagnosis(
         verdict=verdict,
         group=tuple(group) if told else (),
-        flags=_flags(many, told and forced and left, apart),
+        flags=_flags(
+            many,
+            [
+                *map(str, apart),
+                *(_reasons(contest, every, last, misfit) if told or left else ()),
+            ],
+        ),
         findings=_findings(
             replace(best, fit=last), contest, every, covered, errors[f"left out, {ALONE}"]
         )
@@ -381,6 +387,7 @@ def answer(
         corrections=MappingProxyType(corrections),
         notes=(*_notes(question, last), *_refused(contest)),
         disagreements=apart,
+        nearest=_nearest(best, refit, misfit) if best and verdict == "unexplained" else None,
     )
 
 
@@ -433,20 +440,50 @@ def _errors(contest: Contest, refit: SetFit, best: SetFit | None) -> dict[str, d
     return errors
 
 
-def _left(fit: SetFit, tolerance: tuple[float, float]) -> bool:
-    """Whether records are missed by more than does not matter."""
-    stretches = fit.place.question.stretches
-    found = pooled(missed(fit.followed, fit.z, range(len(stretches))))
-    speed = stretches[0].record.speed
-    return (
-        found.get("heading", 0.0) > tolerance[0] or found.get("speed", 0.0) > tolerance[1] * speed
-    )
+def _gained(contest: Contest, refit: SetFit) -> float:
+    """ln of how much more probable the records are by a base that moves than by the one as it is
+    given."""
+    zero = contest.zero
+    nothing = np.zeros(0, np.intp)
+    still = place_at(zero.question.read_by(refit.sensors), zero.z, nothing)
+    numbers = still.question.numbers
+    held = replace(still.question, numbers=replace(numbers, base=numbers.base.held))
+    return refit.log_probability - at_place(replace(still, question=held), ()).log_probability
 
 
-def _flags(many: bool, left: bool, apart: Sequence[Disagreement]) -> tuple[str, ...]:
+def _flags(many: bool, reasons: Sequence[str]) -> tuple[str, ...]:
     """What to warn of."""
-    found = ["not_the_whole_story", *map(str, apart)] if left or apart else []
-    return (*found, *(["no_short_group"] if many else []))
+    found = ["not_the_whole_story", *reasons] if reasons else []
+    return (*(["no_short_group"] if many else []), *found)
+
+
+def _reasons(
+    contest: Contest, every: Sequence[FreeCandidate], last: SetFit, misfit: LeftOutMisfit
+) -> list[str]:
+    """Why an answer is not the whole story, in words."""
+    found = [str(misfit)] if misfit.chance < CHANCE else []
+    found += odd_sizes(last, every)
+    if last.names and contest.refused:
+        names, _, _ = contest.refused[0]
+        found.append(f"{' + '.join(names)} would explain more, with values that no model can have")
+    return found
+
+
+def _nearest(best: NamedSet, refit: SetFit, misfit: LeftOutMisfit) -> Nearest:
+    """The best set where none is named."""
+    fit = steady(best.fit)
+    after = left_out_squares(fit)
+    name = misfit.where
+    records = each([item.record for item in refit.place.question.stretches])
+    before, then = (pooled(predicted(own.read_by(fit.sensors), records)) for own in (refit, fit))
+    return Nearest(
+        effects=best.names,
+        error_before=before[name],
+        error_after=then[name],
+        error_level=math.nan,
+        channel=name,
+        ratio=after.misfit.ratio,
+    )
 
 
 def _values(question: RecordQuestion, fit: SetFit) -> dict[str, float]:
@@ -500,9 +537,7 @@ def _notes(question: RecordQuestion, last: SetFit) -> tuple[str, ...]:
     )
     notes = [
         f"{windows} windows of {len(question.stretches)} records",
-        f"values of the base moved by {100 * last.spread:.3g} % of their usual sizes"
-        if last.spread
-        else "the base stands as it is given",
+        moved_most(last),
         f"unknown forces of {shares} of ½ρLdU² (½ρL²dU²) are left",
     ]
     if question.outliers:

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.evidence import SHOWS, Visible, could_hide, mimics
-from pmmkit.diagnosis.findings import Finding
+from pmmkit.diagnosis.findings import LARGE, Finding
 from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, FreeCandidate, Names, Numbers, Screen
 from pmmkit.diagnosis.free_running.left_out import left_out_errors, mean_log
@@ -20,6 +20,7 @@ from pmmkit.effects import OUTSIDE, Parameter
 from pmmkit.identification import FreeRecord, Prediction, Smoothed, places
 from pmmkit.models import Model
 from pmmkit.numerics import Array
+from pmmkit.presentation import WIDE
 
 BEYOND: Final = 2.0
 """Standard deviations by which a fit may leave a value beyond the least or most that there is."""
@@ -56,6 +57,48 @@ def moved(fit: SetFit) -> dict[str, float]:
     numbers = fit.place.question.numbers
     change = (numbers.T @ fit.z).tolist()
     return {name: x for name, x in zip(numbers.values, change, strict=True) if x != 0.0}
+
+
+MOST: Final = 3
+"""Values that are told of those that moved, the farthest first."""
+
+
+def moved_most(fit: SetFit) -> str:
+    """How far the values of the base are from those of the model as it is given, in words."""
+    numbers = fit.place.question.numbers
+    base, own = numbers.base, slice(len(numbers.base.names))
+    z, known = fit.z[own], np.sqrt(np.diagonal(base.known)[own])
+    if not np.any(z):
+        return "the base stands as it is given"
+    said = []
+    for i in np.argsort(-np.abs(z))[:MOST].tolist():
+        far = f"{100 * abs(z[i]):.2g} % of its usual size"
+        if known[i] and not base.open[i]:
+            far = f"{abs(z[i]) / known[i]:.1f} of its standard deviations"
+        said.append(f"{base.names[i]} by {z[i] * base.sizes[i]:+.3g} ({far})")
+    return f"values of the base moved, most of all {', '.join(said)}"
+
+
+def odd_sizes(fit: SetFit, every: Sequence[FreeCandidate]) -> list[str]:
+    """Effects of a fit of another sign or far more of them than is usual, in words.
+
+    An error of an instrument may be as large as it likes.
+    """
+    numbers = fit.place.question.numbers
+    std = np.sqrt(np.diagonal(fit.covariance))
+    found = []
+    for item in every:
+        if item.name not in fit.names or item.kind == "fault":
+            continue
+        at = numbers.columns[item.name]
+        z, half = fit.z[at], WIDE * std[at]
+        # A name in brackets is a harmonic or a place in a table.
+        own = np.array(["[" not in label for label in item.typical])
+        if item.signed and np.any((z < -half) & own):
+            found.append(f"{item.name} is of the other sign than usual")
+        if np.any(np.abs(z) - half > LARGE / WIDER):
+            found.append(f"{item.name} is far larger than usual")
+    return found
 
 
 def _unknown(fit: SetFit) -> Array:

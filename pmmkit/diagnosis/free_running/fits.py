@@ -244,14 +244,6 @@ def at_place(
     )
 
 
-def above_floor(fit: SetFit) -> float:
-    """ln of how much more probable the records are by their unknown forces than by the floor's."""
-    question = fit.place.question
-    smallest = Forces(shares=question.least, memory=fit.forces.memory)
-    known = fit.place.information.under(smallest)
-    return fit.log_probability - weighed(known, question.numbers)(fit.names)
-
-
 def _stepped(
     found: SetFit,
     columns: NDArray[np.intp] | None,

@@ -46,7 +46,7 @@ class FreeCandidate:
     ``rudder_zero``. `typical`: usual size of each coefficient. `part`: what the model is given
     to have these values, where it lacks them. `options, begins`: what parts of the model are
     told to use these values, and what these are then, as in `effects.seen.Move`. `check`: a run
-    that tells it from others, in words.
+    that tells it from others, in words. `signed`: whether nature has a sign for it.
     """
 
     name: str
@@ -59,6 +59,7 @@ class FreeCandidate:
     options: Mapping[str, Mapping[str, str]] = field(default_factory=lambda: MappingProxyType({}))
     begins: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     check: str = ""
+    signed: bool = False
 
     @property
     def values(self) -> tuple[str, ...]:
@@ -190,6 +191,8 @@ def free_candidate_of(
         ),
         begins=MappingProxyType({x: y for move in moves.values() for x, y in move.begins.items()}),
         check=effect.check,
+        # What a value is off by, and what a ship has to one side, have none.
+        signed=effect.kind not in ("fault", "freed") and effect.family != "asymmetry",
     )
 
 

@@ -229,7 +229,7 @@ def band(fit: SetFit, record: int) -> Array:
     )
 
 
-def _pushed(sheet: Sheet, forces: Forces) -> Array:
+def pushed(sheet: Sheet, forces: Forces) -> Array:
     """What unknown forces that are standard normal do to the rows (b, p f)."""
     root = forces.root(np.array([sheet.spacing]), sheet.forces.shape[1])[0]
     found: Array = sheet.forces.reshape(len(sheet.forces), -1) @ root
@@ -239,16 +239,16 @@ def _pushed(sheet: Sheet, forces: Forces) -> Array:
 def _variances(sheet: Sheet, values: Array, forces: Forces) -> Array:
     """Variance (b,) of each row by values and unknown forces."""
     moved = np.einsum("bi,ij,bj->b", sheet.values, values, sheet.values)
-    found: Array = np.maximum(moved, 0.0) + np.sum(_pushed(sheet, forces) ** 2, axis=1)
+    found: Array = np.maximum(moved, 0.0) + np.sum(pushed(sheet, forces) ** 2, axis=1)
     return found
 
 
 def _of_start(sheet: Sheet, forces: Forces, sigma: Array) -> Array:
     """Variance (b,) of each row by the start, told by the sensors along a path that such unknown
     forces may bend."""
-    pushed = _pushed(sheet, forces)
+    by = pushed(sheet, forces)
     noise = sigma[sheet.channels] ** 2 / sheet.counts
-    told = np.linalg.solve(np.diag(noise) + pushed @ pushed.T, sheet.starts)
+    told = np.linalg.solve(np.diag(noise) + by @ by.T, sheet.starts)
     size = np.sqrt(np.maximum(np.einsum("bi,bi->i", sheet.starts, told), 1e-300))
     # Columns of one length: positions and rates differ by orders of magnitude.
     known = np.linalg.pinv(sheet.starts.T @ told / np.outer(size, size), hermitian=True)

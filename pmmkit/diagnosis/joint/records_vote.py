@@ -59,29 +59,24 @@ class Stated:
 
 def stated_values(model: Model, base: FreeBase) -> Stated:
     """The covariance of a model, and what single values state."""
-    std = {
+    more = {
         part.place(name): x
         for part in model.parts.values()
         for name, x in part.std.items()
-        if x > 0.0
+        if x > 0.0 and part.place(name) not in base.names
     }
-    b = len(base.names)
-    more = tuple(name for name in std if name not in base.names)
-    sizes = np.concatenate([base.sizes, [std[name] for name in more]])
-    covariance = np.eye(b + len(more))
+    b, sizes = len(base.names), np.append(base.sizes, [*more.values()])
+    covariance = np.eye(len(sizes))
     covariance[:b, :b] = base.known[:b, :b]
-    alone = np.array([std.get(name, 0.0) for name in base.names]) / base.sizes
     exact = EXACT**2 * np.eye(len(sizes))
-    held = covariance + exact
-    own = np.arange(b)
-    covariance[own, own] += np.where(covariance[own, own] == 0.0, alone**2, 0.0)
+    shared = np.append(~base.alone, np.ones(len(more), bool))
     names = (*base.names, *more)
     known = np.diagonal(covariance) > 0.0
     return Stated(
         names=names,
         sizes=sizes,
         covariance=covariance + exact,
-        held=held,
+        held=np.where(np.outer(shared, shared), covariance, 0.0) + exact,
         sure=frozenset(name for name, there in zip(names, known.tolist(), strict=True) if there),
     )
 

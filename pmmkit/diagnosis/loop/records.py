@@ -21,13 +21,7 @@ from pmmkit.diagnosis.evidence import RankedSet, Visible
 from pmmkit.diagnosis.findings import UNITS, Diagnosis
 from pmmkit.diagnosis.free_running.base import FLOOR, known_faults
 from pmmkit.diagnosis.free_running.contest import MOST, Contest
-from pmmkit.diagnosis.free_running.diagnose import (
-    TOLERANCE,
-    FreeSystem,
-    answer,
-    contest_about,
-    free_system,
-)
+from pmmkit.diagnosis.free_running.diagnose import FreeSystem, answer, contest_about, free_system
 from pmmkit.diagnosis.free_running.findings import held_out_errors, model_of, moved
 from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import (
@@ -276,7 +270,6 @@ class FreeRecords:
     title: str
     system: FreeSystem
     begun: tuple[str, ...] = ()
-    tolerance: tuple[float, float] = TOLERANCE
     held_out: tuple[FreeRecord, ...] = ()
     held_out_window: float | None = None
     most: int = MOST
@@ -339,7 +332,6 @@ class FreeRecords:
         return answer(
             self.system,
             given,
-            tolerance=self.tolerance,
             held_out=self.held_out,
             held_out_window=self.held_out_window,
             most=self.most,
@@ -464,7 +456,6 @@ def free_running(
     floor: float | None,
     candidates: Sequence[Candidate | FreeCandidate | Effect | str] | None,
     own: Sequence[Effect],
-    tolerance: tuple[float, float] = TOLERANCE,
     held_out: Sequence[FreeRecord] = (),
     held_out_window: float | None = None,
     most: int = MOST,
@@ -494,7 +485,6 @@ def free_running(
         title=records.title if isinstance(records, Campaign) else "",
         system=system,
         begun=tuple(name for name in faults if name in there),
-        tolerance=tolerance,
         held_out=tuple(held_out),
         held_out_window=held_out_window,
         most=most,

@@ -56,16 +56,20 @@ class Case:
     """A hidden effect: its size for 1, by ship; names of which one each has to be said.
 
     Where no sign is usual, a campaign draws one (`either`). `start` is the model of a user who
-    leaves out what is hidden, where that is not the ship herself.
+    leaves out what is hidden, where that is not the ship herself. `told`: whether a catalogue could
+    name it.
     """
 
     make: Mapping[str, Make]
     expect: tuple[tuple[str, ...], ...] = ()
     either: bool = False
     start: str | None = None
+    told: bool = True
 
     @property
     def verdict(self) -> str:
+        if not self.told:
+            return "unexplained"
         return "missing_effect" if self.expect else "noise"
 
 
@@ -191,4 +195,5 @@ CASES: Mapping[str, Case] = {
         (("fault_log_gain", "fault_log_calibration", "fault_log"),),
         either=True,
     ),
+    "play": Case(_both(lambda s: Hidden(play=2.0 * DEGREE * s)), told=False),
 }

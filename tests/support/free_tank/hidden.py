@@ -51,6 +51,9 @@ class Hidden:
         Velocity of the water along the first heading, and to starboard of it [m/s].
     rudder_zero : float
         The rudder stands so much further to starboard than its column says [rad].
+    play : float
+        The blade follows its stock, which the column shows, only where the two are so far apart
+        [rad].
     late_positions : float
         Positions carry the time of so much later [s].
     antenna : float
@@ -88,6 +91,7 @@ class Hidden:
     waves: float = 0.0
     current: tuple[float, float] = (0.0, 0.0)
     rudder_zero: float = 0.0
+    play: float = 0.0
     late_positions: float = 0.0
     antenna: float = 0.0
     heading_offset: float = 0.0

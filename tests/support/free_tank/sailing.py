@@ -73,8 +73,9 @@ class Sailed:
 def sail(ship: Ship, orders: Sequence[Order], step: float) -> list[Sailed]:
     """Sail manoeuvres side by side; the first order is given at t = 0.
 
-    The gear moves at its rate to the last order. Where a zigzag is reversed inside a step, the step
-    is taken again in two parts, up to the instant of the heading and on from there.
+    The gear moves at its rate to the last order, and carries the blade along where its play ends.
+    Where a zigzag is reversed inside a step, the step is taken again in two parts, up to the
+    instant of the heading and on from there.
     """
     speed = np.array([order.speed for order in orders])
     switch = np.array([np.inf if order.switch is None else order.switch for order in orders])
@@ -82,23 +83,23 @@ def sail(ship: Ship, orders: Sequence[Order], step: float) -> list[Sailed]:
     blows = np.array(
         [[order.wind_speed, order.wind_from, order.sea_height, order.sea_from] for order in orders]
     ).T
-    n, delta = ship.revolutions(speed), np.zeros(len(orders))
+    n, delta, blade = ship.revolutions(speed), np.zeros(len(orders)), np.zeros(len(orders))
     state = np.zeros((len(ROWS), len(orders)))
     state[ROWS.index("u")] = speed
     states, rudders = [state], [delta]
     count = round(max(order.seconds for order in orders) / step)
     for _ in range(count):
-        after, moved = _stepped(ship, state, delta, want, n, blows, step)
+        after, moved, carried = _stepped(ship, state, delta, blade, want, n, blows, step)
         side = np.sign(want)
         before, heading = side * state[PSI], side * after[PSI]
         crossed = heading >= switch
         if crossed.any():
             gain = np.where(crossed, heading - before, 1.0)
             late = np.where(crossed, (heading - switch) / gain, 0.0) * step
-            after, moved = _stepped(ship, state, delta, want, n, blows, step - late)
+            after, moved, carried = _stepped(ship, state, delta, blade, want, n, blows, step - late)
             want = np.where(crossed, -want, want)
-            after, moved = _stepped(ship, after, moved, want, n, blows, late)
-        state, delta = after, moved
+            after, moved, carried = _stepped(ship, after, moved, carried, want, n, blows, late)
+        state, delta, blade = after, moved, carried
         states.append(state)
         rudders.append(delta)
     t, found, angles = step * np.arange(count + 1), np.stack(states), np.stack(rudders)
@@ -118,20 +119,23 @@ def _stepped(
     ship: Ship,
     state: np.ndarray,
     delta: np.ndarray,
+    blade: np.ndarray,
     want: np.ndarray,
     n: np.ndarray,
     blows: np.ndarray,
     step: np.ndarray | float,
-) -> tuple[np.ndarray, np.ndarray]:
-    """State and rudder after a step [s], of the same length for all runs or one for each."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """State, rudder stock and blade after a step [s]; steps may be one for all runs or one each."""
+    play = ship.hidden.play
     half, whole = (
         delta + np.clip(want - delta, -ship.rate * s, ship.rate * s) for s in (0.5 * step, step)
     )
-    a = _change(ship, state, delta, n, blows)
-    b = _change(ship, state + 0.5 * step * a, half, n, blows)
-    c = _change(ship, state + 0.5 * step * b, half, n, blows)
-    d = _change(ship, state + step * c, whole, n, blows)
-    return state + step / 6.0 * (a + 2.0 * b + 2.0 * c + d), whole
+    there, carried = (np.clip(blade, stock - play, stock + play) for stock in (half, whole))
+    a = _change(ship, state, blade, n, blows)
+    b = _change(ship, state + 0.5 * step * a, there, n, blows)
+    c = _change(ship, state + 0.5 * step * b, there, n, blows)
+    d = _change(ship, state + step * c, carried, n, blows)
+    return state + step / 6.0 * (a + 2.0 * b + 2.0 * c + d), whole, carried
 
 
 def _change(
