@@ -91,7 +91,11 @@ def squares(question: RecordQuestion, stretch: RecordWindows, z: Array) -> dict[
         if not there:
             continue
         squares_of[error] = unit**2 * sum(
-            _square(off[:, stretch.channels.index(name)], question.sensors[name]) for name in there
+            _square(
+                off[:, stretch.channels.index(name)],
+                question.sensors[name] / math.sqrt(stretch.samples),
+            )
+            for name in there
         )
     return squares_of
 
@@ -303,11 +307,11 @@ def _missed(fit: SetFit, record: int, draw: int) -> dict[str, float]:
     states = sailed(stretch, change)
     if not np.all(np.isfinite(states)):
         return {}
-    seen = shown(stretch, states, change)
+    seen, scale = shown(stretch, states, change), 1.0 / math.sqrt(stretch.samples)
     measured = {
         name: np.where(
             np.isfinite(stretch.record.measured[name]),
-            seen[:, place] + question.sensors[name] * random.standard_normal(len(seen)),
+            seen[:, place] + scale * question.sensors[name] * random.standard_normal(len(seen)),
             np.nan,
         )
         for place, name in enumerate(stretch.channels)

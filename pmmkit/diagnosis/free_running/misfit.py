@@ -40,29 +40,35 @@ class LeftOutMisfit:
 class LeftOutSquares:
     """Sums of squares of the errors over the windows of records that were left out in turn.
 
-    `names`: errors, as in `ERRORS`. `total (n, e)`: of each record. `mean, spread (n, e)`: what
-    the noise level gives, and its variance.
+    `names`: errors, as in `ERRORS`. `total (n, e)`: of each record. `traces (n, e, 3)`: of the
+    covariance that the noise level gives these errors, of its square, and of its cube.
     """
 
     names: tuple[str, ...]
     total: Array
-    mean: Array
-    spread: Array
+    traces: Array
+
+    @property
+    def mean(self) -> Array:
+        """What the noise level gives (n, e)."""
+        return self.traces[:, :, 0]
 
     @property
     def misfit(self) -> LeftOutMisfit:
         """The error that is furthest from its noise level.
 
-        A sum of squares of dependent normal variables is a χ² of its mean and its variance
-        (Satterthwaite 1946). Records have the values of the others in common: each is asked alone,
-        and the least probability is multiplied by their number (Bonferroni).
+        A sum of squares of dependent normal variables is a χ² of its mean, its variance and its
+        skewness (Imhof 1961): a few starts make most of it, and by mean and variance alone one in
+        a hundred would be too rare. Records have the values of the others in common: each is asked
+        alone, and the least probability is multiplied by their number (Bonferroni).
         """
         from scipy.special import chdtrc
 
         known = self.mean > 0.0
-        mean, spread = np.where(known, self.mean, 1.0), np.where(known, self.spread, 1.0)
-        ratio, free = self.total / mean, 2.0 * mean**2 / spread
-        chances = np.where(known, chdtrc(free, free * ratio), 1.0)
+        mean, square, cube = np.where(known, np.moveaxis(self.traces, -1, 0), 1.0)
+        ratio, free = self.total / mean, square**3 / cube**2
+        beyond = (self.total - mean) * np.sqrt(free / square) + free
+        chances = np.where(known, chdtrc(free, np.maximum(beyond, 0.0)), 1.0)
         # Where no float is small enough for a chance the largest ratio decides.
         place = int(np.lexsort((-ratio.ravel(), chances.ravel()))[0])
         return LeftOutMisfit(
@@ -107,8 +113,8 @@ def left_out_squares(fit: SetFit) -> LeftOutSquares:
             for name, (channels, _) in ERRORS.items()
         }
         made.append(_of_record(sheets, sigma, agile(stretch), forces, change, root, groups))
-    total, mean, spread = (np.stack(own) for own in zip(*made, strict=True))
-    return LeftOutSquares(names=tuple(ERRORS), total=total, mean=mean, spread=spread)
+    total, traces = (np.stack(own) for own in zip(*made, strict=True))
+    return LeftOutSquares(names=tuple(ERRORS), total=total, traces=traces)
 
 
 def _root(covariance: Array) -> Array:
@@ -127,10 +133,14 @@ def _of_record(
     change: Array,
     root: Array,
     groups: Mapping[str, list[int]],
-) -> tuple[Array, Array, Array]:
-    """Sums (e,) of squares by error over the windows of a record, their means and variances."""
-    total, trace, squares = (np.zeros(len(groups)) for _ in range(3))
-    shared = np.zeros((len(groups), root.shape[1], root.shape[1]))
+) -> tuple[Array, Array]:
+    """Sums (e,) of squares by error over the windows of a record, and traces (e, 3) of the powers
+    of their covariance.
+
+    Its blocks on the diagonal are D + M M', all others M M', M by values that are uncertain.
+    """
+    total, traces = np.zeros(len(groups)), np.zeros((len(groups), 3))
+    powers = np.zeros((3, len(groups), root.shape[1], root.shape[1]))
     for sheet in sheets:
         noise = sigma[sheet.channels] / np.sqrt(sheet.counts)
         left = _start_taken(sheet, follows, noise)
@@ -143,13 +153,15 @@ def _of_record(
             weight = np.sqrt(sheet.counts[at])[:, None]
             total[k] += float(np.sum((weight[:, 0] * e[at]) ** 2))
             rows, moved = weight * own[at], weight * values[at]
-            C = rows @ rows.T
-            trace[k] += float(np.trace(C))
-            squares[k] += float(np.sum(C**2)) + 2.0 * float(np.sum((rows.T @ moved) ** 2))
-            shared[k] += moved.T @ moved
-    trace += np.trace(shared, axis1=1, axis2=2)
-    squares += np.sum(shared**2, axis=(1, 2))
-    return total, trace, 2.0 * squares
+            D = rows @ rows.T
+            by = D @ moved
+            traces[k] += np.trace(D), np.sum(D**2), np.sum((D @ D) * D)
+            powers[:, k] += moved.T @ moved, moved.T @ by, by.T @ by
+    G, H, J = powers
+    traces[:, 0] += np.trace(G, axis1=1, axis2=2)
+    traces[:, 1] += np.trace(2.0 * H + G @ G, axis1=1, axis2=2)
+    traces[:, 2] += np.trace(3.0 * J + 3.0 * H @ G + G @ G @ G, axis1=1, axis2=2)
+    return total, traces
 
 
 def _start_taken(sheet: Sheet, follows: Forces, noise: Array) -> Array:

@@ -59,7 +59,8 @@ class RecordQuestion:
 
     `model`: with a place for every candidate. `numbers`: all that may move. `stretches`: the
     records in windows. `short`: the same in short windows, from which the sensors tell how the
-    ship went. `sensors`: standard deviation of each channel. `stated`: of those that are known.
+    ship went. `sensors`: standard deviation of each channel, at an instant
+    of the record whose instants are means of the fewest samples. `stated`: of those that are known.
     `least (f,)`: what unknown forces may not fall below, over ½ρLdU² (½ρL²dU²). `outliers`:
     averages that were left out.
     """
@@ -136,8 +137,9 @@ def _measured(stretch: RecordWindows) -> tuple[Array, Array]:
     return stretch.record.t[there], psi[there]
 
 
-def paced(record: FreeRecord, L: float) -> FreeRecord:
-    """A record at instants `PACE` apart, its measurements averaged about each of them.
+def paced(record: FreeRecord, L: float) -> tuple[FreeRecord, int]:
+    """A record at instants `PACE` apart, its measurements averaged about each of them, and of how
+    many samples.
 
     L [m].
     """
@@ -145,7 +147,7 @@ def paced(record: FreeRecord, L: float) -> FreeRecord:
     # An odd number: an average over an even one lies between two instants.
     every = max(2 * round((PACE * L / record.speed / step - 1.0) / 2.0) + 1, 1)
     if every == 1:
-        return record
+        return record, every
     kernel = np.ones(every)
     means = {}
     for name, x in record.measured.items():
@@ -154,7 +156,7 @@ def paced(record: FreeRecord, L: float) -> FreeRecord:
         total = np.convolve(np.where(there, x, 0.0), kernel, mode="same")
         # Next to a gap or an end the average is not one about its instant.
         means[name] = np.where(count == every, total / every, np.nan)
-    return record.with_(measured=means).at(slice(every, len(record) - every, every))
+    return record.with_(measured=means).at(slice(every, len(record) - every, every)), every
 
 
 def question_of(
@@ -183,11 +185,20 @@ def question_of(
 
     def cut(chosen: Sequence[FreeRecord], noise: Mapping[str, float]) -> tuple[RecordWindows, ...]:
         return stretches_of(
-            large, chosen, numbers.values, sensors=noise, window=length, extrapolate=extrapolate
+            large,
+            chosen,
+            numbers.values,
+            sensors=noise,
+            samples=samples,
+            window=length,
+            extrapolate=extrapolate,
         )
 
+    at_pace = [paced(item, large.ship.L) for item in records]
+    fewest = min(count for _, count in at_pace)
+    samples = [count / fewest for _, count in at_pace]
     short, noise, outliers = settled(
-        large, [paced(item, large.ship.L) for item in records], cut, sensors or {}
+        large, [record for record, _ in at_pace], samples, cut, sensors or {}
     )
     still = np.zeros(len(numbers.values))
     longer = [follow(joined(item), still, noise) for item in short]

@@ -52,11 +52,12 @@ def agile(stretch: RecordWindows) -> Forces:
 def settled(
     model: Model,
     records: Sequence[FreeRecord],
+    samples: Sequence[float],
     cut: Callable[[Sequence[FreeRecord], Mapping[str, float]], tuple[RecordWindows, ...]],
     given: Mapping[str, float],
 ) -> tuple[tuple[RecordWindows, ...], Mapping[str, float], int]:
     """Starts and noise from each other, in a few rounds."""
-    sensors = first_sensors(records, given, model.ship.L)
+    sensors = first_sensors(records, samples, given, model.ship.L)
     stretches = cut(records, sensors)
     outliers = 0
     still = np.zeros(len(stretches[0].names))
@@ -157,12 +158,16 @@ def _sigma(stretch: RecordWindows, sensors: Mapping[str, float]) -> Array:
 
 
 def first_sensors(
-    records: Sequence[FreeRecord], given: Mapping[str, float], L: float
+    records: Sequence[FreeRecord], samples: Sequence[float], given: Mapping[str, float], L: float
 ) -> dict[str, float]:
     """Noise of each channel: as given, else from third differences."""
     noise = {}
     for name in dict.fromkeys(name for record in records for name in record.measured):
-        noises = [white_noise(item.measured[name]) for item in records if name in item.measured]
+        noises = [
+            math.sqrt(count) * white_noise(item.measured[name])
+            for item, count in zip(records, samples, strict=True)
+            if name in item.measured
+        ]
         known = [x for x in noises if math.isfinite(x)]
         least = finest(name, records[0].speed, L)
         noise[name] = given.get(name) or max(float(np.median(known)) if known else 0.0, least)

@@ -38,7 +38,7 @@ class Sheet:
     move. `errors (b,)`: measured less shown, along the path about which it is made linear.
     `along (p, f)`: unknown forces on that path. `channels (b,)`: of the stretch's channels, the
     one that a row belongs to. `blocks (b,)`: number of the block of each row. `counts (b,)`:
-    instants that are averaged in a row. `spacing`: length of the pieces in ship lengths over
+    samples that are averaged in a row. `spacing`: length of the pieces in ship lengths over
     the speed.
     """
 
@@ -231,7 +231,7 @@ def _sheet(
         along=along,
         channels=channels_of_rows,
         blocks=blocks,
-        counts=counts[measured],
+        counts=stretch.samples * counts[measured],
         spacing=float(stretch.spacing[w]),
     )
 

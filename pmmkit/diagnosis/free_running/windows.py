@@ -39,7 +39,8 @@ class RecordWindows:
     measured path, over ½ρLdU² (½ρL²dU²): the path about which all is made linear. `units (f,)`:
     these units [N, N m]. `pieces, blocks`: number within its window of the piece and of the
     block that each instant belongs to. `spacing (w,)`: length of the pieces of each window, in
-    ship lengths over the speed. `pace`: speed over ship length [1/s].
+    ship lengths over the speed. `pace`: speed over ship length [1/s]. `samples`: how many an
+    instant is the mean of, over those of the record with the fewest.
     """
 
     record: FreeRecord
@@ -54,6 +55,7 @@ class RecordWindows:
     blocks: NDArray[np.int64]
     spacing: Array
     pace: float
+    samples: float
 
     def __reduce__(self) -> tuple[Any, ...]:
         """For another process, which compiles the equations or has them."""
@@ -95,6 +97,7 @@ def stretches_of(
     names: Sequence[str],
     *,
     sensors: Mapping[str, float],
+    samples: Sequence[float] | None = None,
     window: float = WINDOW,
     extrapolate: bool = False,
 ) -> tuple[RecordWindows, ...]:
@@ -105,14 +108,17 @@ def stretches_of(
         for place in {(record.speed, record.conditions) for record in records}
     }
     return tuple(
-        _stretch(model, record, tuple(names), at[record.speed, record.conditions], sensors, window)
-        for record in records
+        _stretch(
+            model, record, count, tuple(names), at[record.speed, record.conditions], sensors, window
+        )
+        for record, count in zip(records, samples or [1.0] * len(records), strict=True)
     )
 
 
 def _stretch(
     model: Model,
     record: FreeRecord,
+    samples: float,
     names: tuple[str, ...],
     binding: Binding,
     sensors: Mapping[str, float],
@@ -136,6 +142,7 @@ def _stretch(
         blocks=_blocks(record, begins, pace),
         spacing=spacing,
         pace=pace,
+        samples=samples,
     )
 
 
