@@ -147,7 +147,15 @@ def integrated_out(inner: Array, across: Array, rest: Array) -> tuple[Array, Arr
     >>> products, round(float(np.exp(volume)), 12)
     (array([[4.]]), 4.0)
     """
-    lower = np.linalg.cholesky(np.eye(inner.shape[-1]) + inner)
-    taken = np.linalg.solve(lower, across)
-    volume = 2.0 * np.log(np.diagonal(lower, axis1=-2, axis2=-1)).sum(axis=-1)
-    return rest - np.swapaxes(taken, -1, -2) @ taken, np.asarray(volume, float)
+    k, p = across.shape[-2:]
+    whole = np.zeros((*inner.shape[:-2], k + p, k + p))
+    whole[..., :k, :k] = inner
+    whole[..., k:, :k] = np.swapaxes(across, -1, -2)
+    # One decomposition makes both; below stands what keeps it positive whatever is across.
+    diagonal = np.einsum("...ii->...i", whole)
+    diagonal[..., :k] += 1.0
+    diagonal[..., k:] = 1.0 + p * np.square(across).sum(axis=-2)
+    lower = np.linalg.cholesky(whole)
+    taken = lower[..., k:, :k]
+    volume = 2.0 * np.log(np.diagonal(lower, axis1=-2, axis2=-1)[..., :k]).sum(axis=-1)
+    return rest - taken @ np.swapaxes(taken, -1, -2), np.asarray(volume, float)

@@ -228,7 +228,12 @@ def test_evidence_is_that_of_a_normal_law():
     """Against the density of e ~ N(0, V + G Λ Gᵀ), written out for a handful of numbers."""
     rng = np.random.default_rng(1)
     base = FreeBase(
-        names=("a", "b"), sizes=np.ones(2), known=np.zeros((2, 2)), spreads=np.array([0.5])
+        names=("a", "b"),
+        sizes=np.ones(2),
+        known=np.zeros((2, 2)),
+        spreads=np.array([0.5]),
+        open=np.ones(2, bool),
+        alone=np.zeros(2, bool),
     )
     numbers = Numbers(
         values=("a", "b", "c", "d"),

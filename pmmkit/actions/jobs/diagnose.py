@@ -303,6 +303,8 @@ def _next(job: DiagnoseSettings, found: Diagnosis, given: Sequence[str], folder:
         lines += [f"Or, to tell the rivals apart: {advice}"] * (len(found.group) > 1)
     elif found.suspected:
         lines.append(f"Next: {advice}")
+    elif found.verdict == "refit":
+        lines.append(f"Next: take {folder / 'model.toml'}: the values that fit these records.")
     if found.formula is not None and found.formula.terms:
         names = [x.name for x in found.formula.effects]
         effects = (*given, *found.formula.beside, *names)

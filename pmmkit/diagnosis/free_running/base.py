@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -42,11 +43,12 @@ def most_likely(
     least (f,).
     """
     told: dict[tuple[bytes, float], float] = {}  # a quarter is asked again
+    at = cache(information.at_memory)
 
     def probability(forces: Forces) -> float:
         key = (forces.shares.tobytes(), forces.memory)
         if key not in told:
-            told[key] = value(information.under(forces))
+            told[key] = value(at(forces.memory).under(forces))
         return told[key]
 
     made = begin or Forces(shares=np.maximum(0.01, least), memory=MEMORIES[1])

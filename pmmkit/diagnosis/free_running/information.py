@@ -55,16 +55,26 @@ class _Alike:
     cross: Array
     values: Array
 
+    def at_memory(self, memory: float) -> _Alike:
+        """For unknown forces of size 1 that hang together so long."""
+        channels = self.forces.shape[1] // self.pieces
+        own = Forces(shares=np.ones(channels), memory=memory)
+        root = own.root(self.spacing, self.pieces)
+        turned = np.swapaxes(root, 1, 2)
+        return replace(self, forces=turned @ self.forces @ root, cross=turned @ self.cross)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Information:
     """All windows of all records, made small: products of slopes and errors.
 
-    `alike`: windows by their number of pieces.
+    `alike`: windows by their number of pieces. `memory`: that of the unknown forces whose products
+    these are; None for forces that do not hang together.
     """
 
     alike: tuple[_Alike, ...]
     records: int
+    memory: float | None = None
 
     def under(self, forces: Forces) -> WindowInformation:
         """What is known of the values where unknown forces are of some size."""
@@ -73,11 +83,11 @@ class Information:
     def windows(self, forces: Forces) -> WindowInformation:
         """The same of every window."""
         products, volumes, owners = [], [], []
-        for item in self.alike:
-            root = forces.root(item.spacing, item.pieces)
-            turned = np.swapaxes(root, 1, 2)
+        mine = self if self.memory == forces.memory else self.at_memory(forces.memory)
+        for item in mine.alike:
+            size = np.tile(forces.shares, item.pieces)
             own, volume = integrated_out(
-                turned @ item.forces @ root, turned @ item.cross, item.values
+                item.forces * np.outer(size, size), item.cross * size[:, None], item.values
             )
             products.append(own)
             volumes.append(volume)
@@ -86,6 +96,12 @@ class Information:
             products=np.concatenate(products),
             volumes=np.concatenate(volumes),
             owners=np.concatenate(owners),
+        )
+
+    def at_memory(self, memory: float) -> Information:
+        """The same for unknown forces that hang together so long, whose sizes are varied."""
+        return replace(
+            self, alike=tuple(item.at_memory(memory) for item in self.alike), memory=memory
         )
 
     def only(self, columns: NDArray[np.intp]) -> Information:
