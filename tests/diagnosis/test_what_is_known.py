@@ -43,6 +43,8 @@ def test_a_part_moves_within_what_it_states_and_no_further():
     for name in ("Yv", "Nr", "rudder_mmg.aH"):
         assert std[name] == pytest.approx(SPREAD * sizes[name], rel=1e-6), "nobody states it"
     assert "rudder_mmg.kappa" not in std
+    held = base.having(2).held
+    assert np.flatnonzero(held.root(0.0).any(axis=1)).tolist() == [len(std), len(std) + 1]
 
 
 def test_a_fit_of_one_laboratory_is_not_the_last_word_of_a_derivative():

@@ -146,8 +146,10 @@ class FreeBase:
 
     @property
     def held(self) -> FreeBase:
-        """The same of which no value moves."""
-        return replace(self, known=np.zeros_like(self.known), spreads=np.zeros(1))
+        """The same of which no value moves; coefficients of effects do."""
+        known, own = self.known.copy(), len(self.names)
+        known[:own] = known[:, :own] = 0.0
+        return replace(self, known=known, spreads=np.zeros(1))
 
     def having(self, coefficients: int) -> FreeBase:
         """The same with effects of so many coefficients, each as wide as a candidate's."""

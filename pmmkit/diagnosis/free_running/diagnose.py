@@ -333,7 +333,7 @@ def answer(
     errors = _errors(contest, refit, better)
     misfit = left_out_squares(last).misfit
     left = misfit.chance < CHANCE
-    is_moved = _gained(contest, refit) > MOVED
+    is_moved = _gained(refit) > MOVED
     apart = Disagreement.telling(
         disagreements(last, null), best.gain if told and best else math.inf
     )
@@ -440,15 +440,13 @@ def _errors(contest: Contest, refit: SetFit, best: SetFit | None) -> dict[str, d
     return errors
 
 
-def _gained(contest: Contest, refit: SetFit) -> float:
-    """ln of how much more probable the records are by a base that moves than by the one as it is
-    given."""
-    zero = contest.zero
-    nothing = np.zeros(0, np.intp)
-    still = place_at(zero.question.read_by(refit.sensors), zero.z, nothing)
-    numbers = still.question.numbers
-    held = replace(still.question, numbers=replace(numbers, base=numbers.base.held))
-    return refit.log_probability - at_place(replace(still, question=held), ()).log_probability
+def _gained(refit: SetFit) -> float:
+    """ln of how much more probable the records are by a base that moves than by one that stands."""
+    question = refit.place.question
+    numbers = replace(question.numbers, base=question.numbers.base.held)
+    still = replace(refit.place, question=replace(question, numbers=numbers))
+    held = at_place(still, refit.names, refit.forces, fine=True)
+    return refit.log_probability - held.log_probability
 
 
 def _flags(many: bool, reasons: Sequence[str]) -> tuple[str, ...]:
