@@ -365,10 +365,7 @@ def answer(
         group=tuple(group) if told else (),
         flags=_flags(
             many,
-            [
-                *map(str, apart),
-                *(_reasons(contest, every, last, misfit) if told or left else ()),
-            ],
+            [*map(str, apart), *(_reasons(contest, every, last, misfit) if told or left else ())],
         ),
         findings=_findings(
             replace(best, fit=last), contest, every, covered, errors[f"left out, {ALONE}"]

@@ -82,21 +82,19 @@ def moved_most(fit: SetFit) -> str:
 def odd_sizes(fit: SetFit, every: Sequence[FreeCandidate]) -> list[str]:
     """Effects of a fit of another sign or far more of them than is usual, in words.
 
-    An error of an instrument may be as large as it likes.
+    All coefficients of an effect are looked at together. An error of an instrument, and a wind, may
+    be as large as they like.
     """
-    numbers = fit.place.question.numbers
-    std = np.sqrt(np.diagonal(fit.covariance))
-    found = []
+    numbers, found = fit.place.question.numbers, []
     for item in every:
         if item.name not in fit.names or item.kind == "fault":
             continue
         at = numbers.columns[item.name]
-        z, half = fit.z[at], WIDE * std[at]
-        # A name in brackets is a harmonic or a place in a table.
-        own = np.array(["[" not in label for label in item.typical])
-        if item.signed and np.any((z < -half) & own):
+        z, C = fit.z[at], fit.covariance[np.ix_(at, at)]
+        if item.signed and np.sum(z) < -WIDE * math.sqrt(np.sum(C)):
             found.append(f"{item.name} is of the other sign than usual")
-        if np.any(np.abs(z) - half > LARGE / WIDER):
+        size, std = math.sqrt(np.mean(z**2)), math.sqrt(np.trace(C) / len(at))
+        if item.family != "environment" and size - WIDE * std > LARGE / WIDER:
             found.append(f"{item.name} is far larger than usual")
     return found
 
