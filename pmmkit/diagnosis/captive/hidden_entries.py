@@ -38,6 +38,7 @@ from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.outside import (
     FILE,
     SIZES,
+    End,
     HiddenEntries,
     HiddenEntry,
     read_hidden_entries,
@@ -262,6 +263,10 @@ def _called(
     return end_of(job.effect, job.size, found)
 
 
+ENDS: Final[Mapping[str, End]] = {"suspected": "suspected", "unexplained": "unexplained"}
+"""Of verdicts that name nothing and say more than noise."""
+
+
 def end_of(effect: str, size: float, found: Diagnosis) -> HiddenEntry:
     """What a diagnosis called an entry that the catalogue has not."""
     if found.best:
@@ -274,5 +279,4 @@ def end_of(effect: str, size: float, found: Diagnosis) -> HiddenEntry:
             log_odds=tuple(score[name] for name in found.best),
         )
     near = () if found.nearest is None else found.nearest.effects
-    end = "noise" if found.verdict == "missing_effect" else found.verdict
-    return HiddenEntry(effect=effect, size=size, end=end, names=near)
+    return HiddenEntry(effect=effect, size=size, end=ENDS.get(found.verdict, "noise"), names=near)
