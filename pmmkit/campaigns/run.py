@@ -171,6 +171,7 @@ class Run(StatedRun, Described):
 
         Examples
         --------
+        >>> from pmmkit.campaigns import Settings
         >>> runs = [Run(id=name, test="static_drift", kind="means", loader=None,
         ...             settings=Settings(speed=speed, drift=drift))
         ...         for name, speed, drift in (("a", 1.0, 0.1), ("b", 1.0, 0.2), ("c", 1.001, 0.1))]
@@ -204,6 +205,7 @@ class Run(StatedRun, Described):
 
         Examples
         --------
+        >>> from pmmkit.campaigns import Settings
         >>> runs = [Run(id=name, test="static_drift", kind="means", loader=None,
         ...             settings=Settings(speed=1.0, drift=drift))
         ...         for name, drift in (("a", 0.1), ("b", -0.1), ("c", 0.0))]
@@ -253,6 +255,7 @@ class Run(StatedRun, Described):
 
         Examples
         --------
+        >>> from pmmkit.campaigns import Settings
         >>> runs = [Run(id=name, test=test, kind="means", loader=None,
         ...             settings=Settings(speed=1.0, drift=0.1))
         ...         for name, test in zip("abcd", 2 * ["static_drift"] + 2 * ["pure_sway"])]
@@ -326,6 +329,7 @@ class Run(StatedRun, Described):
 
         Examples
         --------
+        >>> from pmmkit.campaigns import Settings
         >>> import xarray as xr
         >>> run = Run(id="PS", test="pure_sway", kind="history", loader=None,
         ...           settings=Settings(speed=1.5, period=8.0, amplitude=0.2))

@@ -366,7 +366,7 @@ def read_card(path: str | Path) -> Card:
     >>> file = Path(tempfile.mkdtemp()) / "card.toml"
     >>> _ = file.write_text(Card.of("kvlcc2", 7.97).text(), encoding="utf-8")
     >>> read_card(file)
-    <Card KVLCC2: 28 measures, 7.97 m/s>
+    <Card KVLCC2: 22 measures, 7.97 m/s>
     """
     file = str(path)
     content = read_toml(path)

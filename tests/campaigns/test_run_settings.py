@@ -105,5 +105,5 @@ def test_an_id_that_would_write_to_a_terminal_is_refused(tmp_path):
         '[[runs]]\nid = "a\\u001b[2J"\ntest = "static_drift"\nfile = "a.csv"\nspeed = 1.0\n',
         encoding="utf-8",
     )
-    with pytest.raises(CampaignError, match="line break or another sign that cannot be printed"):
+    with pytest.raises(CampaignError, match="a sign that would control a terminal"):
         open_campaign(tmp_path / "campaign.toml")

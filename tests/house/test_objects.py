@@ -195,9 +195,9 @@ def answered():
 
 @cache
 def swaying():
-    headings = [0.0, 90.0, 180.0]
-    found = pk.rao(hull(), speeds=9.0, headings_deg=headings, omega=[0.4, 0.7, 1.0])
-    return superposed(track(), found, pk.sea("bretschneider", Hs=3.0, Tp=8.0), seed=5)
+    waves = pk.sea("bretschneider", Hs=3.0, Tp=8.0)
+    found = pk.rao(hull(), speeds=9.0, headings_deg=[0.0, 90.0, 180.0], sea=waves)
+    return superposed(track(), found, waves, seed=5)
 
 
 @cache

@@ -139,7 +139,6 @@ def test_scatter_beyond_any_laboratory_is_a_fault(sizes, beyond):
     scatter = RunEffects(
         nodes={"Y": np.array([sizes])},
         weights={"Y": np.ones(1)},
-        mode={"Y": np.array(sizes)},
         scale={"Y": 10.0},
         informed={"Y": RunEffects.KINDS},
     )

@@ -88,9 +88,9 @@ def _not_zero(value: float) -> float:
     return value
 
 
-def _in_one_line(text: str) -> str:
-    if not text.isprintable():
-        raise ValueError(f"{shown(text)} holds a line break or another sign that cannot be printed")
+def _without_control(text: str) -> str:
+    if not "".join(text.split()).isprintable():
+        raise ValueError(f"{shown(text)} holds a sign that would control a terminal")
     return text
 
 
@@ -160,7 +160,7 @@ class DefaultsEntry(SettingsEntry):
 class FileEntry(DefaultsEntry):
     """What runs and tables share."""
 
-    id: Annotated[str, Field(min_length=1), AfterValidator(_in_one_line)] = said(
+    id: Annotated[str, Field(min_length=1), AfterValidator(_without_control)] = said(
         "name of the run; of a table, with their columns in braces"
     )
     test: str = said("kind of test")
