@@ -16,7 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal, get_args
 
-from pmmkit.base import DataError
+from pmmkit.base import DataError, Remedy, Way
 from pmmkit.diagnosis.evidence import PRICE, SHOWS, Visible
 from pmmkit.files import readable, write_text
 from pmmkit.presentation import listed, percent
@@ -258,8 +258,8 @@ def read_hidden_entries(path: Path) -> dict[str, HiddenEntries]:
         found = [_table(item) for item in tables]
     except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
         raise DataError(
-            f"{path.name} beside the campaign is damaged and not used. Delete it; --outside "
-            f"(outside=True) makes it anew."
+            f"{path.name} beside the campaign is damaged and not used.",
+            remedy=Remedy("Delete it; {} makes it anew.", (Way.setting("outside", True),)),
         ) from error
     return {item.digest: item for item in found}
 

@@ -8,6 +8,7 @@ import os
 import shlex
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -74,6 +75,9 @@ def desk(tmp_path_factory):
     pk.save_model(model, folder / "model.toml")
     table = pk.reduce(pk.open_campaign(folder / "my-campaign"), structure="linear")
     pk.write_table(table, folder / "derivatives.csv")
+    card = pk.Card.of("kcs", 12.35)
+    turn = replace(card, tests=card.tests[:1])
+    (folder / "card.toml").write_text(turn.text(), encoding="utf-8")
     return folder
 
 

@@ -49,7 +49,7 @@ class TrackWaveSettings(WaveSettings):
     waves_from_deg: float = setting(
         "Where they come from, from the bow of the approach.", default=0.0
     )
-    speed_held: bool = setting(
+    hold_speed: bool = setting(
         "Revolutions that hold the speed in the waves; else those that hold it without them.",
         default=False,
     )
@@ -112,7 +112,7 @@ def simulate(job: SimulateSettings) -> Outcome:
         speed=pace,
         fn=job.fn,
         extrapolate=job.extrapolate,
-        revolutions="speed" if job.waves.speed_held else None,
+        revolutions="speed" if job.waves.hold_speed else None,
         **vars(job.conditions),
         **job.orders.given(),
     )
