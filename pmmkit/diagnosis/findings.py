@@ -195,6 +195,10 @@ class Finding(Described):
         }
 
 
+ROUNDING: Final = 1e-6
+"""ln evidence that is none: a difference of sums that are as large as thousands."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class SuspectRun:
     """An effect that one run decides: where the others do not agree, that run may be wrong.
@@ -213,7 +217,7 @@ class SuspectRun:
     @property
     def agrees(self) -> bool:
         """Whether the other runs speak for the effect too."""
-        return self.others > 0.0
+        return self.others > ROUNDING
 
     def __str__(self) -> str:
         return f"{self.effect} (run {self.run})"

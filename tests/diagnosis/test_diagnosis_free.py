@@ -63,8 +63,9 @@ def asymmetric():
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_nothing_is_named_where_nothing_is_hidden(seed):
+    """Captive tests are off by 2 %, which records tell: no effect is missing, values are others."""
     found = asked(seed)
-    assert found.verdict == "noise"
+    assert found.verdict == "refit"
     assert found.group == ()
     assert found.findings == ()
     assert found.entries[0].log_evidence < 0.0
