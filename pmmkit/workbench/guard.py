@@ -85,9 +85,8 @@ class Guard:
             await _say(guarded, *refusal)
         elif _key(scope):
             self.once.discard(_key(scope))
-            await _welcome(
-                guarded, f"{self.cookie}={self.token}; HttpOnly; SameSite=Strict; Path=/"
-            )
+            cookie = f"{self.cookie}={self.token}; HttpOnly; SameSite=Strict; Path=/"
+            await (_led if _from_elsewhere(headers) else _sent)(guarded, cookie)
         else:
             await self.app(scope, _patiently(receive), guarded)
 
@@ -102,7 +101,7 @@ class Guard:
         ):
             return 403, "This request comes from another page."
         fresh = any(_same(_key(scope), key) for key in self.once)
-        if not fresh and headers.get(b"sec-fetch-site", b"none") not in (b"none", b"same-origin"):
+        if not fresh and _from_elsewhere(headers):
             return 403, "This request comes from another page."
         if not fresh and not self._known(headers):
             return 403, (
@@ -179,13 +178,25 @@ async def _say(send: Send, status: int, text: str) -> None:
     await send({"type": "http.response.body", "body": body})
 
 
-async def _welcome(send: Send, cookie: str) -> None:
-    """The key goes out of the address and into a cookie.
+def _from_elsewhere(headers: dict[bytes, bytes]) -> bool:
+    return headers.get(b"sec-fetch-site", b"none") not in (b"none", b"same-origin")
 
-    A page of its own leads on: after a redirect a browser that came from a file sends no cookie
-    that is ``SameSite=Strict``.
-    """
-    body = b'<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=/">'
+
+async def _sent(send: Send, cookie: str) -> None:
+    """The key goes out of an address that was typed and into a cookie; its fragment stays."""
+    headers = [(b"location", b"/"), (b"set-cookie", cookie.encode()), (b"content-length", b"0")]
+    await send({"type": "http.response.start", "status": 303, "headers": headers})
+    await send({"type": "http.response.body", "body": b""})
+
+
+async def _led(send: Send, cookie: str) -> None:
+    """The same for who comes from a file: a page leads on, as after a redirect a browser that came
+    from elsewhere sends no cookie that is ``SameSite=Strict``."""
+    # An icon of its own, or browsers ask for one.
+    body = (
+        b'<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">'
+        b'<meta http-equiv="refresh" content="0; url=/">'
+    )
     headers = [
         (b"content-type", b"text/html; charset=utf-8"),
         (b"set-cookie", cookie.encode()),
