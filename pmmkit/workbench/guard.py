@@ -172,9 +172,13 @@ def _with_headers(send: Send) -> Send:
 
 
 async def _say(send: Send, status: int, text: str) -> None:
-    body = text.encode()
-    kind = [(b"content-type", b"text/plain; charset=utf-8"), (b"content-length", b"%d" % len(body))]
-    await send({"type": "http.response.start", "status": status, "headers": kind})
+    kind = (b"content-type", b"text/plain; charset=utf-8")
+    await _answer(send, status, text.encode(), kind)
+
+
+async def _answer(send: Send, status: int, body: bytes, *headers: tuple[bytes, bytes]) -> None:
+    every = [*headers, (b"content-length", b"%d" % len(body))]
+    await send({"type": "http.response.start", "status": status, "headers": every})
     await send({"type": "http.response.body", "body": body})
 
 
@@ -184,9 +188,7 @@ def _from_elsewhere(headers: dict[bytes, bytes]) -> bool:
 
 async def _sent(send: Send, cookie: str) -> None:
     """The key goes out of an address that was typed and into a cookie; its fragment stays."""
-    headers = [(b"location", b"/"), (b"set-cookie", cookie.encode()), (b"content-length", b"0")]
-    await send({"type": "http.response.start", "status": 303, "headers": headers})
-    await send({"type": "http.response.body", "body": b""})
+    await _answer(send, 303, b"", (b"location", b"/"), (b"set-cookie", cookie.encode()))
 
 
 async def _led(send: Send, cookie: str) -> None:
@@ -197,10 +199,5 @@ async def _led(send: Send, cookie: str) -> None:
         b'<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">'
         b'<meta http-equiv="refresh" content="0; url=/">'
     )
-    headers = [
-        (b"content-type", b"text/html; charset=utf-8"),
-        (b"set-cookie", cookie.encode()),
-        (b"content-length", b"%d" % len(body)),
-    ]
-    await send({"type": "http.response.start", "status": 200, "headers": headers})
-    await send({"type": "http.response.body", "body": body})
+    kind = (b"content-type", b"text/html; charset=utf-8")
+    await _answer(send, 200, body, kind, (b"set-cookie", cookie.encode()))

@@ -128,7 +128,8 @@ def _of_history(
 ) -> Summary:
     raw = np.asarray(data["t"].values, float)
     facts = {**clock_facts(raw), **density_facts(data), **axis_facts(data)}
-    if campaign.kind == "captive" and (refused := run.clock_problem(raw)):
+    asked = campaign.kind == "captive" and known is None  # what is known was asked before
+    if asked and (refused := run.clock_problem(raw)):
         return Summary(run=run, facts=facts, refused=refused)
     columns = {
         name: np.asarray(data.variables[name].values, float)

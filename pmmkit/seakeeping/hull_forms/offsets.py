@@ -127,7 +127,7 @@ def _hull(name: str, L: float, draught: float, given: Iterable[Station]) -> Hull
             f"The centre of the waterplane lies {ahead:.3g} m forward of that of buoyancy; ships "
             "have it aft. If x counts positive aft here, following seas are told as head seas."
         )
-    return replace(hull, notes=tuple(notes))
+    return replace(hull, notes=tuple(notes)) if notes else hull
 
 
 def _from_mgf(text: str, path: Path, draught: float) -> Hull:
