@@ -8,7 +8,7 @@ setting of the drift angle.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from types import MappingProxyType
@@ -29,6 +29,9 @@ from pmmkit.numerics import Array
 
 
 Places = NDArray[np.intp]
+
+CELLS: Final = 4_000_000
+"""Numbers that stand in memory at a time where several sizes are tried at once: 32 MB."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -94,9 +97,9 @@ class Restricted:
         """Whether a kind acts in any row."""
         return any(bool(np.any(drawn[..., kinds == kind])) for _, drawn, kinds in self.groups)
 
-    def log_likelihood(self, logs: Array) -> float:
-        """At logarithms of sizes (k,), without its slope."""
-        return self._solved(logs).value
+    def log_likelihoods(self, logs: Array) -> Array:
+        """At logarithms of sizes (g, k), array (g,), without their slopes."""
+        return np.concatenate([at.value for at in self._each(logs)])
 
     def slope(self, logs: Array) -> tuple[float, Array, Array]:
         """Value, gradient (k,) and average information (k, k) at logarithms of sizes (k,).
@@ -111,10 +114,11 @@ class Restricted:
         gradient besides, which alone is left where a size is near zero; it is taken where it makes
         the curvature larger.
         """
-        at = self._solved(logs)
         k = len(logs)
-        if not np.isfinite(at.value):
-            return at.value, np.zeros(k), np.zeros((k, k))
+        try:
+            at = self._solved(logs)
+        except np.linalg.LinAlgError:
+            return -np.inf, np.zeros(k), np.zeros((k, k))
         gradient, plain = np.zeros(k), np.zeros((k, k))
         across = np.zeros((k, at.inverse.shape[0]))
         for (*_, kinds), (white, drawn) in zip(self.groups, at.parts, strict=True):
@@ -133,7 +137,7 @@ class Restricted:
         gradient = square * gradient
         information = 2.0 * square[:, None] * square * (plain - across @ across.T)
         information += np.diag(np.maximum(-2.0 * gradient, 0.0))
-        return at.value, gradient, information
+        return float(at.value), gradient, information
 
     def estimates(self, sizes: Array) -> tuple[Array, Array]:
         """Coefficients and their variances by generalised least squares, arrays (g, p) each.
@@ -145,55 +149,57 @@ class Restricted:
         """
         values, variances = [], []
         with np.errstate(divide="ignore"):
-            for own in np.log(sizes):
-                at = self._solved(own)
-                turn = self.back @ at.inverse[: self.model]
-                values.append(self.back @ at.solution[: self.model])
-                variances.append(np.sum(turn**2, axis=1))
-        return np.array(values), np.array(variances)
+            for at in self._each(np.log(sizes)):
+                turn = self.back @ at.inverse[:, : self.model]
+                values.append(at.solution[:, : self.model] @ self.back.T)
+                variances.append(np.sum(turn**2, axis=2))
+        return np.concatenate(values), np.concatenate(variances)
 
     def misfits(self, sizes: Array) -> Array:
         """What generalised least squares leave, over the covariance: χ² at sizes (g, k), (g,)."""
         with np.errstate(divide="ignore"):
-            return np.array([self._solved(own).misfit for own in np.log(sizes)])
+            return np.concatenate([at.misfit for at in self._each(np.log(sizes))])
+
+    def _each(self, logs: Array) -> Iterator[_Solved]:
+        """Generalised least squares at several sizes (g, k), as many at a time as `CELLS` hold."""
+        cells = sum(x.size + own.size + x.shape[0] * x.shape[1] ** 2 for x, own, _ in self.groups)
+        for some in np.array_split(logs, min(len(logs), 1 + len(logs) * cells // CELLS)):
+            try:
+                yield self._solved(some)
+            except np.linalg.LinAlgError:
+                if len(some) > 1:
+                    yield from (at for one in some for at in self._each(one[None]))
+                else:
+                    yield _nowhere(self.model + self.shared)
 
     def _solved(self, logs: Array) -> _Solved:
-        """Generalised least squares at sizes."""
-        from scipy.linalg import solve_triangular
-
-        q = self.model + self.shared
+        """Generalised least squares at sizes (…, k)."""
+        q, several = self.model + self.shared, logs.shape[:-1]
         sizes = np.exp(logs)
-        gram, determinant = np.zeros((q + 1, q + 1)), 0.0
+        gram, determinant = np.zeros((*several, q + 1, q + 1)), np.zeros(several)
         parts = []
         for columns, drawn, kinds in self.groups:
-            sized = drawn * sizes[kinds]
-            covariance = np.eye(columns.shape[1]) + sized @ _turned(sized)
-            try:
-                root = np.linalg.cholesky(covariance)
-            except np.linalg.LinAlgError:
-                return _NOWHERE
+            sized = drawn * sizes[..., None, None, kinds]
+            root = np.linalg.cholesky(np.eye(columns.shape[1]) + sized @ _turned(sized))
             inverse = np.linalg.inv(root)
             white = inverse @ columns
-            determinant += float(np.log(np.diagonal(root, axis1=1, axis2=2)).sum())
-            flat = white.reshape(-1, q + 1)
-            gram += flat.T @ flat
+            determinant += np.log(np.diagonal(root, axis1=-2, axis2=-1)).sum(axis=(-2, -1))
+            flat = np.asarray(white, float).reshape(*several, -1, q + 1)
+            gram += _turned(flat) @ flat
             parts.append((white, inverse @ drawn))
-        normal = gram[:q, :q].copy()
+        normal = gram[..., :q, :q].copy()
         prior = np.arange(self.model, q)
-        normal[prior, prior] += 1.0
-        try:
-            root = np.linalg.cholesky(normal)
-        except np.linalg.LinAlgError:
-            return _NOWHERE
-        back = np.asarray(solve_triangular(root, np.eye(q), lower=True) if q else root, float)
-        pulled = back @ gram[:q, q]
-        determinant += float(np.log(np.diagonal(root)).sum())
-        misfit = max(float(gram[q, q] - pulled @ pulled), 0.0)
+        normal[..., prior, prior] += 1.0
+        root = np.linalg.cholesky(normal)
+        back = np.asarray(np.linalg.inv(root), float)
+        pulled = (back @ gram[..., :q, q:])[..., 0]
+        determinant += np.log(np.diagonal(root, axis1=-2, axis2=-1)).sum(axis=-1)
+        misfit = np.maximum(gram[..., q, q] - np.sum(pulled**2, axis=-1), 0.0)
         return _Solved(
             value=-determinant - 0.5 * misfit,
             misfit=misfit,
-            solution=back.T @ pulled,
-            inverse=back.T,
+            solution=(pulled[..., None, :] @ back)[..., 0, :],
+            inverse=_turned(back),
             parts=tuple(parts),
         )
 
@@ -205,19 +211,25 @@ def _turned(arrays: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Solved:
-    """Generalised least squares at one set of sizes: R R' of `inverse` is (X'C⁻¹X)⁻¹; `parts` are
-    columns and what is drawn, whitened."""
+    """Generalised least squares at sizes (…, k): `value` (…), `misfit` (…), `solution` (…, q);
+    R R' of `inverse` (…, q, q) is (X'C⁻¹X)⁻¹; `parts` are columns and what is drawn, whitened."""
 
-    value: float
-    misfit: float
+    value: Array
+    misfit: Array
     solution: Array
     inverse: Array
     parts: tuple[tuple[Array, Array], ...]
 
 
-_NOWHERE: Final = _Solved(
-    value=-np.inf, misfit=np.inf, solution=np.zeros(0), inverse=np.zeros((0, 0)), parts=()
-)
+def _nowhere(q: int) -> _Solved:
+    """What sizes get of which the covariance is not positive."""
+    return _Solved(
+        value=np.array([-np.inf]),
+        misfit=np.array([np.inf]),
+        solution=np.zeros((1, q)),
+        inverse=np.zeros((1, q, q)),
+        parts=(),
+    )
 
 
 MEDIANS: Final[Mapping[str, float]] = MappingProxyType(
@@ -285,7 +297,10 @@ class RunEffects:
 
     @classmethod
     def of(
-        cls, likelihoods: Mapping[str, Sequence[Restricted]], scale: Mapping[str, float]
+        cls,
+        likelihoods: Mapping[str, Sequence[Restricted]],
+        scale: Mapping[str, float],
+        begin: RunEffects | None = None,
     ) -> RunEffects:
         """Sizes by restricted likelihood and a laboratory's prior.
 
@@ -295,6 +310,8 @@ class RunEffects:
             Those of a channel, such as one for each Froude number; their runs draw alike.
         scale : mapping of channel to float
             Rms force of each channel [N, N m].
+        begin : RunEffects, optional
+            Where the search begins, of these channels at least; by default at the prior's medians.
 
         Notes
         -----
@@ -307,7 +324,9 @@ class RunEffects:
         priors.
         """
         places = dict(zip(likelihoods, _places(len(likelihoods)), strict=True))
-        at, information = _mode(list(likelihoods.values()))
+        at, information = _mode(
+            list(likelihoods.values()), None if begin is None else begin._mode(likelihoods)
+        )
         covariance = np.linalg.inv(information)
         nodes, weights, informed = {}, {}, {}
         for channel, items in likelihoods.items():
@@ -319,7 +338,7 @@ class RunEffects:
             if items:
                 slopes = [item.slope(at[own]) for item in items]
                 value, gradient, curved = (sum(each) for each in zip(*slopes, strict=True))
-                told = np.array([sum(item.log_likelihood(x) for item in items) for x in logs])
+                told = np.sum([item.log_likelihoods(logs) for item in items], axis=0)
                 promised = value + away @ gradient - 0.5 * np.sum(away @ curved * away, axis=1)
                 weight = weight * np.exp(told - promised - np.max(told - promised))
             nodes[channel], weights[channel] = np.exp(logs), weight / weight.sum()
@@ -396,6 +415,12 @@ class RunEffects:
         ]
         return cls.likelihood(made, 0) if made else None
 
+    def _mode(self, channels: Iterable[str]) -> Array:
+        """Most probable logarithms of the sizes of channels, in the order of `_places`: the first
+        node of each."""
+        logs = [np.log(self.nodes[channel][0]) for channel in channels]
+        return np.concatenate([logs[0][[SHARED]], *(np.delete(own, SHARED) for own in logs)])
+
     def sizes(self, channel: str) -> Array:
         """Root of the mean squares of the sizes in a channel, array (4,)."""
         found: Array = np.sqrt(self.weights[channel] @ self.nodes[channel] ** 2)
@@ -457,7 +482,9 @@ def _prior(count: int) -> tuple[Array, Array]:
     return mean, np.asarray(np.linalg.inv(covariance), float)
 
 
-def _mode(likelihoods: Sequence[Sequence[Restricted]]) -> tuple[Array, Array]:
+def _mode(
+    likelihoods: Sequence[Sequence[Restricted]], begin: Array | None = None
+) -> tuple[Array, Array]:
     """The most probable logarithms and the information there, by damped Newton steps."""
     places = _places(len(likelihoods))
     mean, precision = _prior(len(likelihoods))
@@ -474,7 +501,7 @@ def _mode(likelihoods: Sequence[Sequence[Restricted]]) -> tuple[Array, Array]:
                 information[np.ix_(own, own)] += curved
         return value, gradient, information
 
-    at, last = mean, np.inf
+    at, last = mean if begin is None else begin, np.inf
     value, gradient, information = slope(at)
     curved = information
     for _ in range(STEPS):

@@ -68,15 +68,15 @@ TRIED = np.array([[1e-6, 1e-6, 1e-6, 1e-6], [0.01, 0.02, 0.03, 0.015], [0.1, 0.0
 @pytest.mark.parametrize("runs", [(5, 5, 5, 1, 1, 1), (5,) * 12, (1,) * 9])
 def test_differences_of_the_likelihood_are_those_of_contrasts_of_the_rows(runs, shared):
     rows = Rows(np.random.default_rng(1), TRUE, runs=runs, shared=shared)
-    told = [rows.likelihood().log_likelihood(np.log(x)) for x in TRIED]
+    told = rows.likelihood().log_likelihoods(np.log(TRIED))
     assert np.diff(told) == pytest.approx(np.diff([rows.full(x) for x in TRIED]), rel=1e-8)
 
 
 def test_columns_that_depend_on_others_change_nothing():
     rows = Rows(np.random.default_rng(2), TRUE)
-    plain = np.diff([rows.likelihood().log_likelihood(np.log(x)) for x in TRIED])
+    plain = np.diff(rows.likelihood().log_likelihoods(np.log(TRIED)))
     rows.design = [np.column_stack([X, X[:, :1] - X[:, 1:2]]) for X in rows.design]
-    twice = np.diff([rows.likelihood().log_likelihood(np.log(x)) for x in TRIED])
+    twice = np.diff(rows.likelihood().log_likelihoods(np.log(TRIED)))
     assert twice == pytest.approx(plain, rel=1e-8)
 
 
@@ -85,8 +85,10 @@ def test_the_slope_is_that_of_the_likelihood(sizes):
     found = Rows(np.random.default_rng(3), TRUE, shared=2).likelihood()
     at = np.log(sizes)
     value, gradient, information = found.slope(at)
-    assert value == pytest.approx(found.log_likelihood(at))
-    assert gradient == pytest.approx(approx_fprime(at, found.log_likelihood, 1e-6), abs=1e-3)
+    assert value == pytest.approx(found.log_likelihoods(at[None])[0])
+    assert gradient == pytest.approx(
+        approx_fprime(at, lambda x: found.log_likelihoods(x[None])[0], 1e-6), abs=1e-3
+    )
     assert np.all(np.linalg.eigvalsh(information) > -1e-9)
 
 
@@ -120,8 +122,8 @@ def test_a_known_kind_is_noise():
     found, last = rows.likelihood(), RunEffects.KINDS.index("harmonics")
     known = found.given(last, 0.05)
     tried = np.array([[0.01, 0.02, 0.03], [0.1, 0.001, 0.2]])
-    told = [known.log_likelihood(np.log([*x, 1.0])) for x in tried]
-    asked = [found.log_likelihood(np.log([*x, 0.05])) for x in tried]
+    told = known.log_likelihoods(np.log([[*x, 1.0] for x in tried]))
+    asked = found.log_likelihoods(np.log([[*x, 0.05] for x in tried]))
     assert np.diff(told) == pytest.approx(np.diff(asked), rel=1e-8)
     assert [known.acts(kind) for kind in range(4)] == [True, True, True, False]
 
@@ -183,11 +185,11 @@ def test_weights_are_the_posterior_of_one_size():
     mean = usual.weights["Y"] @ logs
     spread = np.sqrt(usual.weights["Y"] @ (logs - mean) ** 2)
     mode = np.log(RunEffects.most_probable({"Y": [likelihood]})["Y"])
-    top = likelihood.log_likelihood(mode)
+    top = likelihood.log_likelihoods(mode[None])[0]
 
     def density(x):
         at = np.array([x, *mode[1:]])
-        return norm.pdf(x, mean, spread) * np.exp(likelihood.log_likelihood(at) - top)
+        return norm.pdf(x, mean, spread) * np.exp(likelihood.log_likelihoods(at[None])[0] - top)
 
     total = quad(density, -12, 1, limit=200)[0]
     square = quad(lambda x: np.exp(2 * x) * density(x), -12, 1, limit=200)[0] / total
