@@ -75,6 +75,7 @@ if TYPE_CHECKING:
         load_hull,
         rao,
         read_hull,
+        read_rao,
         response,
         sea,
     )
@@ -163,6 +164,7 @@ __all__ = [
     "rao",
     "read_card",
     "read_hull",
+    "read_rao",
     "read_table",
     "reduce",
     "reduce_campaign",

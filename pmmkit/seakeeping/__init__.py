@@ -12,13 +12,14 @@ if TYPE_CHECKING:
     from pmmkit.seakeeping.loading import Loading
     from pmmkit.seakeeping.motions import frequencies, rao
     from pmmkit.seakeeping.operating_limits import Operability
-    from pmmkit.seakeeping.records import beside_records, read_records
+    from pmmkit.seakeeping.records import beside_records
     from pmmkit.seakeeping.responses import Place, Response, response
     from pmmkit.seakeeping.seas import Sea, sea, sea_states
     from pmmkit.seakeeping.second_order.added_resistance import AddedResistance, added_resistance
     from pmmkit.seakeeping.second_order.in_manoeuvre import drift_part, in_waves, motions_in
     from pmmkit.seakeeping.superposition import MotionInWaves, superposed
     from pmmkit.seakeeping.transfer import Rao
+    from pmmkit.seakeeping.transfer_files import read_rao
 
 __all__ = [
     "AddedResistance",
@@ -41,7 +42,7 @@ __all__ = [
     "motions_in",
     "rao",
     "read_hull",
-    "read_records",
+    "read_rao",
     "response",
     "sea",
     "sea_states",

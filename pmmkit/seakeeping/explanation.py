@@ -114,11 +114,12 @@ def explained(
 
     if not measured:
         raise DataError("Nothing was measured.")
-    if found.loading.roll_quadratic > 0.0:
+    loading, strips = found.loading, found.strip_sections
+    assert loading is not None
+    if loading.roll_quadratic > 0.0:
         raise DataError(
             "Roll damping that grows with the rate of roll is not sought: leave it out."
         )
-    loading, strips = found.loading, found.strips
 
     def scores(moved: Rao) -> Array:
         rows = []

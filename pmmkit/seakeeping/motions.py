@@ -100,7 +100,10 @@ def rao(
     motion = _damped(solved, mass, sea if waves is None else waves, encounter, w)
     return Rao(
         name=hull.name,
+        engine="strip theory",
         L=hull.L,
+        B=float(hull.breadths.max()),
+        x=hull.hydrostatics.xB,
         speed=U,
         heading=beta,
         omega=w,

@@ -207,42 +207,24 @@ class RecordsBeside:
         )
 
 
-Transfers = Mapping[str, tuple[str, Mapping[str, MeasuredTransfer]]]
-"""Of each file the kind of waves, and transfer functions by motion."""
-
-
-def read_records(given: Sequence[str], scale: float) -> Transfers:
-    """Transfer functions of records from files and patterns, by file, with the kind of waves.
+def beside_records(given: Sequence[str], found: Rao, *, scale: float = 1.0) -> RecordsBeside:
+    """Records beside the motions of one speed and heading, and what would explain the difference.
 
     Parameters
     ----------
     given : sequence of str
         Files, or patterns such as ``runs/*.csv``.
+    found : Rao
+        The computed motions.
     scale : float
         Of a model in the records: 50 for one of 1:50.
 
     Returns
     -------
-    dict of str to (str, dict of str to MeasuredTransfer)
-    """
-    names = [name for text in given for name in sorted(glob(text)) or [text]]
-    return {name: read_record(name, scale=scale).transfer() for name in names}
-
-
-def beside_records(read: Transfers, found: Rao) -> RecordsBeside:
-    """Records beside the motions of one speed and heading, and what would explain the difference.
-
-    Parameters
-    ----------
-    read : mapping
-        From `read_records`.
-    found : Rao
-        The computed motions.
-
-    Returns
-    -------
     RecordsBeside
     """
+    names = [name for text in given for name in sorted(glob(text)) or [text]]
+    read = {name: read_record(name, scale=scale).transfer() for name in names}
     measured = together([transfer for _, transfer in read.values()])
     return RecordsBeside(
         kinds={name: kind for name, (kind, _) in read.items()},

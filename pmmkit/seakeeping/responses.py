@@ -377,7 +377,7 @@ def _summed(
 
 def relative_motion(rao: Rao, place: Place) -> Complex:
     """Vertical motion of a place against the undisturbed wave, (speeds, headings, frequencies)."""
-    forward = place.x - rao.strips.hull.hydrostatics.xB
+    forward = place.x - rao.x
     k, beta = rao.wavenumber, rao.heading[:, None]
     wave = np.exp(-1j * k * (forward * np.cos(beta) - place.y * np.sin(beta)))
     return np.asarray(rao.at_point(place.x, place.y, place.z)[2] - wave)

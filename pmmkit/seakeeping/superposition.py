@@ -170,7 +170,6 @@ def superposed(
     omega, amplitude, phase = _components(found, sea, seed)
     transfer = _at(found, omega)
     runs_to = math.radians(from_deg + 180.0)
-    forward = found.strips.hull.hydrostatics.xB
     moved = np.concatenate(
         [
             _moved(
@@ -178,8 +177,8 @@ def superposed(
                 transfer,
                 runs_to - path["psi"][part],
                 pace[part],
-                (path["x"] + forward * np.cos(path["psi"]))[part] * math.cos(runs_to)
-                + (path["y"] + forward * np.sin(path["psi"]))[part] * math.sin(runs_to),
+                (path["x"] + found.x * np.cos(path["psi"]))[part] * math.cos(runs_to)
+                + (path["y"] + found.x * np.sin(path["psi"]))[part] * math.sin(runs_to),
                 t[part],
                 (omega, amplitude, phase),
             )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -78,8 +78,12 @@ class Rao(Described):
     ----------
     name : str
         Of the ship.
-    L : float
-        Length between perpendiculars [m].
+    engine : str
+        What computed them.
+    L, B : float
+        Length between perpendiculars, breadth [m].
+    x : float
+        Of the origin, forward of midship [m].
     speed : array, shape (speeds,)
         [m/s].
     heading : array, shape (headings,)
@@ -95,10 +99,12 @@ class Rao(Described):
     quasi_static : array of bool, shape (speeds, headings, frequencies)
         Where ωₑ is so low that heave, roll and pitch follow the wave, and surge, sway and yaw are
         not computed (NaN).
-    strips : Strips
-        The sections.
-    loading : Loading
-        The mass.
+    strips : Strips, optional
+        The sections, where a hull is known.
+    loading : Loading, optional
+        The mass, where a hull is known.
+    second_order : array, shape (3, speeds, headings, frequencies), optional
+        Mean drift by the engine itself: X forward, Y to port [N/m²], N about midship [N m/m²].
     rho, g : float
         Density [kg/m³], gravity [m/s²].
     notes : tuple of str
@@ -106,7 +112,10 @@ class Rao(Described):
     """
 
     name: str
+    engine: str
     L: float
+    B: float
+    x: float
     speed: Array
     heading: Array
     omega: Array
@@ -114,16 +123,27 @@ class Rao(Described):
     motion: Complex
     force: Complex
     quasi_static: Flags
-    strips: Strips
-    loading: Loading
     rho: float
     g: float
+    strips: Strips | None = None
+    loading: Loading | None = None
+    second_order: Array | None = None
     notes: tuple[str, ...] = ()
 
     @property
     def wavenumber(self) -> Array:
         """k = ω²/g [1/m]."""
         return self.omega**2 / self.g
+
+    @property
+    def strip_sections(self) -> Strips:
+        """The sections of the hull; a DataError where none is known."""
+        if self.strips is None:
+            raise DataError(
+                f"The motions of {self.name} come from {self.engine} without a hull.",
+                remedy="Read them with the hull: read_rao(file, hull=read_hull(...)).",
+            )
+        return self.strips
 
     def share_of(self, sea: Sea) -> float:
         """Share of the energy of a sea that the frequencies hold.
@@ -146,7 +166,9 @@ class Rao(Described):
                 f"The frequencies {self.omega[0]:.2f} to {self.omega[-1]:.2f} rad/s hold "
                 f"{100 * share:.0f} % of the energy of the sea, whose peak is at "
                 f"{sea.peak:.2f} rad/s.",
-                remedy="Compute the motions for this sea: rao(hull, sea=...), or state omega.",
+                remedy="Compute the motions for this sea: rao(hull, sea=...), or state omega."
+                if self.strips is not None
+                else f"Let {self.engine} compute more frequencies.",
             )
         return share
 
@@ -170,7 +192,7 @@ class Rao(Described):
         x, y, z : float
             Forward of midship, to port of the middle, above the water [m].
         """
-        forward = x - self.strips.hull.hydrostatics.xB
+        forward = x - self.x
         s, r = self.motion[:3], self.motion[3:]
         return np.stack(
             [
@@ -246,7 +268,13 @@ class Rao(Described):
             "Conventions": "CF-1.8",
             "title": f"Motions of {self.name} in regular waves",
             "axes": "x forward, y to port, z up; pitch positive with the bow down",
+            "name": self.name,
+            "source": self.engine,
             "length_m": self.L,
+            "breadth_m": self.B,
+            "origin_m": self.x,
+            "density_kg_m3": self.rho,
+            "gravity_m_s2": self.g,
             "notes": " ".join(self.notes),
         }
         return xr.Dataset(data, coords=coords, attrs=attributes)
@@ -289,7 +317,7 @@ class Rao(Described):
     def _headline(self) -> str:
         froude = self.speed / math.sqrt(self.g * self.L)
         return (
-            f"{self.name}: Fn {', '.join(f'{x:.3f}' for x in froude[:6])}, "
+            f"{self.name} by {self.engine}: Fn {', '.join(f'{x:.3f}' for x in froude[:6])}, "
             f"{counted(self.heading.size, 'heading')}, "
             f"{self.omega.size} frequencies"
         )
@@ -309,10 +337,8 @@ class Rao(Described):
         shown = rows[:30]
         head = ["speed, heading", "heave [m/m]", "roll [rad/m]", "pitch [rad/m]"]
         more = [f"Shown are {len(shown)} of {len(rows)} speeds and headings."]
-        hull, KG = self.strips.hull, self.loading.KG
-        afloat = f"{hull.in_words} GM {hull.hydrostatics.KM - KG:.3g} m."
         return [
-            Section(title="The hull as it floats", paragraphs=[afloat]),
+            *self._afloat(),
             Section(
                 title="Largest motions per metre of wave amplitude, at ω [rad/s]",
                 paragraphs=more if len(shown) < len(rows) else [],
@@ -320,3 +346,10 @@ class Rao(Described):
             ),
             *([Section(title="Notes", points=self.notes)] if self.notes else []),
         ]
+
+    def _afloat(self) -> Iterator[Section]:
+        """The hull with its loading, where it is known."""
+        if self.strips is not None and self.loading is not None:
+            hull = self.strips.hull
+            afloat = f"{hull.in_words} GM {hull.hydrostatics.KM - self.loading.KG:.3g} m."
+            yield Section(title="The hull as it floats", paragraphs=[afloat])

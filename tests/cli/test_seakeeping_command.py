@@ -284,3 +284,22 @@ def test_bilge_keels_damp_the_roll_at_its_resonance(tmp_path, capsys):
         for keels in ("0,0", "0.5,44")
     }
     assert 0.4 < roll["0.5,44"] / roll["0,0"] < 0.8
+
+
+@pytest.mark.slow
+def test_transfer_functions_of_another_program_in_a_sea(tmp_path, shared_data, capsys):
+    file = shared_data / "s175_seakeeping_veres" / "input.re1"
+    status, content, _ = said(
+        capsys, "seakeeping", file, *SEA, "--no-figures", "--out", tmp_path / "out"
+    )
+    assert status == 0
+    assert {"drift.toml", "operability.csv", "responses.csv"} <= set(content["files"])
+    assert "VERES 4.02.3" in (tmp_path / "out" / "drift.toml").read_text()
+    assert len(content["mean_added_resistance"]) == 5 * 19
+    assert {*content["mean_added_resistance"][0]} == {"speed", "heading_deg", "VERES 4.02.3"}
+
+
+def test_what_is_computed_is_not_asked_of_what_is_read(tmp_path, capsys):
+    (tmp_path / "a.re1").write_text("")
+    assert main(["seakeeping", str(tmp_path / "a.re1"), "--speeds", "5", "--omega", "1"]) != 0
+    assert "--speeds, --omega" in capsys.readouterr().err

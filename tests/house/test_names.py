@@ -114,6 +114,7 @@ REGISTRIES = {
             "models/scale.py": BY_NAME,
             "reduction/parts.py": BY_NAME,
             "seakeeping/transfer.py": "a motion of that name",
+            "seakeeping/transfer_files.py": "a variable of capytaine of that name",
             "simulation/single.py": BY_NAME,
             "testing/effects.py": "what records hold: roll",
             "validation/prediction.py": OTHER_WORDS,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -103,6 +104,105 @@ def test_the_layout_of_shipx_runs_aft_and_downward(tmp_path):
     found = read_hull(tmp_path / "box.mgf", draught=5.0)
     assert found.name == "boxlike"
     assert found.hydrostatics == box().hydrostatics
+
+
+WIGLEY = {"L": 80.0, "B": 8.0, "d": 5.0}
+
+
+def wigley_panels(*, whole=False, quarter=False, side=1.0, base=False, lid=False):
+    """Corners (n, 4, 3) of a Wigley hull, y = B/2 (1 - (2x/L)²)(1 - (z/d)²) below the water."""
+    L, B, d = WIGLEY.values()
+    x, z = np.meshgrid(np.linspace(0 if quarter else -L / 2, L / 2, 61), np.linspace(-d, 0, 31))
+    y = B / 2 * (1 - (2 * x / L) ** 2) * (1 - (z / d) ** 2)
+    found = []
+    for sign in (side, -side) if whole else (side,):
+        points = np.stack([x, sign * y, z + (d if base else 0.0)], axis=-1)
+        flat = np.stack([x, sign * y * (1 + z / d), 0 * z + (d if base else 0.0)], axis=-1)
+        for grid in (points, flat) if lid else (points,):
+            corners = [grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]]
+            found.append(np.stack(corners, axis=2).reshape(-1, 4, 3))
+    return np.concatenate(found)
+
+
+def as_gdf(path, panels, isx=0, scale=1.0):
+    rows = [" ".join(f"{x / scale:.6f}" for x in corner) for panel in panels for corner in panel]
+    head = ["a Wigley hull", f"{scale} 9.81 ULEN GRAV", f"{isx} 1 ISX ISY", str(len(panels))]
+    path.write_text("\n".join([*head, *rows]))
+
+
+def as_stl(path, panels, *, plain):
+    triangles = np.concatenate([panels[:, [0, 1, 2]], panels[:, [0, 2, 3]]])
+    if plain:
+        rows = ["solid hull"]
+        for triangle in triangles:
+            rows += ["facet normal 0 0 0", "outer loop"]
+            rows += [f"vertex {x:.6f} {y:.6f} {z:.6f}" for x, y, z in triangle]
+            rows += ["endloop", "endfacet"]
+        path.write_text("\n".join([*rows, "endsolid"]))
+        return
+    facets = b"".join(
+        np.r_[[0.0] * 3, triangle.ravel()].astype("<f4").tobytes() + b"\0\0"
+        for triangle in triangles
+    )
+    path.write_bytes(
+        b"solid in name only".ljust(80) + len(triangles).to_bytes(4, "little") + facets
+    )
+
+
+MESHES = {
+    "port.gdf": lambda path: as_gdf(path, wigley_panels()),
+    "starboard.gdf": lambda path: as_gdf(path, wigley_panels(side=-1.0), scale=2.0),
+    "quarter.gdf": lambda path: as_gdf(path, wigley_panels(quarter=True), isx=1),
+    "base.stl": lambda path: as_stl(path, wigley_panels(whole=True, base=True), plain=True),
+    "lid.stl": lambda path: as_stl(path, wigley_panels(whole=True, lid=True), plain=False),
+}
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_a_wigley_hull_comes_back_from_a_mesh(name, tmp_path):
+    """∇ = 4/9 LBd, waterplane 2/3 LB, KB = 5/8 d, both centres midship."""
+    MESHES[name](tmp_path / name)
+    L, B, d = WIGLEY.values()
+    hull = read_hull(tmp_path / name, draught=d)
+    found = hull.hydrostatics
+    assert pytest.approx(L, rel=1e-6) == hull.L
+    assert found.volume == pytest.approx(4 / 9 * L * B * d, rel=0.01)
+    assert found.waterplane == pytest.approx(2 / 3 * L * B, rel=0.01)
+    assert pytest.approx(5 / 8 * d, rel=0.01) == found.KB
+    assert (found.xB, found.xF) == pytest.approx((0.0, 0.0), abs=0.01 * L)
+    assert any("length of the mesh" in note for note in hull.notes)
+
+
+def test_a_bulb_below_the_water_is_left_out_and_said(tmp_path):
+    panels = wigley_panels()
+    bulb = np.linspace(-3.0, 5.0, 9)
+    ring = np.array([[1.0, -4.0], [1.5, -3.0], [0.0, -2.0]])
+    corners = [
+        [[40 + a, *ring[i]], [40 + b, *ring[i]], [40 + b, *ring[i + 1]], [40 + a, *ring[i + 1]]]
+        for a, b in itertools.pairwise(bulb)
+        for i in range(2)
+    ]
+    as_gdf(tmp_path / "bulb.gdf", np.concatenate([panels, corners]))
+    hull = read_hull(tmp_path / "bulb.gdf", draught=5.0, L=80.0)
+    assert hull.x.max() < 40.0
+    assert any("closed below the water" in note for note in hull.notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("a.gdf", "a\n1.0 9.81\n0 1\n2\n0 0 0\n", "no low-order geometry"),
+        ("a.gdf", "FPSO\n1 9.81\n0 1\n6 -11\n3\n30 150 20 XBOW\n", "no low-order geometry"),
+        ("a.stl", "solid\nvertex 0 0 0\nvertex 1 0 0\n", "whole triangles"),
+        ("a.stl", "", "no panels"),
+        ("a.stl", "solid\n" + "vertex 0 0 99\n" * 3, "reaches down to z = 99 m"),
+        ("a.stl", "solid\n" + "vertex 0 0 nan\n" * 3, "finite"),
+    ],
+)
+def test_what_is_no_mesh_of_a_hull(tmp_path, name, content, says):
+    (tmp_path / name).write_text(content)
+    with pytest.raises(DataError, match=says):
+        read_hull(tmp_path / name, draught=5.0)
 
 
 def offsets(place=lambda x: x, y=8.0, z=8.0):

@@ -52,7 +52,7 @@ def typed_hull(ship: str, draught: float | None, length: float | None) -> Hull:
     """A hull from a file of offsets, or one of the library."""
     from pmmkit.seakeeping import load_hull, read_hull
 
-    if Path(ship).suffix.lower() not in (".csv", ".mgf"):
+    if Path(ship).suffix.lower() not in (".csv", ".mgf", ".gdf", ".stl"):
         return load_hull(ship)
     if draught is None:
         raise SettingError("A hull from a file needs --draught [m].")
@@ -111,7 +111,17 @@ class LoadingSettings:
     """Hull and loading."""
 
     draught: float | None = setting("Draught of a hull from a file [m].", default=None)
-    length: float | None = setting("Length between perpendiculars of a CSV [m].", default=None)
+    length: float | None = setting(
+        "Length between perpendiculars of a file that does not hold it [m].", default=None
+    )
+    breadth: float | None = setting(
+        "Breadth, beside transfer functions of WAMIT [m].", default=None
+    )
+    sections: str | None = setting(
+        "Hull for transfer functions of another program, as SHIP: mean drift is then computed by "
+        "sections too.",
+        default=None,
+    )
     gm: float | None = setting("Metacentric height [m].", default=None)
     gyration: str | None = setting("Radii of gyration roll,pitch,yaw [m].", default=None)
     roll_damping: float | None = setting(
@@ -186,12 +196,19 @@ class SeakeepingSettings:
     """What is asked."""
 
     ship: str = setting(
-        "Offsets (.csv with x,y,z or x,breadth,draught,area; .mgf of ShipX), particulars "
-        "(.toml), tanker-320, or a library ship; sections of the last three are assumed.",
+        "Offsets (.csv with x,y,z or x,breadth,draught,area; .mgf of ShipX), a mesh (.gdf, .stl), "
+        "particulars (.toml), tanker-320, or a library ship; sections of the last three are "
+        "assumed. Or transfer functions: .re1 of VERES, .4 of WAMIT, .nc of capytaine or pmmkit.",
         argument=True,
     )
-    speeds: str = setting("Speeds such as '10,15.5 kn', '8' [m/s] or 'Fn 0.2'.", default="0")
-    headings: str = setting("Headings in degrees: 180 is head sea, 0 following.", default="180")
+    speeds: str | None = setting(
+        "Speeds such as '10,15.5 kn', '8' [m/s] or 'Fn 0.2'; 0 if absent.", default=None
+    )
+    headings: str | None = setting(
+        "Headings in degrees: 180 is head sea, 0 following; 180 if absent. Of transfer functions "
+        "that are read all stand.",
+        default=None,
+    )
     hull: LoadingSettings = LoadingSettings()
     omega: str | None = setting(
         "Frequencies of the waves [rad/s]; if absent 40 from 5 L on, 120 with --record.",
@@ -207,33 +224,46 @@ class SeakeepingSettings:
     out: Out = None
 
 
-def seakeeping(job: SeakeepingSettings) -> Outcome:
-    """Do what is asked."""
-    from pmmkit.seakeeping import (
-        Loading,
-        Operability,
-        added_resistance,
-        beside_records,
-        frequencies,
-        rao,
-        read_records,
-        response,
-    )
+_READ: Final = (".re1", ".4", ".nc")
+"""Files of transfer functions."""
 
-    folder = results_folder(job.out, f"{stem(job.ship)}-seakeeping")
+
+def _read(job: SeakeepingSettings) -> Rao:
+    """Motions that another program computed."""
+    from pmmkit.seakeeping import read_rao
+
+    asked = {
+        "--speeds": job.speeds,
+        "--headings": job.headings,
+        "--omega": job.omega,
+        "--bilge-keels": job.hull.bilge_keels,
+        "--roll-damping": job.hull.roll_damping,
+        "--record": job.records.record or None,
+    }
+    if typed := [name for name, value in asked.items() if value is not None]:
+        raise SettingError(f"{', '.join(typed)}: not of transfer functions that are read.")
+    of = job.hull
+    hull = typed_hull(of.sections, of.draught, of.length) if of.sections else None
+    return read_rao(job.ship, L=of.length, B=of.breadth, hull=hull)
+
+
+def _computed(
+    job: SeakeepingSettings, waves: Sea | None, measured: int
+) -> tuple[Rao, RollDamping | None]:
+    """Motions by strip theory, and the roll damping that was estimated."""
+    from pmmkit.seakeeping import Loading, frequencies, rao
+
     hull = typed_hull(job.ship, job.hull.draught, job.hull.length)
     radii = numbers(job.hull.gyration) or ()
     if len(radii) not in (0, 3):
         raise SettingError(f"--gyration {job.hull.gyration!r}: write roll,pitch,yaw in m.")
     given = dict(zip(("kxx", "kyy", "kzz"), radii, strict=False))
     loading = Loading.of(hull, GM=job.hull.gm, roll_damping=job.hull.roll_damping, **given)
-    waves = job.waves.sea
-    courses = numbers(job.headings) or ()
-    places = [typed_place(text) for text in job.place]
-    paces = typed_speeds(job.speeds, hull.L)
+    courses = numbers(job.headings) or (180.0,)
+    paces = typed_speeds(job.speeds or "0", hull.L)
     damping = None
     if job.hull.bilge_keels is not None:
-        if job.hull.roll_damping is not None or job.records.record:
+        if job.hull.roll_damping is not None or measured:
             raise SettingError(
                 "--bilge-keels finds the damping: leave --roll-damping and --record out."
             )
@@ -242,19 +272,35 @@ def seakeeping(job: SeakeepingSettings) -> Outcome:
         loading = Loading.of(
             hull, GM=job.hull.gm, roll_damping=linear, roll_quadratic=quadratic, **given
         )
-    if job.records.record and (len(paces), len(courses)) != (1, 1):
+    if measured and (len(paces), len(courses)) != (1, 1):
         raise SettingError("Beside --record state one speed and one heading.")
-    read = read_records(job.records.record, job.records.record_scale)
     found = rao(
         hull,
         speeds=paces,
         headings_deg=courses,
-        omega=numbers(job.omega)
-        or (frequencies(hull.L, waves, count=_FINE) if job.records.record else None),
+        omega=numbers(job.omega) or (frequencies(hull.L, waves, count=_FINE) if measured else None),
         sea=waves,
         loading=loading,
     )
-    added = added_resistance(found)
+    return found, damping
+
+
+def seakeeping(job: SeakeepingSettings) -> Outcome:
+    """Do what is asked."""
+    import numpy as np
+
+    from pmmkit.seakeeping import Operability, added_resistance, beside_records, response
+
+    folder = results_folder(job.out, f"{stem(job.ship)}-seakeeping")
+    waves = job.waves.sea
+    places = [typed_place(text) for text in job.place]
+    if Path(job.ship).suffix.lower() in _READ:
+        found, damping = _read(job), None
+    else:
+        found, damping = _computed(job, waves, len(job.records.record))
+    courses = [round(float(heading), 9) for heading in np.degrees(found.heading)]
+    known = found.strips is not None or found.second_order is not None
+    added = added_resistance(found) if known else None
     answers = [
         response(found, waves, speed=speed, heading_deg=heading, places=places, hours=job.hours)
         for speed in (found.speed.tolist() if waves else ())
@@ -263,7 +309,8 @@ def seakeeping(job: SeakeepingSettings) -> Outcome:
     ]
     around = {0.0, 180.0} <= {round(heading, 6) for heading in courses}
     sailed = Operability.of(found, waves, places=places) if waves and around else None
-    measured = beside_records(read, found) if read else None
+    kept = job.records
+    measured = beside_records(kept.record, found, scale=kept.record_scale) if kept.record else None
     results = (
         *_files(found, added, answers, waves, figures=job.figures),
         *(_operability(sailed, figures=job.figures) if sailed else ()),
@@ -282,7 +329,8 @@ def seakeeping(job: SeakeepingSettings) -> Outcome:
             figures={"Records beside the computed motions.": measured.plot()} if measured else {},
         )
         results = (*results, ("report.html", page))
-    lines = [str(found), "", *([str(damping), ""] if damping else []), str(added)]
+    lines = [str(found), "", *([str(damping), ""] if damping else [])]
+    lines.append(str(added) if added else "No hull and no mean drift: no added resistance.")
     for answer in answers:
         lines += ["", str(answer)]
     lines += ["", str(sailed)] if sailed else []
@@ -300,7 +348,9 @@ def seakeeping(job: SeakeepingSettings) -> Outcome:
     return written(folder, results, content, lines).then(*told)
 
 
-def _resistances(answers: list[Response], added: AddedResistance) -> list[dict[str, Any]]:
+def _resistances(answers: list[Response], added: AddedResistance | None) -> list[dict[str, Any]]:
+    if added is None:
+        return []
     return [
         {
             "speed": answer.speed,
@@ -311,9 +361,10 @@ def _resistances(answers: list[Response], added: AddedResistance) -> list[dict[s
     ]
 
 
-def _means(answers: list[Response], added: AddedResistance) -> list[str]:
-    lines = ["", "Mean added resistance in the sea [kN]:"] if answers else []
-    for row in _resistances(answers, added):
+def _means(answers: list[Response], added: AddedResistance | None) -> list[str]:
+    rows = _resistances(answers, added)
+    lines = ["", "Mean added resistance in the sea [kN]:"] if rows else []
+    for row in rows:
         told = ", ".join(
             f"{name} {value / 1e3:.0f}" if value == value else f"{name} -"
             for name, value in row.items()
@@ -329,7 +380,7 @@ def _drift(part: Part) -> str:
         "# Mean drift of a sea, for a model. from_deg: where the waves come from, from the heading",
         "# of the approach, to starboard.",
         f"[effects.{part.effect}]",
-        'source = "strip theory: pmmkit seakeeping"',
+        f'source = "{part.source}"',
         f"[effects.{part.effect}.options]",
         *(f'{name} = "{word}"' for name, word in part.options.items()),
         f"[effects.{part.effect}.values]",
@@ -356,7 +407,12 @@ def _operability(sailed: Operability, *, figures: bool) -> Iterator[tuple[str, A
 
 
 def _files(
-    found: Rao, added: AddedResistance, answers: list[Response], waves: Sea | None, *, figures: bool
+    found: Rao,
+    added: AddedResistance | None,
+    answers: list[Response],
+    waves: Sea | None,
+    *,
+    figures: bool,
 ) -> Iterator[tuple[str, Any]]:
     import pandas as pd
 
@@ -365,9 +421,11 @@ def _files(
 
     yield "rao.csv", found.to_pandas()
     yield "rao.nc", partial(found.to_xarray().to_netcdf, engine="h5netcdf")
-    yield "added_resistance.csv", added.to_pandas()
     if waves is not None:
         yield "responses.csv", pd.DataFrame([row for one in answers for row in one.rows()])
+    if added is not None:
+        yield "added_resistance.csv", added.to_pandas()
+    if waves is not None and added is not None:
         yield "mean_added_resistance.csv", pd.DataFrame(_resistances(answers, added))
         if waves.spreading is None and {0.0, 180.0} <= {
             round(answer.heading_deg, 6) for answer in answers
@@ -375,4 +433,5 @@ def _files(
             yield "drift.toml", _drift(drift_part(found, waves))
     if figures:
         yield "rao.svg", partial(save, found.plot())
-        yield "added_resistance.svg", partial(save, added.plot())
+        if added is not None:
+            yield "added_resistance.svg", partial(save, added.plot())

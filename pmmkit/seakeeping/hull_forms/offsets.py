@@ -14,6 +14,7 @@ import numpy as np
 
 from pmmkit.base import DataError, Problem
 from pmmkit.seakeeping.hull_forms.hull import Hull, Station
+from pmmkit.seakeeping.hull_forms.meshes import is_mesh, mesh_stations
 from pmmkit.seakeeping.hull_forms.particulars import lewis_station
 
 _POINTS: Final = ("x", "y", "z")
@@ -32,11 +33,13 @@ def read_hull(path: str | Path, *, draught: float, L: float | None = None) -> Hu
     path : path
         ``.csv`` with columns x, y, z (x forward of midship, half breadth, height above the base
         line, from the keel upward) or x, breadth, draught, area (then Lewis forms); ``.mgf`` as
-        ShipX and VERES write it (x aft of midship, from the deck downward).
+        ShipX and VERES write it (x aft of midship, from the deck downward); a mesh, ``.gdf`` of
+        WAMIT (panels of low order) or ``.stl``, x forward of midship, heights above the water or
+        the base line.
     draught : float
         [m].
     L : float, optional
-        Length between perpendiculars [m]; needed for CSV.
+        Length between perpendiculars [m]; needed for CSV; that of the mesh where absent.
 
     Returns
     -------
@@ -48,6 +51,11 @@ def read_hull(path: str | Path, *, draught: float, L: float | None = None) -> Hu
         With the place of everything that is wrong.
     """
     path = Path(path)
+    if is_mesh(path):
+        cut, length, closed = mesh_stations(path, draught)
+        found = _hull(path.stem, L or length, draught, cut)
+        own = f"L, {length:.4g} m, is the length of the mesh between its ends."
+        return replace(found, notes=(*found.notes, *closed, *([] if L else [own])))
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
@@ -119,7 +127,7 @@ def _hull(name: str, L: float, draught: float, given: Iterable[Station]) -> Hull
         if station.z.size and (level - station.z).max() <= STEP * draught:
             station = replace(station, z=level)
         (dry if station.z.size and station.z.min() >= draught else stations).append(station)
-    above = ", ".join(f"{station.x:g}" for station in dry)
+    above = ", ".join(f"{station.x:.4g}" for station in dry)
     notes = [f"Stations above the water are left out: x = {above} m."] if dry else []
     hull = Hull(name=name, L=L, draught=draught, stations=tuple(stations))
     if (ahead := hull.hydrostatics.xF - hull.hydrostatics.xB) > LEADING * L:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
@@ -221,8 +221,7 @@ class AddedResistance(Described):
     @property
     def unit(self) -> float:
         """ρ g B²/L [N/m²], by which added resistance is usually divided."""
-        hull = self.rao.strips.hull
-        return self.rao.rho * self.rao.g * float(hull.breadths.max()) ** 2 / hull.L
+        return self.rao.rho * self.rao.g * self.rao.B**2 / self.rao.L
 
     def mean(
         self, sea: Sea, *, speed: float | None = None, heading_deg: float | None = None
@@ -295,7 +294,10 @@ class AddedResistance(Described):
             ),
             Section(
                 title="What each leaves out",
-                points=[f"{name}: {LEAVES_OUT[name]}" for name in self.methods],
+                points=[
+                    f"{name}: {LEAVES_OUT.get(name, 'as the program computed it.')}"
+                    for name in self.methods
+                ],
             ),
         ]
 
@@ -321,6 +323,9 @@ def added_resistance(rao: Rao) -> AddedResistance:
     >>> sorted(found.methods)
     ['Gerritsma-Beukelman', 'SNNM', 'STAWAVE-2', 'with reflection']
     """
+    if rao.strips is None or rao.loading is None:
+        return AddedResistance(rao=rao, methods={rao.engine: -drift(rao)[0]})
+    brought = {} if rao.second_order is None else {rao.engine: -rao.second_order[0]}
     along = np.cos(rao.heading)[:, None] * radiated_force(rao)
     form = form_of(rao.strips.hull, rao.loading.kyy)
     given: dict[str, Callable[..., Array]] = {"STAWAVE-2": stawave2, "SNNM": snnm}
@@ -330,7 +335,12 @@ def added_resistance(rao: Rao) -> AddedResistance:
     }
     return AddedResistance(
         rao=rao,
-        methods={"Gerritsma-Beukelman": -along, "with reflection": -drift(rao)[0], **formulas},
+        methods={
+            **brought,
+            "Gerritsma-Beukelman": -along,
+            "with reflection": -drift(replace(rao, second_order=None))[0],
+            **formulas,
+        },
     )
 
 

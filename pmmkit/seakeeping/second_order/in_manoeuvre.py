@@ -126,7 +126,7 @@ def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: fl
         effect="wave_drift",
         values=MappingProxyType(values),
         options=MappingProxyType({"coefficients": "speeds" if several else "table"}),
-        source=f"strip theory: mean drift of {found.name}",
+        source=f"{found.engine}: mean drift of {found.name}",
     )
 
 
@@ -140,7 +140,7 @@ def in_waves(
     loading: Loading | None = None,
     motions: Rao | None = None,
 ) -> Model:
-    """A model that feels the mean drift of a sea, by strip theory.
+    """A model that feels the mean drift of a sea.
 
     Parameters
     ----------
@@ -158,7 +158,8 @@ def in_waves(
     loading : Loading, optional
         As `Loading.of` assumes where absent.
     motions : Rao, optional
-        In place of speed, hull and loading: those of `motions_in`, which `superposed` takes too.
+        In place of speed, hull and loading: those of `motions_in`, which `superposed` takes too,
+        or of another program (`read_rao`).
 
     Returns
     -------
@@ -190,8 +191,9 @@ def in_waves(
         found = motions_in(model, sea, speed=speed, hull=hull, loading=loading)
     part = drift_part(found, sea, from_deg=from_deg)
     at = ", ".join(f"{x:.3g}" for x in found.speed)
-    told = f"Drift of waves by strip theory, Tp {sea.Tp:.3g} s, at {at} m/s."
+    told = f"Drift of waves by {found.engine}, Tp {sea.Tp:.3g} s, at {at} m/s."
+    assumed = found.strips.hull.notes if found.strips is not None else found.notes
     return model.with_(
         parts=MappingProxyType({**model.parts, part.effect: part}),
-        notes=tuple(dict.fromkeys([*model.notes, told, *found.strips.hull.notes])),
+        notes=tuple(dict.fromkeys([*model.notes, told, *assumed])),
     )

@@ -42,7 +42,7 @@ def radiated_force(rao: Rao) -> Array:
     k/(2ωₑ) ∫ (b₃₃ - U da₃₃/dx) |V|² dx, with V the vertical velocity of a section against the
     wave, whose velocity decays with depth (Gerritsma and Beukelman 1972).
     """
-    strips, k = rao.strips, rao.wavenumber
+    strips, k = rao.strip_sections, rao.wavenumber
     x = strips.x
     points, steps = strips.panels
     half = strips.hull.breadths / 2
@@ -70,20 +70,20 @@ def radiated_force(rao: Rao) -> Array:
 
 
 def reflected_force(rao: Rao) -> Array:
-    """Mean force ahead of waves that the sides of the ship reflect [N/m²].
+    """Mean X, Y and N about midship of waves that the sides of the ship reflect [N/m², N m/m²].
 
     Faltinsen's (1980) asymptote for waves that are short beside the ship, over the part of the
     waterline that the waves strike: ½ρg (c² + 2ωU/g c n_x) on the normal, with c the cosine of
     incidence; times the energy that a plate of the draught reflects (Ursell 1947).
     """
-    normal, length = _waterline(rao.strips.hull)
+    normal, length, lever = _waterline(rao.strip_sections.hull)
     direction = np.stack([np.cos(rao.heading), -np.sin(rao.heading)], axis=-1)
     strike = np.maximum(-direction @ normal.T, 0.0)
-    ahead = -normal[:, 0] * length
-    still, moving = strike**2 @ ahead, strike @ (ahead * normal[:, 0])
-    share = plate_reflection(rao.wavenumber * rao.strips.hull.draught)
+    pushed = -length * np.column_stack([normal, lever]).T
+    still, moving = (strike**2) @ pushed.T, strike @ (pushed * normal[:, 0]).T
+    share = plate_reflection(rao.wavenumber * rao.strip_sections.hull.draught)
     fast = 2 * np.multiply.outer(rao.speed, rao.omega)[:, None] / rao.g
-    found = still[:, None] + moving[:, None] * fast
+    found = still.T[:, None, :, None] + moving.T[:, None, :, None] * fast
     return np.asarray(0.5 * rao.rho * rao.g * found * share)
 
 
@@ -122,7 +122,7 @@ def scattered_force(rao: Rao) -> Array:
     wave of unit amplitude (Maruo 1960), times sin²β. At speed it sends out waves of the frequency
     of encounter, in waves from abaft the beam of that of the wave, which is higher.
     """
-    strips = rao.strips
+    strips = rao.strip_sections
     x = strips.x
     felt = np.maximum(np.abs(rao.encounter), rao.omega)
     sent = np.stack(
@@ -152,12 +152,15 @@ def drift(rao: Rao) -> Array:
     sides reflect pushes along their normals, in short ones; the two are blended by the energy that
     a plate of the draught reflects. In waves from abaft the beam, where energy over the frequency
     of encounter grows beyond reason, it is taken over that of the wave. Y and N: what the sections
-    scatter (`scattered_force`).
+    scatter (`scattered_force`) and what the sides reflect, blended alike. What the engine itself
+    computed comes first.
     """
-    share = plate_reflection(rao.wavenumber * rao.strips.hull.draught)
+    if rao.second_order is not None:
+        return rao.second_order
+    share = plate_reflection(rao.wavenumber * rao.strip_sections.hull.draught)
     met = np.minimum(np.abs(rao.encounter) / rao.omega, 1.0)
     pushed = (1 - share) * met * np.cos(rao.heading)[:, None] * radiated_force(rao)
-    return np.stack([pushed + reflected_force(rao), *scattered_force(rao)])
+    return np.concatenate([pushed[None], (1 - share) * scattered_force(rao)]) + reflected_force(rao)
 
 
 def drift_table(rao: Rao, sea: Sea, *, speed: float | None = None) -> dict[str, tuple[float, ...]]:
@@ -183,13 +186,20 @@ def drift_table(rao: Rao, sea: Sea, *, speed: float | None = None) -> dict[str, 
     return {"angle_deg": tuple((180.0 - headings[order]).tolist()), "DX": X, "DY": Y, "DN": N}
 
 
-def _waterline(hull: Hull) -> tuple[Array, Array]:
-    """Outward normals and lengths of the pieces of the whole waterline."""
+def _waterline(hull: Hull) -> tuple[Array, Array, Array]:
+    """Outward normals, lengths and levers of the normals about midship of the pieces of the whole
+    waterline: (n, 2), (n,), (n,)."""
     x = np.r_[hull.x[0], hull.x, hull.x[-1]]
     y = np.r_[0.0, hull.breadths / 2, 0.0]
     step = np.column_stack([np.diff(x), np.diff(y)])
+    middle = np.column_stack([x[1:] + x[:-1], y[1:] + y[:-1]]) / 2
     length = np.hypot(*step.T)
     whole = length > 1e-12
-    step, length = step[whole], length[whole]
+    step, middle, length = step[whole], middle[whole], length[whole]
     port = np.column_stack([-step[:, 1], step[:, 0]]) / length[:, None]
-    return np.concatenate([port, port * np.array([1.0, -1.0])]), np.concatenate([length, length])
+    lever = middle[:, 0] * port[:, 1] - middle[:, 1] * port[:, 0]
+    return (
+        np.concatenate([port, port * np.array([1.0, -1.0])]),
+        np.concatenate([length, length]),
+        np.concatenate([lever, -lever]),
+    )
