@@ -21,7 +21,8 @@ from pmmkit.seakeeping.transfer import Rao
 _ROUNDS: Final = 60
 _SETTLED: Final = 1e-6  # of critical damping
 SLOW: Final = 0.4
-"""ωₑ√(L/g) below which the terms U/ωₑ² of the theory have no meaning: motions are quasi-static."""
+"""ωₑ√(L/g) below which the terms U/ωₑ² of the theory have no meaning: motions are quasi-static.
+At rest there are none of them."""
 
 
 def rao(
@@ -40,7 +41,8 @@ def rao(
     """Motions of a ship in regular deep-water waves by strip theory.
 
     Salvesen, Tuck and Faltinsen (1970), with sections by Ursell's multipoles on conformal maps.
-    Surge is that of the mass alone under the pressure of the wave.
+    Surge is that of the mass alone under the pressure of the wave, whose moment about the water
+    turns the ship with it, so that at rest a long wave carries the ship as it moves the water.
 
     Parameters
     ----------
@@ -81,7 +83,8 @@ def rao(
     highest = float(np.abs(encounter).max())
     if strips is None or strips.hull is not hull or strips.omega[-1] < highest or strips.g != g:
         strips = strips_of(hull, highest, g=g)
-    slow = np.abs(encounter) < SLOW * math.sqrt(g / hull.L)
+    moving = (U > 0.0)[:, None, None]
+    slow = moving & (np.abs(encounter) < SLOW * math.sqrt(g / hull.L))
     safe = np.where(slow, SLOW * math.sqrt(g / hull.L), encounter)
     froude_krylov, total = excitation(strips, U, beta, w, safe)
     force = (rho * np.where(slow, froude_krylov, total)).astype(np.complex128)
@@ -238,12 +241,12 @@ def _stiffness(strips: Strips, loading: Loading) -> Array:
 def _solved(
     matrix: Complex, force: Complex, slow: Flags, stiffness: Array, height: float
 ) -> Complex:
-    """Motions: heave with pitch, sway with roll and yaw, surge alone; quasi-static where slow.
+    """Motions: surge with heave and pitch, sway with roll and yaw; quasi-static where slow.
 
     However slow a wave passes, its side force accelerates the mass, whose centre is at `height`.
     """
     motion = np.full(force.shape, np.nan, dtype=complex)
-    for modes in ([0], [2, 4], [1, 3, 5]):
+    for modes in ([0, 2, 4], [1, 3, 5]):
         system = np.moveaxis(matrix[np.ix_(modes, modes)], (0, 1), (-2, -1))
         right = np.moveaxis(force[modes], 0, -1)[..., None]
         motion[modes] = np.moveaxis(np.linalg.solve(system, right)[..., 0], -1, 0)

@@ -157,7 +157,8 @@ def excitation(
         w[mode] = np.sum(level * direct[row], axis=-1)
     w[4] = -np.sum(tilted * direct[HEAVE], axis=-1)
     w[5] = np.sum(tilted * direct[SWAY], axis=-1)
-    w[0] = _surge(strips, k, along, across, level)
+    w[0], turning = _surge(strips, k, along, across, level)
+    w[4] += turning
     incident = np.broadcast_to(w[:, None], (6, *encounter.shape))
 
     points, steps = strips.sections.points, strips.sections.weights
@@ -216,11 +217,18 @@ def _projected(points: Complex, steps: Complex, k: Array, across: Array) -> Comp
     return np.stack([np.sum(even * up, -1), np.sum(odd * out, -1), np.sum(odd * turn, -1)])
 
 
-def _surge(strips: Strips, k: Array, along: Array, across: Array, level: Complex) -> Complex:
-    """Pressure of the wave on the ends: ik cos β ∫∫ over the areas of sections."""
+def _surge(
+    strips: Strips, k: Array, along: Array, across: Array, level: Complex
+) -> tuple[Complex, Complex]:
+    """Pressure of the wave on the ends: ik cos β ∫∫ over the areas of sections, and its moment
+    about the water, below which it acts."""
     points, steps = strips.panels
     decay = np.exp(-np.multiply.outer(k, points.real))
     half = np.multiply.outer(np.multiply.outer(across, k), points.imag)
     width = 2 * points.imag * np.sinc(half / math.pi)
-    inside = np.sum(decay * width * -steps.real, axis=-1)
-    return np.asarray(strips.g * 1j * along * np.sum(level * inside, axis=-1))
+    inside = decay * width * -steps.real
+    force, moment = (
+        strips.g * 1j * along * np.sum(level * np.sum(part, axis=-1), axis=-1)
+        for part in (inside, inside * -points.real)
+    )
+    return np.asarray(force), np.asarray(moment)

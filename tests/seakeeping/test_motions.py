@@ -60,9 +60,11 @@ def _place(values, wanted):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("speed", "heave", "pitch"),
-    [(0.0, 0.004, 0.004), (7.7167, 0.012, 0.008), (10.2889, 0.016, 0.012)],
+    [(0.0, 0.006, 0.018), (7.7167, 0.014, 0.022), (10.2889, 0.016, 0.021)],
 )
 def test_heave_and_pitch_of_s175_in_head_seas_are_those_of_veres(s175, veres, speed, heave, pitch):
+    """VERES has no moment of the pressure on the ends: pitch is .016 of the slope of long waves
+    apart, as far as theirs is beyond its limit."""
     assert apart(s175, veres, 2, speed, 180) < heave
     assert apart(s175, veres, 4, speed, 180, over_slope=True) < pitch
 
@@ -72,7 +74,7 @@ def test_heave_and_pitch_of_s175_in_head_seas_are_those_of_veres(s175, veres, sp
 def test_s175_is_within_three_percent_of_veres_at_all_headings(s175, veres, heading):
     for speed in veres.speed:
         assert apart(s175, veres, 2, speed, heading) < 0.03
-        assert apart(s175, veres, 4, speed, heading, over_slope=True) < 0.012
+        assert apart(s175, veres, 4, speed, heading, over_slope=True) < 0.022
         assert apart(s175, veres, 1, speed, heading) < 0.03
         assert apart(s175, veres, 5, speed, heading, over_slope=True) < 0.035
 
@@ -114,9 +116,9 @@ def test_roll_of_s175_above_its_resonance(s175, veres):
 @pytest.mark.parametrize(
     ("heading", "bounds"),
     [
-        (180, {"surge": 0.04, "heave": 0.06, "pitch": 0.04}),
+        (180, {"surge": 0.04, "heave": 0.06, "pitch": 0.045}),
         (120, {"surge": 0.03, "sway": 0.02, "heave": 0.07, "pitch": 0.04, "yaw": 0.1}),
-        (60, {"surge": 0.06, "sway": 0.07, "heave": 0.1, "pitch": 0.01, "yaw": 0.12}),
+        (60, {"surge": 0.06, "sway": 0.07, "heave": 0.1, "pitch": 0.014, "yaw": 0.12}),
     ],
 )
 def test_motions_of_s175_have_the_phases_of_veres(s175, veres, heading, bounds):
@@ -128,22 +130,21 @@ def test_motions_of_s175_have_the_phases_of_veres(s175, veres, heading, bounds):
         assert np.nanmax(np.abs(off)) < most
 
 
-@pytest.mark.parametrize("heading", [180.0, 135.0, 60.0])
-def test_very_long_waves_carry_the_ship(heading):
-    """Heave 1, pitch and roll the slope of the wave, surge and sway its orbit.
-
-    Pitch is 3 % too large: strip theory has no pressure on the ends, whose moment holds the ship
-    back by ∇(KG - KB) beside ∫x²dS. At the lower frequency motions are quasi-static.
-    """
-    found = rao(SHIP, speeds=0.0, headings_deg=heading, omega=[0.04, 0.15])
-    k, beta = found.wavenumber, np.radians(heading)
-    assert found.quasi_static[0, 0].tolist() == [True, False]
-    assert np.abs(found.mode("heave")[0, 0]) == pytest.approx(np.ones(2), abs=0.02)
-    slope = np.abs(found.mode("pitch")[0, 0]) / k
-    assert slope == pytest.approx(np.full(2, abs(np.cos(beta))), abs=0.04)
-    assert np.abs(found.mode("roll")[0, 0, 0]) / k[0] == pytest.approx(abs(np.sin(beta)), abs=0.01)
-    assert np.abs(found.mode("sway")[0, 0, 1]) == pytest.approx(abs(np.sin(beta)), abs=0.05)
-    assert np.abs(found.mode("surge")[0, 0, 1]) == pytest.approx(abs(np.cos(beta)), abs=0.03)
+@pytest.mark.parametrize("heading", [180.0, 135.0, 60.0, 90.0])
+def test_very_long_waves_carry_the_ship_at_rest(heading):
+    """It goes with the water, -i cos β ahead and i sin β to port of the crest, lifts and leans with
+    the surface: heave to 1e-4, pitch to 2e-4, surge and sway to the volume of panels, roll to its
+    damping, 2ζω/ωₙ = .003."""
+    found = rao(SHIP, speeds=0.0, headings_deg=heading, omega=[0.01])
+    (k,), beta = found.wavenumber, np.radians(heading)
+    ahead, port = np.cos(beta), np.sin(beta)
+    surge, sway, heave, roll, pitch, _ = found.motion[:, 0, 0, 0]
+    assert not found.quasi_static.any()
+    assert heave == pytest.approx(1.0, abs=1e-4)
+    assert pitch / k == pytest.approx(1j * ahead, abs=2e-4)
+    assert surge == pytest.approx(-1j * ahead, abs=1e-3)
+    assert sway == pytest.approx(1j * port, abs=1e-3)
+    assert roll / k == pytest.approx(1j * port, abs=3e-3)
 
 
 def test_coefficients_ahead_are_those_astern_turned_about():

@@ -34,13 +34,13 @@ K = OMEGA**2 / G
 def floats(heading_deg, *, port):
     """A raft that goes with the water of long waves, x forward, y to port, z up (6, b, w).
 
-    With exp(iωt) its surface is exp(-ik x·e), its water moves by i e along the direction e of the
-    waves, and it leans as the surface does.
+    With exp(iωt) the surface is exp(-ik x·e), its water moves by -i along the direction e of the
+    waves, and the raft leans as the surface does.
     """
     beta = np.radians(heading_deg)[:, None]
     e = np.stack([np.cos(beta), np.sin(beta) if port else -np.sin(beta)]) + 0 * K
     along, across = e
-    return np.stack([1j * along, 1j * across, 1 + 0j * along, -1j * K * across, 1j * K * along])
+    return np.stack([-1j * along, -1j * across, 1 + 0j * along, -1j * K * across, 1j * K * along])
 
 
 def wamit(folder, scale=2.0, height=0.0):
