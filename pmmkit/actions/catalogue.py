@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pkgutil
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -15,6 +16,9 @@ from pmmkit.base import UnknownNameError
 
 JOBS: Final = "pmmkit.actions.jobs"
 """Where they lie."""
+STAGES: Final = ("begin", "measure", "model", "predict", "explain", "hand in")
+"""The stages of the work, in their order."""
+_STAGE: Final = re.compile(r'^STAGE: Final = \("(.+)", (\d+)\)$', re.MULTILINE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,10 +84,27 @@ def about(name: str) -> str:
     Examples
     --------
     >>> about("ships")
-    'The library of ships.'
+    'Show the library of ships.'
     """
-    text = pkgutil.get_data(JOBS, f"{_module(name)}.py") or b""
-    return text.decode().split('"""', 2)[1]
+    return _text(name).split('"""', 2)[1]
+
+
+def by_stage() -> dict[str, tuple[str, ...]]:
+    """Names of all actions by the stage of the work that each serves, in its order there.
+
+    Examples
+    --------
+    >>> by_stage()["predict"]
+    ('simulate', 'sweep', 'stability', 'uncertainty', 'seakeeping')
+    """
+    places = {name: _STAGE.findall(_text(name))[0] for name in names()}
+    ordered = sorted(places, key=lambda name: int(places[name][1]))
+    return {stage: tuple(name for name in ordered if places[name][0] == stage) for stage in STAGES}
+
+
+def _text(name: str) -> str:
+    """The file of an action, which is not loaded."""
+    return (pkgutil.get_data(JOBS, f"{_module(name)}.py") or b"").decode()
 
 
 def _module(name: str) -> str:

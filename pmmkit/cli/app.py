@@ -7,11 +7,22 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, redirect_stderr
 from functools import partial
+from pathlib import Path
 from typing import Annotated, Any, Final
 
 import typer
 
-from pmmkit.actions import Action, JobSetting, SettingError, about, action, names, say
+from pmmkit.actions import (
+    Action,
+    JobSetting,
+    SettingError,
+    about,
+    action,
+    by_stage,
+    first_steps,
+    names,
+    say,
+)
 from pmmkit.base import __version__
 from pmmkit.cli.output import tell
 
@@ -22,15 +33,6 @@ Json = Annotated[
 Quiet = Annotated[
     bool, typer.Option("--quiet", "-q", help="No words but errors: results are in their files.")
 ]
-FIRST: Final = """\
-Captive ship-model tests to hydrodynamic derivatives, a model and its manoeuvres. Type first:
-
-  pmmkit inspect FOLDER   what your own files hold; its last line says what to type next
-  pmmkit demo             a demonstration: tests of a container ship to derivatives and a turn
-  pmmkit demo --my-data FOLDER
-                          the same with your own files, as far as they go, and what is missing
-  pmmkit --help           all commands; pmmkit COMMAND --help has the options and an example"""
-"""What to type first."""
 LISTING: Final = ("--help", "--version")
 """First words after which no command runs."""
 
@@ -55,10 +57,25 @@ class Command(typer.core.TyperCommand):
                 formatter.write_dl(rows)
 
 
+class Commands(typer.core.TyperGroup):
+    """All commands, whose help tells each in whole sentences under its stage of the work."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002
+        """Write them."""
+        for stage, listed in by_stage().items():
+            rows = [
+                (name, about(name).split("\n\n")[0]) for name in listed if name in self.commands
+            ]
+            if rows:
+                with formatter.section(stage.capitalize()):
+                    formatter.write_dl(rows)
+
+
 def application(asked: str = "") -> typer.Typer:
     """The application with the command that is asked for, else with all of them."""
     app = typer.Typer(
         name="pmmkit",
+        cls=Commands,
         help="Captive ship-model tests to hydrodynamic derivatives, a model and its manoeuvres.",
         invoke_without_command=True,
         pretty_exceptions_enable=False,
@@ -158,5 +175,5 @@ def _options(
         typer.echo(f"pmmkit {__version__}")
         raise typer.Exit
     if context.invoked_subcommand is None:
-        say(FIRST)
+        say(first_steps(Path.cwd()))
         raise typer.Exit(2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable
 
-from pmmkit.actions import Action, JobSetting, about, action, names
+from pmmkit.actions import Action, JobSetting, about, action, by_stage, names
 from scripts.documentation.fences import table
 
 FEW = 3
@@ -13,11 +13,17 @@ FEW = 3
 
 
 def command_table() -> str:
-    """All commands with what they do."""
+    """All commands with what they do, by the stage of the work."""
     rows = (
-        (f"`pmmkit {name}`", " ".join(about(name).split("\n\n")[0].split())) for name in names()
+        (stage if name == listed[0] else "", f"`pmmkit {name}`", _sentence(name))
+        for stage, listed in by_stage().items()
+        for name in listed
     )
-    return table(("command", ""), rows)
+    return table(("", "command", ""), rows)
+
+
+def _sentence(name: str) -> str:
+    return " ".join(about(name).split("\n\n")[0].split())
 
 
 def shared_table(actions: Iterable[Action] = ()) -> str:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import shlex
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -18,8 +20,9 @@ from commands import said
 from small_campaign import write_campaign
 
 import pmmkit as pk
-from pmmkit.actions import action, jobs
+from pmmkit.actions import about, action, by_stage, jobs, names
 from pmmkit.cli import app, main
+from pmmkit.files import datasets_folder
 
 NAMES = sorted(file.stem for file in Path(jobs.__path__[0]).glob("*.py") if file.stem != "__init__")
 DEMO = "demo"
@@ -98,13 +101,48 @@ def test_the_example_stands_in_the_help(capsys):
     assert example_of(DEMO).startswith("pmmkit demo")
 
 
-def test_pmmkit_alone_says_what_to_type_first(capsys):
+def proposed(capsys):
+    """The command that `pmmkit` alone proposes for the folder, if any."""
     assert main([]) == 2
     words = capsys.readouterr().err
-    typed = [line.split() for line in words.splitlines() if line.startswith("  pmmkit ")]
-    assert [line[1] for line in typed] == ["inspect", "demo", "demo", "--help"]
-    named = {line[1] for line in typed if not line[1].startswith("-")}
-    assert named <= set(typer.main.get_command(app.application()).commands)
+    listed = set(typer.main.get_command(app.application()).commands)
+    assert set(re.findall(r"^ .*?pmmkit ([a-z][a-z-]*)", words, re.MULTILINE)) <= listed
+    found = re.search(r"^Here: .* Type:\n\n  (pmmkit .*)$", words, re.MULTILINE)
+    return found[1] if found else None
+
+
+def test_pmmkit_alone_says_what_to_type_next_for_what_is_there(tmp_path, monkeypatch, capsys):
+    """Each command that it proposes is run, and what that leaves gets the next one."""
+    monkeypatch.chdir(tmp_path)
+    assert proposed(capsys) is None
+    (tmp_path / "drift.csv").write_text("t,X,Y,N\n")
+    assert proposed(capsys) == "pmmkit demo --my-data ."
+    shutil.copytree(datasets_folder() / "s175", tmp_path / "s175")
+    assert proposed(capsys) == "pmmkit check s175"
+    assert main(["check", "s175"]) == 0
+    (tmp_path / "s175-reduced").mkdir()
+    (tmp_path / "s175-reduced" / "model.toml").write_text("")
+    assert proposed(capsys) == f"pmmkit compare {Path('s175-reduced/model.toml')} s175"
+    shutil.rmtree(tmp_path / "s175")
+    assert proposed(capsys).startswith("pmmkit simulate")
+
+
+def test_a_case_of_openfoam_is_seen(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "drift 4" / "constant").mkdir(parents=True)
+    assert proposed(capsys) == 'pmmkit demo --my-data "drift 4"'
+
+
+def test_the_list_of_commands_has_whole_sentences_in_the_order_of_the_work(capsys):
+    assert main(["--help"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    places = [text.index(f"{stage.capitalize()}: ") for stage in by_stage()]
+    assert places == sorted(places)
+    assert sorted(name for listed in by_stage().values() for name in listed) == sorted(names())
+    for name in names():
+        sentence = " ".join(about(name).split("\n\n")[0].split())
+        assert sentence.endswith(".")
+        assert f"{name} {sentence}" in text
 
 
 @pytest.mark.parametrize(

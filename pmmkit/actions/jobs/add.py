@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pmmkit.simulation import Track
 
 
+STAGE: Final = ("explain", 3)
 EXAMPLE: Final = "pmmkit add model.toml nonlinear_added_mass --fit my-campaign -o model2.toml"
 
 

@@ -1,4 +1,4 @@
-"""Which source makes how much of the uncertainty: of derivatives, a manoeuvre, a grid."""
+"""Say which source makes how much of the uncertainty: of derivatives, a manoeuvre, a grid."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from pmmkit.actions.speeds import Speed, approach
 if TYPE_CHECKING:
     from pmmkit.reduction import Budget, GridStudy
 
+STAGE: Final = ("measure", 7)
 EXAMPLE: Final = "pmmkit budget my-campaign --of Yv,Nv"
 
 

@@ -1,5 +1,4 @@
-"""A ship from her card: an empty card to fill in, the card of a model, and a model that manoeuvres
-as a card says.
+"""Make a ship from her card: an empty card, the card of a model, a model that does as a card says.
 
 Examples: pmmkit card form · pmmkit card fit card.toml · pmmkit card write kvlcc2 --speed 8
 """
@@ -16,6 +15,7 @@ from pmmkit.actions.shared import Extrapolate, Force, Spread
 from pmmkit.actions.speeds import Speed, approach
 from pmmkit.presentation import quoted
 
+STAGE: Final = ("model", 3)
 EXAMPLE: Final = "pmmkit card fit card.toml"
 
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from pmmkit.intake import CheckFinding
 
 
+STAGE: Final = ("measure", 3)
 EXAMPLE: Final = "pmmkit check my-campaign"
 
 

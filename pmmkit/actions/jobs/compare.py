@@ -117,6 +117,7 @@ def worst_deviation(
     )
 
 
+STAGE: Final = ("explain", 1)
 EXAMPLE: Final = "pmmkit compare model.toml my-campaign"
 
 

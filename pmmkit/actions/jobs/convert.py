@@ -10,6 +10,7 @@ from pmmkit.actions.outcome import Outcome, check_folder, results_file
 from pmmkit.actions.setting import present, setting, settings
 from pmmkit.actions.shared import Out
 
+STAGE: Final = ("model", 7)
 EXAMPLE: Final = "pmmkit convert derivatives.csv --system bis --format xlsx"
 
 

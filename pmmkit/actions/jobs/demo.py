@@ -283,6 +283,7 @@ def _asked(questions: Sequence[Question], file: Path) -> list[str]:
     return lines
 
 
+STAGE: Final = ("begin", 1)
 EXAMPLE: Final = "pmmkit demo --out my-demo"
 
 

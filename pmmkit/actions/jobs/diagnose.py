@@ -95,6 +95,7 @@ def together_outcome(
     return marked(written(folder, results, content, lines), model)
 
 
+STAGE: Final = ("explain", 2)
 EXAMPLE: Final = "pmmkit diagnose cubic my-campaign"
 EMPIRICAL: Final = "empirical.toml"
 """File of the terms of a formula, as effects of the user."""

@@ -1,4 +1,4 @@
-"""The catalogue of effects that models are made of."""
+"""Show the catalogue of effects that models are made of."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pmmkit.actions.setting import setting, settings
 if TYPE_CHECKING:
     from pmmkit.effects import Effect
 
+STAGE: Final = ("model", 4)
 EXAMPLE: Final = "pmmkit effects crossflow_drag"
 
 

@@ -1,4 +1,4 @@
-"""A model from particulars alone, and its linear derivatives by every method."""
+"""Make a model from particulars alone, with its linear derivatives by every method."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pmmkit.models import HullEstimate
 
 
+STAGE: Final = ("model", 2)
 EXAMPLE: Final = (
     "pmmkit estimate --length 320 --breadth 58 --draught 20.8 --block 0.81 --speed 8 "
     "--propeller 9.9 --rudder 137"

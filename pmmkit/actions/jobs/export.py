@@ -10,6 +10,7 @@ from pmmkit.actions.setting import SettingError, setting, settings, stem
 from pmmkit.actions.shared import Data
 from pmmkit.actions.speeds import WAYS, TypedSpeed, typed
 
+STAGE: Final = ("hand in", 3)
 EXAMPLE: Final = "pmmkit export kvlcc2 --to mss --speed 8"
 
 

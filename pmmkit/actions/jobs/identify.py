@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pmmkit.intake import CheckFinding
 
 
+STAGE: Final = ("measure", 5)
 EXAMPLE: Final = "pmmkit identify my-zigzags --model kvlcc2-l7 --derivatives 'Yv Yr Nv Nr'"
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from pmmkit.imo import Verdict
 
+STAGE: Final = ("hand in", 2)
 EXAMPLE: Final = "pmmkit imo kvlcc2 --speed 8 --spread 0.05"
 
 

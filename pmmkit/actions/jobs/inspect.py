@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from pmmkit.intake import Look
 
 
+STAGE: Final = ("measure", 1)
 EXAMPLE: Final = "pmmkit inspect my-files"
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pmmkit.models import Model
 
 
+STAGE: Final = ("model", 5)
 EXAMPLE: Final = "pmmkit model set model.toml rudder.area=33 --because 'as built'"
 
 

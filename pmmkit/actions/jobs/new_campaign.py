@@ -9,6 +9,7 @@ from pmmkit.actions.outcome import Outcome
 from pmmkit.actions.setting import setting, settings
 from pmmkit.presentation import quoted
 
+STAGE: Final = ("measure", 2)
 EXAMPLE: Final = "pmmkit new-campaign my-files --ship s175"
 
 

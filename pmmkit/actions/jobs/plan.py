@@ -1,4 +1,4 @@
-"""The run or manoeuvre to make next, or a whole programme, before any test is made as well.
+"""Propose the run or manoeuvre to make next, or a whole programme, before any test is made as well.
 
 With --to the captive runs are written for those who make them: settings of carriage and mechanism,
 or tables that move the mesh of a solver, with a campaign file that reads what comes back.
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis import Advice, Limits, Option, TestPlan
 
 
+STAGE: Final = ("explain", 4)
 EXAMPLE: Final = "pmmkit plan cubic my-campaign"
 
 Maker = Literal["csv", "openfoam", "starccm"]

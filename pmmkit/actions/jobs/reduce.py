@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from pmmkit.reduction import Reduction
     from pmmkit.views import Loop, Turns
 
+STAGE: Final = ("measure", 4)
 EXAMPLE: Final = "pmmkit reduce my-campaign --parts s175-3dof"
 MOST: Final = 8
 """Differences between methods that are printed."""

@@ -18,6 +18,7 @@ from pmmkit.actions.shared import (
 )
 from pmmkit.presentation import counted
 
+STAGE: Final = ("hand in", 1)
 EXAMPLE: Final = "pmmkit report my-campaign --standard ittc"
 MOST: Final = 6
 """Keys that are named on the screen."""

@@ -14,6 +14,7 @@ from pmmkit.actions.setting import SettingError, setting, settings, stated, stem
 from pmmkit.actions.shared import Data, Force, Model, Out
 from pmmkit.actions.speeds import WAYS, TypedSpeed, typed
 
+STAGE: Final = ("model", 6)
 EXAMPLE: Final = "pmmkit scale kvlcc2-l7 --length 320 --speed 8"
 
 

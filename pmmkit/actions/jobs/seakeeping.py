@@ -1,4 +1,4 @@
-"""Motions of a ship in waves, responses in a sea, and added resistance by several methods."""
+"""Compute motions of a ship in waves, responses in a sea, and resistance that waves add."""
 
 from __future__ import annotations
 
@@ -101,6 +101,7 @@ def damped(
 
 _FINE: Final = 120
 """Frequencies beside records, between which motions lie on straight lines."""
+STAGE: Final = ("predict", 5)
 EXAMPLE: Final = (
     "pmmkit seakeeping tanker-320 --speeds '15.5 kn' --headings 180,135 --hs 4 --tp 9.7"
 )

@@ -1,4 +1,4 @@
-"""The library of ships."""
+"""Show the library of ships."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Final
 from pmmkit.actions.outcome import Outcome
 from pmmkit.actions.setting import settings
 
+STAGE: Final = ("model", 1)
 EXAMPLE: Final = "pmmkit ships"
 
 

@@ -20,6 +20,7 @@ from pmmkit.actions.shared import (
 from pmmkit.actions.speeds import CurrentSpeed, Speed, WindSpeed, approach
 from pmmkit.presentation import text_of
 
+STAGE: Final = ("predict", 1)
 EXAMPLE: Final = "pmmkit simulate kvlcc2 --manoeuvre zigzag --rudder-deg 10 --speed '15.5 kn'"
 
 

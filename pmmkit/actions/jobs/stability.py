@@ -1,4 +1,4 @@
-"""Straight-line stability, Nomoto's constants and the curve of steady turns."""
+"""Show straight-line stability, Nomoto's constants and the curve of steady turns."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pmmkit.actions.setting import settings, stem
 from pmmkit.actions.shared import Depth, Extrapolate, Model, Out
 from pmmkit.actions.speeds import Speed, approach
 
+STAGE: Final = ("predict", 3)
 EXAMPLE: Final = "pmmkit stability kvlcc2 --speed 8"
 
 

@@ -1,4 +1,4 @@
-"""Metrics of a manoeuvre over the approach speed, or over --over, or over --depths."""
+"""Show metrics of a manoeuvre over the approach speed, or over --over, or over --depths."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ from pmmkit.presentation import aligned
 if TYPE_CHECKING:
     import xarray as xr
 
+STAGE: Final = ("predict", 2)
 EXAMPLE: Final = "pmmkit sweep kvlcc2 --speeds 6,8"
 
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pmmkit.identification import Corrected, LoadingPrediction, Trial
 
 
+STAGE: Final = ("measure", 6)
 EXAMPLE: Final = "pmmkit trial my-zigzags"
 
 

@@ -1,4 +1,4 @@
-"""How sure a manoeuvre is, and which values decide it."""
+"""Say how sure a manoeuvre is, and which values decide it."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from pmmkit.presentation import number, text_of
 CURVED: Final = 0.2
 """Share by which the standard deviation to first order may miss that of the ships: some hundred of
 them tell theirs to less."""
+STAGE: Final = ("predict", 4)
 EXAMPLE: Final = "pmmkit uncertainty kvlcc2 --speed 8 --spread 0.05 --ships 1000"
 
 

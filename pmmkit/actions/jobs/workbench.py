@@ -17,6 +17,7 @@ from pmmkit.actions.shared import Data, NoiseSettings, Out
 if TYPE_CHECKING:
     from pmmkit.workbench import Desk
 
+STAGE: Final = ("explain", 5)
 EXAMPLE: Final = "pmmkit workbench my-campaign model.toml --save page.html"
 
 
