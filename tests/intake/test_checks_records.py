@@ -130,6 +130,43 @@ def test_a_force_cut_off_at_its_limit():
     assert 0.3 < found.numbers["share"] < 0.5
 
 
+def torn(size, places, channel="Y"):
+    """A channel with some samples that are off by so many of its standard deviations of noise."""
+
+    def change(run, data):
+        values = data[channel].values.copy()
+        noise = np.diff(values, 2).std() / math.sqrt(6)
+        values[list(places)] += size * noise
+        return data.assign({channel: ("t", values)})
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("size", "places", "count", "severity"),
+    [(25.0, (300,), "1 sample ", "info"), (60.0, (300, 301, 302), "3 samples ", "warning")],
+)
+def test_samples_that_jump_away_and_come_back(size, places, count, severity):
+    """One of 25 standard deviations moves the mean by less than its noise, three of 60 by more."""
+    (found,) = said(examine(campaign_of([sway(torn(size, places)), sway(name="B")])), "spikes")
+    assert found.message.startswith("Y jumps away and comes back in PS: " + count)
+    assert (found.severity, found.runs, found.channels) == (severity, ("PS",), ("Y",))
+
+
+@pytest.mark.parametrize("change", [torn(6.0, (300,)), torn(60.0, range(300, 340)), None])
+def test_noise_and_steps_are_no_spikes(change):
+    assert said(examine(campaign_of([sway(change)])), "spikes") == []
+
+
+def test_rows_that_an_even_record_lacks():
+    def lacking(run, data):
+        return data.isel(t=np.delete(np.arange(data.sizes["t"]), [200, 301, 302]))
+
+    (found,) = said(examine(campaign_of([sway(lacking)])), "time stamps")
+    assert found.severity == "info"
+    assert found.message.startswith("Rows of even records are missing: 3 in PS")
+
+
 def test_a_force_written_with_few_digits_is_not_cut_off():
     def coarse(run, data):
         return data.assign(Y=np.round(data["Y"] / 4) * 4)

@@ -56,10 +56,21 @@ def clock_facts(t: Array) -> Mapping[str, float]:
         "repeats": float(np.count_nonzero(steps == 0)),
         "gaps": float(np.count_nonzero(steps > GAP * typical)) if typical else 0.0,
         "gap": float(steps.max()),
+        "lost": _lost(steps, typical),
         "unevenness": float(steps.std() / mean) if mean else 0.0,
         "even": float(np.mean(np.abs(steps - typical) <= 0.01 * typical)),
         "resolution": next(multiples, 0.0),
     }
+
+
+def _lost(steps: Array, typical: float) -> float:
+    """Rows that an even clock lacks: steps of two to five times the others, whole ones."""
+    if typical <= 0.0 or np.mean(np.abs(steps - typical) <= 0.01 * typical) < MOSTLY:
+        return 0.0
+    times = steps / typical
+    whole = np.rint(times)
+    short = (whole >= 2) & (whole <= GAP) & (np.abs(times - whole) < 0.05)
+    return float(np.sum(whole[short] - 1))
 
 
 def _are_multiples(times: Array, unit: float, rough: float) -> bool:
@@ -90,6 +101,17 @@ def examine_clock(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
         "Harmonics and means are taken on the times as they stand; leave out what lies about a "
         'gap with a correction (action = "trim") if samples were lost.',
     )
+    yield from _together(
+        [item for item in sound if item.facts.get("lost")],
+        lambda item: (
+            f"{item.facts['lost']:.0f} in {item.run.id}, which else has one each "
+            f"{figure(item.facts['step'])} s"
+        ),
+        "Rows of even records are missing",
+        "Nothing, if the times are true: means and harmonics are taken on them. If the times were "
+        "counted after rows were lost, the phase of what follows is off.",
+        severity="info",
+    )
     rounded = [item for item in timed if _is_rounded(item)]
     for coarse, severity in _ROUNDED:
         yield from _together(
@@ -109,6 +131,7 @@ def examine_clock(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
             for item in sound
             if item.facts.get("unevenness", 0) > UNEVEN
             and not item.facts.get("gaps")
+            and not item.facts.get("lost")
             and not item.facts.get("backwards")
             and id(item) not in done
         ],

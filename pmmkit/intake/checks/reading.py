@@ -21,7 +21,7 @@ from pmmkit.intake.checks.density import density_facts
 from pmmkit.intake.checks.finding import EMPTY, Summary
 from pmmkit.intake.checks.free_running import record_facts
 from pmmkit.intake.checks.gauges import change_facts, hold_facts
-from pmmkit.intake.checks.record import flat_facts
+from pmmkit.intake.checks.record import flat_facts, spike_facts
 from pmmkit.intake.checks.rest import rest_facts
 from pmmkit.intake.checks.signs import axis_facts
 from pmmkit.intake.checks.stated import set_facts
@@ -194,6 +194,8 @@ def _gauge_facts(
     found = {f"{name}_noise": float(size) for name, size in zip(names, jitter, strict=True)}
     for name, own in zip(names, change_facts(t, forces, theta), strict=True):
         found |= {f"{name}_{key}": value for key, value in own.items()}
+    for name, values in zip(names, forces, strict=True):
+        found |= {f"{name}_{key}": value for key, value in spike_facts(values).items()}
     return found
 
 
