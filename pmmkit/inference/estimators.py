@@ -25,46 +25,59 @@ NS = 6
 """Stands for the number of states of a system."""
 
 
-def scatter(A: Array, diffusion: Array, time: float, Q: Array) -> None:
-    """Covariance that white noise in the states makes of an interval whose slopes are A.
+def scatter(P: Array, A: Array, C: Array, keep: Array, diffusion: Array, time: float) -> None:
+    """Add to a covariance what white noise in states and values makes of an interval.
 
-    ∫ Φ(s) D Φ(s)ᵀ ds (Van Loan 1978) by Simpson's rule; Φ over half the interval is the root of A,
-    by its series in A - I, which keeps Q positive and needs no slopes of its own.
+    Q = ∫ Φ(s) D Φ(s)ᵀ ds (Van Loan 1978) of states and values together, whose slopes over the
+    whole interval are F = (A C; 0 keep), by Gauss's rule of three points, which keeps Q positive.
+    Φ over a share s of the interval is F to the power of s, by Newton's series in F - I, and needs
+    no slopes of its own. So a value that forgets (an Ornstein-Uhlenbeck force) acts on the states
+    all through the interval.
     """
-    G = A.copy()
-    for i in range(NS):
-        G[i, i] -= 1.0
-        for j in range(NS):
-            Q[i, j] = 0.0
-    half = np.zeros(NS)
-    for l in range(NS):
+    power, moved = np.zeros(NS + 1), np.zeros(NS + 1)
+    # Columns of Φ: the states, then what is left of the value itself.
+    columns, away = np.zeros((3, NS + 1)), 0.5 * math.sqrt(0.6)
+    for l in range(len(P)):
         if diffusion[l] == 0.0:
             continue
-        share = diffusion[l] * time / 6.0
-        for i in range(NS):
-            half[i] = 0.5 * G[i, l]
-            for j in range(NS):
-                half[i] -= 0.125 * G[i, j] * G[j, l]
-        half[l] += 1.0
-        Q[l, l] += share
-        for i in range(NS):
-            for j in range(NS):
-                Q[i, j] += share * (4.0 * half[i] * half[j] + A[i, l] * A[j, l])
+        own = max(l - NS, 0)
+        last = NS + 1 if l >= NS else NS
+        for i in range(NS + 1):
+            power[i] = 1.0 if i == min(l, NS) else 0.0
+            for q in range(3):
+                columns[q, i] = power[i]
+        weights = np.ones(3)
+        # Eight terms leave 1e-5 at F - I = -.45: what dies away in 1/3 L/U, over .2 L/U.
+        for k in range(1, 9):
+            for i in range(NS):
+                moved[i] = -power[i]
+                for j in range(NS):
+                    moved[i] += A[i, j] * power[j]
+                if l >= NS:
+                    moved[i] += C[i, own] * power[NS]
+            moved[NS] = (keep[own] - 1.0) * power[NS] if l >= NS else 0.0
+            for i in range(last):
+                power[i] = moved[i]
+            for q in range(3):
+                weights[q] *= (0.5 + (q - 1) * away + 1.0 - k) / k
+                for i in range(last):
+                    columns[q, i] += weights[q] * power[i]
+        for q in range(3):
+            share = diffusion[l] * time * (8.0 if q == 1 else 5.0) / 18.0
+            for i in range(last):
+                row = l if i == NS else i
+                for j in range(i + 1):
+                    column = l if j == NS else j
+                    P[row, column] += share * columns[q, i] * columns[q, j]
+    for i in range(len(P)):
+        for j in range(i):
+            P[j, i] = P[i, j]
 
 
-def grown(diffusion: float, fading: float, time: float) -> float:
-    """Variance that process noise adds over an interval to a value that may forget."""
-    if fading > 0.0:
-        rate = 2.0 * fading
-        return diffusion * (1.0 - math.exp(-rate * time)) / rate
-    return diffusion * time
-
-
-def forgotten(fading: Array, diffusion: Array, time: float, keep: Array, noise: Array) -> None:
-    """What values keep of themselves over an interval, and the variance that they gain."""
+def forgotten(fading: Array, time: float, keep: Array) -> None:
+    """What values keep of themselves over an interval."""
     for j in range(len(keep)):
         keep[j] = math.exp(-fading[j] * time)
-        noise[j] = grown(diffusion[NS + j], fading[j], time)
 
 
 def halfway(value: float, keep: float) -> float:
@@ -72,11 +85,8 @@ def halfway(value: float, keep: float) -> float:
     return value * (0.5 * (1.0 + keep))
 
 
-def predict(P: Array, A: Array, B: Array, keep: Array, Q: Array) -> None:
-    """Carry a covariance over an interval: states by A and B, values by what they `keep`.
-
-    Q is what is added to the states.
-    """
+def predict(P: Array, A: Array, B: Array, keep: Array) -> None:
+    """Carry a covariance over an interval: states by A and B, values by what they `keep`."""
     n, m = len(P), len(keep)
     W, new = np.zeros((NS, n)), np.zeros((NS, NS))
     for i in range(NS):
@@ -93,34 +103,13 @@ def predict(P: Array, A: Array, B: Array, keep: Array, Q: Array) -> None:
                 new[i, j] += W[i, NS + l] * B[j, l]
     for i in range(NS):
         for j in range(NS):
-            P[i, j] = 0.5 * (new[i, j] + new[j, i]) + Q[i, j]
+            P[i, j] = 0.5 * (new[i, j] + new[j, i])
         for j in range(m):
             P[i, NS + j] = W[i, NS + j] * keep[j]
             P[NS + j, i] = P[i, NS + j]
     for i in range(m):
         for j in range(m):
             P[NS + i, NS + j] *= keep[i] * keep[j]
-
-
-def wander(P: Array, B: Array, noise: Array) -> None:
-    """Add to a covariance what values gain over an interval, and what states gain through them.
-
-    The mean over the interval of a value that gains w is w / 2 given w, and has a third of the
-    variance of w (a Wiener process from zero). `B` are the slopes of the states over that mean.
-    """
-    for j in range(len(noise)):
-        if noise[j] == 0.0:
-            continue
-        P[NS + j, NS + j] += noise[j]
-        half, third = noise[j] / 2.0, noise[j] / 3.0
-        for i in range(NS):
-            P[i, NS + j] += B[i, j] * half
-            P[NS + j, i] = P[i, NS + j]
-            for l in range(i + 1):
-                P[i, l] += B[i, j] * B[l, j] * third
-    for i in range(NS):
-        for l in range(i):
-            P[l, i] = P[i, l]
 
 
 def correct(
@@ -219,16 +208,15 @@ def extended(
     """
     N, n = len(times), len(z)
     m = n - NS
-    A, Q = np.zeros((NS, NS)), np.zeros((NS, NS))
-    B, C = np.zeros((NS, m)), np.zeros((NS, m))
+    A, B, C = np.zeros((NS, NS)), np.zeros((NS, m)), np.zeros((NS, m))
     y, work = np.zeros(NS), np.zeros((3, n))
-    change, keep, noise = np.zeros(m), np.ones(m), np.zeros(m)
+    change, keep = np.zeros(m), np.ones(m)
     store = len(kept) == N
     nn = n * n
     for t in range(N):
         if t > 0:
             time = times[t] - times[t - 1]
-            forgotten(fading, diffusion, time, keep, noise)
+            forgotten(fading, time, keep)
             for j in range(m):
                 change[j] = halfway(about[j] if frozen[j] > 0.0 else z[NS + j], keep[j]) - about[j]
             lost = linearised(system, t, z, change, y, A, B)
@@ -239,9 +227,8 @@ def extended(
                     C[i, j] = halfway(B[i, j], keep[j])
                     if frozen[j] > 0.0:
                         y[i] += C[i, j] * (z[NS + j] - about[j])
-            scatter(A, diffusion, time, Q)
-            predict(P, A, C, keep, Q)
-            wander(P, B, noise)
+            predict(P, A, C, keep)
+            scatter(P, A, C, keep, diffusion, time)
             for i in range(NS):
                 z[i] = y[i]
             for j in range(m):
@@ -394,14 +381,13 @@ def unscented(
     N, n = len(times), len(z)
     m = n - NS
     points, changes = np.zeros((2 * n, n)), np.zeros((2 * n, m))
-    change, keep, noise = np.zeros(m), np.ones(m), np.zeros(m)
-    A, B, L, scale = np.zeros((NS, n)), np.zeros((NS, m)), np.zeros((n, n)), np.zeros(n)
-    Q, work = np.zeros((NS, NS)), np.zeros((3, n))
+    change, keep, work = np.zeros(m), np.ones(m), np.zeros((3, n))
+    A, L, scale = np.zeros((NS, n)), np.zeros((n, n)), np.zeros(n)
     root = math.sqrt(float(n))
     for t in range(N):
         if t > 0:
             time = times[t] - times[t - 1]
-            forgotten(fading, diffusion, time, keep, noise)
+            forgotten(fading, time, keep)
             scaled_root(P, scale, L)
             for p in range(n):
                 for i in range(n):
@@ -425,14 +411,7 @@ def unscented(
                     points[p, i] -= z[i]
             P[:, :] = points.T.copy() @ points / (2.0 * n)
             line_through(points, scale, L, A)
-            scatter(A, diffusion, time, Q)
-            for i in range(NS):
-                for j in range(NS):
-                    P[i, j] += Q[i, j]
-            for i in range(NS):
-                for j in range(m):
-                    B[i, j] = A[i, NS + j] / halfway(1.0, keep[j])
-            wander(P, B, noise)
+            scatter(P, A[:, :NS].copy(), A[:, NS:].copy(), keep, diffusion, time)
         for j in range(m):
             change[j] = z[NS + j] - about[j]
         at_instant(system, t, change)

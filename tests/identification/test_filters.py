@@ -124,11 +124,8 @@ def linear_problem(seed: int, m: int = 3, steps: int = 60):
 def stepped(P, F, Q):
     """Our step of a covariance."""
     ahead = P.copy()
-    BY_WATER.predict(
-        ahead, F[:6, :6].copy(), F[:6, 6:].copy(), np.diagonal(F)[6:].copy(), Q[:6, :6].copy()
-    )
-    ahead[6:, 6:] += Q[6:, 6:]
-    return ahead
+    BY_WATER.predict(ahead, F[:6, :6].copy(), F[:6, 6:].copy(), np.diagonal(F)[6:].copy())
+    return ahead + Q
 
 
 def taken_in(z, P, H, measured, variances):

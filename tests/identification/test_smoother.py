@@ -146,6 +146,34 @@ def test_a_gap_widens_the_intervals_and_still_holds_the_truth():
     assert gappy.motion_std["x"][100] == pytest.approx(full.motion_std["x"][100], rel=1e-6)
 
 
+def test_instants_that_are_missing_are_those_at_which_nothing_was_measured():
+    """A gap of 12 ship lengths in a straight run, without its rows and with empty ones: a force
+    forgets in either, and the noise of the whole gap is not that of one step over it."""
+    record = sailed(seed=6)
+    there = np.ones(len(record), bool)
+    there[500:700] = False
+    empty = {name: np.where(there, values, np.nan) for name, values in record.measured.items()}
+    held = {
+        name: np.interp(record.t, record.t[there], getattr(record, name)[there])
+        for name in ("delta", "turns")
+    }
+    whole, cut = (
+        Smoothed.of(LACKING, item, sensors=SENSORS, size=0.03)
+        for item in (record.with_(measured=empty, **held), record.at(there))
+    )
+    for one, other in (
+        (whole.motion, cut.motion),
+        (whole.motion_std, cut.motion_std),
+        (whole.residual_std, cut.residual_std),
+    ):
+        for name, values in other.items():
+            if name.endswith("dot"):
+                continue
+            np.testing.assert_allclose(
+                values, one[name][there], rtol=0.01, atol=0.01 * np.std(one[name])
+            )
+
+
 def test_without_news_a_force_is_forgotten():
     """After the last measurement the spread returns to that of the process, the force to zero."""
     record = sailed(seed=6)
