@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +13,8 @@ import numpy as np
 from pmmkit.base import DataError, ModelError, Progress, Registry
 from pmmkit.effects import CURRENT
 from pmmkit.identification.forces import ForceRecord, fit_to_forces
-from pmmkit.identification.prior import Prior, asked_names
+from pmmkit.identification.lack import FEWEST
+from pmmkit.identification.prior import Prior, RidgeBias, asked_names
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.restarts import filtered
 from pmmkit.identification.smoother import Smoothed
@@ -86,6 +88,12 @@ class Identified(Described):
             if ratio > POINTED_AT and name not in gone
         )
 
+    @property
+    def drawn(self) -> tuple[RidgeBias, ...]:
+        """Values with more bias, by the prior, than noise; none where no method says its own."""
+        lack = getattr(self.detail, "lack", None)
+        return () if lack is None else self.prior.ridge_biases(lack.alone)
+
     def scaled(self) -> tuple[Array, Array]:
         """Values less their prior means, and half of their 95 % intervals, over the prior's std."""
         std = self.prior.std
@@ -116,6 +124,11 @@ class Identified(Described):
             said.append(
                 f"The records do not determine {', '.join(self.unseen)}; the model keeps what was "
                 f"known before."
+            )
+        if self.drawn:
+            said.append(
+                f"Drawn to what was known before (a ridge): {'; '.join(map(_bias, self.drawn))}. "
+                f"The share of bias is right if the prior is."
             )
         if self.far:
             said.append(
@@ -259,6 +272,17 @@ def identify(
     return _told(model, method, before, found, notes, seconds, FreeRecord.title_of(records))
 
 
+def _bias(item: RidgeBias) -> str:
+    """A value that its prior draws to itself, why, and what would end it."""
+    like = f", rows like those of {item.like} (cosine {item.cosine:.2f})" if item.like else ""
+    ends = (
+        "however long such records were"
+        if math.isinf(item.longer)
+        else f"until they are {item.longer:.2g} times as long"
+    )
+    return f"{item.name} ({100.0 * item.share:.0f} % of its variance is bias{like}, {ends})"
+
+
 MethodResult = tuple[Any, tuple[str, ...]]
 """The result of a method, and what it has to say."""
 
@@ -354,7 +378,14 @@ def _by_regression(
     found = fit_to_forces(
         model, forces, prior.names, prior=prior, extrapolate=extrapolate, progress=progress
     )
-    return found, ("forces implied by the smoother",)
+    alone = len(records) < FEWEST
+    return found, (
+        "forces implied by the smoother",
+        f"intervals have no allowance for what lasts through a record: that needs {FEWEST} records"
+        if alone
+        else f"intervals allow for what lasts through a record, by the jackknife over "
+        f"{len(records)} records",
+    )
 
 
 def _by_selection(

@@ -21,6 +21,30 @@ SPREAD: Final = 0.3
 """Relative standard deviation of a derivative of which nothing else is known."""
 DRIFTS: Final = 0.1
 """Standard deviation of the current over the speed of the approach."""
+ALIKE: Final = 0.95
+"""Cosine between two columns from which they are named as a pair."""
+DRAWN: Final = 0.5
+"""Share of bias in the variance of a value from which it is said to be drawn to its prior."""
+ENDED: Final = 0.1
+"""Share of bias at which that has ended."""
+LONGEST: Final = 1000.0
+"""Times the length of records beyond which more of the same is no advice."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RidgeBias:
+    """A value that stands on its prior more than on the records.
+
+    `share`: of bias in its variance. `like`: the parameter whose rows are most like its own, and
+    `cosine` of the angle between them; empty where it is alone. `longer`: times that records of
+    the same kind would have to be longer until the share is 10 %; infinite where no length helps.
+    """
+
+    name: str
+    share: float
+    like: str
+    cosine: float
+    longer: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,6 +147,60 @@ class Prior:
     def precision(self) -> Array:
         """Inverse of the covariance over the standard deviations (m, m)."""
         return precision_over(self.covariance, self.std)
+
+    def ridge_biases(self, covariance: Array) -> tuple[RidgeBias, ...]:
+        """The values of an estimate of that covariance (m, m) that its prior draws to itself.
+
+        Notes
+        -----
+        A normal prior is a ridge (Hoerl and Kennard 1970): with precision K before and information
+        Λ of the records, C = (K + Λ)⁻¹, the estimate is off by C K (mean - truth), of variance
+        C K C where the prior is right; noise has the rest, C Λ C. Records n times as long have nΛ.
+
+        Examples
+        --------
+        Two records' worth of rows in which Yv and Yr move together:
+
+        >>> prior = Prior(names=("Yv", "Yr"), mean=np.zeros(2), covariance=np.eye(2))
+        >>> told = 50.0 * np.array([[1.0, 0.99], [0.99, 1.0]])
+        >>> [(x.name, round(x.share, 2), x.like, round(x.longer)) for x in
+        ...  prior.ridge_biases(np.linalg.inv(np.eye(2) + told))]
+        [('Yv', 0.66, 'Yr', 18), ('Yr', 0.66, 'Yv', 18)]
+        """
+        from scipy.optimize import brentq
+
+        scale, known = np.outer(self.std, self.std), self.precision
+        sizes, axes = np.linalg.eigh(np.linalg.inv(covariance / scale) - known)
+        told = (axes * np.maximum(sizes, 0.0)) @ axes.T
+        length = np.sqrt(np.maximum(np.diagonal(told), 1e-300))
+        alike = told / np.outer(length, length)
+        np.fill_diagonal(alike, 0.0)
+
+        def share(longer: float) -> Array:
+            narrow = np.linalg.inv(known + longer * told)
+            found: Array = np.diagonal(narrow @ known @ narrow) / np.diagonal(narrow)
+            return found
+
+        found = []
+        for i in np.flatnonzero(share(1.0) > DRAWN).tolist():
+
+            def above(log: float, i: int = i) -> float:
+                return float(share(math.exp(log))[i]) - ENDED
+
+            ends = above(math.log(LONGEST)) < 0.0
+            longer = math.exp(brentq(above, 0.0, math.log(LONGEST))) if ends else math.inf
+            other = int(np.argmax(np.abs(alike[i])))
+            alone = len(self.names) < 2 or abs(alike[i, other]) < ALIKE
+            found.append(
+                RidgeBias(
+                    name=self.names[i],
+                    share=float(share(1.0)[i]),
+                    like="" if alone else self.names[other],
+                    cosine=0.0 if alone else float(alike[i, other]),
+                    longer=longer,
+                )
+            )
+        return tuple(found)
 
     def carried_by(self, model: Model, how: str, *, measured: bool = True) -> Model:
         """The model with these values, their source and their covariance.

@@ -31,7 +31,7 @@ from pmmkit.identification.from_run import measured_roll
 from pmmkit.models import Model, Part
 from tests.support.recorded import recorded
 
-METHODS = ("ekf", "trajectory", "regression")
+METHODS = ("ekf", "ukf", "trajectory", "regression")
 SPREAD = 0.2
 LARGE = {
     "x": 0.3,

@@ -8,11 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.identification.prior import ALIKE
 from pmmkit.inference import RANK_TOLERANCE, Equations
 from pmmkit.numerics import Array
 
-ALIKE: Final = 0.95
-"""Cosine between two columns from which they are named as a pair."""
 INFLATED: Final = 10.0
 """Variance inflation from which a term is named."""
 ILL: Final = 30.0
