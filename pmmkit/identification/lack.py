@@ -22,6 +22,8 @@ BY_CHANCE: Final = 1e-4
 """Probability that the size of a channel's sums is due to chance, below which it is not."""
 EVIDENCE: Final = 5.0
 """Gain of the log likelihood from which windows are taken to differ."""
+FEWEST: Final = 3
+"""Records from which their scatter tells an interval: of two, Student's t is 6 times the normal."""
 LONGER: Final = (2, 4, 8)
 """Times that what hangs together over which residuals of forces are summed up."""
 SHIFTS: Final = 60
@@ -49,10 +51,10 @@ class LackOfFit:
     """What says that a model lacks something, and the covariance that allows for it.
 
     `covariance (m, m)`: nowhere narrower than that of the model alone, which it is where
-    nothing is lacking. `alone (m, m)`: covariance if the model is complete. `colour`: variance
-    of summed innovations over that of white ones of the stated size, by channel that is beyond
-    chance. `shift`: standard deviation by which the values wander from window to window, over
-    the prior's.
+    nothing is lacking and no records are set against each other. `alone (m, m)`: covariance if
+    the model is complete. `colour`: variance of summed innovations over that of white ones of the
+    stated size, by channel that is beyond chance. `shift`: standard deviation by which the values
+    wander from window to window, over the prior's.
     """
 
     covariance: Array
@@ -112,9 +114,9 @@ def lack_of(
     over records (a random effect, as between the studies of a meta-analysis: DerSimonian and Laird
     1986).
 
-    Clustered, the estimate's variance is also that of the scores added up by record, P Σ s sᵀ P
-    with as many records as there are taken for a sample (Liang and Zeger 1986): what lasts through
-    a whole record is in no difference between its windows.
+    Clustered, the estimate's variance is also that of the jackknife over records (see
+    `_between_records`), whatever else is found: what lasts through a whole record is in no
+    difference between its windows, and what is wrong with a whole model in none of its innovations.
 
     Examples
     --------
@@ -128,11 +130,13 @@ def lack_of(
     scale = np.outer(prior.std, prior.std)
     narrow: Array = covariance / scale
     shift = _shift(pieces, sharper)
-    if not colour and shift == 0.0:
+    between = _between_records(narrow, pieces) if clustered else np.zeros_like(narrow)
+    if not (colour or shift or between.any()):
         return LackOfFit(covariance=covariance, alone=covariance, colour={}, shift=0.0)
-    known = prior.precision
-    told = np.linalg.inv(narrow) - known
-    wide = np.asarray(np.linalg.inv(known + told / max(colour.values(), default=1.0)))
+    wide, known = narrow, prior.precision
+    if colour:
+        told = np.linalg.inv(narrow) - known
+        wide = np.asarray(np.linalg.inv(known + told / max(colour.values())))
     if shift > 0.0:
         groups = sorted({item.record for item in pieces})
         by_record = [
@@ -141,25 +145,33 @@ def lack_of(
         ]
         spread = shift**2 * sum((x @ x for x in by_record), np.zeros_like(narrow))
         wide = _larger(wide, narrow + narrow @ spread @ narrow)
-    if clustered:
-        wide = _larger(wide, _between_records(narrow, pieces))
+    wide = _larger(wide, between)
     return LackOfFit(
         covariance=_larger(narrow, wide) * scale, alone=covariance, colour=dict(colour), shift=shift
     )
 
 
 def _between_records(narrow: Array, pieces: Sequence[RecordPiece]) -> Array:
-    """Covariance by the scatter of scores from record to record; none of a single record."""
+    """Covariance by the jackknife over records; none of fewer than `FEWEST`.
+
+    Without record g, of information Λ and score s, the estimate moves by d = -(P⁻¹ - Λ)⁻¹ s, and
+    the variance of G of these is (G - 1)/G Σ d dᵀ: the sandwich (Liang and Zeger 1986) whose scores
+    are those of records that their own fit has not drawn towards itself (CV3 of MacKinnon, Nielsen
+    and Webb 2023, the least optimistic of their corrections for few clusters), by Student's t of
+    G - 1 degrees of freedom over the normal.
+    """
     from scipy.stats import norm, t
 
     groups = sorted({item.record for item in pieces})
-    if len(groups) < 2:
+    if len(groups) < FEWEST:
         return np.zeros_like(narrow)
-    scores = [np.sum([x.score for x in pieces if x.record == group], axis=0) for group in groups]
-    free = len(groups) - 1
+    told, free, moved = np.linalg.inv(narrow), len(groups) - 1, []
+    for group in groups:
+        own = [item for item in pieces if item.record == group]
+        rest = told - np.sum([item.information for item in own], axis=0)
+        moved.append(np.linalg.solve(rest, np.sum([item.score for item in own], axis=0)))
     few = (t.isf(0.025, free) / norm.isf(0.025)) ** 2
-    scatter = np.sum([np.outer(x, x) for x in scores], axis=0) * len(groups) / free * few
-    found: Array = narrow @ scatter @ narrow
+    found: Array = few * free / len(groups) * np.transpose(moved) @ np.array(moved)
     return found
 
 

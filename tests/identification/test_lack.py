@@ -245,6 +245,22 @@ def test_the_scatter_between_many_sharp_records_is_that_of_their_mean(size, shar
     assert found.covariance[0, 0] == pytest.approx(drawn.var() / 200, rel=2e-3)
 
 
+def test_values_that_an_overconfident_filter_holds_to_six_digits_may_wander():
+    """An unscented filter of a stalling rudder told 14 values with a condition of 2e10: inverted
+    twice its covariance was not positive."""
+    rng, n = np.random.default_rng(0), 14
+    axes = np.linalg.qr(rng.normal(size=(n, n)))[0]
+    told = (axes * np.geomspace(1e-3, 1e10, n)) @ axes.T
+    narrow = np.linalg.inv(np.eye(n) + 4.0 * told)
+    narrow = 0.5 * (narrow + narrow.T)
+    pieces = [
+        RecordPiece(record=i, information=told, score=told @ rng.normal(size=n)) for i in range(4)
+    ]
+    found = lack_of(unit_prior(n), narrow, pieces, {})
+    assert 0.5 < found.shift < 2.0
+    assert np.all(np.diagonal(found.covariance) >= np.diagonal(narrow))
+
+
 @pytest.mark.slow
 @given(st.integers(0, 10_000), st.floats(1.0, 1e3))
 def test_no_interval_becomes_narrower_nor_wider_than_what_lasting_errors_leave(seed, colour):
