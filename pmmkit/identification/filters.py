@@ -242,13 +242,16 @@ def _roughest(setup: _Setup, about: Array, first: float, passes: Steps) -> float
 
 def _lack(
     setup: _Setup,
-    method: Literal["ekf", "ukf"],
     roughness: float,
     values: Array,
     covariance: Array,
     innovations: Mapping[str, Innovations],
 ) -> LackOfFit:
-    """What the records say against the model; values that wander need no more room."""
+    """What the records say against the model; values that wander need no more room.
+
+    Windows are linearised about the values whichever filter found them: sigma points as wide as a
+    prior tell a window of a stalling rudder more than all records hold.
+    """
     if np.any(setup.wander > 0.0):
         return lack_of(setup.prior, covariance, [], {})
     scale = setup.prior.std
@@ -259,7 +262,7 @@ def _lack(
         for window in stretches(record, WINDOW * setup.L / record.speed):
             alone = replace(setup, records=(window,))
             try:
-                z, P, _ = _pass(alone, method, roughness, values)
+                z, P, _ = _pass(alone, "ekf", roughness, values)
             except SimulationError:
                 continue
             told = precision_over(P, scale)
@@ -284,7 +287,7 @@ def _filtered(
     z, P, runs = _pass(setup, method, roughness, about)
     by_name = {record.name: run for record, run in zip(setup.records, runs, strict=True)}
     innovations = {name: run.innovations for name, run in by_name.items()}
-    lack = _lack(setup, method, roughness, z, P, innovations)
+    lack = _lack(setup, roughness, z, P, innovations)
     return Filtered(
         method=method,
         names=setup.prior.names,

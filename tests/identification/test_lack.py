@@ -77,7 +77,7 @@ def test_a_complete_model_keeps_the_intervals_of_its_noise(method):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["ekf", "trajectory"])
+@pytest.mark.parametrize("method", ["ekf", "ukf", "trajectory"])
 def test_a_rudder_that_stalls_unknown_widens_the_intervals_and_leads_to_diagnose(method):
     held = []
     for seed in (1, 3):
@@ -86,6 +86,7 @@ def test_a_rudder_that_stalls_unknown_widens_the_intervals_and_leads_to_diagnose
         assert any("pmmkit diagnose" in text for text in found.missing)
         assert any("Something is missing" in text for text in found.remarks())
         assert found.model.covariance == pytest.approx(found.covariance)
+        assert np.median(found.std / found.prior.std) < 1.5
     assert np.mean(held) > 0.8
 
 
