@@ -45,7 +45,7 @@ _OURS: Final = (
         asked="speed of the carriage, or of the approach [m/s]",
         resolution=SPEED,
         in_names=(
-            (r"(?:U|Uc|Uo|U0|[Ss]peed|[Vv]el)#(?:m/s|ms|mps)?", 1.0),
+            (r"(?:U|Uc|Uo|U0|[Ss]peed|[Vv]el|V(?=\d+[.,]\d))#(?:m/s|ms|mps)?", 1.0),
             (r"V?#(?:mps|ms|m/s)", 1.0),
             (r"[VvUu]?#(?:kn|kts|knots)", 1852 / 3600),
         ),
@@ -197,7 +197,10 @@ _OURS: Final = (
         kept=False,
         states=("period",),
         of_swing=ANY,
-        in_names=((r"(?:f|F|[Ff]req)?#(?:Hz|hz|HZ)", 1.0),),
+        in_names=(
+            (r"(?:f|F|[Ff]req)?#(?:Hz|hz|HZ)", 1.0),
+            (r"(?:w|om|omega|ω)(?=\d*[.,]\d)#(?:rads?|rad/s)?", 1 / (2 * math.pi)),
+        ),
         header="freq|frequency|f",
     ),
     RunSetting(
@@ -237,7 +240,7 @@ _OURS: Final = (
         "path_amplitude_m)",
         asked="amplitude of the heading [deg]",
         resolution=ANGLE,
-        in_names=((r"(?:[Pp]si|ψ)#(?:deg|°)?", 1.0),),
+        in_names=((r"(?:[Pp]si|ψ)#(?:deg|°)?", 1.0), (r"(?:a|A|[Aa]mp)#(?:deg|°)", 1.0)),
         header="(?:yaw|heading|psi)(?: angle)? ampl?(?:itude)?|psi ?[a0]|ψ ?[a0]",
         code="y",
         typical=0.2,

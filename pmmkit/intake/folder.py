@@ -371,7 +371,10 @@ def _grouped(looks: Sequence[FileLook]) -> tuple[tuple[FileGroup, ...], list[Pro
 
 
 def _key(item: FileLook) -> tuple[object, ...]:
-    return item.format, item.titles, replace(item.options, sheet=None, last_row=None)
+    """What files of a group have alike: histories may have more or fewer lines above."""
+    above = 0 if item.kind == "history" else item.options.skip_rows
+    own = replace(item.options, sheet=None, last_row=None, skip_rows=above)
+    return item.format, item.titles, own
 
 
 def _files(folder: Path) -> tuple[list[Path], int]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -66,8 +66,7 @@ def suggest(
         _by_name(header, unit, table=table, usual=places)
         for header, unit in zip(headers, units, strict=True)
     ]
-    if table:
-        found = _with_components(found, headers, units)
+    found = _with_components(found, headers, units) if table else _towed(found, headers, values)
     known = {item.name for item in found if item}
     for position, (header, unit) in enumerate(zip(headers, units, strict=True)):
         numbers = values.get(position)
@@ -176,6 +175,36 @@ def _with_components(
     for name, place in own.items():
         kept[place] = Suggestion(name=name, certainty="surely", reason="its exact name")
     return kept
+
+
+_TOWED: Final = 0.4
+"""Share of the samples at which a carriage is at its speed, at least."""
+_HELD: Final = 0.03
+"""Share of its speed within which it is then."""
+
+
+def _towed(
+    found: Sequence[Suggestion | None], headers: Sequence[str], values: Mapping[int, Array]
+) -> list[Suggestion | None]:
+    """A capital U or V that stands alone and stays at one value is the speed of the carriage."""
+    names = [item.name for item in found if item is not None]
+    out = list(found)
+    if {"U_carriage", "speed"} & {*names} or {"u", "v"} <= {*names}:
+        return out
+    for position, item in enumerate(found):
+        numbers = np.abs(values.get(position, np.zeros(0)))
+        numbers = numbers[np.isfinite(numbers)]
+        if (
+            item is None
+            or item.name not in ("u", "v")
+            or headers[position].strip() not in ("U", "V", "Um", "Vm")
+        ):
+            continue
+        level = float(np.median(numbers[numbers >= 0.5 * numbers.max()])) if numbers.size else 0.0
+        if level > 0.0 and np.mean(np.abs(numbers - level) <= _HELD * level) >= _TOWED:
+            why = f"{headers[position].strip()!r} stays at {level:.3g}"
+            out[position] = replace(item, name="U_carriage", certainty="probably", reason=why)
+    return out
 
 
 def _by_name(
@@ -387,8 +416,8 @@ _NAMES: Final = tuple(
         "x": "x|x ?0|x ?pos(?:ition)?(?: mid)?|pos(?:ition)? ?x|north(?:ing)?",
         "y": "y|sway(?: displacement| position)?|"
         "y ?0|y ?pos(?:ition)?(?: mid)?|pos(?:ition)? ?y|east(?:ing)?",
-        "U_carriage": "(?:towing )?carriage (?:speed|velo(?:city)?)|towing speed|[uv] ?carriage|"
-        "u ?c",
+        "U_carriage": "(?:towing )?carriage(?: speed| velo(?:city)?)?|tow(?:ing)? speed|"
+        "[uv] ?(?:carriage|carr?|tow|schlepp|wagen)|(?:schlepp)?wagen|[uv] ?c",
         "y_forward": "y ?(?:forward|fwd|fore)|(?:forward|fore) (?:strut|post|ram)(?: y)?",
         "y_aft": "y ?aft|aft (?:strut|post|ram)(?: y)?",
         "speed": "speed|model speed",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -272,6 +273,15 @@ class FileLook:
     blocks: Blocks = field(default_factory=Blocks)
     problems: tuple[Problem, ...] = ()
     notes: tuple[str, ...] = ()
+
+    @property
+    def lines_above(self) -> tuple[str, ...]:
+        """The lines of a text file above the names of its columns."""
+        if self.layout is None or not self.options.skip_rows:
+            return ()
+        with self.path.open(encoding=self.layout.encoding, errors="replace") as stream:
+            lines = [line.rstrip() for line in itertools.islice(stream, self.options.skip_rows)]
+        return tuple(line for line in lines if line)
 
     @property
     def is_campaign(self) -> bool:

@@ -122,12 +122,13 @@ def _misfit(item: ChannelFit, where: str) -> str:
 
 
 def _ramps(rows: Sequence[Rows]) -> Iterator[str]:
-    """Oscillating records of which a ramp of the carriage was cut."""
+    """Oscillating records of which a ramp of carriage or oscillator was cut."""
     cut = [f"{item.result.run.id} {item.result.ramp}" for item in rows if item.result.ramp]
     if cut:
         yield (
-            f"The carriage speeds up or stops within {counted(len(cut), 'oscillating record')}; "
-            f"cycles count from where it is at its speed. Left out: {'; '.join(cut)}."
+            f"Carriage or oscillator start or stop within "
+            f"{counted(len(cut), 'oscillating record')}; cycles count from where both are at "
+            f"their size. Left out: {'; '.join(cut)}."
         )
 
 

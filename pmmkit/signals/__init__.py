@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     )
     from pmmkit.signals.periodic import between_harmonics, fit_noise, phase_cells
     from pmmkit.signals.steady import Window, steady_window
-    from pmmkit.signals.travel import Travel, at_speed, in_step
+    from pmmkit.signals.travel import Travel, at_size, at_speed, in_step
 
 __all__ = [
     "FEWEST",
@@ -36,6 +36,7 @@ __all__ = [
     "Harmonics",
     "Travel",
     "Window",
+    "at_size",
     "at_speed",
     "autoregressive_noise",
     "between_harmonics",

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from pmmkit.base import DataError, Problem
 from pmmkit.numerics import Array
@@ -315,6 +316,12 @@ def white_noise(values: Array) -> float:
 LEAST_S: Final = 1.0
 """Shortest rest [s]: less tells the zero of a gauge too badly."""
 LEAST_SAMPLES: Final = 20
+STOOD_S: Final = 0.5
+"""The same where the carriage's recorded speed says that it stands."""
+STANDING: Final = ("U_carriage", "y", "psi")
+"""Recorded motions that stand still at rest: without the first it is not known."""
+STILL: Final = 5e-3
+"""Share of its range below which a recorded speed stands still."""
 LARGEST: Final = 0.4
 """Largest part of the record that can be its head."""
 STEP: Final = 8
@@ -345,7 +352,9 @@ class Rest:
     std: Array
 
 
-def head_rest(t: ArrayLike, y: ArrayLike, surge: int = 0) -> Rest | None:
+def head_rest(
+    t: ArrayLike, y: ArrayLike, surge: int = 0, *, motion: Mapping[str, ArrayLike] | None = None
+) -> Rest | None:
     """The rest at the head of a record, or None where it begins on the way.
 
     Parameters
@@ -356,6 +365,8 @@ def head_rest(t: ArrayLike, y: ArrayLike, surge: int = 0) -> Rest | None:
         Forces, those that a run changes.
     surge : int
         Which of them is the surge force: it pulls as soon as the carriage moves.
+    motion : mapping of str to (n,) array, optional
+        What was recorded beside them; of these `STANDING` count.
 
     Returns
     -------
@@ -370,6 +381,8 @@ def head_rest(t: ArrayLike, y: ArrayLike, surge: int = 0) -> Rest | None:
     -----
     All channels stand still from the first sample on for at least a second; then the surge force
     goes to where it stays for the rest of the record, at least twice as far as it stood from zero.
+    Where the speed of the carriage is recorded half a second is enough: it and all else that is
+    recorded must stand still.
 
     Examples
     --------
@@ -384,8 +397,39 @@ def head_rest(t: ArrayLike, y: ArrayLike, surge: int = 0) -> Rest | None:
     True
     """
     time, values = as_record(t, y, least=3 * LEAST_SAMPLES)
+    head = _still(time, values, np.full(len(values), SHARE), (LEAST_S, LEAST_SAMPLES))
+    if head is None or not _pulled(values, head, surge):
+        seen = motion or {}
+        rows = [np.asarray(seen[name], float) for name in STANDING if name in seen]
+        if STANDING[0] not in seen or not all(np.isfinite(row).all() for row in rows):
+            return None
+        share = np.array([SHARE] * len(values) + [STILL] * len(rows))
+        head = _still(time, np.vstack([values, *rows]), share, (STOOD_S, FEWEST))
+        if head is None or abs(head.level[len(values)]) > SHARE * np.abs(rows[0]).max():
+            return None
+    found = steady_mean(time[: head.stop], values[:, : head.stop])
+    return Rest(head.stop, float(time[head.stop] - time[0]), found.value, found.std)
+
+
+@dataclass(frozen=True)
+class _Head:
+    """The samples before `stop`, at which nothing moves.
+
+    `level (c,)`: where the channels stand. `limit (c,)`: by how much a start must move them.
+    `swings (c,)`: whether they move clearly later on.
+    """
+
+    stop: int
+    level: Array
+    limit: Array
+    swings: NDArray[np.bool_]
+
+
+def _still(time: Array, values: Array, share: Array, least: tuple[float, int]) -> _Head | None:
+    """The head of a record until one of its channels starts; `least` seconds and samples."""
+    least_s, samples = least
     n = time.size
-    first = max(STEP, int(np.searchsorted(time, time[0] + LEAST_S / 2)))
+    first = max(STEP, int(np.searchsorted(time, time[0] + least_s / 2)))
     if first >= LARGEST * n:
         return None
     level = values[:, :first].mean(axis=1)
@@ -393,30 +437,28 @@ def head_rest(t: ArrayLike, y: ArrayLike, surge: int = 0) -> Rest | None:
     head = values[:, : int(LARGEST * n) + STEP]
     sums = np.insert(np.cumsum(head, axis=1), 0, 0.0, axis=1)
     away = np.abs((sums[:, STEP:] - sums[:, :-STEP]) / STEP - level[:, None])
-    chance = SIGMAS * noise * np.sqrt(1.0 / STEP + 1.0 / first)
-    widest = np.maximum(chance, SHARE * np.ptp(values, axis=1))
-    soon = int(np.searchsorted(time, time[0] + (1.0 - MARGIN) * LEAST_S))
+    rounding = 1e-9 * np.abs(values).max(axis=1)
+    chance = SIGMAS * noise * np.sqrt(1.0 / STEP + 1.0 / first) + rounding
+    widest = np.maximum(chance, share * np.ptp(values, axis=1))
+    soon = int(np.searchsorted(time, time[0] + (1.0 - MARGIN) * least_s))
     if np.any(away[:, :soon] > widest[:, None]):
         return None
     low, high = np.percentile(values, [5.0, 95.0], axis=1)
-    limit = np.maximum(chance, SHARE * (high - low))
+    limit = np.maximum(chance, share * (high - low))
     moved = np.any(away > limit[:, None], axis=0)
     if not moved.any():
         return None
     start = int(np.argmax(moved))
     stop = int(np.searchsorted(time, time[0] + (1.0 - MARGIN) * (time[start] - time[0])))
     duration = float(time[stop] - time[0])
-    swings = high - low > 2.0 * SIGMAS * noise
-    peak = swings & (np.abs(level) > PEAK * np.abs(values).max(axis=1))
-    pull = float(np.median(values[surge, n // 2 :])) - level[surge]
-    if (
-        duration < (1.0 - MARGIN) * LEAST_S
-        or stop < LEAST_SAMPLES
-        or start > LARGEST * n
-        or abs(pull) <= limit[surge]
-        or abs(level[surge]) > NEAR * abs(pull)
-        or peak.any()
-    ):
+    if duration < (1.0 - MARGIN) * least_s or stop < samples or start > LARGEST * n:
         return None
-    found = steady_mean(time[:stop], values[:, :stop])
-    return Rest(stop, duration, found.value, found.std)
+    return _Head(stop, level, limit, high - low > 2.0 * SIGMAS * noise)
+
+
+def _pulled(values: Array, head: _Head, surge: int) -> bool:
+    """Whether the run then pulls much more than the gauges show, and none of them is at a peak."""
+    pull = float(np.median(values[surge, values.shape[1] // 2 :])) - head.level[surge]
+    peak = head.swings & (np.abs(head.level) > PEAK * np.abs(values).max(axis=1))
+    far = abs(pull) > head.limit[surge] and abs(head.level[surge]) <= NEAR * abs(pull)
+    return bool(far and not peak.any())

@@ -1,4 +1,4 @@
-"""The part of a record in which the carriage is at its speed: without its ramp and its stop."""
+"""The part of a record in which carriage and oscillator are at their size: without their ramps."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmmkit.numerics import Array
-from pmmkit.signals.noise import FEWEST, as_record
+from pmmkit.numerics import Array, stretches
+from pmmkit.signals.noise import FEWEST, as_record, white_noise
 from pmmkit.signals.periodic import TURN
 from pmmkit.signals.steady import calmest_part
 
@@ -37,23 +37,42 @@ PULL: Final = 0.5
 """Share of the run's pull that the surge force must lack where the carriage is slower."""
 LARGEST: Final = 0.5
 """Largest share of the record that can be the ramp and what stands before it."""
+LEVEL: Final = 0.005
+"""Share of its size within which a swing has it: over one cycle a soft ramp of a cycle is as close
+while it overlaps by a fifth, of which `SOFT` is then left out."""
+OVERSHOT: Final = 0.02
+"""Share beyond which a swing that comes up is still on its way."""
+SMALLER: Final = 0.95
+"""Share of its later size below which a swing begins, or ends, on a ramp."""
+SOFT: Final = 4
+"""Of `A_CYCLE` parts of a cycle left out beside a ramp of the swing: it ends softly."""
+LEVELS: Final = 64
+"""Sizes of which the one is taken that a swing keeps longest."""
 
 
 @dataclass(frozen=True)
 class Travel:
-    """The samples [start, stop) at which the carriage is at its speed.
+    """The samples [start, stop) at which carriage and oscillator are at their size.
 
     Attributes
     ----------
     start, stop : int
         First sample kept, and the one after the last.
     reason : str
-        What was left out, for a person; empty where the carriage is at its speed throughout.
+        What was left out, for a person; empty where they are so throughout.
     """
 
     start: int
     stop: int
     reason: str = ""
+
+    def within(self, other: Travel) -> Travel:
+        """The samples that both keep; this one where they have none in common."""
+        start, stop = max(self.start, other.start), min(self.stop, other.stop)
+        if stop - start < FEWEST or not other.reason:
+            return self
+        told = filter(None, (self.reason, other.reason))
+        return Travel(start, stop, " and ".join(told))
 
 
 def at_speed(t: ArrayLike, speed: ArrayLike) -> Travel:
@@ -118,6 +137,92 @@ def at_speed(t: ArrayLike, speed: ArrayLike) -> Travel:
 
 def _margin(ramp: int) -> int:
     return int(np.ceil(MARGIN * ramp))
+
+
+def at_size(t: ArrayLike, y: ArrayLike, omega: float) -> Travel:
+    """Where an oscillator swings at its full size, from the recorded motion.
+
+    Parameters
+    ----------
+    t : (n,) array
+        Time, increasing [s].
+    y : (c, n) array
+        Motions that swing at one frequency: displacements or velocities.
+    omega : float
+        Their angular frequency [rad/s].
+
+    Returns
+    -------
+    Travel
+        The whole record unless a motion begins or ends at less than 0.95 of the size that it keeps
+        longest; then the cycles in which all of them have theirs, without an eighth of a cycle
+        beside each ramp.
+
+    Raises
+    ------
+    DataError
+        If the record is too short or not finite, or if time does not increase.
+
+    Notes
+    -----
+    The size is that of the first harmonic over one cycle, which slides along the record by 32nds.
+
+    Examples
+    --------
+    >>> t = np.arange(0.0, 50.0, 0.05)
+    >>> y = 0.25 * np.clip((t - 5.0) / 6.0, 0.0, 1.0) * np.sin(2 * np.pi * t / 9.0)
+    >>> found = at_size(t, y, 2 * np.pi / 9.0)
+    >>> bool(11.0 < t[found.start] < 12.5), found.stop == t.size
+    (True, True)
+    >>> at_size(t[300:], y[300:], 2 * np.pi / 9.0).reason
+    ''
+    """
+    time, values = as_record(t, y, least=FEWEST)
+    whole = Travel(0, time.size)
+    phase = omega * (time - time[0])
+    count = int(phase[-1] / TURN * A_CYCLE)
+    edges = np.searchsorted(phase, TURN / A_CYCLE * np.arange(count + 1) - 1e-9)
+    if count < 2 * A_CYCLE or np.diff(edges).min() < 1:
+        return whole
+    means = np.add.reduceat(values[:, : edges[-1]], edges[:-1], axis=1) / np.diff(edges)
+    turned = means * np.exp(-1j * TURN / A_CYCLE * (np.arange(count) + 0.5))
+    sums = np.insert(np.cumsum(turned, axis=1), 0, 0.0, axis=1)
+    sizes = np.abs(sums[:, A_CYCLE:] - sums[:, :-A_CYCLE]) * 2.0 / A_CYCLE
+    first, last = 0, count
+    for size, motion in zip(sizes, values, strict=True):
+        noise = white_noise(motion) * np.sqrt(2.0 * count / A_CYCLE / time.size)
+        begin, end = _kept_longest(size, noise)
+        first = max(first, begin + SOFT if begin else 0)
+        last = min(last, end + A_CYCLE - 1 - SOFT if end < size.size else count)
+    if last - first < A_CYCLE:
+        return whole
+    stop = int(edges[last]) if last < count else time.size
+    said = ("the oscillator comes up", "the oscillator goes down")
+    return _told(time, int(edges[first]), stop, said)
+
+
+def _kept_longest(size: Array, noise: float) -> tuple[int, int]:
+    """The places [first, last) at which a swing has the size that it keeps longest."""
+    level, kept = 0.0, (0, size.size)
+    longest = 0
+    for tried in np.linspace(0.5, 1.0, LEVELS)[::-1] * size.max():
+        starts, stops = stretches(np.abs(size - tried) <= LEVEL * tried + SIGMAS * noise)
+        if starts.size and (stops - starts).max() > longest:
+            best = int(np.argmax(stops - starts))
+            longest = int(stops[best] - starts[best])
+            kept = int(starts[best]), int(stops[best])
+            level = float(np.median(size[kept[0] : kept[1]]))
+    near = np.abs(size - level) <= LEVEL * level + SIGMAS * noise
+    far = np.abs(size - level) > OVERSHOT * level + SIGMAS * noise
+    middle = sum(kept) // 2
+    first, last = 0, size.size
+    if size[0] < SMALLER * level and far[:middle].any():
+        after = int(np.flatnonzero(far[:middle])[-1]) + 1
+        first = after + int(np.argmax(near[after : middle + 1]))
+    if size[-1] < SMALLER * level and far[middle:].any():
+        before = middle + int(np.argmax(far[middle:]))
+        last = before - int(np.argmax(near[middle:before][::-1]))
+    return first, last
 
 
 def in_step(t: ArrayLike, theta: ArrayLike, y: ArrayLike, surge: int = 0) -> Travel:
@@ -216,10 +321,15 @@ def _lacks(gained: Array) -> bool:
     return bool(np.median(gained[: A_CYCLE // 8]) > PULL)
 
 
-def _told(time: Array, start: int, stop: int) -> Travel:
+def _told(
+    time: Array,
+    start: int,
+    stop: int,
+    said: tuple[str, str] = ("the carriage speeds up", "the carriage stops"),
+) -> Travel:
     parts = []
     if start > 0:
-        parts.append(f"{time[0]:.4g} to {time[start]:.4g} s (the carriage speeds up)")
+        parts.append(f"{time[0]:.4g} to {time[start]:.4g} s ({said[0]})")
     if stop < time.size:
-        parts.append(f"{time[stop]:.4g} to {time[-1]:.4g} s (the carriage stops)")
+        parts.append(f"{time[stop]:.4g} to {time[-1]:.4g} s ({said[1]})")
     return Travel(start, stop, " and ".join(parts))

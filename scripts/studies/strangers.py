@@ -25,7 +25,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from scripts.datasets.strangers.hulls import RHO, Hull, turn
+from scripts.datasets.strangers.hulls import Hull, turn
 from scripts.datasets.strangers.laboratories import FAST, FOLDERS, HULLS, SLOW, SPEEDS
 
 Typed = Callable[[Sequence[str]], dict[str, Any]]
@@ -35,7 +35,7 @@ START_UP = ("# ramp_s = ...", "ramp_s = 10.0")
 BALANCE = ('forces = "hydrodynamic"', 'forces = "balance"')
 EDITS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "workbook": (),
-    "text": (BALANCE, ("# speed = ...", f"speed = {SLOW}\ntare = true")),
+    "text": (),
     "openfoam": (START_UP,),
     "openfoam_v10": (START_UP,),
     "heeled": (("# speed = ...", f"speed = {FAST}"),),
@@ -91,15 +91,14 @@ def typed(words: Sequence[str]) -> dict[str, Any]:
 
 
 def particulars(hull: Hull) -> Iterator[tuple[str, str]]:
-    """The lines of ship and water: found in a draft, put in its place."""
-    for key in ("L", "B", "d", "volume", "mass", "Izz"):
+    """The lines of the ship: found in a draft, put in its place; the water is fresh."""
+    for key in ("L", "B", "d", "mass", "Izz"):
         yield f"# {key} = ...", f"{key} = {getattr(hull, key)}"
     yield "# xG = 0.0 ", f"xG = {hull.xG} "
     if hull.rolls:
         yield "# zG = 0.0 ", f"zG = {hull.zG} "
         yield "# GM = ...", f"GM = {hull.GM}"
         yield "# Ix = ...", f"Ix = {hull.Ix}"
-    yield "# rho = ...", f"rho = {RHO}"
 
 
 def filled(draft: str, changes: Iterator[tuple[str, str]] | Sequence[tuple[str, str]]) -> str:

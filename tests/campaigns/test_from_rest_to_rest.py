@@ -15,9 +15,8 @@ TYPED = {
     "# L = ...": "L = 3.984",
     "# B = ...": "B = 0.5723",
     "# d = ...": "d = 0.163",
-    "# volume = ...": "volume = 0.2459",
+    "# mass = ...": "volume = 0.2459",
     "# Izz = ...": "Izz = 240.0",
-    "# rho = ...": "rho = 999.1",
 }
 """355 m by 51 m at 1:89.11; block and gyration as of such a ship: they enter no mean."""
 DEPTH = {"C1": 0.326, "C2": 0.326, "C3": 0.1956}

@@ -9,7 +9,7 @@ import pytest
 
 from pmmkit.cli import main
 from scripts.datasets.strangers import laboratories
-from scripts.datasets.strangers.hulls import TANKER, turn
+from scripts.datasets.strangers.hulls import RHO, TANKER, turn
 from scripts.studies.strangers import filled, particulars
 from tests.support.commands import said
 
@@ -41,7 +41,7 @@ def prints(folder):
 
 
 def answer(file, *more):
-    """Ship and water as a person fills them in."""
+    """The ship as a person fills it in."""
     text = filled(file.read_text(encoding="utf-8"), [*particulars(TANKER), *more])
     file.write_text(text, encoding="utf-8")
 
@@ -63,7 +63,7 @@ def test_without_particulars_it_stops_with_the_lines_that_open_the_way(files, de
     assert "L, B, d, Izz, mass or volume are missing" in told["stopped"]
     lines = (desk / "workbook-first" / "campaign.toml").read_text(encoding="utf-8").splitlines()
     needed = {it["key"]: it["lines"][0] for it in told["questions"] if it["kind"] == "needed"}
-    assert {"ship.L", "ship.B", "ship.d", "water.rho"} <= set(needed)
+    assert set(needed) == {"ship.L", "ship.B", "ship.d", "ship.mass", "ship.Izz"}
     assert lines[needed["ship.L"] - 1].startswith("# L = ...")
     assert f"line {needed['ship.L']}, ship.L: length" in words
     assert words.rstrip().endswith("Next: pmmkit demo --my-data workbook-first")
@@ -82,8 +82,9 @@ def test_with_particulars_it_turns_and_says_what_is_only_guessed(files, desk, ca
     report = (desk / "first-reduced" / "report.html").read_text(encoding="utf-8")
     assert "1 guess not confirmed" in report
     kinds = {item["key"]: item["kind"] for item in told["questions"]}
-    assert kinds["campaign.rudder_positive"] == "guessed"
+    assert kinds["water.rho"] == "guessed"
     assert "campaign.forces" not in kinds  # the runs show that no inertia is inside
+    assert "campaign.rudder_positive" not in kinds  # there is no rudder
     assert kinds["propeller.D"] == kinds["rudder.area"] == "estimated"
     (circle,) = told["result"]["turns"]
     low, high = told["tactical_diameter_L"]
@@ -111,7 +112,7 @@ def test_what_the_data_contradict_stops_it_before_anything_is_computed(files, de
 @pytest.mark.slow
 def test_free_running_records_are_measured_and_lead_to_identification(files, desk, capsys):
     said(capsys, "demo", "--my-data", files / "trial")
-    answer(desk / "trial-first" / "campaign.toml")
+    answer(desk / "trial-first" / "campaign.toml", ("# rho = ...", f"rho = {RHO}"))
     status, told, _ = said(capsys, "demo", "--my-data", "trial-first")
     assert status == 0
     runs = {item["run"]: item for item in told["result"]["runs"]}

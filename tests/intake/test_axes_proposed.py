@@ -184,9 +184,7 @@ def test_the_draft_of_a_folder_gives_the_same_derivatives(ours, true, tmp_path, 
     path = folder / "campaign.toml"
     text = path.read_text()
     head, _, rest = text.partition("[ship]")
-    path.write_text(
-        head + SHIP + rest[rest.index("[water]") :].replace("# rho = ...", "rho = 999.1 #")
-    )
+    path.write_text(head + SHIP + rest[rest.index("[water]") :])
     campaign = open_campaign(folder)
     assert 'TODO "balance"' not in text, "the runs say that the inertia is not inside"
     assert all(sign.verdict >= 0 for sign in asked_signs(campaign, summaries_of(campaign)))

@@ -223,24 +223,23 @@ def test_a_sheet_with_other_names_has_columns_of_its_own(folder: Path, capsys) -
     for item in raw["tables"]:
         theirs = "Drift angle (°)" if item["source"]["sheet"] == "A02" else "Drift (°)"
         assert {**raw.get("columns", {}), **item.get("columns", {})}["drift_deg"] == theirs
-    target.write_text(text.replace("# rho = ...", "rho = 1000.0"), encoding="utf-8")
+    target.write_text(text.replace("rho = 999.1", "rho = 1000.0"), encoding="utf-8")
     by_sheet = {"A0": 0, "a0": 0}
     for run in open_campaign(target):
         by_sheet[run.id[:2]] += 1
     assert by_sheet["A0"] == by_sheet["a0"] == 26 + 24 + 6
 
 
-def test_one_edited_line_leads_to_a_campaign(folder: Path, capsys) -> None:
-    """The density; all else stands in the workbook, or the forces tell it."""
+def test_no_edited_line_leads_to_a_campaign(folder: Path, capsys) -> None:
+    """All stands in the workbook, or the forces tell it; water is fresh unless it is said."""
     content, target = drafted(capsys, folder, "--sheet", "A02")
     assert len(content["tables"]) == 6
     text = target.read_text(encoding="utf-8")
     raw = tomllib.loads(text)
     assert raw["ship"] == {"L": 4.0, "B": 0.6, "d": 0.2, "volume": 0.3, "Izz": 300.0, "xG": -0.05}
-    assert raw["water"] == {"depth": 0.246}
+    assert raw["water"] == {"rho": 999.1, "depth": 0.246}
     assert raw["campaign"]["forces"] == "balance"
     assert raw["campaign"]["rudder_positive"] == "port"
-    target.write_text(text.replace("# rho = ...", "rho = 1000.0"), encoding="utf-8")
     campaign = open_campaign(target)
     counted = {test: sum(run.test == test for run in campaign) for test in
                ("drift_rudder", "pure_sway", "pure_yaw", "yaw_drift", "yaw_rudder")}  # fmt: skip
@@ -271,7 +270,7 @@ def test_the_draft_says_what_it_left_and_offers_the_statistics(folder: Path, cap
 
 def test_the_repeats_are_grouped(folder: Path, capsys) -> None:
     _, target = drafted(capsys, folder, "--sheet", "A01")
-    text = target.read_text(encoding="utf-8").replace("# rho = ...", "rho = 1000.0")
+    text = target.read_text(encoding="utf-8").replace("rho = 999.1", "rho = 1000.0")
     target.write_text(text, encoding="utf-8")
     groups = [[run.id for run in group] for group in Run.repeats(open_campaign(target).runs)]
     assert [f"A01_R{n}" for n in range(5)] in groups
@@ -283,7 +282,7 @@ def test_several_sheets_are_told_apart(folder: Path, capsys) -> None:
     content, target = drafted(capsys, folder)
     assert len(content["tables"]) == 12
     assert any("depth: taken by sheet" in item for item in content["todo"])
-    text = target.read_text(encoding="utf-8").replace("# rho = ...", "rho = 1000.0")
+    text = target.read_text(encoding="utf-8").replace("rho = 999.1", "rho = 1000.0")
     target.write_text(text, encoding="utf-8")
     campaign = open_campaign(target)
     assert campaign.depths == (0.41, 0.246)
@@ -311,11 +310,11 @@ def test_a_swinging_rudder_is_as_measured_and_its_drift_that_of_the_heading(tmp_
     text = target.read_text(encoding="utf-8")
     assert "the drift is taken from it" in text
     typed = {
-        "# rho = ...": "rho = 1000.0",
+        "rho = 999.1": "rho = 1000.0",
         "# L = ...": "L = 4.0",
         "# B = ...": "B = 0.6",
         "# d = ...": "d = 0.2",
-        "# volume = ...": "volume = 0.3",
+        "# mass = ...": "volume = 0.3",
         "# Izz = ...": "Izz = 300.0",
     }
     for draft, own in typed.items():

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import tomllib
+
 import pytest
 from small_campaign import write_campaign
 
 from pmmkit.intake import questions_of, written
 from pmmkit.intake.drafts.draft import draft_of
+from pmmkit.intake.drafts.questions import with_answer
 
 SHIP = """[ship]
 L = 4.0
@@ -25,7 +28,15 @@ def test_every_question_names_the_line_where_it_is_answered(tmp_path):
     text = written(draft_of(tmp_path, tmp_path / "campaign.toml")).text
     lines, found = text.splitlines(), questions_of(text)
     asked = {item.key for item in found if item.kind == "needed"}
-    assert {"ship.L", "ship.B", "ship.d", "ship.Izz", "water.rho"} <= asked
+    assert {x for x in asked if x.startswith("ship.")} == {
+        "ship.L", "ship.B", "ship.d", "ship.mass", "ship.Izz",
+    }  # fmt: skip
+    (density,) = (item for item in found if item.key == "water.rho")
+    assert (density.kind, density.guess, density.why) == (
+        "guessed",
+        "999.1",
+        "fresh water of 15 °C",
+    )
     for item in found:
         for line in item.lines:
             assert "TODO" in lines[line - 1]
@@ -39,6 +50,18 @@ def test_a_guess_is_told_by_what_it_comes_from():
     assert (mass.guess, mass.why) == ("450", "density times volume")
     assert float(inertia.guess) == pytest.approx(450 * (1.0 + 0.1**2), rel=1e-3)
     assert (inertia.kind, mass.kind) == ("needed", "off")
+
+
+def test_mass_and_volume_are_one_question_that_either_answers(tmp_path):
+    write_campaign(tmp_path)
+    (tmp_path / "campaign.toml").unlink()
+    text = written(draft_of(tmp_path, tmp_path / "campaign.toml")).text
+    (mass,) = (item for item in questions_of(text) if item.key == "ship.mass")
+    assert not [item for item in questions_of(text) if item.key == "ship.volume"]
+    for answer, told in (("450", {"mass": 450}), ("volume = 0,45", {"volume": 0.45})):
+        answered = with_answer(text, mass.lines, answer)
+        assert tomllib.loads(answered)["ship"] == told
+        assert not [x for x in questions_of(answered) if x.key in ("ship.mass", "ship.volume")]
 
 
 def test_an_answer_is_no_guess_though_the_mark_was_left():

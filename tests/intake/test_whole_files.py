@@ -73,7 +73,7 @@ def test_a_draft_is_whole_or_refused(copied, capsys):
         file.unlink()
     assert main(["new-campaign", str(copied), "--ship", "s175"]) == 0
     file = copied / "campaign.toml"
-    draft = file.read_text(encoding="utf-8").replace("# rho = ...", "rho = 1000.0 #")
+    draft = file.read_text(encoding="utf-8").replace("rho = 999.1", "rho = 1000.0 #")
     file.write_text(draft, encoding="utf-8")
     assert "closed = true" in draft
     found = outcomes(copied, lambda whole: sampled(whole)[::5])

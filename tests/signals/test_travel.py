@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit.base import DataError
-from pmmkit.signals import at_speed, in_step
+from pmmkit.signals import at_size, at_speed, design_matrix, in_step
 
 RATE, PERIOD = 20.0, 9.0
 
@@ -119,3 +119,65 @@ def test_a_damaged_record_is_refused():
         at_speed(t, speed)
     with pytest.raises(DataError, match="does not increase"):
         in_step(t[::-1], t, np.ones((1, t.size)))
+
+
+def swinging(rise: float, cycles: float, fall: float) -> tuple[np.ndarray, np.ndarray]:
+    """Time, and a swing of 0.25 m that comes up softly after 8 s and goes down again."""
+    full = 8.0 + rise
+    t = np.arange(0.0, full + cycles * PERIOD + fall + 4.0, 1.0 / RATE)
+    up = np.clip((t - 8.0) / rise, 0.0, 1.0) if rise else np.where(t < 8.0, 0.0, 1.0)
+    down = np.clip((full + cycles * PERIOD + fall - t) / fall, 0.0, 1.0) if fall else 1.0 + 0 * t
+    size = 0.5 - 0.5 * np.cos(np.pi * np.minimum(up, down))
+    return t, 0.25 * size * np.sin(2 * np.pi * t / PERIOD + 0.4)
+
+
+def amplitude(t: np.ndarray, y: np.ndarray) -> float:
+    fit, *_ = np.linalg.lstsq(design_matrix(2 * np.pi * t / PERIOD, 1), y, rcond=None)
+    return float(np.hypot(fit[1], fit[2]))
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.002])
+@pytest.mark.parametrize("cycles", [2.0, 3.0, 6.0])
+@pytest.mark.parametrize(("rise", "fall"), [(0, 0), (3, 3), (9, 5), (15, 9), (6, 0)])
+def test_a_swing_has_its_size_between_its_ramps(rise, fall, cycles, noise):
+    """Fitted over the ramps 0.25 m look smaller; between them they are 0.25 m."""
+    t, y = swinging(rise, cycles, fall)
+    y = y + noise * np.random.default_rng(2).normal(size=t.size)
+    found = at_size(t, y, 2 * np.pi / PERIOD)
+    kept = slice(found.start, found.stop)
+    assert amplitude(t, y) < 0.23
+    assert amplitude(t[kept], y[kept]) == pytest.approx(0.25, rel=0.004)
+    assert np.ptp(t[kept]) > (cycles - 0.35) * PERIOD
+    assert "the oscillator comes up" in found.reason
+    assert ("the oscillator goes down" in found.reason) == bool(fall)
+
+
+def test_the_swing_that_is_on_its_way_longest_counts_for_several_motions():
+    t, y = swinging(4.0, 4.0, 0.0)
+    _, late = swinging(9.0, 4.0, 0.0)
+    both = np.stack([y[: t.size], late[: t.size]])
+    assert at_size(t, both, 2 * np.pi / PERIOD).start > at_size(t, y, 2 * np.pi / PERIOD).start
+
+
+@pytest.mark.parametrize(
+    "size",
+    [
+        lambda t: 1.0 + 0 * t,
+        lambda t: 1.0 + 0.03 * t / t[-1],
+        lambda t: 1.0 + 0.01 * np.sin(0.3 * t),
+        lambda t: np.where(t < 30.0, 1.04, 1.0),
+    ],
+)
+def test_a_swing_without_a_ramp_is_left_alone(size):
+    """Constant, growing by 3 %, unsteady, or a little larger at first."""
+    t = np.arange(0.0, 70.0, 1.0 / RATE)
+    y = 0.25 * size(t) * np.sin(2 * np.pi * t / PERIOD)
+    assert at_size(t, y, 2 * np.pi / PERIOD).reason == ""
+
+
+def test_a_swing_that_overshoots_is_cut_where_it_has_settled():
+    t = np.arange(0.0, 80.0, 1.0 / RATE)
+    y = 0.25 * (1.0 + (0.3 - t) / 6.0 * np.exp(-t / 3.0)) * np.sin(2 * np.pi * t / PERIOD)
+    y = y * np.clip(t / 3.0, 0.0, 1.0)
+    found = at_size(t, y, 2 * np.pi / PERIOD)
+    assert amplitude(t[found.start :], y[found.start :]) == pytest.approx(0.25, rel=0.004)

@@ -13,7 +13,6 @@ ANSWERS = {
     "ship.B": "0,705556",
     "ship.d": ".236111",
     "ship.mass": "454.476",
-    "ship.volume": "0.454861",
     "ship.Izz": "618.332",
     "water.rho": "999.1",
 }

@@ -20,6 +20,7 @@ from pmmkit.signals import (
     FourierBasis,
     Travel,
     Window,
+    at_size,
     at_speed,
     in_step,
     steady_window,
@@ -132,21 +133,26 @@ class TankRecord:
 
     @cached_property
     def travel(self) -> Travel:
-        """Where the carriage is at its speed: by its recorded speed, else by that of the hull.
+        """Where the carriage is at its speed and what swings at its size.
 
-        Where the campaign file states a window, that. Of an oscillating run without either the
-        forces tell; of a static one `steady_window` finds the ramp.
+        Of the carriage its recorded speed tells, else that of the hull, of an oscillating run
+        without either the forces; of a static one `steady_window` finds the ramp. Of what swings
+        its recorded motion tells. Where the campaign file states a window, that.
         """
         if self.stated is not None:
             return self.stated
         run, times = self.run, self.times
         speed = _speed(self.data)
+        found = Travel(0, times.size)
         if speed is not None:
-            return at_speed(times, speed)
-        if run.dynamic and run.settings.period and "X" in self.names:
+            found = at_speed(times, speed)
+        elif run.dynamic and run.settings.period and "X" in self.names:
             place = list(self.names).index("X")
-            return in_step(times, run.nominal_phase(times), self.forces, place)
-        return Travel(0, times.size)
+            found = in_step(times, run.nominal_phase(times), self.forces, place)
+        moved = _recorded(self.data, [item.channel for item in run.kind_of_test.phase_channels])
+        if run.dynamic and run.settings.omega and moved is not None:
+            return found.within(at_size(times, moved, run.settings.omega))
+        return found
 
     def window(self) -> Window:
         """The steady part of a static record while the carriage is at its speed, or what is stated.
@@ -214,13 +220,22 @@ def _moved(found: P, travel: Travel) -> P:
 
 def _speed(data: xr.Dataset) -> Array | None:
     """The recorded speed of the carriage, or of the hull; None where there is none without gaps."""
-    found = {
+    found = _whole(data, ("U_carriage", "u", "v"))
+    if "U_carriage" in found:
+        return found["U_carriage"]
+    return np.hypot(found["u"], found.get("v", 0.0)) if "u" in found else None
+
+
+def _recorded(data: xr.Dataset, names: Sequence[str]) -> Array | None:
+    """The first of some recorded motions without gaps; None where there is none."""
+    return next(iter(_whole(data, names).values()), None)
+
+
+def _whole(data: xr.Dataset, names: Sequence[str]) -> dict[str, Array]:
+    return {
         name: np.asarray(series.values, float)
-        for name in ("U_carriage", "u", "v")
+        for name in names
         if name in data
         and (series := data.variables[name]).dims == ("t",)
         and np.isfinite(series.values).all()
     }
-    if "U_carriage" in found:
-        return found["U_carriage"]
-    return np.hypot(found["u"], found.get("v", 0.0)) if "u" in found else None

@@ -192,7 +192,7 @@ def _at_rest(data: Mapping[str, Array], correction: Correction) -> NDArray[np.bo
             )
         return inside
     forces = [data[name] for name in CHANNELS if name in data]
-    found = head_rest(t, np.stack(forces)) if "X" in data else None
+    found = head_rest(t, np.stack(forces), motion=data) if "X" in data else None
     if found is None:
         raise DataError(
             "the correction 'tare' finds no rest at the head of the record: state t_start and "

@@ -160,7 +160,12 @@ def _of_history(
     facts |= motion_facts(run, clean, t)
     facts |= carriage_facts(run, clean, t) | set_facts(run, clean)
     tared = json.loads(data.attrs.get("tared", "{}"))
-    facts |= rest_facts(t, dict(zip(present, forces, strict=True)), tared)
+    motion = {
+        name: np.asarray(clean.variables[name].values, float)
+        for name in ("U_carriage", "y", "psi")
+        if name in clean and clean.variables[name].dims == ("t",)
+    }
+    facts |= rest_facts(t, {**motion, **dict(zip(present, forces, strict=True))}, tared)
     at = np.linspace(0, len(t) - 1, _SKETCH).astype(int)
     hull = [row for row, name in enumerate(present) if name in _HULL]
     shared: dict[str, Any] = {

@@ -103,7 +103,7 @@ def examine_zeros(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[
         severity="info" if tared else "warning",
         message=message,
         runs=tuple(item.run.id for item in seen),
-        remedy="" if tared else "Take it off record by record: tare = true under [defaults].",
+        remedy="" if tared else f"Take it off record by record: {_where_to_tare(seen, summaries)}.",
         numbers={f"{x.channel}_range": float(np.ptp(x.value)) for x in changing},
         by_run={
             item.run.id: {
@@ -141,13 +141,13 @@ SHARE: Final = 2e-3
 
 
 def rest_facts(
-    t: Array, forces: Mapping[str, Array], tared: Mapping[str, tuple[float, float]]
+    t: Array, columns: Mapping[str, Array], tared: Mapping[str, tuple[float, float]]
 ) -> dict[str, float]:
     """What the channels show at rest; nothing where the record begins on the way.
 
-    t [s].
+    t [s]; `columns`: forces, and of the motion what was recorded.
     """
-    facts = _rest_left(t, forces)
+    facts = _rest_left(t, columns)
     for name in CHANNELS:
         if name in tared:
             facts |= {f"{name}_zero": tared[name][0], f"{name}_zero_std": tared[name][1]}
@@ -159,13 +159,13 @@ def rest_facts(
     return facts | ({"tared": 1.0} if tared else {})
 
 
-def _rest_left(t: Array, forces: Mapping[str, Array]) -> dict[str, float]:
-    names = [name for name in CHANNELS if name in forces]
+def _rest_left(t: Array, columns: Mapping[str, Array]) -> dict[str, float]:
+    names = [name for name in CHANNELS if name in columns]
     if names[:1] != ["X"]:
         return {}
-    record = np.stack([forces[name] for name in names])
+    record = np.stack([columns[name] for name in names])
     try:
-        found = head_rest(t, record)
+        found = head_rest(t, record, motion=columns)
     except DataError:
         return {}
     if found is None:
@@ -181,31 +181,44 @@ def _rest_left(t: Array, forces: Mapping[str, Array]) -> dict[str, float]:
     return facts
 
 
-def examine_rest(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
-    """Zeros of the gauges in records that begin at rest, where nothing takes them off.
+def _where_to_tare(standing: Sequence[Summary], summaries: Sequence[Summary]) -> str:
+    """Where a file says that zeros are taken off: a run that begins on the way has none."""
+    every = len(standing) == len(summaries)
+    return "tare = true under [defaults]" if every else "tare = true of each of these runs"
 
-    The median over the records counts, against the scatter over them and the noise of each; it is
-    told if it lies four standard errors off and is more than 0.2 % of the usual force.
+
+def zeros_off(facts: Sequence[Mapping[str, float]]) -> dict[str, tuple[float, float, float]]:
+    """Zeros of gauges that stand off at rest, their standard errors and the usual forces [N, N m].
+
+    Of the facts of records; the median over them counts, against the scatter over them and the
+    noise of each. It stands off by four standard errors and 0.2 % of the usual force.
     """
-    standing = [item for item in summaries if "rest_s" in item.facts]
-    words, numbers = [], {}
+    off = {}
     for name in CHANNELS:
-        facts = [item.facts for item in standing if f"{name}_rest" in item.facts]
-        if not facts:
+        known = [fact for fact in facts if f"{name}_rest" in fact]
+        if not known:
             continue
-        values = np.array([fact[f"{name}_rest"] for fact in facts])
-        noise = float(np.median([fact[f"{name}_rest_std"] for fact in facts]))
+        values = np.array([fact[f"{name}_rest"] for fact in known])
+        noise = float(np.median([fact[f"{name}_rest_std"] for fact in known]))
         zero = float(np.median(values))
         scatter = 1.4826 * float(np.median(np.abs(values - zero)))
         error = 1.25 * max(noise, scatter) / math.sqrt(len(values))
-        size = float(np.median([fact[f"{name}_size"] for fact in facts]))
+        size = float(np.median([fact[f"{name}_size"] for fact in known]))
         if abs(zero) > max(SIGMAS * error, SHARE * size):
-            unit = CHANNEL_UNITS[name]
-            words.append(
-                f"{name} {figure(zero)} ± {figure(WIDE * error, 2)} {unit} "
-                f"({100 * abs(zero) / size:.2g} % of its usual force)"
-            )
-            numbers[name] = zero
+            off[name] = (zero, error, size)
+    return off
+
+
+def examine_rest(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """Zeros of the gauges in records that begin at rest, where nothing takes them off."""
+    standing = [item for item in summaries if "rest_s" in item.facts]
+    words, numbers = [], {}
+    for name, (zero, error, size) in zeros_off([item.facts for item in standing]).items():
+        words.append(
+            f"{name} {figure(zero)} ± {figure(WIDE * error, 2)} {CHANNEL_UNITS[name]} "
+            f"({100 * abs(zero) / size:.2g} % of its usual force)"
+        )
+        numbers[name] = zero
     if words:
         seconds = float(np.median([item.facts["rest_s"] for item in standing]))
         yield CheckFinding(
@@ -215,7 +228,8 @@ def examine_rest(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[
             f"about {figure(seconds, 2)} s, and the gauges do not show zero there: "
             f"{', '.join(words)}. Nothing takes it off; in X it is taken for resistance.",
             runs=tuple(item.run.id for item in standing),
-            remedy="Take it off each record: tare = true under [defaults], or [[corrections]] with "
+            remedy="Take it off each record: "
+            f"{_where_to_tare(standing, summaries)}, or [[corrections]] with "
             'action = "tare" and these runs.',
             numbers=numbers,
         )

@@ -17,6 +17,7 @@ from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, open_campaign
 from pmmkit.conventions import CHANNEL_UNITS, Ship, channel_of, factor_to, unit_factor, unit_in_name
 from pmmkit.intake.blocks import kind_with
+from pmmkit.intake.checks.rest import rest_facts, zeros_off
 from pmmkit.intake.drafts.columns import ColumnChoice, with_choices
 from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.matrix import (
@@ -32,13 +33,21 @@ from pmmkit.intake.drafts.matrix import (
     template_of,
     where_of,
 )
-from pmmkit.intake.drafts.motion import RunFacts, drift_column, motion_facts, sharper, with_drift
-from pmmkit.intake.drafts.names import RunKey, facts_of, settled
+from pmmkit.intake.drafts.motion import (
+    BY_PATH,
+    RunFacts,
+    drift_column,
+    motion_facts,
+    sharper,
+    with_drift,
+)
+from pmmkit.intake.drafts.names import RunKey, facts_of, facts_of_header, settled
 from pmmkit.intake.drafts.questions import Found, particulars_of
 from pmmkit.intake.file import LARGE, values_of
 from pmmkit.intake.folder import FileGroup, Look, look
 from pmmkit.intake.seen import ColumnLook, FileLook
 from pmmkit.numerics import Array
+from pmmkit.presentation import counted
 from pmmkit.readers import READERS
 
 
@@ -49,13 +58,15 @@ class RunDraft:
     `id, file`: name of the run; its file relative to the campaign file. `look`: how the file is
     read. `test`: kind of test, None where nobody knows. `problems`: what is wrong with its
     file. `motion`: where the motion of the hull lies beside its forces. `sheet`: sheet of the
-    workbook that holds the run, where it has several. `computation`: what lies beside it, or
+    workbook that holds the run, where it has several. `skip_rows`: lines above its columns.
+    `computation`: what lies beside it, or
     the format says, of what ``[cfd]`` asks. `listed`: whether a matrix says what it was set to.
     `notes`: what of the motion that it was told to make was not followed. `where`: which rows
     of a table are meant, by their columns. `skip`: rows of a table that are not. `samples`:
-    whether rows of one id are samples: ``cycle``. `template`: id of the rows of a table, with
-    columns in braces; empty where it is to be found. `columns`: columns that are others than
-    those of all tables.
+    whether rows of one id are samples: ``cycle``. `rest`: what the gauges show while the hull
+    stands at the head of its record, as `rest_facts` has it. `template`: id of the rows of a
+    table, with columns in braces; empty where it is to be found. `columns`: columns that are others
+    than those of all tables.
     """
 
     id: str
@@ -66,12 +77,14 @@ class RunDraft:
     problems: tuple[str, ...] = ()
     motion: str | None = None
     sheet: str | int | None = None
+    skip_rows: int = 0
     computation: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     listed: bool = False
     notes: tuple[str, ...] = ()
     where: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     skip: tuple[int, ...] = ()
     samples: str | None = None
+    rest: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     template: str = ""
     columns: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
@@ -162,6 +175,7 @@ def draft_of(
     matrices = _matrices(seen, base, runs)
     for matrix in matrices:
         runs = [_as_listed(run, matrix) for run in runs]
+    runs = _at_one_speed(_tared(runs))
     listing = [(matrix.look.path, matrix.look.options) for matrix in matrices]
     kind = _kind(runs, tables, saved[0][1].kind if saved else None)
     apart = [
@@ -252,6 +266,43 @@ def _as_listed(run: RunDraft, matrix: MatrixDraft) -> RunDraft:
     )
 
 
+_SAME_SPEED: Final = 0.01
+"""Share by which speeds of yaw tests may differ that are one."""
+
+
+def _at_one_speed(runs: Sequence[RunDraft]) -> list[RunDraft]:
+    """Runs with the speed that the yaw tests among them show, where nothing else tells one."""
+    keys = [x for run in runs for x in run.settings if x.key == "speed" and x.value is not None]
+    told = np.array([x.value for x in keys if BY_PATH in x.reason])
+    if not told.size or told.size < len(keys) or np.ptp(told) > _SAME_SPEED * told.mean():
+        return list(runs)
+    speed = RunKey(
+        key="speed",
+        value=float(f"{np.median(told):.4g}"),
+        reason=f"{BY_PATH}, {counted(told.size, 'run')}",
+        todo="if a run had another speed",
+    )
+    return [
+        replace(run, settings=tuple(speed if x.key == "speed" else x for x in run.settings))
+        for run in runs
+    ]
+
+
+def _tared(runs: Sequence[RunDraft]) -> list[RunDraft]:
+    """Runs that begin at rest, their zeros to be taken off where gauges stand off there.
+
+    Runs that a matrix lists have no lines of their own: of them all must begin at rest.
+    """
+    standing = [run for run in runs if run.rest]
+    off = zeros_off([run.rest for run in standing])
+    if not off or (any(run.listed for run in runs) and len(standing) < len(runs)):
+        return list(runs)
+    told = ", ".join(f"{name} {zero:.3g} {CHANNEL_UNITS[name]}" for name, (zero, *_) in off.items())
+    reason = f"the gauges show {told} at the rest before {'these' if standing[1:] else 'this'} run"
+    tare = RunKey(key="tare", value=True, reason=reason + "s" * bool(standing[1:]))
+    return [replace(run, settings=(*run.settings, tare)) if run.rest else run for run in runs]
+
+
 def _library_ship(name: str | None) -> Ship | None:
     if name is None:
         return None
@@ -281,26 +332,34 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
     drift = drift_column(group.first)
     drafts = []
     for item in group.files:
-        named = facts_of(_name(item))
+        named, headed = facts_of(_name(item)), facts_of_header(item.lines_above)
         columns = {**wanted, "t": clock, **({} if drift is None else {"drift": drift})}
         channels, problems = _channels(
-            replace(group.first, path=item.path, shown=item.shown, options=item.options), columns
+            replace(
+                group.first,
+                path=item.path,
+                shown=item.shown,
+                options=item.options,
+                layout=item.layout,
+            ),
+            columns,
         )
         time = channels.pop("t", np.zeros(0))
-        moved = motion_facts(time, channels, named.test) if len(time) else RunFacts()
-        told = _told(item, named.test)
+        test = named.test or headed.test
+        moved = motion_facts(time, channels, test) if len(time) else RunFacts()
+        told = _told(item, test)
         moved = replace(
             moved, test=moved.test or told.test, settings={**moved.settings, **told.settings}
         )
-        test = named.test if named.test is not None else moved.test
-        test = sharper(test, moved)
+        test = sharper(test or moved.test, moved)
         motion = _motion_beside(item, base)
-        settings = settled(test, named, moved, length=length)
+        settings = settled(test, named, moved, headed, length=length)
         drafts.append(
             RunDraft(
                 id=PurePosixPath(_name(item)).name,
                 file=base + _file(item),
                 sheet=item.options.sheet,
+                skip_rows=item.options.skip_rows,
                 look=group.first,
                 test=test,
                 settings=tuple(x for x in settings if motion is None or "amplitude" not in x.key),
@@ -308,6 +367,7 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
                 motion=motion,
                 notes=READERS[item.format].prescribed(item.request)[1],
                 computation=_computation(item, test),
+                rest=rest_facts(time, channels, {}) if len(time) else {},
             )
         )
     return drafts

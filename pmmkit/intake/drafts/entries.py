@@ -150,7 +150,7 @@ def _density(rho_inf: float | None, todo: Todo) -> list[str]:
 
 
 _ASKED_ONCE: Final = ("speed", "period")
-"""Settings that whole programmes share: where no run knows them they are asked for once."""
+"""Settings that whole programmes share: where they are asked, they are asked for once."""
 
 
 Shared = tuple[tuple[RunKey, ...], Mapping[str, tuple[RunKey, ...]]]
@@ -163,7 +163,7 @@ def in_common(
     """The settings that all runs, or all of a kind, have alike; runs and tables without them."""
     entries = [*runs, *tables]
     shared = _shared(entries)
-    every = tuple(item for item in shared if item.key == "speed")
+    every = tuple(item for item in shared if item.key in ("speed", "tare"))
     entries = _without(entries, every)
     tests = dict.fromkeys(entry.test for entry in entries if entry.test is not None)
     of_kind = {}
@@ -176,7 +176,7 @@ def in_common(
 
 
 def _shared(entries: Sequence[RunDraft]) -> tuple[RunKey, ...]:
-    """Settings that two or more entries have, and all that have them alike."""
+    """Settings that two or more entries have, and all that have them alike; tare only of all."""
     found: dict[str, list[RunKey]] = {}
     for entry in entries:
         for item in entry.settings:
@@ -185,8 +185,9 @@ def _shared(entries: Sequence[RunDraft]) -> tuple[RunKey, ...]:
         _one(items)
         for key, items in found.items()
         if len(items) > 1
+        and (key != "tare" or len(items) == len(entries))
         and len({(item.value, item.todo, item.active) for item in items}) == 1
-        and ((items[0].active and not items[0].todo) or (key in _ASKED_ONCE and not items[0].value))
+        and ((items[0].active and not items[0].todo) or key in _ASKED_ONCE)
     )
 
 
@@ -312,6 +313,8 @@ def entry_lines(
         lines.append(f"cfd = {toml(own)}")
     if entry.look is base and entry.sheet is not None and apart:
         lines.append(f"source = {{ sheet = {toml(entry.sheet)} }}")
+    elif entry.look is base and table == "runs" and entry.skip_rows != base.options.skip_rows:
+        lines.append(f"source = {{ skip_rows = {entry.skip_rows} }}")
     shared = base is not None and entry.look is not base and entry.look.columns == base.columns
     if shared:
         lines.append(f"source = {{ {', '.join(_apart(entry))} }}")
@@ -332,6 +335,8 @@ def entry_lines(
         todo.of_run('the file is damaged or lacks values (missing = "drop" in [source])', entry.id)
     if apart_columns:
         options = replace(entry.look.options, sheet=entry.sheet)
+        if table == "runs":
+            options = replace(options, skip_rows=entry.skip_rows)
         source = source_lines(entry.look, options, every=base is not None)
         lines += [f"[{table}.source]", *source]
         lines.append(f"[{table}.columns]")

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -18,7 +19,7 @@ from pmmkit.intake.guessing import suggest
 from pmmkit.intake.seen import ColumnLook, FileLook
 from pmmkit.numerics import Array, unwrapped
 from pmmkit.presentation import WIDE
-from pmmkit.signals import FEWEST, at_speed, design_matrix, estimate_frequency
+from pmmkit.signals import FEWEST, at_size, at_speed, design_matrix, estimate_frequency
 
 # Columns of histories that say the drift angle: a setting, and no channel.
 
@@ -56,6 +57,11 @@ _SETTLING: Final = 0.15
 """Part of a record at its beginning that is left out."""
 _COHERENT: Final = 0.5
 """Share of a channel's variance that one frequency must explain for it to oscillate."""
+_PULLED_STEP: Final = 0.01
+_PULLED: Final = 1.0 + _PULLED_STEP * np.array([0, -1, 1, -2, 2, -3, 3, -4, 4, -5, 5])
+"""Frequencies over that of a record with its ramps: 13.36 s was fitted where 13 s were run."""
+_RAMPED: Final = 0.005
+"""Share by which a ramp that was cut must have changed an amplitude to be told."""
 _SMALL: Final = {"v": 0.01, "r": 0.004, "psi": 0.004, "y": 0.005, "u": 0.01, "delta": 0.05}
 """Amplitudes below which a motion is held to be none [m/s, rad/s, rad, m]."""
 
@@ -65,11 +71,13 @@ class RunFacts:
     """What a record, or its name, says of a run.
 
     `settings`: value and where it was seen, by key of the campaign file; ``froude`` is the Froude
-    number. `hints`: values whose meaning a person must confirm, and why.
+    number. `alone`: numbers with a unit and no letter, by what they can only be; a record that
+    disagrees counts instead. `hints`: values whose meaning a person must confirm, and why.
     """
 
     test: str | None = None
     settings: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    alone: Mapping[str, tuple[float, str]] = field(default_factory=dict)
     hints: Mapping[str, tuple[float, str]] = field(default_factory=dict)
 
 
@@ -104,7 +112,18 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> R
     found = _frequency(time, seen, swings, kind)
     if found is None:
         return _steady(seen, kind, why)
-    return _oscillating(time, seen, swings, found, kind)
+    size, omega = _at_size(t, channels, swings, found[0])
+    if why:
+        size = slice(max(kept.start, size.start), min(kept.stop, size.stop))
+    covered = t[size.stop - 1] - t[size.start] if size.stop > size.start else 0.0
+    if size == slice(0, len(t)) or size == kept or covered * omega < 2 * math.pi:
+        return _oscillating(time, seen, swings, found, kind)
+    whole = {name: abs(_harmonic(time, seen[name], found[0])) for name in swings}
+    time, seen = t[size], {name: numbers[size] for name, numbers in channels.items()}
+    again = _frequency(time, seen, swings, kind)
+    sure = again is not None and math.isfinite(again[1])
+    found = again if again is not None and sure else (omega, _PULLED_STEP * omega)
+    return _oscillating(time, seen, swings, found, kind, whole)
 
 
 def sharper(test: str | None, moved: RunFacts) -> str | None:
@@ -132,6 +151,26 @@ def _at_speed(t: Array, channels: Mapping[str, Array]) -> tuple[slice, str]:
             span = f"{t[travel.start]:.0f} to {t[travel.stop - 1]:.0f} s"
             return slice(travel.start, travel.stop), f", at speed from {span}"
     return slice(int(np.searchsorted(t, t[0] + _SETTLING * (t[-1] - t[0]))), len(t)), ""
+
+
+def _at_size(
+    t: Array, channels: Mapping[str, Array], swings: Mapping[str, float], omega: float
+) -> tuple[slice, float]:
+    """The samples at which what oscillates has its full size, and its frequency [rad/s].
+
+    Ramps pull the frequency; at the right one the size stays the same for longest.
+    """
+    moved = [name for name in ("y", "psi", "x", "delta") if name in swings] or list(swings)
+    whole = slice(0, len(t))
+    if not moved or len(t) < FEWEST:
+        return whole, omega
+    rows = np.stack([channels[name] for name in moved])
+    tried = [(at_size(t, rows, near), near) for near in omega * _PULLED]
+    cut = [item for item in tried if item[0].reason]
+    if not cut:
+        return whole, omega
+    longest, near = max(cut, key=lambda item: item[0].stop - item[0].start)
+    return slice(longest.start, longest.stop), float(near)
 
 
 def _oscillations(time: Array, seen: Mapping[str, Array], names: Sequence[str]) -> dict[str, float]:
@@ -200,7 +239,9 @@ def _oscillating(
     swings: Mapping[str, float],
     frequency: tuple[float, float],
     kind: TestKind | None,
+    whole: Mapping[str, float] = MappingProxyType({}),
 ) -> RunFacts:
+    """Settings of an oscillating test; `whole` are the swings with the ramps that were cut."""
     omega, std = frequency
     period = 2 * math.pi / omega
     source = ", ".join(swings) or "forces"
@@ -219,11 +260,16 @@ def _oscillating(
     for swing in swung if yaw[0] in swung or not turning else (*swung, *yaw):
         for name in (swing.velocity, swing.displacement):
             if name in first:
-                size = abs(first[name]) / (omega if name == swing.velocity else 1.0)
-                size = RUN_SETTINGS[swing.amplitude].to_file(size)
-                settings.setdefault(
-                    RUN_SETTINGS.key_of(swing.amplitude), (_rounded(size, 4), f"recorded {name}")
+                to_file = RUN_SETTINGS[swing.amplitude].to_file
+                rate = omega if name == swing.velocity else 1.0
+                size, over = (
+                    _rounded(to_file(x / rate), 4)
+                    for x in (abs(first[name]), whole.get(name, abs(first[name])))
                 )
+                where = f"recorded {name}"
+                if abs(over / size - 1.0) > _RAMPED:
+                    where += f" after the ramp, {over:g} over it"
+                settings.setdefault(RUN_SETTINGS.key_of(swing.amplitude), (size, where))
                 if swung == (swing,):
                     _add_phase(settings, first[name], name)
     if kind is TEST_KINDS["harmonic_rudder"]:
@@ -272,7 +318,7 @@ def _speed_and_drift(
 ) -> dict[str, tuple[float, str]]:
     """Carriage speed and mean drift angle of an oscillating test."""
     if "u" not in seen:
-        return _carriage(seen)
+        return _carriage(seen) or _along_tangent(time, seen, first, omega)
     v = seen.get("v", np.zeros_like(time))
     psi = np.zeros_like(time)
     if turning and "r" in first:
@@ -287,6 +333,25 @@ def _speed_and_drift(
         beta = math.degrees(math.atan2(-float(np.mean(v)), float(np.mean(seen["u"]))))
         found["drift_deg"] = (_tidy(beta), "recorded u and v")
     return found
+
+
+_IN_PHASE: Final = 0.05
+"""Share of a cross-track velocity that may be out of phase with the heading of a pure yaw."""
+BY_PATH: Final = "path and heading of yaw"
+"""Where a speed that nobody states comes from."""
+
+
+def _along_tangent(
+    time: Array, seen: Mapping[str, Array], first: Mapping[str, complex], omega: float
+) -> dict[str, tuple[float, str]]:
+    """The speed of a hull that points along its path: across the tank it goes U tan ψ."""
+    if not {"y", "psi"} <= set(first):
+        return {}
+    across = omega * complex(first["y"].imag, -first["y"].real)
+    speed = across / _harmonic(time, np.tan(seen["psi"]), omega)
+    if abs(speed.imag) > _IN_PHASE * abs(speed.real):
+        return {}
+    return {"speed": (_rounded(abs(speed.real), 4), BY_PATH)}
 
 
 def _steady(seen: Mapping[str, Array], kind: TestKind | None, when: str) -> RunFacts:

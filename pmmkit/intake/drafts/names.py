@@ -1,4 +1,4 @@
-"""What the name of a file says of its test: kind, speed, angles, period.
+"""What the name of a file and the lines above its columns say: kind of test, speed, angles, period.
 
 Names such as ``SD_U1.5_b+08``, ``static drift/beta12deg``, ``PMM_sway_T12.5_a0.2``, ``ZZ10-10``.
 Only what cannot mean anything else becomes a setting; the rest is a hint for a person.
@@ -9,16 +9,20 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, RunSetting, TestKind
+from pmmkit.conventions import factor_to
 from pmmkit.intake.blocks import held_too
 from pmmkit.intake.drafts.motion import RunFacts
+from pmmkit.intake.guessing import bare_header, suggest
 from pmmkit.presentation import meanings
 
-_NUMBER: Final = r"([+-]?\d+(?:[.p]\d+)?)"
+_NUMBER: Final = r"([+-]?(?:\d+(?:[.,p]\d+)?|\.\d+))"
+_ALONE: Final = re.compile(_NUMBER + "(deg|°|mm|m|s|sec)")
+"""A number with nothing but its unit."""
 
 _BESIDE: Final = (
     ("froude", r"(?:[Ff][nr]|FN|FR|[Ff]roude)#"),
@@ -91,13 +95,37 @@ def facts_of(name: str) -> RunFacts:
                 (marks if key.startswith("hint") else settings).setdefault(key, (value, token))
     test = _refined(test, settings)
     settings = _along_the_path(test, settings)
-    return RunFacts(test=test, settings=_kept(test, settings), hints=_hints(test, marks))
+    alone = _along_the_path(test, dict(_alone(test, [x for part in parts for x in _tokens(part)])))
+    return RunFacts(
+        test=test,
+        settings=_kept(test, settings),
+        alone=_kept(test, alone),
+        hints=_hints(test, marks),
+    )
+
+
+def _alone(test: str | None, tokens: Sequence[str]) -> Iterator[tuple[str, tuple[float, str]]]:
+    """What the only number with a unit and no letter can be in a captive test of that kind."""
+    kind = None if test is None else TEST_KINDS[test]
+    if kind is None or not kind.captive:
+        return
+    found: dict[str, list[tuple[float, str]]] = {}
+    for token in tokens:
+        if (number := _ALONE.fullmatch(token)) is not None:
+            unit = {"sec": "s", "°": "deg", "mm": "m"}.get(number[2], number[2])
+            factor = 1e-3 if number[2] == "mm" else 1.0
+            found.setdefault(unit, []).append((_value(number[1]) * factor, token))
+    turned = "yaw_amplitude_deg" if kind.pure == "r" else "drift_deg" if kind.steady else ""
+    for unit, key in (("s", "period"), ("m", "amplitude_m"), ("deg", turned)):
+        if key and len(found.get(unit, ())) == 1:
+            yield key, found[unit][0]
 
 
 def _tokens(part: str) -> list[str]:
     """Parts of a name between separators, a word joined with the number that follows it."""
-    part = re.sub(rf"(?<=[A-Za-zβδψφ])=(?={_NUMBER})", "", part)
-    parts = re.split(r"[_\s,;=()\[\]]+|(?<=[A-Za-z])-(?=[A-Za-z])", part)
+    part = re.sub(rf"(?<=[A-Za-zβδψφ])\s*=\s*(?={_NUMBER})", "", part)
+    part = re.sub(r"(?<=\d)\s(?=(?:deg|°|mm|m|s)(?![A-Za-z]))", "", part)
+    parts = re.split(r"(?:[_\s;=()\[\]]|(?<!\d),|,(?!\d))+|(?<=[A-Za-z\d])-(?=[A-Za-z])", part)
     pieces = [piece for piece in parts if piece]
     joined = [
         first + second
@@ -113,11 +141,19 @@ def _values(token: str) -> Iterable[tuple[str, float]]:
         if found is None:
             continue
         text = next(group for group in found.groups() if group is not None)
-        value = float(text.replace("p", "."))
-        if key == "froude" and re.fullmatch(r"0\d+", text):
+        value = _value(text)
+        if key in _BELOW_ONE and factor == 1.0 and re.fullmatch(r"0\d+", text):
             value = float(f"0.{text[1:]}")
         yield key, value * factor
         return
+
+
+_BELOW_ONE: Final = ("froude", "amplitude_m")
+"""Of these 025 in a name is 0.25."""
+
+
+def _value(text: str) -> float:
+    return float(re.sub("[,p]", ".", text))
 
 
 def test_named(part: str) -> str | None:
@@ -174,13 +210,19 @@ def _refined(test: str | None, settings: Mapping[str, tuple[float, str]]) -> str
 def _along_the_path(
     test: str | None, settings: Mapping[str, tuple[float, str]]
 ) -> dict[str, tuple[float, str]]:
-    """An amplitude in metres of a test that only yaws is that of its path."""
+    """An amplitude in metres of a test that only yaws is that of its path, else of its heading."""
     kind = None if test is None else TEST_KINDS[test]
     if kind is None or _swinging(kind) != ["r"]:
         return dict(settings)
     value, token = settings.get("amplitude_m", (0.0, ""))
     left = {key: item for key, item in settings.items() if key != "amplitude_m"}
-    return {**left, "path_amplitude_m": (value, token)} if token.endswith("m") else left
+    if token.endswith("m"):
+        return {**left, "path_amplitude_m": (value, token)}
+    return {"yaw_amplitude_deg": (value, token), **left} if value >= _DEGREE else left
+
+
+_DEGREE: Final = 1.0
+"""An amplitude of yaw without a unit that is as large is no path, and no radians."""
 
 
 def _swinging(kind: TestKind) -> list[str]:
@@ -227,7 +269,41 @@ def _hints(
     }
 
 
-# What the settings of a run are put to: the name's word beside the record's.
+_SAID: Final = re.compile(
+    r"[\W_]*(?P<name>[^:=\t;]*?[^\W\d][^:=\t;]*?)\s*[:=\t;]\s*(?P<number>[+-]?\d*[.,]?\d+)\s*"
+    r"\[?(?P<unit>[^\W\d_][\w/²]*|°)?\]?[\s;,\"]*"
+)
+"""A line such as ``# Sway amplitude [m]: 0.25`` or ``Periode; 9,0; s``."""
+
+
+def facts_of_header(lines: Sequence[str]) -> RunFacts:
+    """What the lines above the columns of a file say of its test.
+
+    Examples
+    --------
+    >>> found = facts_of_header(["# Test: Pure sway", "# Sway amplitude: 250 mm"])
+    >>> found.test, found.settings
+    ('pure_sway', {'amplitude_m': (0.25, 'Sway amplitude: 250 mm')})
+    """
+    settings: dict[str, tuple[float, str]] = {}
+    tests = [test for line in lines if (test := test_named(line.rpartition(":")[2])) is not None]
+    test = tests[0] if len(set(tests)) == 1 else None
+    for line in lines:
+        if (found := _SAID.fullmatch(line)) is None:
+            continue
+        name, unit = bare_header(found["name"], found["unit"])
+        (item,) = suggest([name], [unit], {}, table=True)
+        if item is None or item.certainty == "perhaps" or item.name not in RUN_SETTINGS.units:
+            continue
+        factor = factor_to(unit, RUN_SETTINGS.units[item.name]) if unit else 1.0
+        if factor is not None:
+            value = float(f"{_value(found['number']) * factor:.9g}")
+            settings.setdefault(item.name, (value, line.strip('#%;*! \t"')))
+    test = _refined(test, settings)
+    return RunFacts(test=test, settings=settings)
+
+
+# What the settings of a run are put to: what name, header and record say, held against each other.
 
 
 _ALSO: Final = ("drift_deg", "rudder_deg", "heel_deg", "phase_deg", "propeller_rps")
@@ -267,28 +343,53 @@ def asked_of(test: str | None) -> tuple[str, ...]:
 
 
 def settled(
-    test: str | None, named: RunFacts, moved: RunFacts, *, length: float | None, g: float = 9.81
+    test: str | None,
+    named: RunFacts,
+    moved: RunFacts,
+    headed: RunFacts | None = None,
+    *,
+    length: float | None,
+    g: float = 9.81,
 ) -> tuple[RunKey, ...]:
-    """The settings of a run from its name and its record.
+    """The settings of a run from its name, the lines above its columns and its record.
 
     length [m]; g [m/s²].
     """
-    said = _with_speed(named.settings, length, g)
+    above = {} if headed is None else _kept(test, _along_the_path(test, headed.settings))
+    alone = {
+        key: item
+        for key, item in named.alone.items()
+        if key not in moved.settings or _agree(key, item[0], moved.settings[key][0])
+    }
+    said = _with_speed({**alone, **named.settings}, length, g)
+    said = {key: _with_point(key, item, moved.settings) for key, item in said.items()}
     if test is not None and TEST_KINDS[test].swings_rudder and "rudder_deg" in said:
         said["rudder_amplitude_deg"] = said.pop("rudder_deg")
+    said = {key: (value, f"{text} in the name") for key, (value, text) in said.items()}
+    above = {key: (value, f"{text!r} in the header") for key, (value, text) in above.items()}
+    sources = {"name": said, "header": above, "record": moved.settings}
     wanted = ("speed", *asked_of(test))
     free = test is not None and TEST_KINDS[test].free_running
-    out = [
-        _one(key, said, moved.settings, named, said.get("froude"), unsure=free) for key in wanted
-    ]
+    out = [_one(key, sources, named, said.get("froude"), unsure=free) for key in wanted]
+    first = {**moved.settings, **above, **said}
     out += [
-        _one(key, said, moved.settings, named, unsure=free)
+        _one(key, sources, named, unsure=free)
         for key in _ALSO
-        if key not in wanted
-        and (key in said or key in moved.settings)
-        and abs(said.get(key, moved.settings.get(key, (0.0, "")))[0]) > 0.2
+        if key not in wanted and abs(first.get(key, (0.0, ""))[0]) > 0.2
     ]
     return tuple(out)
+
+
+def _with_point(
+    key: str, said: tuple[float, str], recorded: Mapping[str, tuple[float, str]]
+) -> tuple[float, str]:
+    """A number whose point names left out, such as U12 for 1.2, where the record says so."""
+    value, text = said
+    if key in recorded and not re.search(r"\d[.,p]\d", text):
+        for tenth in (1.0, 0.1, 0.01, 0.001):
+            if _agree(key, value * tenth, recorded[key][0]):
+                return float(f"{value * tenth:.6g}"), text
+    return said
 
 
 def _with_speed(
@@ -308,31 +409,36 @@ def _with_speed(
 
 def _one(
     key: str,
-    said: Mapping[str, tuple[float, str]],
-    recorded: Mapping[str, tuple[float, str]],
+    sources: Mapping[str, Mapping[str, tuple[float, str]]],
     named: RunFacts,
     froude: tuple[float, str] | None = None,
     *,
     unsure: bool,
 ) -> RunKey:
-    if key in said and key in recorded:
-        value, text = said[key]
-        other, where = recorded[key]
-        if _agree(key, value, other):
-            return RunKey(key=key, value=value, reason=f"{text} in the name; {where}: {other:g}")
-        todo = f"the name says {value:g}, the record ({where}) {other:g}: which is right?"
-        return RunKey(key=key, value=value, reason=f"{text} in the name", todo=todo)
-    if key in said:
-        value, text = said[key]
-        return RunKey(key=key, value=value, reason=f"{text} in the name")
-    if key in recorded:
-        value, where = recorded[key]
-        return RunKey(key=key, value=value, reason=where, todo="right?" if unsure else "")
+    """What the first of the sources says, and what the others say beside it."""
+    told = {source: facts[key] for source, facts in sources.items() if key in facts}
+    if told:
+        (source, (value, text)), *others = told.items()
+        apart = [
+            f"the {other} ({where}) {number:g}"
+            for other, (number, where) in others
+            if not _agree(key, value, number)
+        ]
+        if apart:
+            todo = f"the {source} says {value:g}, {', '.join(apart)}: which is right?"
+            return RunKey(key=key, value=value, reason=text, todo=todo)
+        beside = [
+            f"{where}: {number:g}" if other == "record" else where
+            for other, (number, where) in others
+        ]
+        todo = "right?" if unsure and source == "record" else ""
+        return RunKey(key=key, value=value, reason="; ".join((text, *beside)), todo=todo)
+    said = sources["name"]
     known = RUN_SETTINGS.by_key.get(key)
     instead, meant = _INSTEAD.get(key, ("", ""))
     if instead in said:
         value, text = said[instead]
-        return RunKey(key=instead, value=value, reason=f"{text} in the name: {meant}, in metres")
+        return RunKey(key=instead, value=value, reason=f"{text}: {meant}, in metres")
     hint = next(
         (
             (name, item)

@@ -240,6 +240,10 @@ def with_answer(text: str, lines: Sequence[int], answer: str) -> str:
         if found is None or found["left"].startswith("["):
             continue
         key = found["left"].partition(" = ")[0].strip()
+        other = _OTHER.fullmatch(answer.strip())
+        if other is not None and f"{other['key']} = " in found["text"]:
+            told[number - 1] = aligned(f"{other['key']} = {_value(other['value'])}", "")
+            continue
         note = found["note"].strip("; ") or found["text"].partition("; fresh")[0].rstrip(".:, ")
         short = note if len(note) < _LONGEST_NOTE else ""
         told[number - 1] = aligned(f"{key} = {_value(answer)}", short.removesuffix(", or"))
@@ -248,6 +252,8 @@ def with_answer(text: str, lines: Sequence[int], answer: str) -> str:
 
 _NUMBER: Final = re.compile(r"[+-]?(\d{1,15}([.,]\d*)?|[.,]\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
 """A number as people type it."""
+_OTHER: Final = re.compile(r"(?P<key>[A-Za-z]\w*) ?= ?(?P<value>.+)")
+"""An answer by another key that the question names, such as volume for mass."""
 _LONGEST_NOTE: Final = 70
 """Of what was asked, kept beside its answer."""
 

@@ -21,6 +21,7 @@ from pmmkit.intake.drafts.entries import (
     saved_run_lines,
 )
 from pmmkit.intake.drafts.matrix import scatter_lines
+from pmmkit.intake.drafts.questions import FRESH_WATER
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import printable
 from pmmkit.readers import READERS
@@ -122,7 +123,7 @@ def _campaign(draft: Draft, todo: Todo) -> list[str]:
     return [
         *lines,
         _forces(draft.proposal, todo),
-        *_signs(draft.proposal, todo),
+        *_signs(draft.proposal, todo, steered=_steered(draft)),
         "# moment_reference_x = 0.0       # TODO point to which moments refer, forward of midship",
         '# free = ["heave", "pitch"]      # TODO what the mount leaves free',
     ]
@@ -144,28 +145,39 @@ def _forces(proposal: Proposal | None, todo: Todo) -> str:
     return 'forces = "hydrodynamic"          # TODO "balance" if the model\'s inertia is in them'
 
 
-def _signs(proposal: Proposal | None, todo: Todo) -> list[str]:
+def _steered(draft: Draft) -> bool:
+    """Whether a rudder is set or recorded in some run."""
+    entries = (*draft.runs, *draft.tables)
+    named = {name for entry in entries for name in (*entry.look.known, entry.test or "")}
+    named |= {setting.key for entry in entries for setting in entry.settings}
+    named |= {name for matrix in draft.matrices for name in matrix.settings}
+    return any("rudder" in name or name == "delta" for name in named)
+
+
+def _signs(proposal: Proposal | None, todo: Todo, *, steered: bool) -> list[str]:
     """How drift and rudder are counted: as physics says, else asked."""
     found = None if proposal is None else proposal.convention
+    rudder = [_TURNS] if steered else []
     if proposal is None or found is None:
         todo.add(
             "[campaign] signs: which way drift and rudder are positive ([axes] if x, y or z point "
             "the other way)."
         )
         asked = '# TODO "port-bow" if they count drift the other way'
-        return [f'drift_positive = "starboard-bow" {asked}', _TURNS]
+        return [f'drift_positive = "starboard-bow" {asked}', *rudder]
     bow = "port-bow" if "drift" in found.flips else "starboard-bow"
     drift = f'drift_positive = "{bow}"'
     if "drift" in proposal.recorded and "drift" not in found.flips:
         drift = aligned(f"# {drift}", "drift was recorded: it goes with [axes]")
-    rudder = 'rudder_positive = "port"' if "rudder" in found.flips else _TURNS
+    if "rudder" in found.flips:
+        rudder = ['rudder_positive = "port"']
     if found.changes:
         todo.add(f"Proposed from the physics of all runs: {found}. Is it so?")
     return [
         *commented(f"Axes and signs by the physics of all runs: {proposal.seen}."),
         "# All sideways forces and motions turned at once would give the same but for Y0 and N0.",
         drift,
-        rudder,
+        *rudder,
     ]
 
 
@@ -206,15 +218,21 @@ def _ship(draft: Draft, todo: Todo) -> list[str]:
             "# L = ...                        # TODO length between perpendiculars [m]",
             "# B = ...                        # TODO breadth [m]",
             "# d = ...                        # TODO draught [m]",
-            "# volume = ...                   # TODO displaced volume [m³]",
-            "# mass = ...                     # TODO mass as tested [kg]",
+            "# mass = ...                     # TODO mass as tested [kg], or volume = ... [m³]",
             "# Izz = ...                      # TODO yaw inertia about midship [kg m²]",
             "# xG = 0.0                       # TODO centre of gravity forward of midship [m]; if "
             "absent 0 ± 0.04 L where a balance weighs the model",
             *(_ROLL if any("K" in entry.look.known for entry in draft.runs) else ()),
         ]
+    return [*lines, "", "[water]", _density(draft, todo)]
+
+
+def _density(draft: Draft, todo: Todo) -> str:
+    """That of a tank is taken for fresh water's, 0.1 % true from 10 to 20 °C; the sea's is not."""
+    if draft.kind == "captive":
+        return _RHO
     todo.add("[water] rho: the density of the water [kg/m³].")
-    return [*lines, "", "[water]", _RHO]
+    return "# rho = ...                      # TODO density [kg/m³]; fresh water of 15 °C: 999.1"
 
 
 def _listed(draft: Draft, todo: Todo) -> list[str]:
@@ -228,15 +246,16 @@ def _listed(draft: Draft, todo: Todo) -> list[str]:
         elif key not in ("mass", "xG"):
             lines.append(f"# {key} = ...   # TODO")
             todo.add(f"[ship] {key}: it is not in the list.")
-    todo.add("[water] rho: the density of the water [kg/m³].")
-    lines += ["", "[water]", _RHO]
+    lines += ["", "[water]", _density(draft, todo)]
     if "depth" in found:
         return [*lines, aligned(f"depth = {toml(found['depth'][0])}", found["depth"][1])]
     return lines
 
 
 _OF_SHIP: Final = ("L", "B", "d", "volume", "Izz", "xG")
-_RHO: Final = "# rho = ...                      # TODO density [kg/m³]; fresh water of 15 °C: 999.1"
+_RHO: Final = aligned(
+    f"rho = {FRESH_WATER:g}", "fresh water of 15 °C; TODO density [kg/m³] if it was another"
+)
 _ROLL: Final = (
     "# zG = 0.0                       # TODO centre of gravity below the origin [m]",
     "# GM = ...                       # TODO metacentric height [m], for a model that rolls",
