@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +113,30 @@ def test_a_header_that_contradicts_its_record_is_asked(tmp_path, capsys):
     path.write_text(path.read_text().replace("# Sway amplitude: 0.25 m", "# Sway amplitude: 0.3 m"))
     asked = re.findall(r"TODO (.*which is right.*)", drafted(tmp_path / "c", capsys))
     assert asked == ["the header says 0.3, the record (recorded y) 0.25: which is right?"]
+
+
+def test_a_point_that_a_name_leaves_out_is_put_where_the_record_has_it(tmp_path, capsys):
+    """U12 and A025 are 1.2 m/s and 0.25 m; an angle ten times another one is asked."""
+    tests = text_tank.write(tmp_path / "c", LABORATORIES["numbered"])
+    for file in tests:
+        (tmp_path / "c" / file).rename(tmp_path / "c" / re.sub(r"(?<=[AU]\d)\.", "", file))
+    text = drafted(tmp_path / "c", capsys)
+    assert "which is right" not in text
+    assert tomllib.loads(text)["defaults"]["speed"] == 1.2
+    assert re.search(r"amplitude_m = 0.25 +# A025 in the name", text)
+    (tmp_path / "c" / "V416_drift_6deg_U12.txt").rename(tmp_path / "c" / "V416_drift_60deg_U12.txt")
+    (tmp_path / "c" / "campaign.toml").unlink()
+    assert "the name says 60, the record" in drafted(tmp_path / "c", capsys)
+
+
+def test_a_title_that_names_all_tests_names_none(tmp_path, capsys):
+    """The record says what was done, though each file speaks of sway above its columns."""
+    lab = replace(LABORATORIES["headed"], head=lambda _: ["Tank 2, sway tests", "Test no.: 4"])
+    tests = text_tank.write(tmp_path / "c", lab)
+    raw = tomllib.loads(drafted(tmp_path / "c", capsys))
+    for run in raw["runs"]:
+        kind = tests[run["file"]].kind
+        assert run["test"] == ("static_drift" if kind == "drift" else f"pure_{kind}")
 
 
 def test_a_name_that_contradicts_its_header_is_asked(tmp_path, capsys):

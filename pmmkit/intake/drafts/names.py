@@ -276,6 +276,10 @@ _SAID: Final = re.compile(
 """A line such as ``# Sway amplitude [m]: 0.25`` or ``Periode; 9,0; s``."""
 
 
+_LONGEST_LINE: Final = 200
+"""A longer line above the columns says nothing of one test."""
+
+
 def facts_of_header(lines: Sequence[str]) -> RunFacts:
     """What the lines above the columns of a file say of its test.
 
@@ -286,9 +290,11 @@ def facts_of_header(lines: Sequence[str]) -> RunFacts:
     ('pure_sway', {'amplitude_m': (0.25, 'Sway amplitude: 250 mm')})
     """
     settings: dict[str, tuple[float, str]] = {}
-    tests = [test for line in lines if (test := test_named(line.rpartition(":")[2])) is not None]
-    test = tests[0] if len(set(tests)) == 1 else None
-    for line in lines:
+    short = [line for line in lines if len(line) <= _LONGEST_LINE]
+    stated = [line.partition(":")[2] for line in short if ":" in line]
+    tests = {test for text in stated if (test := test_named(text)) is not None}
+    test = tests.pop() if len(tests) == 1 else None
+    for line in short:
         if (found := _SAID.fullmatch(line)) is None:
             continue
         name, unit = bare_header(found["name"], found["unit"])
@@ -380,12 +386,16 @@ def settled(
     return tuple(out)
 
 
+_POINTED: Final = ("speed", "amplitude_m", "path_amplitude_m")
+"""Settings that are seldom whole numbers."""
+
+
 def _with_point(
     key: str, said: tuple[float, str], recorded: Mapping[str, tuple[float, str]]
 ) -> tuple[float, str]:
     """A number whose point names left out, such as U12 for 1.2, where the record says so."""
     value, text = said
-    if key in recorded and not re.search(r"\d[.,p]\d", text):
+    if key in _POINTED and key in recorded and not re.search(r"\d[.,p]\d", text):
         for tenth in (1.0, 0.1, 0.01, 0.001):
             if _agree(key, value * tenth, recorded[key][0]):
                 return float(f"{value * tenth:.6g}"), text
