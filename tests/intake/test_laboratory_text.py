@@ -139,6 +139,15 @@ def test_a_title_that_names_all_tests_names_none(tmp_path, capsys):
         assert run["test"] == ("static_drift" if kind == "drift" else f"pure_{kind}")
 
 
+def test_a_phase_that_nobody_recorded_is_asked_before_a_run_is_blamed(tmp_path, capsys):
+    """Amplitude and period stand in the name, but when the swing began stands nowhere."""
+    text_tank.write(tmp_path / "c", LABORATORIES["numbered"], without=("y", "psi"))
+    text = drafted(tmp_path / "c", capsys)
+    (phase,) = (item for item in questions_of(text) if item.key == "runs.phase_deg")
+    assert (phase.kind, len(phase.lines)) == ("needed", 6)
+    assert "not recorded" in phase.text
+
+
 def test_a_name_that_contradicts_its_header_is_asked(tmp_path, capsys):
     tests = text_tank.write(tmp_path / "c", LABORATORIES["headed"])
     (file,) = (name for name, test in tests.items() if test.drift == 8)

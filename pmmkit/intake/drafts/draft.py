@@ -56,17 +56,16 @@ class RunDraft:
     """One entry of ``[[runs]]`` or ``[[tables]]``.
 
     `id, file`: name of the run; its file relative to the campaign file. `look`: how the file is
-    read. `test`: kind of test, None where nobody knows. `problems`: what is wrong with its
-    file. `motion`: where the motion of the hull lies beside its forces. `sheet`: sheet of the
-    workbook that holds the run, where it has several. `skip_rows`: lines above its columns.
-    `computation`: what lies beside it, or
-    the format says, of what ``[cfd]`` asks. `listed`: whether a matrix says what it was set to.
-    `notes`: what of the motion that it was told to make was not followed. `where`: which rows
-    of a table are meant, by their columns. `skip`: rows of a table that are not. `samples`:
-    whether rows of one id are samples: ``cycle``. `rest`: what the gauges show while the hull
-    stands at the head of its record, as `rest_facts` has it. `template`: id of the rows of a
-    table, with columns in braces; empty where it is to be found. `columns`: columns that are others
-    than those of all tables.
+    read. `test`: kind of test, None where nobody knows. `problems`: what is wrong with its file.
+    `motion`: where the motion of the hull lies beside its forces. `sheet`: sheet of the workbook
+    that holds the run, where it has several. `skip_rows`: lines above its columns. `computation`:
+    what lies beside it, or the format says, of what ``[cfd]`` asks. `listed`: whether a matrix says
+    what it was set to. `notes`: what of the motion that it was told to make was not followed.
+    `where`: which rows of a table are meant, by their columns. `skip`: rows of a table that are
+    not. `samples`: whether rows of one id are samples: ``cycle``. `rest`: what the gauges show
+    while the hull stands at the head of its record, as `rest_facts` has it. `template`: id of the
+    rows of a table, with columns in braces; empty where it is to be found. `columns`: columns that
+    are others than those of all tables.
     """
 
     id: str
@@ -353,7 +352,10 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
         )
         test = sharper(test or moved.test, moved)
         motion = _motion_beside(item, base)
+        rest = rest_facts(time, channels, {}) if len(time) else {}
         settings = settled(test, named, moved, headed, length=length)
+        if rest and motion is None and _phase_unknown(test, channels):
+            settings = (*settings, _PHASE)
         drafts.append(
             RunDraft(
                 id=PurePosixPath(_name(item)).name,
@@ -367,10 +369,26 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
                 motion=motion,
                 notes=READERS[item.format].prescribed(item.request)[1],
                 computation=_computation(item, test),
-                rest=rest_facts(time, channels, {}) if len(time) else {},
+                rest=rest,
             )
         )
     return drafts
+
+
+_PHASE: Final = RunKey(
+    key="phase_deg",
+    value=None,
+    todo="phase of the motion at t = 0: it is not recorded, and the record begins at rest",
+    active=False,
+)
+
+
+def _phase_unknown(test: str | None, channels: Mapping[str, Array]) -> bool:
+    """Whether nothing recorded tells where a swing stands."""
+    kind = None if test is None else TEST_KINDS[test]
+    if kind is None or not (kind.captive and kind.oscillates):
+        return False
+    return not any(told.channel in channels for told in kind.phase_channels)
 
 
 def _told(item: FileLook, test: str | None) -> RunFacts:

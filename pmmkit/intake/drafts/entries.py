@@ -425,7 +425,7 @@ def _question(setting: RunKey) -> str:
     """What is asked about a setting, the same for all runs."""
     known = RUN_SETTINGS.by_key.get(setting.key)
     if setting.value is None:
-        return f"{setting.key}: {(known and known.asked) or 'its value'}"
+        return f"{setting.key}: {(known and known.asked) or setting.todo or 'its value'}"
     if not setting.active:
         return f"{setting.key}, a number in the name: is it that?"
     return f"{setting.key}, to be checked"

@@ -267,7 +267,7 @@ def _oscillating(
                     for x in (abs(first[name]), whole.get(name, abs(first[name])))
                 )
                 where = f"recorded {name}"
-                if abs(over / size - 1.0) > _RAMPED:
+                if abs(over - size) > _RAMPED * size:
                     where += f" after the ramp, {over:g} over it"
                 settings.setdefault(RUN_SETTINGS.key_of(swing.amplitude), (size, where))
                 if swung == (swing,):
