@@ -31,13 +31,12 @@ from scripts.datasets.strangers.laboratories import FAST, FOLDERS, HULLS, SLOW, 
 Typed = Callable[[Sequence[str]], dict[str, Any]]
 """A command without its first word, to its JSON; raises where it fails."""
 
-START_UP = ("# ramp_s = ...", "ramp_s = 10.0")
 BALANCE = ('forces = "hydrodynamic"', 'forces = "balance"')
 EDITS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "workbook": (),
     "text": (),
-    "openfoam": (START_UP,),
-    "openfoam_v10": (START_UP,),
+    "openfoam": (),
+    "openfoam_v10": (),
     "heeled": (("# speed = ...", f"speed = {FAST}"),),
     "rotating_arm": (
         BALANCE,
