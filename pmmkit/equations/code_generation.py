@@ -77,6 +77,7 @@ ENTRIES: Final = (
     "windows",
     "pushed",
     "along",
+    "tangents",
     "shown",
     "steered",
 )

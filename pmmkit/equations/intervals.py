@@ -27,6 +27,7 @@ from pmmkit.equations.stand_ins import NS, complete, rates
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 System = tuple[Array, Array, Array, Places, Places, Array, float, Array, Array, Array]
 
 
@@ -234,15 +235,20 @@ def pushed(
                 out[t, i] = y[i]
 
 
+def surrounded(start: Array, stop: Array, share: float, more: Array, k: Array) -> None:
+    """Set wind, waves, measured heel and more forces at a share of the way between two instants."""
+    blown(start[InputField.wind_speed], start[InputField.wind_direction], k)
+    seaway(start, k)
+    heeled(start, stop, share, k)
+    for i in range(len(more)):
+        k[Constant.more_X + i] = more[i]
+
+
 def along(states: Array, inputs: Array, more: Array, k: Array, out: Array) -> None:
     """Rates of the states at every instant, with more forces than those of the effects."""
     y, rate = np.zeros(NS), np.zeros(NS)
     for t in range(len(states)):
-        blown(inputs[t, InputField.wind_speed], inputs[t, InputField.wind_direction], k)
-        seaway(inputs[t], k)
-        heeled(inputs[t], inputs[t], 0.0, k)
-        for i in range(more.shape[1]):
-            k[Constant.more_X + i] = more[t, i]
+        surrounded(inputs[t], inputs[t], 0.0, more[t], k)
         for i in range(NS):
             y[i] = states[t, i]
         rates(
@@ -269,3 +275,146 @@ def shown(states: Array, inputs: Array, kinds: Places, k: Array, out: Array) -> 
             for i in range(NS):
                 y[i] = states[t, i]
             out[t, q] = expected(kinds[q], y, k, h)
+
+
+def differenced(
+    y: Array,
+    start: Array,
+    stop: Array,
+    share: float,
+    more: Array,
+    k: Array,
+    moved: Array,
+    turned: Array,
+    acts: Flags,
+    steps: Array,
+    count: int,
+    work: Array,
+    out: Array,
+) -> None:
+    """Slopes of the rates between two instants over the first `count` of states, more forces and
+    values.
+
+    `moved` holds the constants a step further in each value, `turned` by how much the rudder is
+    further there, `acts` whether the ship minds; `steps` are those of states, forces and values.
+    The first row of `work` are the rates.
+    """
+    delta, revolutions = start[InputField.rudder], start[InputField.revolutions]
+    bucket, channels, now, further = start[InputField.bucket], len(more), work[0], work[1]
+    delta += share * (stop[InputField.rudder] - delta)
+    revolutions += share * (stop[InputField.revolutions] - revolutions)
+    bucket += share * (stop[InputField.bucket] - bucket)
+    surrounded(start, stop, share, more, k)
+    rates(y, delta, revolutions, bucket, k, now)
+    for j in range(count):
+        value = j - NS - channels
+        if j == State.x or j == State.y:
+            for i in range(NS):
+                out[i, j] = 0.0
+            continue
+        if j < NS:
+            kept = y[j]
+            y[j] = kept + steps[j]
+            rates(y, delta, revolutions, bucket, k, further)
+            y[j] = kept
+        elif value < 0:
+            k[Constant.more_X + j - NS] = more[j - NS] + steps[j]
+            rates(y, delta, revolutions, bucket, k, further)
+            k[Constant.more_X + j - NS] = more[j - NS]
+        elif acts[value]:
+            surrounded(start, stop, share, more, moved[value])
+            rates(y, delta + turned[value], revolutions, bucket, moved[value], further)
+        else:
+            for i in range(NS):
+                further[i] = now[i]
+        for i in range(NS):
+            out[i, j] = (further[i] - now[i]) / steps[j]
+
+
+def further_on(A: Array, slopes: Array, share: float, before: Array, out: Array) -> None:
+    """Rates of what is a share of its rates further: ``slopes + share A before``."""
+    for i in range(NS):
+        for j in range(slopes.shape[1]):
+            out[i, j] = slopes[i, j]
+        for l in range(NS):
+            gain = share * A[i, l]
+            if gain != 0.0:
+                for j in range(slopes.shape[1]):
+                    out[i, j] += gain * before[l, j]
+
+
+def tangents(
+    times: Array,
+    inputs: Array,
+    forces: Array,
+    begins: Places,
+    pieces: Places,
+    states: Array,
+    k: Array,
+    moved: Array,
+    turned: Array,
+    acts: Flags,
+    steps: Array,
+    out: Array,
+) -> None:
+    """Slopes (n, s, s + p f + m) of the states at every instant of windows along a path: over the
+    first states, over forces that act in one piece of the window, and over values.
+
+    The slopes of the rates, `differenced` at the instants and halfway, over forces and values only
+    there, are carried by the classical Runge-Kutta method; halfway the path is the cubic of its
+    ends and their rates.
+    """
+    channels, values, count = forces.shape[1], len(moved), len(steps)
+    width = out.shape[2]
+    begin, half, end = np.zeros((NS, count)), np.zeros((NS, count)), np.zeros((NS, count))
+    k2, k3, k4 = np.zeros((NS, count)), np.zeros((NS, count)), np.zeros((NS, count))
+    work, y, first = np.zeros((2, NS)), np.zeros(NS), np.zeros(NS)
+    for w in range(len(begins) - 1):
+        for i in range(NS):
+            for j in range(width):
+                out[begins[w], i, j] = 1.0 if i == j else 0.0
+        for t in range(begins[w] + 1, begins[w + 1]):
+            start, stop, more = inputs[t - 1], inputs[t], forces[t - 1]
+            h, piece = times[t] - times[t - 1], pieces[t - 1]
+            for i in range(NS):
+                y[i] = states[t - 1, i]
+            if t == begins[w] + 1:
+                differenced(
+                    y, start, stop, 0.0, more, k, moved, turned, acts, steps, NS, work, begin
+                )
+            surrounded(start, stop, 0.0, more, k)
+            rates(
+                y,
+                start[InputField.rudder],
+                start[InputField.revolutions],
+                start[InputField.bucket],
+                k,
+                first,
+            )
+            for i in range(NS):
+                y[i] = states[t, i]
+            differenced(y, start, stop, 1.0, more, k, moved, turned, acts, steps, NS, work, end)
+            for i in range(NS):
+                y[i] = 0.5 * (states[t - 1, i] + states[t, i]) + 0.125 * h * (first[i] - work[0, i])
+            differenced(y, start, stop, 0.5, more, k, moved, turned, acts, steps, count, work, half)
+            for i in range(NS):
+                for j in range(NS, count):
+                    begin[i, j], end[i, j] = half[i, j], half[i, j]
+            further_on(half, half, 0.5 * h, begin, k2)
+            further_on(half, half, 0.5 * h, k2, k3)
+            further_on(end, end, h, k3, k4)
+            for i in range(NS):
+                for j in range(count):
+                    k2[i, j] = h / 6.0 * (begin[i, j] + 2.0 * (k2[i, j] + k3[i, j]) + k4[i, j])
+                    begin[i, j] = end[i, j]
+                for j in range(width):
+                    out[t, i, j] = out[t - 1, i, j]
+                for l in range(NS):
+                    gain = k2[i, l]
+                    if gain != 0.0:
+                        for j in range(width):
+                            out[t, i, j] += gain * out[t - 1, l, j]
+                for c in range(channels):
+                    out[t, i, NS + piece * channels + c] += k2[i, NS + c]
+                for j in range(values):
+                    out[t, i, width - values + j] += k2[i, count - values + j]

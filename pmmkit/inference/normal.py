@@ -26,8 +26,8 @@ class InformationRoot:
 
     Parameters
     ----------
-    root : array (p, p + 1)
-        R and, last, d.
+    root : array (…, p, p + 1)
+        R and, last, d; several vectors side by side have leading dimensions.
 
     Notes
     -----
@@ -52,19 +52,24 @@ class InformationRoot:
         return cls(root=np.column_stack([np.diag(1.0 / std), mean / std]))
 
     def with_rows(self, design: Array, rows: Array) -> InformationRoot:
-        """What is known with whitened equations ``rows = design θ + e`` too, (k, p) and (k,)."""
-        whole = np.vstack([self.root, np.column_stack([design, rows])])
-        return InformationRoot(root=triangle(whole)[: len(self.root)])
+        """What is known with whitened equations ``rows = design θ + e`` too, (…, k, p) and (…, k).
+
+        What was known before may be the same of all.
+        """
+        before = np.broadcast_to(self.root, (*design.shape[:-2], *self.root.shape[-2:]))
+        more = np.concatenate([design, rows[..., None]], axis=-1)
+        whole = np.concatenate([before, more], axis=-2)
+        return InformationRoot(root=triangle(whole)[..., : before.shape[-2], :])
 
     @cached_property
     def _inverse(self) -> Array:
-        """R⁻¹ (p, p)."""
-        return np.asarray(np.linalg.inv(self.root[:, :-1]))
+        """R⁻¹ (…, p, p)."""
+        return np.asarray(np.linalg.inv(self.root[..., :-1]))
 
     @property
     def mean(self) -> Array:
-        """Array (p,)."""
-        return np.asarray(self._inverse @ self.root[:, -1])
+        """Array (…, p)."""
+        return np.asarray((self._inverse @ self.root[..., -1:])[..., 0])
 
     @property
     def covariance(self) -> Array:
@@ -73,8 +78,8 @@ class InformationRoot:
         return np.asarray(inverse @ inverse.T)
 
     def spread(self, design: Array) -> Array:
-        """Variances of ``design θ``, array (k,)."""
-        return np.asarray(np.sum((design @ self._inverse) ** 2, axis=1))
+        """Variances of ``design θ``, array (…, k)."""
+        return np.asarray(np.sum((design @ self._inverse) ** 2, axis=-1))
 
     def innovations(self, design: Array, rows: Array) -> tuple[Array, Array]:
         """What rows, one after another, are off by from what is known before each.

@@ -137,10 +137,10 @@ def test_what_no_candidate_explains_is_not_named():
     assert found.findings == ()
 
 
-def asked_of(records, names=KNOWN, **settings):
+def asked_of(records, names=KNOWN, candidates=(), **settings):
     base = stated_base(Prior.of(SHIP, names, SPEED, spread=0.02))
     how = {"floor": 0.001, "window": None, "sensors": SENSORS, "extrapolate": False}
-    return question_of(SHIP, records, (), base, tell=lambda _: None, **how | settings)
+    return question_of(SHIP, records, candidates, base, tell=lambda _: None, **how | settings)
 
 
 def test_what_the_true_model_leaves_is_the_noise_of_the_sensors():
@@ -192,6 +192,34 @@ def test_slopes_are_those_of_a_small_step():
             step = sheet.errors - other.errors
             off = np.linalg.norm(step - sheet.values @ change)
             assert off < 0.02 * np.linalg.norm(step)
+
+
+def test_slopes_over_each_value_are_those_of_two_ships_a_little_apart():
+    """Hull, mass, rudder, propeller, current and instruments, one by one, through whole windows."""
+    records = sailed(SHIP, 4, runs=((20.0, 10.0),))
+    few = {
+        "asymmetry",
+        "current",
+        "fault_rudder_zero",
+        "fault_clock_lag",
+        "fault_log_gain",
+        "rudder_hull_interaction",
+        "acceleration_cross_terms",
+    }
+    some = [item for item in candidates_for(SHIP, records) if item.name in few]
+    question = asked_of([*records, *records], candidates=some)
+    assert len(question.numbers.every) > len(KNOWN) + len(few)
+    numbers = question.numbers
+    still = np.zeros(len(numbers.every))
+    sheets = question.sheets(still, numbers.every)
+    for j in numbers.every:
+        step = 1e-3 * np.eye(len(still))[j]
+        less, more = (question.sheets(sign * step, still[:0].astype(int)) for sign in (-1.0, 1.0))
+        change = numbers.T @ step
+        for own, low, high in zip(sheets, less, more, strict=True):
+            expected = np.concatenate([a.errors - b.errors for a, b in zip(low, high, strict=True)])
+            found = np.concatenate([2.0 * sheet.values @ change for sheet in own])
+            assert np.linalg.norm(found - expected) < 5e-3 * np.linalg.norm(expected), j
 
 
 def test_slopes_over_start_and_forces_are_those_of_the_equations():

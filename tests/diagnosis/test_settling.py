@@ -45,7 +45,7 @@ def test_starts_and_forces_are_those_of_generalised_least_squares(tied):
     start = np.linalg.solve(R, basis.T @ white @ sheet.errors) / size
     shown = sheet.starts @ (np.linalg.solve(R, basis.T @ white) / size[:, None])
     taken = shown + G @ process @ G.T @ white.T @ white @ (np.eye(ROWS) - shown)
-    found = smoothed(sheet, SIGMA, FORCES)
+    (found,) = smoothed([sheet], SIGMA, FORCES)
     spread = np.linalg.norm(np.linalg.inv(R), axis=1) / size
     np.testing.assert_allclose(found.start / spread, start / spread, atol=1e-4)
     left = (np.eye(ROWS) - taken) @ sheet.errors / np.sqrt(noise)

@@ -151,6 +151,26 @@ class FreeBase:
         known[:own] = known[:, :own] = 0.0
         return replace(self, known=known, spreads=np.zeros(1))
 
+    @property
+    def moves(self) -> NDArray[np.bool_]:
+        """Which of all numbers move, at one of the spreads at least."""
+        found = np.diagonal(self.known) > 0.0
+        found[: len(self.open)] |= self.open & (np.max(self.spreads) > 0.0)
+        return found
+
+    @property
+    def moving(self) -> FreeBase:
+        """Those that move alone."""
+        there, own = self.moves, self.moves[: len(self.names)]
+        return replace(
+            self,
+            names=tuple(name for name, moves in zip(self.names, own, strict=True) if moves),
+            sizes=self.sizes[own],
+            known=self.known[np.ix_(there, there)],
+            open=self.open[own],
+            alone=self.alone[own],
+        )
+
     def having(self, coefficients: int) -> FreeBase:
         """The same with effects of so many coefficients, each as wide as a candidate's."""
         width = len(self.known)

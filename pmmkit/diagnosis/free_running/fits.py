@@ -126,14 +126,14 @@ def fitted(
     question = place.question
     if np.any(begin != place.z):
         place = _along(place_at(question.followed(begin), begin, used), names)
-        place = place_at(place.question, begin, None if whole else used)
+        place = place_at(place.question, begin, used)
     found = at_place(place, names, forces, fine=forces is not None)
     stands, forces = _standing(found, place)
     first = 0
     for _ in range(STEPS):
-        if _is_settled(found):
-            return found
-        there = _stepped(found, None if whole else used, stands, forces, DAMPED[first:])
+        there = (
+            None if _is_settled(found) else _stepped(found, used, stands, forces, DAMPED[first:])
+        )
         if there is None:
             break
         place, now, forces, damping = there
@@ -141,7 +141,14 @@ def fitted(
         found = at_place(place, names, found.forces, fine=True)
         if gained < SLACK:
             break
-    return found if _is_settled(found) else _where_it_stands(found, stands)
+    last = found if _is_settled(found) else _where_it_stands(found, stands)
+    return _with_all(last) if whole else last
+
+
+def _with_all(found: SetFit) -> SetFit:
+    """The same fit with the slopes of all columns."""
+    place = place_at(found.place.question, found.place.z)
+    return replace(found, place=place, known=place.information.under(found.forces))
 
 
 def _is_settled(found: SetFit) -> bool:
@@ -203,13 +210,10 @@ def having(place: Linearised, names: Sequence[str]) -> Linearised:
     )
 
 
-def _tried(
-    question: RecordQuestion, z: Array, columns: NDArray[np.intp] | None
-) -> Linearised | None:
+def _tried(question: RecordQuestion, z: Array, columns: NDArray[np.intp]) -> Linearised | None:
     """The linear problem about some numbers; None where a little more leads to nowhere at all."""
-    used = question.numbers.every if columns is None else columns
     with np.errstate(all="ignore"):
-        sheets = question.sheets(z, used)
+        sheets = question.sheets(z, columns)
         largest = max(float(np.max(np.abs(x.forces))) for own in sheets for x in own)
     return _placed(question, z, sheets) if largest < WILD else None
 
@@ -219,13 +223,12 @@ def at_place(
 ) -> SetFit:
     """The most probable numbers of a set by the linear problem of a place."""
     numbers = place.question.numbers
-
-    few = numbers.only(names)
+    few, columns = numbers.moving(names)
 
     def value(known: WindowInformation) -> float:
         return weighed(known, few)(names)
 
-    asked = place.information.only(numbers.used(names))
+    asked = place.information.only(columns)
     least = place.question.least
     how = {"factors": FINE} if fine else {}
     best, probability = most_likely(asked, value, least, forces, **how)
@@ -246,7 +249,7 @@ def at_place(
 
 def _stepped(
     found: SetFit,
-    columns: NDArray[np.intp] | None,
+    columns: NDArray[np.intp],
     stands: float,
     forces: Forces,
     dampings: Sequence[float],

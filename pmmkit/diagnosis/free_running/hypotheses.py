@@ -244,20 +244,25 @@ class Numbers:
         """Columns of the base and of candidates."""
         return np.concatenate([np.arange(self.width), self.at(names)])
 
-    def only(self, names: Sequence[str]) -> Numbers:
-        """Those of the base and of candidates alone, in the order of `used`."""
-        columns, begin = {}, self.width
+    def moving(self, names: Sequence[str]) -> tuple[Numbers, NDArray[np.intp]]:
+        """Those of the base that move, and of candidates, alone; and where each was."""
+        order = np.concatenate([np.flatnonzero(self.base.moves), self.at(names)])
+        return self._in_order(self.base.moving, names, order), order
+
+    def _in_order(self, base: FreeBase, names: Sequence[str], order: NDArray[np.intp]) -> Numbers:
+        """Those of a base, and behind them of candidates."""
+        columns, begin = {}, len(base.known)
         for name in names:
             count = len(self.columns[name])
             columns[name] = np.arange(begin, begin + count)
             begin += count
-        return replace(self, T=self.T[:, self.used(names)], columns=columns)
+        return replace(self, T=self.T[:, order], base=base, columns=columns)
 
     def having(self, names: Sequence[str]) -> tuple[Numbers, NDArray[np.intp]]:
         """Those of a base that has some of the candidates, and where each was."""
         rest = [name for name in self.columns if name not in names]
         order = self.used((*names, *rest))
-        moved = self.only((*names, *rest))
+        moved = self._in_order(self.base, (*names, *rest), order)
         columns = {name: moved.columns[name] for name in rest}
         base = self.base.having(len(self.at(names)))
         return replace(moved, base=base, columns=columns), order

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.free_running.information import Forces, scaled, whitened
+from pmmkit.diagnosis.free_running.information import Forces, whitened
 from pmmkit.diagnosis.free_running.slopes import Sheet, channels_of, sheets_of
 from pmmkit.diagnosis.free_running.windows import RecordWindows, of_instants, sailed
 from pmmkit.identification import FreeRecord
@@ -100,7 +100,7 @@ def _on_their_way(
     """Stretches from the starts that sensors tell of them with some values, and what tells them."""
     sheets = [sheets_of(item, change) for item in stretches]
     fits = [
-        [smoothed(sheet, _sigma(item, sensors), agile(item)) for sheet in own]
+        smoothed(own, _sigma(item, sensors), agile(item))
         for item, own in zip(stretches, sheets, strict=True)
     ]
     moved = tuple(
@@ -134,7 +134,7 @@ def moved_along(
     change (m,).
     """
     sigma = _sigma(stretch, sensors)
-    return _moved(stretch, [smoothed(sheet, sigma, forces, change) for sheet in sheets])
+    return _moved(stretch, smoothed(sheets, sigma, forces, change))
 
 
 def _kept_on_its_way(
@@ -195,29 +195,47 @@ class Smooth:
     leverage: Array
 
 
-def smoothed(sheet: Sheet, sigma: Array, forces: Forces, moved: Array | None = None) -> Smooth:
-    """The most probable start and forces of a window.
+def smoothed(
+    sheets: Sequence[Sheet], sigma: Array, forces: Forces, moved: Array | None = None
+) -> list[Smooth]:
+    """The most probable starts and forces of windows.
 
     sigma (c,); moved (m,).
     """
-    rows, size = whitened(sheet, sigma), sheet.starts.shape[1]
-    pieces, channels = sheet.forces.shape[1:]
-    length = np.maximum(np.linalg.norm(rows[:, :size], axis=0), 1e-300)
-    root = forces.root(np.array([sheet.spacing]), pieces)[0]
+    alike: dict[tuple[int, int], list[int]] = {}
+    for number, sheet in enumerate(sheets):
+        alike.setdefault(sheet.forces.shape[:2], []).append(number)
+    found: dict[int, Smooth] = {}
+    for numbers in alike.values():
+        own = _smoothed([sheets[number] for number in numbers], sigma, forces, moved)
+        found |= dict(zip(numbers, own, strict=True))
+    return [found[number] for number in range(len(sheets))]
+
+
+def _smoothed(
+    sheets: Sequence[Sheet], sigma: Array, forces: Forces, moved: Array | None
+) -> list[Smooth]:
+    """The same of windows of as many averages and pieces."""
+    rows, size = np.stack([whitened(sheet, sigma) for sheet in sheets]), sheets[0].starts.shape[1]
+    pieces, channels = sheets[0].forces.shape[1:]
+    length = np.maximum(np.linalg.norm(rows[:, :, :size], axis=1), 1e-300)
+    root = forces.root(np.array([sheet.spacing for sheet in sheets]), pieces)
     split = size + pieces * channels
-    A = np.concatenate([scaled(rows, size)[:, :size], rows[:, size:split] @ root], axis=1)
-    e = rows[:, -1] + rows[:, size:split] @ sheet.along.ravel()
+    A = np.concatenate([rows[:, :, :size] / length[:, None], rows[:, :, size:split] @ root], axis=2)
+    along = np.stack([sheet.along.ravel() for sheet in sheets])
+    e = rows[:, :, -1] + (rows[:, :, size:split] @ along[:, :, None])[:, :, 0]
     if moved is not None:
-        e = e - rows[:, split:-1] @ moved
+        e = e - rows[:, :, split:-1] @ moved
     std = np.concatenate([np.full(size, VAGUE), np.ones(pieces * channels)])
     known = InformationRoot.of(np.zeros(len(std)), std).with_rows(A, e)
-    mean = known.mean
-    return Smooth(
-        start=mean[:size] / length,
-        forces=(root @ mean[size:]).reshape(pieces, channels),
-        left=e - A @ mean,
-        leverage=known.spread(A),
-    )
+    mean = known.mean[:, :, None]
+    left, leverage = e - (A @ mean)[:, :, 0], known.spread(A)
+    pushes = (root @ mean[:, size:]).reshape(len(sheets), pieces, channels)
+    starts = mean[:, :size, 0] / length
+    return [
+        Smooth(start=starts[w], forces=pushes[w], left=left[w], leverage=leverage[w])
+        for w in range(len(sheets))
+    ]
 
 
 def _told(

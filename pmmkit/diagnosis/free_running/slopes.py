@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Final
 
@@ -20,13 +19,14 @@ from pmmkit.diagnosis.free_running.windows import (
     sailed,
     shown,
 )
+from pmmkit.effects import CURRENT, OUTSIDE
+from pmmkit.equations import InputField
 from pmmkit.numerics import Array
 
 SMALL: Final = 1e-5
 """Step of a state for its slope, over its size: forward differences lose half of the digits."""
 PUSH: Final = 1e-3
 """Step of a force for its slope, over ½ρLdU² and ½ρL²dU²."""
-JOBS: Final = 4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,28 +65,64 @@ def sheets_of(
         raise SimulationError(f"The simulated motion of record {stretch.record.name!r} is lost.")
     now = shown(stretch, here, change)
     asked = steps or {}
-
-    def column(j: int) -> Array:
-        moved = change.copy()
-        moved[j] += asked[j]
-        slope: Array = (shown(stretch, sailed(stretch, moved), moved) - now) / asked[j]
-        return slope
-
-    slopes = np.zeros((*now.shape, len(change)))
-    with ThreadPoolExecutor(JOBS) as pool:
-        for j, values in zip(asked, pool.map(column, asked), strict=True):
-            slopes[:, :, j] = values
-        states, forces = _carried(stretch, change, here, pool)
-    observed = _observed(stretch, here, change)
     measured = np.stack([stretch.record.measured[name] for name in stretch.channels], axis=1)
-    pieces = np.split(
-        by_piece(stretch, stretch.forces),
-        np.searchsorted(piece_begins(stretch), stretch.begins[1:-1]),
-    )
+    slopes = _observed(stretch, here, change) @ _carried(stretch, change, here, asked)
+    rows = np.concatenate([slopes, (measured - now)[:, :, None]], axis=2)
+    size, first = len(stretch.states), rows.shape[2] - 1 - len(asked)
+    for j, (value, step) in enumerate(asked.items(), start=first):
+        # What is shown in another way, whatever the ship does.
+        if stretch.names[value] in (*CURRENT, *OUTSIDE):
+            moved = shown(stretch, here, _further(change, value, step))
+            rows[:, :, j] += (moved - now) / step
+    means, channels, blocks, counts = _averaged(stretch, rows)
+    values = np.zeros((len(means), len(change)))
+    values[:, [*asked]] = means[:, first:-1]
+    forces = means[:, size:first].reshape(len(means), -1, len(stretch.units))
+    begins = piece_begins(stretch)
+    along = by_piece(stretch, stretch.forces)
+    edges = np.searchsorted(begins, stretch.begins[:-1])
+    last = np.append(edges[1:], len(begins))
+    of_windows = np.searchsorted(stretch.begins, blocks, side="right") - 1
+    ends = np.searchsorted(of_windows, np.arange(len(edges) + 1))
     return [
-        _sheet(stretch, w, observed, states[w], forces[w], slopes, measured - now, pieces[w])
-        for w in range(len(stretch.begins) - 1)
+        Sheet(
+            starts=means[a:b, :size],
+            forces=forces[a:b, : end - begin],
+            values=values[a:b],
+            errors=means[a:b, -1],
+            along=along[begin:end],
+            channels=channels[a:b],
+            blocks=stretch.blocks[blocks[a:b]],
+            counts=stretch.samples * counts[a:b],
+            spacing=float(spacing),
+        )
+        for a, b, begin, end, spacing in zip(
+            ends[:-1].tolist(),
+            ends[1:].tolist(),
+            edges.tolist(),
+            last.tolist(),
+            stretch.spacing,
+            strict=True,
+        )
     ]
+
+
+def _averaged(
+    stretch: RecordWindows, rows: Array
+) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], Array]:
+    """Means of rows (n, c, q), errors last, over the instants of a block that measured a channel;
+    with the channel of each mean, the first instant of its block, and of how many it is."""
+    there = np.isfinite(rows[:, :, -1])
+    new = np.diff(stretch.blocks, prepend=-1) != 0
+    new[stretch.begins[:-1]] = True
+    edges = np.flatnonzero(new)
+    counts = np.add.reduceat(there.astype(float), edges, axis=0)
+    total = np.add.reduceat(
+        rows if there.all() else np.where(there[:, :, None], rows, 0.0), edges, axis=0
+    )
+    measured = counts > 0
+    blocks, channels = np.nonzero(measured)
+    return total[measured] / counts[measured][:, None], channels, edges[blocks], counts[measured]
 
 
 def _observed(stretch: RecordWindows, states: Array, change: Array) -> Array:
@@ -108,132 +144,48 @@ def state_steps(stretch: RecordWindows) -> Array:
     return np.array([SMALL * sizes.get(name, 1.0) for name in stretch.states])
 
 
+def _further(change: Array, j: int, step: float) -> Array:
+    """A change of the values with a step more of one of them."""
+    moved = change.copy()
+    moved[j] += step
+    return moved
+
+
 def _carried(
-    stretch: RecordWindows, change: Array, here: Array, pool: ThreadPoolExecutor
-) -> tuple[list[Array], list[Array]]:
-    """Slopes of the states of each window over its start (n, s, s) and its forces (n, s, p, f).
-
-    Each piece is sailed alone, a little off in each state and with a little force, and what comes
-    of it is carried on through the pieces that follow.
-    """
-    begins = np.append(piece_begins(stretch), len(stretch.record))
-    last = np.isin(begins[1:], stretch.begins)
-    rows = [
-        np.arange(a, b + (0 if end else 1))
-        for a, b, end in zip(begins[:-1], begins[1:], last, strict=True)
-    ]
-    every = np.concatenate(rows)
-    edges = np.cumsum([0, *(len(item) for item in rows)]).astype(np.int64)
-    t, given = stretch.record.t[every], inputs(stretch, change)[every]
-    first = here[begins[:-1]]
-    # The last instant of a piece is the first of the next one, whose force is another.
-    whole = np.repeat(by_piece(stretch, stretch.forces), np.diff(edges), axis=0)
-
-    def run(starts: Array, forces: Array) -> Array:
-        k = constants(stretch, change)
-        if k is None:
+    stretch: RecordWindows, change: Array, here: Array, steps: Mapping[int, float]
+) -> Array:
+    """Slopes (n, s, s + p f + m) of the states along a path over the first ones of the windows,
+    unknown forces in pieces, and some values: all in one integration."""
+    k = constants(stretch, change)
+    if k is None:
+        raise SimulationError("No ship has such a mass matrix.")
+    given, (count, size) = inputs(stretch, change), here.shape
+    moved, turned = np.tile(k, (len(steps), 1)), np.zeros(len(steps))
+    for place, (value, step) in enumerate(steps.items()):
+        further = _further(change, value, step)
+        own = constants(stretch, further)
+        if own is None:
             raise SimulationError("No ship has such a mass matrix.")
-        out = np.empty((len(t), starts.shape[1]))
-        stretch.functions.pushed(
-            t,
-            given,
-            np.ascontiguousarray(forces * stretch.units),
-            edges,
-            np.ascontiguousarray(starts),
-            k,
-            stretch.longest,
-            out,
-        )
-        return out
-
-    now = run(first, whole)
-
-    def off(j: int) -> Array:
-        step = state_steps(stretch)[j]
-        moved = first.copy()
-        moved[:, j] += step
-        slope: Array = (run(moved, whole) - now) / step
-        return slope
-
-    def pushed(j: int) -> Array:
-        more = whole.copy()
-        more[:, j] += PUSH
-        slope: Array = (run(first, more) - now) / PUSH
-        return slope
-
-    state = np.stack(list(pool.map(off, range(first.shape[1]))), axis=-1)
-    force = np.stack(list(pool.map(pushed, range(len(stretch.units)))), axis=-1)
-    return _joined(stretch, begins, edges, state, force)
-
-
-def _joined(
-    stretch: RecordWindows,
-    begins: NDArray[np.int64],
-    edges: NDArray[np.int64],
-    state: Array,
-    force: Array,
-) -> tuple[list[Array], list[Array]]:
-    """The slopes of pieces carried through their windows."""
-    size, channels = state.shape[1], force.shape[2]
-    over_start, over_forces = [], []
-    for begin, end in zip(stretch.begins[:-1].tolist(), stretch.begins[1:].tolist(), strict=True):
-        first, count = int(np.searchsorted(begins, begin)), int(stretch.pieces[end - 1]) + 1
-        start = np.empty((end - begin, size, size))
-        own = np.zeros((end - begin, size, count * channels))
-        S, F = np.eye(size), np.zeros((size, count * channels))
-        for q in range(count):
-            at, to = int(edges[first + q]), int(edges[first + q + 1])
-            length = int(begins[first + q + 1] - begins[first + q])
-            row = int(begins[first + q]) - begin
-            rows = slice(row, row + length)
-            here = slice(q * channels, (q + 1) * channels)
-            start[rows] = state[at : at + length] @ S
-            own[rows] = state[at : at + length] @ F
-            own[rows, :, here] += force[at : at + length]
-            S, F = state[to - 1] @ S, state[to - 1] @ F
-            F[:, here] += force[to - 1]
-        over_start.append(start)
-        over_forces.append(own.reshape(end - begin, size, count, channels))
-    return over_start, over_forces
-
-
-def _sheet(
-    stretch: RecordWindows,
-    w: int,
-    observed: Array,
-    states: Array,
-    forces: Array,
-    slopes: Array,
-    errors: Array,
-    along: Array,
-) -> Sheet:
-    """The rows of a window: averages over the instants of a block that measured a channel."""
-    rows = slice(stretch.begins[w], stretch.begins[w + 1])
-    there = np.isfinite(errors[rows])
-    edges = np.flatnonzero(np.diff(stretch.blocks[rows], prepend=-1))
-    counts = np.add.reduceat(there.astype(float), edges, axis=0)
-    measured = counts > 0
-    blocks, channels_of_rows = np.nonzero(measured)
-
-    def averaged(x: Array) -> Array:
-        total = np.add.reduceat(np.where(there[:, :, None], x, 0.0), edges, axis=0)
-        means: Array = total[measured] / counts[measured][:, None]
-        return means
-
-    H = observed[rows]
-    pieces, channels = forces.shape[2:]
-    flat = averaged(H @ forces.reshape(*forces.shape[:2], -1))
-    return Sheet(
-        starts=averaged(H @ states),
-        forces=flat.reshape(len(flat), pieces, channels),
-        values=averaged(slopes[rows]),
-        errors=averaged(errors[rows][:, :, None])[:, 0],
-        along=along,
-        channels=channels_of_rows,
-        blocks=blocks,
-        counts=stretch.samples * counts[measured],
-        spacing=float(stretch.spacing[w]),
+        moved[place] = own
+        turned[place] = (inputs(stretch, further) - given)[0, InputField.rudder]
+    forced = size + (int(stretch.pieces.max()) + 1) * len(stretch.units)
+    found = np.empty((count, size, forced + len(steps)))
+    stretch.functions.tangents(
+        stretch.record.t,
+        given,
+        np.ascontiguousarray(stretch.forces * stretch.units),
+        stretch.begins,
+        stretch.pieces,
+        here,
+        k,
+        moved,
+        turned,
+        (turned != 0.0) | np.any(moved != k, axis=1),
+        np.concatenate([state_steps(stretch), PUSH * stretch.units, [*steps.values()]]),
+        found,
     )
+    found[:, :, size:forced] *= np.resize(stretch.units, forced - size)
+    return found
 
 
 def channels_of(stretches: Sequence[RecordWindows]) -> tuple[str, ...]:

@@ -223,9 +223,10 @@ def _blocks(record: FreeRecord, begins: NDArray[np.int64], pace: float) -> NDArr
 def constants(stretch: RecordWindows, change: Array) -> Array | None:
     """Constants of the equations after a change of the values; None if no ship has such a mass."""
     moved = dict(zip(stretch.names, change.tolist(), strict=True))
-    own = np.array([moved[name] for name in stretch.binding.names])
-    k = stretch.binding.constants(stretch.binding.mean + own)
-    return k if stretch.functions.complete(k) == 0 else None
+    lines = stretch.binding
+    own, k = np.array([moved[name] for name in lines.names]), np.empty_like(lines.base)
+    lost = stretch.functions.constants(lines.base, lines.starts, lines.places, lines.slopes, own, k)
+    return None if lost else k
 
 
 def inputs(stretch: RecordWindows, change: Array) -> Array:
