@@ -75,7 +75,6 @@ MEMORY: Final = Effect(
     name="memory",
     family="memory",
     kind="state",
-    not_free_running=_SLOW,
     summary="Part of the sway force builds up late, so that damping falls with frequency.",
     parameters=(
         Parameter(name="Yv_late", text=f"part of Yv that is late {_PRIME}", typical=-0.2 * 0.0116),

@@ -109,6 +109,7 @@ def module_text(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -
     states = structure.states
     lines += [
         f"NS = {len(states)}",
+        f"OWN = {len(states) - len(structure.brought)}",
         f"N_AT = {states.index('n') if 'n' in states else -1}",
         f"REVOLUTIONS = {int(structure.revolutions)}",
         f"FREE = {free}",

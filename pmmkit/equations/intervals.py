@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from pmmkit.equations.layouts import Constant, InputField, State, Status
 from pmmkit.equations.sensors import drifted, expected, turned_back
-from pmmkit.equations.stand_ins import NS, complete, rates
+from pmmkit.equations.stand_ins import NS, OWN, complete, rates
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -221,16 +221,21 @@ def pushed(
     longest: float,
     out: Array,
 ) -> None:
-    """As `windows`, with more forces [N, N m], each from its instant on."""
+    """As `windows`, with more forces [N, N m], each from its instant on.
+
+    What effects bring beside the states of a ship, as a flow that remembers, goes on from window to
+    window.
+    """
     work, y = np.zeros((6, NS)), np.zeros(NS)
     for w in range(len(begins) - 1):
-        for i in range(NS):
-            y[i] = first[w, i]
-            out[begins[w], i] = y[i]
-        for t in range(begins[w] + 1, begins[w + 1]):
-            for i in range(forces.shape[1]):
-                k[Constant.more_X + i] = forces[t - 1, i]
-            advance(y, inputs[t - 1], inputs[t], times[t] - times[t - 1], longest, k, work)
+        for t in range(begins[w], begins[w + 1]):
+            if t > begins[w] or (w > 0 and OWN < NS):
+                for i in range(forces.shape[1]):
+                    k[Constant.more_X + i] = forces[t - 1, i]
+                advance(y, inputs[t - 1], inputs[t], times[t] - times[t - 1], longest, k, work)
+            if t == begins[w]:
+                for i in range(NS if w == 0 else OWN):
+                    y[i] = first[w, i]
             for i in range(NS):
                 out[t, i] = y[i]
 
@@ -370,10 +375,12 @@ def tangents(
     k2, k3, k4 = np.zeros((NS, count)), np.zeros((NS, count)), np.zeros((NS, count))
     work, y, first = np.zeros((2, NS)), np.zeros(NS), np.zeros(NS)
     for w in range(len(begins) - 1):
-        for i in range(NS):
-            for j in range(width):
-                out[begins[w], i, j] = 1.0 if i == j else 0.0
-        for t in range(begins[w] + 1, begins[w + 1]):
+        for t in range(begins[w], begins[w + 1]):
+            if t == begins[w] and (w == 0 or OWN == NS):
+                for i in range(NS):
+                    for j in range(width):
+                        out[t, i, j] = 1.0 if i == j else 0.0
+                continue
             start, stop, more = inputs[t - 1], inputs[t], forces[t - 1]
             h, piece = times[t] - times[t - 1], pieces[t - 1]
             for i in range(NS):
@@ -418,3 +425,7 @@ def tangents(
                     out[t, i, NS + piece * channels + c] += k2[i, NS + c]
                 for j in range(values):
                     out[t, i, width - values + j] += k2[i, count - values + j]
+            if t == begins[w]:
+                for i in range(NS):
+                    for j in range(width if i < OWN else width - values):
+                        out[t, i, j] = 1.0 if i == j else 0.0

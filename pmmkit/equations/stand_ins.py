@@ -16,6 +16,7 @@ from pmmkit.equations.layouts import Control, LaneMove, LaneSlot, State, StepFie
 
 Floats = list[float] | NDArray[np.float64]
 NS = 6
+OWN = 6
 LANES = 8
 TIMES = len(LaneSlot) * NS * LANES
 MOVES = TIMES + LANES

@@ -12,7 +12,7 @@ from typing import Final
 from threadpoolctl import threadpool_limits
 
 from pmmkit.base import ModelError, Workers, each, opened
-from pmmkit.diagnosis.evidence import PRICE, RankedSet
+from pmmkit.diagnosis.evidence import RankedSet
 from pmmkit.diagnosis.free_running.findings import NamedSet, model_of
 from pmmkit.diagnosis.free_running.fits import Linearised, SetFit, at_place, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import FreeCandidate, Names
@@ -53,6 +53,7 @@ class Contest:
     settled: list[NamedSet]
     entries: tuple[RankedSet, ...]
     refused: tuple[tuple[Names, float, str], ...] = ()
+    every: tuple[FreeCandidate, ...] = ()
 
     def without(self, names: Names, left_out: str) -> NamedSet:
         """A set of effects without one of them."""
@@ -63,7 +64,7 @@ class Contest:
         if rest in known:
             return known[rest]
         best = self.settled[0].fit
-        return _named(fitted(best.place, rest, best.forces), self.null)
+        return _named(fitted(best.place, rest, best.forces), self.null, self.every)
 
 
 def base_alone(zero: Linearised) -> tuple[Linearised, SetFit]:
@@ -113,9 +114,10 @@ def contest_of(
             tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")
             found: list[NamedSet] = []
             barred: list[tuple[Names, float, str]] = []
-            front = _front(_larger(ahead.names, names), place, ahead.fit)
+            larger = _larger(ahead.names, names)
+            front = _front(larger, place, ahead.fit, [x.name for x in every if not x.price])
             for (chosen, _), fit in zip(front, _fits(place, front, crew, tell), strict=True):
-                item = _named(fit, null)
+                item = _named(fit, null, every)
                 # The linear problem may promise what the equations, far from there, do not keep.
                 why = why_not(model, every, fit, speed)
                 if why:
@@ -137,9 +139,9 @@ def contest_of(
     def can_be(item: NamedSet) -> bool:
         return not why_not(model, every, item.fit, speed)
 
-    order = _thinned(order, null, can_be)
+    order = _thinned(order, null, every, can_be)
     gains = {
-        chosen: first(chosen) - first(()) - PRICE * len(chosen)
+        chosen: first(chosen) - first(()) - price_of(chosen, every)
         for chosen in (*combinations(names, 1), *combinations(names, min(most, 2)))
     }
     gains |= {item.names: item.gain for item in order}
@@ -150,6 +152,7 @@ def contest_of(
         settled=order,
         entries=tuple(RankedSet(names=n, log_evidence=gain, values=()) for n, gain in entries),
         refused=tuple(sorted(refused, key=lambda item: -item[1])),
+        every=tuple(every),
     )
 
 
@@ -175,9 +178,14 @@ def _fit(place: Linearised, asked: tuple[Names, Forces]) -> SetFit:
     return fitted(place, *asked)
 
 
-def _named(fit: SetFit, null: SetFit) -> NamedSet:
+def price_of(names: Names, every: Sequence[FreeCandidate]) -> float:
+    """ln of the odds before the records against a set of effects."""
+    return sum(item.price for item in every if item.name in names)
+
+
+def _named(fit: SetFit, null: SetFit, every: Sequence[FreeCandidate]) -> NamedSet:
     """A fit with ln of the odds of its set against none, the price of each effect taken off."""
-    gain = fit.log_probability - null.log_probability - PRICE * len(fit.names)
+    gain = fit.log_probability - null.log_probability - price_of(fit.names, every)
     return NamedSet(names=fit.names, gain=gain, fit=fit)
 
 
@@ -186,7 +194,10 @@ def _by_gain(sets: Iterable[NamedSet]) -> list[NamedSet]:
 
 
 def _thinned(
-    order: list[NamedSet], null: SetFit, can_be: Callable[[NamedSet], bool]
+    order: list[NamedSet],
+    null: SetFit,
+    every: Sequence[FreeCandidate],
+    can_be: Callable[[NamedSet], bool],
 ) -> list[NamedSet]:
     """The order with sets of one effect less than the one in front, until none stands above it.
 
@@ -196,7 +207,7 @@ def _thinned(
     while order and len(order[0].names) > 1:
         best, known = order[0], {item.names for item in order}
         found = [
-            _named(fitted(best.fit.place, rest, best.fit.forces), null)
+            _named(fitted(best.fit.place, rest, best.fit.forces), null, every)
             for rest in combinations(best.names, len(best.names) - 1)
             if rest not in known
         ]
@@ -234,13 +245,15 @@ def _larger(chosen: Names, names: Sequence[str]) -> list[Names]:
     ]
 
 
-def _front(sets: Sequence[Names], place: Linearised, ahead: SetFit) -> list[tuple[Names, Forces]]:
+def _front(
+    sets: Sequence[Names], place: Linearised, ahead: SetFit, expected: Sequence[str]
+) -> list[tuple[Names, Forces]]:
     """Sets that are in front by the linear problem of a place, and forces to begin with.
 
     They are looked at by the unknown forces of the set that is ahead, with a base that moves and
     one that does not, and by those that each set needs itself: what removes nearly all that is
     missed shows by these, what removes a little by the others. What pushes slowly shows by the
-    errors of records left out.
+    errors of records left out. What is expected to be there is always among them.
     """
     here = ahead if ahead.place is place else at_place(place, ahead.names)
     held = within(place, 1)
@@ -261,6 +274,7 @@ def _front(sets: Sequence[Names], place: Linearised, ahead: SetFit) -> list[tupl
         return left_out_error(replace(here, names=names), windows)
 
     foreseen = sorted(sets, key=left_out)[:REFITTED]
+    foreseen += [names for names in sets if set(expected) & set(names) - set(ahead.names)]
     return list((dict.fromkeys(foreseen, ahead.forces) | found).items())
 
 

@@ -23,6 +23,7 @@ from pmmkit.diagnosis.free_running.contest import (
     Contest,
     base_alone,
     contest_of,
+    price_of,
     steady,
     why_not,
 )
@@ -306,7 +307,7 @@ def answer(
     null, settled = contest.null, contest.settled
     best = settled[0] if settled else None
     seen = screen(null.known, question.numbers, null.spread)
-    found = best.gain + PRICE * len(best.names) if best else -math.inf
+    found = best.gain + price_of(best.names, every) if best else -math.inf
     groups = [[at] for at in seen.columns.values()]
     chance = seen.normal.chance_of(found, groups, draws=DRAWS, seed=seed)
     named = (

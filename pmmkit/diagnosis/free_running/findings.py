@@ -89,7 +89,7 @@ def odd_sizes(fit: SetFit, every: Sequence[FreeCandidate]) -> list[str]:
     for item in every:
         if item.name not in fit.names or item.kind == "fault":
             continue
-        at = numbers.columns[item.name]
+        at = numbers.columns[item.name][[label != item.lag for label in item.moves]]
         z, C = fit.z[at], fit.covariance[np.ix_(at, at)]
         if item.signed and np.sum(z) < -WIDE * math.sqrt(np.sum(C)):
             found.append(f"{item.name} is of the other sign than usual")
@@ -265,6 +265,16 @@ def _why(signal: float) -> str:
     return "too small beside noise, unknown forces and what is not known of the base"
 
 
+def _lag(fit: SetFit, item: FreeCandidate) -> float:
+    """How long a flow remembers by a fit; zero where an effect has no such coefficient."""
+    if not item.lag:
+        return 0.0
+    question = fit.place.question
+    stretch, (place,) = question.stretches[0], item.moves[item.lag]
+    at = stretch.binding.names.index(place)
+    return float(stretch.binding.mean[at]) + moved(fit).get(place, 0.0)
+
+
 def findings_of(
     best: NamedSet,
     every: Sequence[FreeCandidate],
@@ -283,7 +293,8 @@ def findings_of(
             continue
         columns = numbers.columns[item.name].tolist()
         size = {label: WIDER * typical for label, typical in item.typical.items()}
-        pairs = list(zip(size.items(), columns, strict=True))
+        every_pair = list(zip(size.items(), columns, strict=True))
+        pairs = [pair for pair in every_pair if pair[0][0] != item.lag]
         before, after = errors[item.name]
         found.append(
             Finding(
@@ -293,9 +304,9 @@ def findings_of(
                 summary=item.summary,
                 coefficients={x: factor * float(best.fit.z[j]) for (x, factor), j in pairs},
                 std={x: abs(factor) * float(std[j]) for (x, factor), j in pairs},
-                typical=dict(item.typical),
-                value=0.0,
-                parameter="",
+                typical={x: item.typical[x] for (x, _), _ in pairs},
+                value=_lag(best.fit, item),
+                parameter=item.lag,
                 log_odds=odds[item.name],
                 rivals=tuple(visible[item.name].mimics),
                 separating_test=item.check,

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError
-from pmmkit.diagnosis.evidence import integrated_out
+from pmmkit.diagnosis.evidence import PRICE, integrated_out
 from pmmkit.diagnosis.free_running.base import FreeBase
 from pmmkit.diagnosis.free_running.information import WindowInformation
-from pmmkit.effects import CATALOGUE, HULL, INERTIA, OUTSIDE, Effect
+from pmmkit.effects import CATALOGUE, HULL, INERTIA, OUTSIDE, Effect, Move
 from pmmkit.identification import ONE_SEA, FreeRecord
 from pmmkit.inference import Normal
 from pmmkit.models import Model, Part, Sailing
@@ -42,7 +42,9 @@ class FreeCandidate:
     `name, family`: name in the catalogue; family by which an answer is given first. `kind`:
     whether it is the ship and its surroundings, or a measurement. `summary`: one sentence for
     people. `moves`: by coefficient: which values of the model it moves, and by how much for a
-    coefficient of 1. Values are named as in `identify`, with ``current_x``, ``current_y`` and
+    coefficient of 1. `lag`: the coefficient that is no size but how long a flow remembers, as it
+    comes to that of the model; empty where there is none. `price`: ln of the odds against it before
+    the records. Values are named as in `identify`, with ``current_x``, ``current_y`` and
     ``rudder_zero``. `typical`: usual size of each coefficient. `part`: what the model is given
     to have these values, where it lacks them. `options, begins`: what parts of the model are
     told to use these values, and what these are then, as in `effects.seen.Move`. `check`: a run
@@ -60,6 +62,8 @@ class FreeCandidate:
     begins: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     check: str = ""
     signed: bool = False
+    lag: str = ""
+    price: float = PRICE
 
     @property
     def values(self) -> tuple[str, ...]:
@@ -153,8 +157,13 @@ def candidates_for(
     held = excited(model, records)
     given = {} if windage is None else {"AF": windage[0], "AL": windage[1]}
     every = {item.name: item for item in (*CATALOGUE.values(), *own)}
+    # A bottom that is near acts on every ship: a model of deep water lacks it, whoever asks.
+    near = () if model.in_role("depth") else ("depth",)
     candidates = [
-        free_candidate_of(effect, vessel, given)
+        replace(
+            free_candidate_of(effect, vessel, given),
+            price=0.0 if set(near) & set(effect.excites) else PRICE,
+        )
         for effect in every.values()
         if effect.asked_in_free_running and held.issuperset(effect.excites)
     ]
@@ -175,9 +184,15 @@ def free_candidate_of(
     given : mapping of str to float
         Values of the effect's own that stand in the place of the usual ones.
     """
-    moves, part = vessel.moves(effect), None
+    moves, part, lag = dict(vessel.moves(effect)), None, ""
     if effect.enters:
         part = _part(effect, vessel, given)
+    inner = effect.nonlinear
+    if moves and effect.kind == "state" and inner is not None and inner.form is None:
+        # Records tell how long a flow remembers once they tell that it does.
+        lag = inner.name
+        values = {f"{effect.name}.{lag}": 1.0}
+        moves[lag] = Move(values=values, typical=0.5 * (inner.grid[-1] - inner.grid[0]))
     return FreeCandidate(
         name=effect.name,
         family=effect.family.replace("_", " "),
@@ -193,6 +208,7 @@ def free_candidate_of(
         check=effect.check,
         # What a value is off by, and what a ship has to one side, have none.
         signed=effect.kind not in ("fault", "freed") and effect.family != "asymmetry",
+        lag=lag,
     )
 
 

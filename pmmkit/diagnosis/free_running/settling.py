@@ -147,10 +147,9 @@ def _kept_on_its_way(
 
 def _moved(stretch: RecordWindows, fits: Sequence[Smooth]) -> RecordWindows:
     """A stretch from the starts and with the forces of its windows' fits."""
-    return stretch.along(
-        stretch.starts + np.stack([fit.start for fit in fits]),
-        of_instants(stretch, np.concatenate([fit.forces for fit in fits])),
-    )
+    starts = stretch.starts.copy()
+    starts[:, : stretch.own] += np.stack([fit.start for fit in fits])
+    return stretch.along(starts, of_instants(stretch, np.concatenate([fit.forces for fit in fits])))
 
 
 def _sigma(stretch: RecordWindows, sensors: Mapping[str, float]) -> Array:

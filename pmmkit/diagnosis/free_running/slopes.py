@@ -33,9 +33,9 @@ PUSH: Final = 1e-3
 class Sheet:
     """The linear rows of a window: averages over blocks, in the units of the channels.
 
-    `starts (b, s)`: slopes over the first states. `forces (b, p, f)`: over the unknown force of
-    each channel in each piece, over ½ρLdU² (½ρL²dU²). `values (b, m)`: over the values that may
-    move. `errors (b,)`: measured less shown, along the path about which it is made linear.
+    `starts (b, s)`: slopes over the first states of the ship. `forces (b, p, f)`: over the unknown
+    force of each channel in each piece, over ½ρLdU² (½ρL²dU²). `values (b, m)`: over the values
+    that may move. `errors (b,)`: measured less shown, along the path about which it is made linear.
     `along (p, f)`: unknown forces on that path. `channels (b,)`: of the stretch's channels, the
     one that a row belongs to. `blocks (b,)`: number of the block of each row. `counts (b,)`:
     samples that are averaged in a row. `spacing`: length of the pieces in ship lengths over
@@ -86,7 +86,7 @@ def sheets_of(
     ends = np.searchsorted(of_windows, np.arange(len(edges) + 1))
     return [
         Sheet(
-            starts=means[a:b, :size],
+            starts=means[a:b, : stretch.own],
             forces=forces[a:b, : end - begin],
             values=values[a:b],
             errors=means[a:b, -1],

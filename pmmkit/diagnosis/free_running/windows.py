@@ -68,6 +68,11 @@ class RecordWindows:
         return self.binding.states
 
     @property
+    def own(self) -> int:
+        """Number of the states of the ship; those that effects bring follow."""
+        return len(self.states) - len(self.binding.equations.structure.brought)
+
+    @property
     def channels(self) -> tuple[str, ...]:
         """What was measured."""
         return tuple(self.record.measured)
@@ -129,7 +134,7 @@ def _stretch(
     begins = _begins(record, window / pace)
     pieces, spacing = _pieces(record, begins, pace)
     by = record.force_units(model)
-    return RecordWindows(
+    made = RecordWindows(
         record=record,
         names=names,
         binding=binding,
@@ -144,6 +149,29 @@ def _stretch(
         pace=pace,
         samples=samples,
     )
+    return replace(made, starts=_with_settled_flow(made))
+
+
+def _with_settled_flow(stretch: RecordWindows) -> Array:
+    """Starts (w, s) with what effects bring where it stands still beside the first states.
+
+    Only the first window begins there; in the others it goes on from the one before.
+    """
+    starts, still = stretch.starts.copy(), np.zeros(len(stretch.names))
+    k, now, further = constants(stretch, still), *np.zeros((2, len(stretch.states)))
+    if k is None:
+        return starts
+    given = inputs(stretch, still)[
+        0, [InputField.rudder, InputField.revolutions, InputField.bucket]
+    ]
+    for i in range(stretch.own, len(stretch.states)):
+        at = starts[0].copy()
+        stretch.functions.rates(at, *given, k, now)
+        at[i] += 1.0
+        stretch.functions.rates(at, *given, k, further)
+        # The rate of what follows the motion is a straight line over it.
+        starts[:, i] -= now[i] / (further[i] - now[i]) if further[i] != now[i] else 0.0
+    return starts
 
 
 def joined(stretch: RecordWindows, count: int = SHORT) -> RecordWindows:
