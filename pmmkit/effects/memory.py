@@ -68,7 +68,6 @@ def added_mass_in_drift(
     return unit * Yvvvdot, unit * L * Nvvvdot
 
 
-_SLOW: Final = "a lag of less than a ship length is what the filter's unknown forces stand for"
 _PRIME: Final = "(½ρL²U², ½ρL³U² with the speed of the instant)"
 _LAG: Final = Parameter(name="lag", text="lag in L/U", low=1e-3, grid=(0.15, 0.3, 0.5, 0.8))
 MEMORY: Final = Effect(
@@ -91,7 +90,7 @@ LAGGED_CROSSFLOW: Final = Effect(
     name="lagged_crossflow",
     family="memory",
     kind="state",
-    not_free_running=_SLOW,
+    not_free_running="in zigzags and turns `memory` stands for it",
     summary="The cubic sway force lags behind the motion.",
     parameters=(
         Parameter(

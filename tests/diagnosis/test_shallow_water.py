@@ -58,6 +58,17 @@ def test_it_is_asked_where_a_depth_is_stated_that_matters():
     assert asked == {None: False, DEPTH: True, 20.0 * TANKER.ship.d: False}
 
 
+def test_a_stated_depth_speaks_for_the_bottom_before_any_record():
+    """A model of deep water lacks what is there; one that feels the bottom may be right of it."""
+    deep = in_deep_water(TANKER)
+    offered = {x.name: x for x in candidates_for(deep, sailed(deep, None, stated=DEPTH))}
+    assert offered["shallow_water"].price == 0.0
+    assert {x.price for name, x in offered.items() if name != "shallow_water"} == {math.log(80.0)}
+    felt = offered["shallow_water"].added_to(deep)
+    again = {x.name: x for x in candidates_for(felt, sailed(deep, None, stated=DEPTH))}
+    assert again["shallow_water"].price == math.log(80.0)
+
+
 def test_a_model_that_feels_the_bottom_sails_records_at_their_depth():
     def error(depth: float | None) -> float:
         records = sailed(TANKER, DEPTH, stated=depth)
