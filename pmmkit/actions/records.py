@@ -37,7 +37,10 @@ class RecordSettings:
     runs: tuple[str, ...] = setting(
         "Free-running runs to diagnose, such as 'turn_*'; may be repeated.", default=()
     )
-    test_runs: tuple[str, ...] = setting("Free-running runs held out, to be predicted.", default=())
+    test_runs: tuple[str, ...] = setting(
+        "Free-running runs held out, to be predicted; of several campaigns captive ones too.",
+        default=(),
+    )
     channels: str | None = setting(
         "Channels of free-running records to use, such as x,y,psi,r where the checks find "
         "fault with the velocities; all if absent.",
@@ -105,30 +108,18 @@ class RecordSettings:
         """Settings of a session about several campaigns."""
         return {
             **self.system(),
+            **self.held_out(),
             **present(
                 runs=patterns(self.runs),
-                test_runs=patterns(self.test_runs),
                 channels=None if self.channels is None else words(self.channels),
                 shortest=self.shortest,
                 held_out_window=self.window if self.test_runs else None,
             ),
         }
 
-    def together(self, names: Sequence[str] | None) -> dict[str, Any]:
-        """Settings of the records where several campaigns vote together, asked for these effects
-        or for the whole catalogue."""
-        from pmmkit.effects import CATALOGUE
-
-        return present(
-            candidates=None if names is None else [CATALOGUE[name] for name in names],
-            runs=patterns(self.runs),
-            channels=None if self.channels is None else words(self.channels),
-            sensors=sensors_of(self.sensors),
-            spread=self.spread,
-            shortest=self.shortest,
-            windage=self.areas,
-            window=self.judged,
-        )
+    def held_out(self) -> dict[str, Any]:
+        """Settings of a session about several campaigns of captive tests."""
+        return present(test_runs=patterns(self.test_runs))
 
     @property
     def areas(self) -> tuple[float, float] | None:
@@ -143,9 +134,10 @@ class RecordSettings:
 
 def errors_table(errors: Mapping[str, Mapping[str, float]]) -> str:
     """Errors of windows, a line for each model."""
+    from pmmkit.conventions import CHANNEL_UNITS
     from pmmkit.identification import MethodComparison
 
-    units = MethodComparison.UNITS
+    units = {"force": "%", **CHANNEL_UNITS, **MethodComparison.UNITS}
     names = [name for name in units if any(name in row for row in errors.values())]
     head = [f"{name.replace('_', ' ')} [{units[name]}]" for name in names]
     rows = [
@@ -184,6 +176,32 @@ def sound_campaigns(
     return dict(zip(Campaign.by_title([campaign for campaign, _ in sound]), sound, strict=True))
 
 
+def middle_speed(campaign: Campaign, model: Model) -> float:
+    """The middle speed of the tests, at the length of a model [m/s]."""
+    speeds = sorted({run.settings.speed for run in campaign.runs})
+    Fn = campaign.ship.froude(speeds[len(speeds) // 2], campaign.water.g)
+    return model.ship.speed(Fn, model.water.g)
+
+
+def session_of_several(
+    model: Model,
+    campaigns: Mapping[str, Campaign],
+    candidates: Sequence[str] | None,
+    asked: RecordSettings,
+    **settings: Any,
+) -> Session[Any]:
+    """A session about several campaigns; settings as for `begin`."""
+    from pmmkit.base import DataError
+    from pmmkit.diagnosis import begin
+
+    if any(item.kind == "free-running" for item in campaigns.values()):
+        more = {**asked.several(), "candidates": candidates, "progress": say}
+        return begin(model, campaigns, **settings, **more)
+    if {"test_runs"}.issuperset(stated(asked)):
+        return begin(model, campaigns, **settings, **asked.held_out())
+    raise DataError("Options of free-running records are of no use for captive tests.")
+
+
 def session_about(
     model: Model,
     campaigns: Mapping[str, Campaign],
@@ -197,24 +215,14 @@ def session_about(
     from pmmkit.base import DataError
     from pmmkit.diagnosis import begin
 
-    one = max(campaigns.values(), key=lambda item: item.kind == "free-running")
     names = [name.partition("@")[0] for name in effects]
+    if len(campaigns) > 1:
+        return session_of_several(model, campaigns, names, asked, floor=floor, noise=noise, own=own)
+    (one,) = campaigns.values()
     if one.kind != "free-running":
         if stated(asked):
             raise DataError("Options of free-running records are of no use for captive tests.")
-        tests = campaigns if len(campaigns) > 1 else one
-        return begin(model, tests, floor=floor, noise=noise, own=own)
-    if len(campaigns) > 1:
-        return begin(
-            model,
-            campaigns,
-            floor=floor,
-            noise=noise,
-            own=own,
-            candidates=names,
-            progress=say,
-            **asked.several(),
-        )
+        return begin(model, one, floor=floor, noise=noise, own=own)
     used, kept = asked.chosen(one, model)
     return begin(
         model,

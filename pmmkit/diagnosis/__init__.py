@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.findings import Diagnosis
     from pmmkit.diagnosis.free_running.hypotheses import free_candidate_of
     from pmmkit.diagnosis.joint.result import Together
-    from pmmkit.diagnosis.joint.together import carried, joint_diagnosis
+    from pmmkit.diagnosis.joint.together import carried
     from pmmkit.diagnosis.loop.fall import Fall
     from pmmkit.diagnosis.loop.session import Session, begin, fit, read_session, replay, undone
     from pmmkit.diagnosis.loop.several import SeveralCampaigns
@@ -40,7 +40,6 @@ __all__ = [
     "diagnose",
     "fit",
     "free_candidate_of",
-    "joint_diagnosis",
     "next_runs",
     "plan",
     "read_plan_file",

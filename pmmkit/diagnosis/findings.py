@@ -14,7 +14,7 @@ from pmmkit.diagnosis.evidence import RankedSet, Visible, finite
 from pmmkit.diagnosis.outside import PERHAPS, HiddenEntries, Outside
 from pmmkit.intake import Disagreement, Untold
 from pmmkit.models import Model, odds
-from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
+from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, listed, number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -255,6 +255,41 @@ class Homogeneity:
         return f"{self.effect} is not constant over {self.factor} (over its size: {told})"
 
 
+OTHER: Final = 0.05
+"""Share by which the errors of a kind of records must change to count as other ones: of HSVA's
+zigzags single effects that tell nothing change them by up to .05."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Transfer:
+    """What an effect does to kinds of records, each predicted by all others.
+
+    `changes`: by kind the share by which its errors (position, heading, speed, yaw rate, each
+    beside what does not matter of it) change with the effect, beside those before it.
+    """
+
+    effect: str
+    changes: Mapping[str, float]
+
+    @property
+    def is_narrow(self) -> bool:
+        """Whether it lowers the errors of one kind of records and raises those of another."""
+        values = self.changes.values()
+        return min(values, default=0.0) < -OTHER and max(values, default=0.0) > OTHER
+
+    def __str__(self) -> str:
+        told = [f"{kind} {100 * x:+.0f} %" for kind, x in self.changes.items()]
+        words = f"{self.effect} changes the errors of what is left out: {', '.join(told)}"
+        if not self.is_narrow:
+            return words
+        lowered = listed([kind for kind, x in self.changes.items() if x < -OTHER])
+        return f"{words}; it holds for this kind of run: {lowered}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {"effect": self.effect, "changes": dict(self.changes), "narrow": self.is_narrow}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Nearest:
     """The set of effects that comes nearest to something that is not in the catalogue.
@@ -354,6 +389,9 @@ class Diagnosis(Described):
     outside : Outside, optional
         How probable it is that the answer stands for something outside the catalogue, where its
         entries were hidden in these runs (captive tests).
+    transfers : tuple of Transfer
+        What each effect of the best set does to kinds of records that are left out (free-running
+        records).
     """
 
     verdict: Verdict
@@ -379,6 +417,7 @@ class Diagnosis(Described):
     not_asked: Mapping[str, str] = field(default_factory=_none)
     untold: tuple[Untold, ...] = ()
     outside: Outside | None = None
+    transfers: tuple[Transfer, ...] = ()
 
     def beside(self, hidden: HiddenEntries) -> Diagnosis:
         """With what hidden entries say of the answer: a name that may stand for something else is
@@ -400,10 +439,13 @@ class Diagnosis(Described):
     @property
     def proposed(self) -> tuple[Finding, ...]:
         """What to add now: of a set that is not the whole story the effect of the greatest odds
-        alone, since the others may stand for what is asked once it is there."""
+        alone, since the others may stand for what is asked once it is there; none that holds for a
+        kind of records alone."""
+        narrow = {item.effect for item in self.transfers if item.is_narrow}
+        found = tuple(item for item in self.findings if item.effect not in narrow)
         if not self.flags:
-            return self.findings
-        return tuple(sorted(self.findings, key=lambda item: -item.log_odds)[:1])
+            return found
+        return tuple(sorted(found, key=lambda item: -item.log_odds)[:1])
 
     @property
     def families(self) -> tuple[str, ...]:
@@ -520,6 +562,10 @@ class Diagnosis(Described):
             )
         told = [
             Section(title="These runs cannot tell it from", points=rivals),
+            Section(
+                title="What each effect does to records of a kind that is left out",
+                points=[str(item) for item in self.transfers],
+            ),
             Section(title="These runs could not show", points=hidden),
             Section(title="What these runs cannot tell", points=[str(x) for x in self.untold]),
             Section(title="Notes", points=self.notes),
@@ -578,6 +624,7 @@ class Diagnosis(Described):
             "disagreements": [asdict(item) for item in self.disagreements],
             "homogeneity": [{**asdict(item), "varies": item.varies} for item in self.homogeneity],
             "findings": [item.to_dict() for item in self.findings],
+            "transfers": [item.to_dict() for item in self.transfers],
             "not_testable": [
                 *(
                     {"effect": x.name, "why": x.why, "size_that_could_hide": finite(x.hides)}

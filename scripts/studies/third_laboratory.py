@@ -5,8 +5,9 @@
 Every second of HSVA's zigzags in order of name is asked together with HMRI's captive tests, with
 the full catalogue; the others are held out. Printed: evidence of each campaign alone and of both,
 whose the effects are, and turns and zigzags with 95 % intervals for a third laboratory (Lpp 7 m,
-HSVA's propeller and rudder, 1.179 m/s, constant revolutions). The measurements are not part of the
-repository; --data or PMMKIT_DATA names their folder.
+HSVA's propeller and rudder, 1.179 m/s, constant revolutions), beside what is not known of the ship
+alone; drawn in next_ship.png. The measurements are not part of the repository; --data or
+PMMKIT_DATA names their folder.
 """
 
 from __future__ import annotations
@@ -23,9 +24,10 @@ from typing import Any
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.diagnosis import Together, joint_diagnosis
+from pmmkit.diagnosis import Together
 from pmmkit.identification import Prediction, Smoothed, free_records
 from pmmkit.models import Model
+from pmmkit.plotting import style
 from pmmkit.reduction import Parts
 from scripts.studies.diagnose_hsva import WINDOW, as_executed, rms
 from scripts.studies.identify_hsva import overshoot_errors
@@ -60,25 +62,57 @@ def with_uncertain_parts(model: Model, parts: Parts) -> Model:
     return replace(model, parts=MappingProxyType(made))
 
 
-def intervals(models: Mapping[str, Model], ships: int) -> str:
-    """Mean and 95 % interval of each measure, a column for each model, as a table of markdown."""
-    lines = [f"| | {' | '.join(models)} |", "|---|" + "---|" * len(models)]
+Intervals = Mapping[tuple[str, str], Mapping[str, tuple[float, float, float, int]]]
+"""By manoeuvre and measure: of each model mean, ends of the 95 % interval, and ships lost."""
+
+
+def intervals(models: Mapping[str, Model], ships: int) -> Intervals:
+    """Of each measure of each manoeuvre."""
+    found: dict[tuple[str, str], dict[str, tuple[float, float, float, int]]] = {}
     for title, (manoeuvre, settings, measures) in MANOEUVRES.items():
-        drawn = {
-            name: pk.monte_carlo(model, manoeuvre, n=ships, speed=SPEED, **settings)
-            for name, model in models.items()
-        }
-        for measure in measures:
-            cells = []
-            for item in drawn.values():
-                low, high = item.interval(measure)
-                mean = float(np.nanmean(item.metrics[measure]))
-                lost = int(np.isnan(item.metrics[measure]).sum())
-                cells.append(
-                    f"{mean:.3g} ({low:.3g} to {high:.3g})" + (f", {lost} lost" if lost else "")
+        for name, model in models.items():
+            drawn = pk.monte_carlo(model, manoeuvre, n=ships, speed=SPEED, **settings)
+            for measure in measures:
+                values = drawn.metrics[measure]
+                own = (
+                    float(np.nanmean(values)),
+                    *drawn.interval(measure),
+                    int(np.isnan(values).sum()),
                 )
-            lines.append(f"| {title}, {measure} | {' | '.join(cells)} |")
+                found.setdefault((title, measure), {})[name] = own
+    return found
+
+
+def told(found: Intervals) -> str:
+    """A column for each model, as a table of markdown."""
+    names = [*next(iter(found.values()))]
+    lines = [f"| | {' | '.join(names)} |", "|---|" + "---|" * len(names)]
+    for (title, measure), own in found.items():
+        cells = [
+            f"{mean:.3g} ({low:.3g} to {high:.3g})" + (f", {lost} lost" if lost else "")
+            for mean, low, high, lost in own.values()
+        ]
+        lines.append(f"| {title}, {measure} | {' | '.join(cells)} |")
     return "\n".join(lines)
+
+
+def figure(found: Intervals, path: Path) -> None:
+    """Intervals of the measures, a bar for each model."""
+    with style.styled():
+        drawing = style.canvas(5.2)
+        axes = drawing.subplots(4, 4).ravel()
+        for axis, ((title, measure), own) in zip(axes, found.items(), strict=False):
+            for place, (name, (mean, low, high, _)) in enumerate(own.items()):
+                axis.plot([low, high], [place, place], lw=4, alpha=0.5, color=style.colour(place))
+                axis.plot(mean, place, "o", color=style.colour(place), label=name)
+            axis.set_yticks([])
+            axis.set_ylim(len(own) - 0.5, -0.5)
+            words = measure.replace("_L", " [L]").replace("_deg", " [°]").replace("_", " ")
+            axis.set_title(f"{title.replace(', first', '')}\n{words}", fontsize=7)
+        for axis in axes[len(found) :]:
+            axis.axis("off")
+        drawing.legend(*axes[0].get_legend_handles_labels(), loc="lower right", fontsize=8)
+    style.save(drawing, path)
 
 
 def evidence(found: Together) -> str:
@@ -104,6 +138,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=Path(default))
     parser.add_argument("--out", type=Path, default=Path("third-laboratory"))
     parser.add_argument("--ships", type=int, default=2000)
+    parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
     own, parts = captive_model(options.data)
     captive = as_at_hsva(with_uncertain_parts(own, parts), options.data)
@@ -113,12 +148,14 @@ def main() -> None:
     used, kept = runs[::2], runs[1::2]
     records = [x for run in used for x in free_records(run, captive)]
     began = time.perf_counter(), time.process_time()
-    found = joint_diagnosis(
+    found = pk.begin(
         captive,
         {"HMRI": tests, "HSVA": records},
-        captive={"noise": NOISE, "floor": FLOOR},
+        noise=NOISE,
+        floor=FLOOR,
+        executor=options.workers,
         progress=lambda word: print(f"… {word}", flush=True),
-    )
+    ).diagnose()
     print(
         f"{time.perf_counter() - began[0]:.0f} s, of processor time "
         f"{time.process_time() - began[1]:.0f} s\n{found}\n\n{evidence(found)}\n"
@@ -139,9 +176,17 @@ def main() -> None:
             f"{' '.join(f'{x:.2f}' for x in plain)}   {' '.join(f'{x:.2f}' for x in exact)}"
         )
     scale = {f"prior × {n:g}": x.model for n, x in zip((1.0, 0.5, 2.0), found.others, strict=True)}
-    table = intervals({"captive tests alone": captive, **scale}, options.ships)
+    first = found.others[0]
+    bars = {
+        "captive tests alone": captive,
+        "next laboratory": first.model,
+        "of the ship": first.ship,
+    }
+    drawn = intervals(bars, options.ships)
+    table = f"{told(drawn)}\n\n{told(intervals(scale, options.ships))}"
     print(f"\n{table}")
     options.out.mkdir(parents=True, exist_ok=True)
+    figure(drawn, options.out / "next_ship.png")
     for name, model in {"another_laboratory": found.others[0].model, "captive": captive}.items():
         pk.save_model(model, options.out / f"{name}.toml")
     (options.out / "intervals.md").write_text(table + "\n", encoding="utf-8")

@@ -421,19 +421,14 @@ def test_an_effect_is_fitted_to_records_and_taken_out_again(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_several_campaigns_vote_together(folder, capsys):
+def test_several_campaigns_vote_together(folder, capsys, tmp_path, monkeypatch):
     other = hidden_campaign("middle", {"yaw_sway_coupling": 1.0}, seed=8)
     save_campaign(other, folder / "other.h5")
     out = folder / "together"
     status, said, _ = run(
-        capsys,
-        "diagnose",
-        folder / "model.toml",
-        folder / "hidden.h5",
-        folder / "other.h5",
-        "--out",
-        out,
-    )
+        capsys, "diagnose", folder / "model.toml", folder / "hidden.h5", folder / "other.h5",
+        "--test-runs", "YD_2.0*", "--workers", "1", "--out", out,
+    )  # fmt: skip
     assert status == 0
     assert "Together missing effect by 2 campaigns: yaw_sway_coupling" in said
     content = json.loads((out / "diagnosis.json").read_text())
@@ -452,14 +447,23 @@ def test_several_campaigns_vote_together(folder, capsys):
     assert second in head
     assert rows[0].startswith("yaw_sway_coupling,")
     assert "Yvvr" in load_model(out / "model.toml").parts["hull_polynomial"].values
+    for rows in content["errors"].values():
+        before, after = rows.values()
+        assert after["force"] < 0.5 * before["force"]
+    assert content["proposed"] == ["yaw_sway_coupling"]
+    (line,) = [x for x in said.splitlines() if x.startswith("Next: pmmkit add")]
+    monkeypatch.chdir(tmp_path)
+    status, said, _ = run(capsys, *shlex.split(line)[2:])
+    assert status == 0
+    assert "fault_misalignment (hidden effects, middle)" in said
 
 
 def test_what_one_campaign_alone_can_take_is_refused_for_several(folder, capsys):
     status, _, error = run(
-        capsys, "diagnose", folder / "model.toml", *2 * [folder / "quiet.h5"], "--given", "memory"
+        capsys, "diagnose", folder / "model.toml", *2 * [folder / "quiet.h5"], "--outside"
     )
     assert status != 0
-    assert "belong to the diagnosis of one campaign" in error
+    assert "belongs to the diagnosis of one campaign" in error
 
 
 def test_a_structure_cannot_be_asked_by_several_campaigns(folder, capsys):

@@ -12,6 +12,8 @@ from hidden_effects import hidden_campaign
 import pmmkit as pk
 from pmmkit import without_effect
 from pmmkit.base import DataError, ModelError, UnknownNameError
+from pmmkit.diagnosis.captive.held_out import condition, held_out
+from pmmkit.diagnosis.captive.verdict import about
 from tests.support.free_tank.campaigns import Setup, write
 from tests.support.zigzags import ASYMMETRY, SENSORS, SHIP, sailed
 
@@ -202,3 +204,27 @@ def test_what_only_the_tank_can_show_reaches_the_ship(both):
     assert session.fall().only("sea").steps == ("base",)
     assert math.isfinite(session.fall().by_campaign["sea"][-1])
     assert any(step.effect == "memory" for step in session.model().steps)
+
+
+@pytest.mark.slow
+def test_runs_of_a_tank_are_held_out(base, tanks):
+    """One condition held out is missed by as much as where all are left out in turn."""
+    campaign, added = tanks["straight"], "yaw_sway_coupling"
+    turned = pk.begin(base, campaign, floor=1e-5).add(added).evidence
+    left_out = held_out(*about(turned.system, (added,)))
+    for place in (left_out.tests.index("pure_yaw"), left_out.tests.index("yaw_drift")):
+        kept = [x.id for x in campaign.runs if left_out.conditions[place] == condition(x)]
+        session = pk.begin(base, {"tank": campaign}, test_runs=kept, floor=1e-5).add(added)
+        before, after = session.held_out_errors().values()
+        errors = dict(zip(left_out.channels, left_out.error[place], strict=True))
+        for channel in ("Y", "N"):
+            assert after[channel] == pytest.approx(errors[channel], rel=0.02)
+    assert after["N"] < 0.5 * before["N"]
+    found = session.undo().diagnose()
+    assert found.errors["tank"]["held out, with the effects"] == pytest.approx(after, rel=0.05)
+    assert found.proposed == (added,)
+
+
+def test_a_pattern_fits_runs_of_any_campaign(base, tanks):
+    with pytest.raises(UnknownNameError, match="No run is called nothing"):
+        pk.begin(base, tanks, test_runs=["nothing*"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -15,14 +16,19 @@ from small_campaign import write_campaign
 import pmmkit as pk
 from pmmkit import without_effect
 from pmmkit.base import DataError
-from pmmkit.diagnosis import joint_diagnosis
 from pmmkit.diagnosis.evidence import PRICE
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues, log_shared, owner, third
-from pmmkit.diagnosis.joint.captive_vote import captive_vote
-from pmmkit.diagnosis.joint.result import Belonging
+from pmmkit.diagnosis.joint.captive_vote import Ballot
+from pmmkit.diagnosis.joint.result import Belonging, JointEntry
 from pmmkit.diagnosis.joint.scatter import FLAT, Groups, Learned, next_laboratory, scatter_of_base
-from pmmkit.effects import CATALOGUE, is_fault
+from pmmkit.diagnosis.joint.together import with_shown
+from pmmkit.effects import is_fault
 from tests.support.zigzags import SENSORS, SHIP, sailed
+
+
+def asked(model, campaigns, **settings):
+    """What several campaigns say together."""
+    return pk.begin(model, campaigns, **settings).diagnose()
 
 
 def normal(x, mean, variance):
@@ -92,10 +98,63 @@ def test_a_stall_by_an_angle_and_one_by_cubes_are_not_compared():
     ]
     found = Belonging(
         effect="rudder_stall", owner="cannot tell", log_odds=math.nan, coefficients=(), usual=(),
-        size=1.0, measured=tuple(none), thirds=(),
+        size=1.0, measured=tuple(none), thirds=(), shown={},
     )  # fmt: skip
     assert found.sentence.endswith("A and B measure no coefficient of it that all have.")
     assert found.rows() == []
+
+
+@dataclass(frozen=True)
+class Voter:
+    """A campaign that measures effects of one coefficient each, known to 0.01."""
+
+    name: str
+    values: dict[str, float]
+    asked: frozenset[str] = frozenset()
+
+    def sizes(self, names, _faults):
+        return {
+            x: LaboratoryValues(
+                laboratory=self.name,
+                values=np.array([self.values[x]]),
+                covariance=np.array([[1e-4]]),
+                coefficients=("c",),
+                typical=(1.0,),
+            )
+            for x in names
+        }
+
+
+def entry(names, **ballots):
+    total = sum(ballots.values()) - PRICE * len(names)
+    told = {x: Ballot(log_evidence=value) for x, value in ballots.items()}
+    return JointEntry(names=names, log_evidence=total, ballots=told)
+
+
+@pytest.mark.parametrize(("of_b", "unshown"), [(3.5, True), (9.0, False)])
+def test_what_no_campaign_shows_and_all_see_otherwise_is_refused(of_b, unshown):
+    """A drag that both have at one size, and a coupling of which each has a size of its own: alone
+    it pays in none, together it pays once."""
+    votes = [
+        Voter("A", {"drag": 1.0, "coupling": 0.8}),
+        Voter("B", {"drag": 1.01, "coupling": -0.6}),
+    ]
+    entries = (
+        entry(("coupling", "drag"), A=43.0, B=40.0 + of_b),
+        entry(("drag",), A=40.0, B=40.0),
+        entry(("coupling",), A=3.0, B=of_b),
+    )
+    assert entries[0].log_evidence > entries[1].log_evidence
+    left, belongs, refused = with_shown(votes, entries)
+    assert [item.effect for item in refused] == ["coupling"] * unshown
+    assert left[0].names == (("drag",) if unshown else ("coupling", "drag"))
+    owners = {item.effect: item for item in belongs}
+    assert owners["drag"].owner == "the ship's"
+    if unshown:
+        assert "A +3.0, B +3.5" in refused[0].refusal
+    else:
+        assert owners["coupling"].owner == "the laboratory's"
+        assert "B alone shows it" in owners["coupling"].sentence
 
 
 def test_another_laboratory_without_scatter_finds_the_weighted_mean():
@@ -134,7 +193,7 @@ def captive(base):
     hidden = {"yaw_sway_coupling": 1.0}
     one = hidden_campaign("middle", {**hidden, "fault_misalignment": 1.0}, seed=3)
     other = hidden_campaign("middle", hidden, seed=4)
-    return joint_diagnosis(base, {"turned": one, "straight": other})
+    return asked(base, {"turned": one, "straight": other})
 
 
 @pytest.mark.slow
@@ -177,7 +236,7 @@ def test_the_answer_prints_and_is_plain_data(captive):
 
 @pytest.mark.slow
 def test_an_effect_of_another_size_in_each_is_the_laboratorys(base):
-    found = joint_diagnosis(
+    found = asked(
         base,
         {
             "large": hidden_campaign("middle", {"yaw_sway_coupling": 1.0}, seed=4),
@@ -201,7 +260,7 @@ def test_what_one_laboratory_reads_otherwise_in_some_runs_is_not_the_ships(base)
     hidden = {"yaw_sway_coupling": 1.0}
     one = steady_reads_more(hidden_campaign("full", hidden, seed=6))
     other = hidden_campaign("full", hidden, seed=7)
-    found = joint_diagnosis(base, {"scaled": one, "sound": other})
+    found = asked(base, {"scaled": one, "sound": other})
     assert "yaw_sway_coupling" in found.best
     assert list(found.disagreements) == ["scaled"]
     (told,) = found.disagreements["scaled"]
@@ -213,7 +272,7 @@ def test_what_one_laboratory_reads_otherwise_in_some_runs_is_not_the_ships(base)
 @pytest.mark.slow
 def test_each_campaign_says_what_fits_and_what_it_cannot_tell(base):
     """A drag of the acceleration is in no catalogue: a formula may stand for it."""
-    found = joint_diagnosis(
+    found = asked(
         base,
         {"tank": hidden_campaign("full", {"outside_vr3": 1.0, "yaw_sway_coupling": 1.0}, seed=3)},
     )
@@ -227,7 +286,7 @@ def test_each_campaign_says_what_fits_and_what_it_cannot_tell(base):
 @pytest.mark.slow
 def test_nothing_hidden_is_named_by_none(base):
     campaigns = {str(seed): hidden_campaign("small", {}, seed=seed) for seed in (1, 2)}
-    found = joint_diagnosis(pk.load_model("s175-3dof"), campaigns)
+    found = asked(pk.load_model("s175-3dof"), campaigns)
     assert found.verdict == "noise"
     assert found.best == ()
 
@@ -235,7 +294,7 @@ def test_nothing_hidden_is_named_by_none(base):
 @pytest.mark.slow
 def test_tests_of_the_bare_hull_tell_the_base(tmp_path):
     campaign = pk.open_campaign(write_campaign(tmp_path))
-    found = joint_diagnosis(pk.load_model("s175-3dof"), [campaign])
+    found = asked(pk.load_model("s175-3dof"), [campaign])
     assert any("its derivatives are fitted" in note for note in found.notes)
 
 
@@ -243,15 +302,13 @@ def test_tests_of_the_bare_hull_tell_the_base(tmp_path):
 def test_records_of_two_basins_vote_together():
     """An asymmetry, sailed twice with other noise: evidence adds, and one size holds for both."""
     ship = SHIP.with_values("hull_polynomial", Y0=0.0022, N0=-0.001)
-    found = joint_diagnosis(
+    found = asked(
         SHIP,
         {"one": sailed(ship, 0), "two": sailed(ship, 5)},
-        free={
-            "candidates": [CATALOGUE["asymmetry"], CATALOGUE["fault_rudder_zero"]],
-            "most": 1,
-            "sensors": SENSORS,
-            "spread": 0.03,
-        },
+        candidates=["asymmetry", "fault_rudder_zero"],
+        most=1,
+        sensors=SENSORS,
+        spread=0.03,
     )
     assert found.best == ("asymmetry",)
     assert found.belongs[0].owner == "the ship's"
@@ -274,7 +331,7 @@ def test_records_of_two_basins_vote_together():
 
 def test_no_campaign_is_refused():
     with pytest.raises(DataError, match="no campaign"):
-        joint_diagnosis(SHIP, {})
+        asked(SHIP, {})
 
 
 def learned(value, variance, **kind):
@@ -440,7 +497,8 @@ def test_a_ship_that_sails_free_is_near_one_that_did():
 def test_captive_tests_say_how_the_base_moves_with_an_effect(base):
     """A regression with an effect is that without it, less what both share, times its size."""
     campaign = hidden_campaign("middle", {"yaw_sway_coupling": 1.0}, seed=4)
-    vote = captive_vote("tank", base, campaign)
+    session = pk.begin(base, {"tank": campaign})
+    (vote,) = session.evidence.votes(())
     found = vote.beside(("yaw_sway_coupling",), ())
     held = vote.model_with((), ()).parts["hull_polynomial"].values
     moved = vote.model_with(("yaw_sway_coupling",), ()).parts["hull_polynomial"].values

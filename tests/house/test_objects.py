@@ -15,7 +15,6 @@ import pytest
 from matplotlib.figure import Figure
 
 import pmmkit as pk
-import pmmkit.diagnosis
 from pmmkit.diagnosis import Fall
 from pmmkit.diagnosis.loop.fall import FallRow
 from pmmkit.diagnosis.loop.records import TOLD
@@ -260,9 +259,9 @@ MADE = {
     "Fall": joint_fall,
     "Diagnosis": diagnosis,
     "Together": cache(
-        lambda: pmmkit.diagnosis.joint_diagnosis(
+        lambda: pk.begin(
             pk.load_model("s175-3dof"), {"tank <1>": session().evidence.campaign}
-        )
+        ).diagnose()
     ),
     "Finding": cache(lambda: diagnosis().findings[0]),
     "Track": track,

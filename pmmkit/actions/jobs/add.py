@@ -8,7 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.actions.outcome import Outcome, marked, results_file, results_folder
-from pmmkit.actions.records import RecordSettings, errors_table, session_about, sound_campaigns
+from pmmkit.actions.records import (
+    RecordSettings,
+    errors_table,
+    middle_speed,
+    session_about,
+    sound_campaigns,
+)
 from pmmkit.actions.setting import SettingError, sensors_of, setting, settings
 from pmmkit.actions.shared import Data, DrawFigures, Force, NoiseSettings, Out, Own
 from pmmkit.presentation import aligned
@@ -166,9 +172,6 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, Track]:
     from pmmkit.conventions import Criterion
     from pmmkit.simulation import simulate
 
-    speeds = sorted({run.settings.speed for run in campaign.runs})
-    ship = campaign.ship
-    Fn = ship.froude(speeds[len(speeds) // 2], campaign.water.g)
     found = {}
     for name, model in (("before", before), ("after", after)):
         try:
@@ -176,7 +179,7 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, Track]:
                 model,
                 "turning",
                 rudder_deg=Criterion.HARD_OVER,
-                speed=model.ship.speed(Fn, model.water.g),
+                speed=middle_speed(campaign, model),
             )
         except PmmkitError:
             return {}

@@ -13,8 +13,16 @@ from typing import TYPE_CHECKING, Any, Final
 from pmmkit.actions.jobs.add import AddSettings
 from pmmkit.actions.jobs.plan import PlanSettings
 from pmmkit.actions.jobs.reduce import ReduceSettings
+from pmmkit.actions.jobs.uncertainty import UncertaintySettings
 from pmmkit.actions.outcome import Outcome, marked, results_folder, say, warned, written
-from pmmkit.actions.records import RecordSettings, errors_table, sound_campaign, sound_campaigns
+from pmmkit.actions.records import (
+    RecordSettings,
+    errors_table,
+    middle_speed,
+    session_of_several,
+    sound_campaign,
+    sound_campaigns,
+)
 from pmmkit.actions.setting import (
     as_typed,
     present,
@@ -32,67 +40,19 @@ from pmmkit.actions.shared import (
     Force,
     Given,
     NoiseSettings,
+    OrderSettings,
     Out,
     Own,
 )
+from pmmkit.actions.speeds import TypedSpeed
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns import Campaign
+    import pandas as pd
+
     from pmmkit.campaigns import Campaign as Tests
-    from pmmkit.diagnosis import Diagnosis
+    from pmmkit.diagnosis import Diagnosis, Together
     from pmmkit.intake import CheckFinding
-
-
-# ``pmmkit diagnose`` with several campaigns.
-
-
-def together_outcome(
-    name: str,
-    paths: Sequence[Path],
-    folder: Path,
-    *,
-    data: Path | None,
-    captive: dict[str, Any],
-    free: dict[str, Any],
-    drawn: bool,
-) -> Outcome:
-    """The answer of several campaigns, printed and written."""
-    from pmmkit.base import DataError
-    from pmmkit.conventions import STRUCTURES
-    from pmmkit.diagnosis import joint_diagnosis
-    from pmmkit.models import load_model, save_model
-    from pmmkit.plotting import save
-
-    if name in STRUCTURES:
-        raise DataError(
-            f"{name} is a structure: several campaigns are asked about a model. Give a model file "
-            f"or a library ship; pmmkit reduce writes a model from captive tests."
-        )
-    model = load_model(name)
-    asked: dict[str, Campaign] = {}
-    head, warnings, checks = [], [], {}
-    for title, (campaign, checked) in sound_campaigns(paths, data).items():
-        asked[title] = campaign
-        head.append(f"{title}: {len(campaign.runs)} runs, {campaign.kind}")
-        warnings += warned(checked)
-        checks[title] = [item.to_dict() for item in checked]
-    found = joint_diagnosis(
-        model, asked, captive=present(**captive), free=present(**free), progress=say
-    )
-    content = {**found.to_dict(), "model": model.name, "checks": checks}
-    results: list[tuple[str, Any]] = [
-        ("diagnosis.json", content),
-        ("effects.csv", found.to_pandas()),
-    ]
-    if found.model is not None:
-        results.append(("model.toml", partial(save_model, found.model)))
-    if found.others:
-        another = found.others[0].model
-        results.append(("another_laboratory.toml", partial(save_model, another)))
-    if drawn:
-        results.append(("evidence.svg", partial(save, found.plot())))
-    lines = [*head, *warnings, str(found), ""]
-    return marked(written(folder, results, content, lines), model)
+    from pmmkit.models import Model
 
 
 STAGE: Final = ("explain", 2)
@@ -146,22 +106,7 @@ def diagnose(job: DiagnoseSettings) -> Outcome:
     name = "-".join(map(stem, job.campaigns))
     folder = results_folder(job.out, f"{name}-diagnosed", read=[job.model], force=job.force)
     if len(job.campaigns) > 1:
-        of_one = known or job.own is not None or job.outside or executor
-        if of_one or {"test_runs", "window"} & set(stated(asked)):
-            raise DataError(
-                "--given, --own, --outside, --test-runs, --window, --workers and --scheduler "
-                "belong to the diagnosis of one campaign."
-            )
-
-        return together_outcome(
-            job.model,
-            job.campaigns,
-            folder,
-            data=job.data,
-            captive=vars(job.uncertainty),
-            free=asked.together(names),
-            drawn=job.figures,
-        )
+        return marked(_together(job, names, known, folder), job.model)
     opened, checked = sound_campaign(campaign, job.data, executor)
     if opened.kind == "free-running":
         if known or job.uncertainty.noise is not None or job.own is not None or job.outside:
@@ -281,6 +226,167 @@ def _of_records(
     )
 
 
+# Several campaigns of one ship.
+
+
+NEXT_SHIP: Final = "another_laboratory.toml"
+"""File of the model of a laboratory that has not tested yet."""
+SHIPS: Final = 500
+"""Ships that tell its turn: an end of a 95 % interval is known to a tenth of its half."""
+
+
+def _together(
+    job: DiagnoseSettings, names: Sequence[str] | None, given: Sequence[str], folder: Path
+) -> Outcome:
+    """The answer of several campaigns, and what it says of the next ship."""
+    from pmmkit.base import DataError
+    from pmmkit.conventions import STRUCTURES
+    from pmmkit.effects import own_effects
+    from pmmkit.models import load_model, save_model
+    from pmmkit.plotting import save
+
+    if job.outside:
+        raise DataError("--outside belongs to the diagnosis of one campaign.")
+    if job.model in STRUCTURES:
+        raise DataError(
+            f"{job.model} is a structure: several campaigns are asked about a model. Give a model "
+            f"file or a library ship; pmmkit reduce writes a model from captive tests."
+        )
+    model = load_model(job.model)
+    opened = sound_campaigns(job.campaigns, job.data)
+    free = [one for one, _ in opened.values() if one.kind == "free-running"]
+    session = session_of_several(
+        model,
+        {title: one for title, (one, _) in opened.items()},
+        names,
+        job.records,
+        **vars(job.uncertainty),
+        own=own_effects(job.own) if job.own else (),
+        executor=job.execution.executor,
+    )
+    for effect in given:
+        name, _, of = effect.partition("@")
+        session = session.add(name, "known to be there", campaign=of)
+    found = session.diagnose()
+    speed = middle_speed(free[0], found.others[0].model) if found.others else 0.0
+    turns = turns_of(found.others[0].model, found.others[0].ship, speed) if found.others else None
+    head = [f"{title}: {len(one.runs)} runs, {one.kind}" for title, (one, _) in opened.items()]
+    warnings = [text for _, checked in opened.values() for text in warned(checked)]
+    content = {
+        **found.to_dict(),
+        "model": model.name,
+        "turn": {} if turns is None else turns.to_dict("index"),
+        "checks": {title: [x.to_dict() for x in own] for title, (_, own) in opened.items()},
+    }
+    results: list[tuple[str, Any]] = [
+        ("diagnosis.json", content),
+        ("effects.csv", found.to_pandas()),
+    ]
+    if found.model is not None:
+        results.append(("model.toml", partial(save_model, found.model)))
+    if found.others:
+        results.append((NEXT_SHIP, partial(save_model, found.others[0].model)))
+    if turns is not None:
+        results.append(("turn.csv", turns.to_csv))
+    if job.figures:
+        results.append(("evidence.svg", partial(save, found.plot())))
+    lines = [*head, *warnings, str(found), ""]
+    for title, rows in found.errors.items():
+        lines += [f"{title}, what is held out:", errors_table(rows), ""]
+    if turns is not None:
+        lines += _turn_words(turns, speed)
+    done = written(folder, results, content, lines)
+    return done.then(*_next_of_all(job, found, given, folder / NEXT_SHIP, speed))
+
+
+def turns_of(another: Model, alone: Model, speed: float) -> pd.DataFrame | None:
+    """Turns of a laboratory that has not tested yet to both sides: a row for each measure, in ship
+    lengths, with its 95 % interval, and that of what is not known of the ship alone; None where
+    such a ship cannot turn.
+
+    speed [m/s].
+    """
+    import numpy as np
+    import pandas as pd
+
+    from pmmkit.base import PmmkitError
+    from pmmkit.conventions import Criterion
+    from pmmkit.simulation import monte_carlo
+
+    rows = {}
+    for side, sign in (("starboard", 1.0), ("port", -1.0)):
+        order: dict[str, Any] = {
+            "speed": speed,
+            "rudder_deg": sign * Criterion.HARD_OVER,
+            "n": SHIPS,
+        }
+        try:
+            whole, ship = (monte_carlo(x, "turning", **order) for x in (another, alone))
+        except PmmkitError:
+            return None
+        for measure in ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L"):
+            low, high = whole.interval(measure)
+            least, most = ship.interval(measure)
+            rows[f"{measure} {side}"] = {
+                "mean": float(np.nanmean(whole.metrics[measure])),
+                "low": low,
+                "high": high,
+                "ship_low": least,
+                "ship_high": most,
+            }
+    return pd.DataFrame.from_dict(rows, orient="index")
+
+
+def _turn_words(turns: pd.DataFrame, speed: float) -> list[str]:
+    """The turns in words.
+
+    speed [m/s].
+    """
+    from pmmkit.conventions import Criterion
+    from pmmkit.presentation import aligned
+
+    rows = [
+        [
+            str(name).replace("_L ", " to ").replace("_", " "),
+            f"{row['mean']:.2f}",
+            f"{row['low']:.2f} to {row['high']:.2f}",
+            f"{row['ship_low']:.2f} to {row['ship_high']:.2f}",
+        ]
+        for name, row in turns.iterrows()
+    ]
+    return [
+        f"Turn of a laboratory that has not tested yet, {Criterion.HARD_OVER:g}° of rudder at "
+        f"{speed:.4g} m/s, in ship lengths with 95 % intervals; the last column "
+        "is what is not known of the ship, the rest of it by what laboratories differ:",
+        aligned(["", "mean", "next laboratory", "of the ship"], rows),
+        "",
+    ]
+
+
+def _next_of_all(
+    job: DiagnoseSettings, found: Together, given: Sequence[str], another: Path, speed: float
+) -> list[str]:
+    """The commands that put what is the ship's into the model, and that ask the next ship.
+
+    speed [m/s].
+    """
+    from pmmkit.conventions import Criterion
+
+    lines = []
+    titles = dict(zip(found.names, job.campaigns, strict=True))
+    if found.proposed:
+        faults = [f"{x}@{name}" for name in titles for x in found.faults_of(name)]
+        lines += _adding("Next:", job, (*given, *found.proposed, *faults), job.own)
+    if found.others:
+        turn = UncertaintySettings(
+            model=str(another),
+            speed=TypedSpeed(round(speed, 3)),
+            orders=OrderSettings(rudder_deg=Criterion.HARD_OVER),
+        )
+        lines.append(f"For the next ship: pmmkit uncertainty {as_typed(turn)}")
+    return lines
+
+
 def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
     from pmmkit.models import save_model
     from pmmkit.plotting import save
@@ -298,9 +404,12 @@ def _next(job: DiagnoseSettings, found: Diagnosis, given: Sequence[str], folder:
     run that decides."""
     campaign = job.campaigns[0]
     advice = f"pmmkit plan {as_typed(PlanSettings(model=job.model, campaign=campaign))}"
-    lines = []
-    if found.findings:
-        lines += _adding("Next:", job, (*given, *(x.effect for x in found.proposed)), job.own)
+    lines = _with_tests(job, found)
+    if found.findings and not found.proposed:
+        lines.append("No effect is advised: each holds for one kind of run alone.")
+    elif found.findings:
+        head = "Or, by these records alone:" if lines else "Next:"
+        lines += _adding(head, job, (*given, *(x.effect for x in found.proposed)), job.own)
         lines += [f"Or, to tell the rivals apart: {advice}"] * (len(found.group) > 1)
     elif found.suspected:
         lines.append(f"Next: {advice}")
@@ -314,6 +423,27 @@ def _next(job: DiagnoseSettings, found: Diagnosis, given: Sequence[str], folder:
     return lines
 
 
+def _with_tests(job: DiagnoseSettings, found: Diagnosis) -> list[str]:
+    """The advice to ask records together with the captive tests that the model was made of: of
+    several that were tried that predicted a third laboratory best (docs/case_next_ship.md)."""
+    from pmmkit.conventions import STRUCTURES
+    from pmmkit.models import load_model
+
+    if job.model in STRUCTURES or found.model is None or not found.findings:
+        return []
+    model = load_model(job.model)
+    built = [step.ship for step in model.steps if step.action == "built"]
+    if model.covariance is None or not built:
+        return []
+    asked = DiagnoseSettings(
+        model=job.model,
+        campaigns=(Path("TESTS"), *job.campaigns),
+        data=job.data,
+        records=job.records,
+    )
+    return [f"Next, TESTS for the captive tests of {built[-1]}: pmmkit diagnose {as_typed(asked)}"]
+
+
 def _adding(
     head: str, job: DiagnoseSettings, effects: tuple[str, ...], own: Path | None
 ) -> list[str]:
@@ -321,11 +451,10 @@ def _adding(
     from pmmkit.conventions import STRUCTURES
     from pmmkit.files import MODEL, free_folder, is_empty_place
 
-    campaign = job.campaigns[0]
     better = AddSettings(
         model=job.model,
         effects=effects,
-        fit=(campaign,),
+        fit=job.campaigns,
         data=job.data,
         records=job.records,
         uncertainty=job.uncertainty,
@@ -334,6 +463,7 @@ def _adding(
     )
     if job.model not in STRUCTURES:
         return [f"{head} pmmkit add {as_typed(better)}"]
+    campaign = job.campaigns[0]
     folder = free_folder(Path(f"{stem(campaign)}-reduced"))
     base = ReduceSettings(
         campaign=campaign, structure=job.model, fn="pooled", data=job.data, out=folder

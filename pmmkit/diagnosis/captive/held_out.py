@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from pmmkit.campaigns import Run
-from pmmkit.diagnosis.captive.least_squares import Solved, Stack, solved, stacked
-from pmmkit.diagnosis.captive.system import CandidateColumns, System
+from pmmkit.diagnosis.captive.base import CaptiveBase
+from pmmkit.diagnosis.captive.least_squares import JointFit, Solved, Stack, labels, solved, stacked
+from pmmkit.diagnosis.captive.system import CandidateColumns, System, candidate_columns, channels_of
 from pmmkit.diagnosis.captive.whitening import Places
 from pmmkit.inference import of_others
 from pmmkit.numerics import Array
@@ -385,6 +386,34 @@ def held_out(
         spread=spread,
         tests=tuple(members[0][1].run.test for members in groups.values()),
     )
+
+
+FORCE: Final = "force"
+"""All channels of captive tests together, each over its rms force."""
+
+
+def missed(
+    views: Sequence[View], base: CaptiveBase, effects: Sequence[CandidateColumns], fit: JointFit
+) -> dict[str, float]:
+    """Root mean square errors of runs that a fit had not seen: of all channels together over their
+    rms forces [%], and of each [N, N m]. What an effect draws for each run by itself is not known.
+    """
+    channels = channels_of(views, base)
+    values = dict(zip(fit.names, np.nan_to_num(fit.values).tolist(), strict=True))
+    shown = {c.name: c.design @ [values.get(x, 0.0) for x in base.names[c.name]] for c in channels}
+    for block in effects:
+        if not block.candidate.each_run:
+            sizes = [values[x] for x in labels(block.candidate)]
+            own = candidate_columns(block.candidate, block.value, channels, views, base)
+            shown |= {name: shown[name] + columns @ sizes for name, columns in own.items()}
+    errors, shares = {}, []
+    for c in channels:
+        rows = [x for i, x in zip(c.views, c.rows, strict=True) if not views[i].early]
+        pairs = [(_mean_square((c.y - shown[c.name])[x]), _mean_square(c.y[x])) for x in rows]
+        error, force = np.sqrt(np.mean(pairs, axis=0)).tolist()
+        errors[c.name] = error
+        shares.append(error / force if force else 0.0)
+    return {FORCE: 100.0 * float(np.sqrt(np.mean(np.square(shares)))), **errors}
 
 
 def _weights(rows: int) -> Array:

@@ -16,7 +16,7 @@ from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.captive.verdict import CHANCE
 from pmmkit.diagnosis.evidence import LEAST, PRICE, RIVALS, Visible
-from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, Verdict
+from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, Transfer, Verdict
 from pmmkit.diagnosis.free_running.base import FLOOR, SPREAD, FreeBase, base_of, stated_base
 from pmmkit.diagnosis.free_running.contest import (
     MOST,
@@ -66,6 +66,7 @@ from pmmkit.diagnosis.free_running.left_out import (
 )
 from pmmkit.diagnosis.free_running.misfit import LeftOutMisfit, left_out_squares
 from pmmkit.diagnosis.free_running.question import RecordQuestion, question_of, records_of
+from pmmkit.diagnosis.free_running.transfer import transfers_of
 from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects import OUTSIDE, Effect
 from pmmkit.identification import FreeRecord, Prior, sea_notes
@@ -161,6 +162,30 @@ class FreeSystem:
             return pooled(predicted(fit, each(self.records)))
 
         return cache(made)
+
+    def held_out_errors(
+        self,
+        records: Sequence[FreeRecord],
+        window: float | None,
+        others: Mapping[str, Model],
+        better: tuple[Model, SetFit] | None,
+    ) -> dict[str, dict[str, float]]:
+        """Errors of records that are held out: of the model as it is given, of others, and of one
+        with effects, whose fit corrects the records for faults.
+
+        window [s].
+        """
+        change = moved(better[1]) if better else {}
+        return held_out_errors(
+            self.model,
+            others,
+            better[0] if better else None,
+            records,
+            window=window or self.window or WINDOW * self.model.ship.L / self.speed,
+            corrections={name: x for name, x in change.items() if name in OUTSIDE},
+            sensors=self.sensors,
+            extrapolate=self.extrapolate,
+        )
 
 
 def free_system(
@@ -347,15 +372,8 @@ def answer(
     corrections = {name: x for name, x in change.items() if name in OUTSIDE}
     if held_out:
         system.tell("Errors of the records held out")
-        errors |= held_out_errors(
-            system.model,
-            refitted,
-            made if told else None,
-            held_out,
-            window=held_out_window or system.window or WINDOW * model.ship.L / speed,
-            corrections=corrections,
-            sensors=system.sensors,
-            extrapolate=system.extrapolate,
+        errors |= system.held_out_errors(
+            held_out, held_out_window, {"base refitted": refitted}, (made, last) if told else None
         )
     fewer = [
         screen(null.known.without([j]), question.numbers, null.spread) for j in range(len(records))
@@ -385,6 +403,7 @@ def answer(
         corrections=MappingProxyType(corrections),
         notes=(*_notes(question, last), *_refused(contest)),
         disagreements=apart,
+        transfers=_transfers(best, contest) if told and best else (),
         nearest=_nearest(best, refit, misfit) if best and verdict == "unexplained" else None,
     )
 
@@ -480,6 +499,20 @@ def _nearest(best: NamedSet, refit: SetFit, misfit: LeftOutMisfit) -> Nearest:
         channel=name,
         ratio=after.misfit.ratio,
     )
+
+
+def _transfers(best: NamedSet, contest: Contest) -> tuple[Transfer, ...]:
+    """What each effect of the best set does to kinds of records that are left out, the strongest
+    first."""
+    known = {frozenset(item.names): item.fit for item in contest.settled}
+    known[frozenset()] = contest.null
+
+    def fit(names: frozenset[str]) -> SetFit:
+        order = tuple(name for name in best.names if name in names)
+        return known.get(names) or fitted(best.fit.place, order, best.fit.forces)
+
+    rest = {name: contest.without(best.names, name).gain for name in best.names}
+    return transfers_of(sorted(best.names, key=lambda name: rest[name]), fit)
 
 
 def _values(question: RecordQuestion, fit: SetFit) -> dict[str, float]:

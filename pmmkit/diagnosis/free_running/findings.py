@@ -193,7 +193,7 @@ def _within(parameter: Parameter | None, value: float, unsure: float) -> float:
 
 def held_out_errors(
     given: Model,
-    refitted: Model,
+    others: Mapping[str, Model],
     better: Model | None,
     records: Sequence[FreeRecord],
     *,
@@ -202,9 +202,9 @@ def held_out_errors(
     sensors: Mapping[str, float] | None,
     extrapolate: bool,
 ) -> dict[str, dict[str, float]]:
-    """Errors of `predict` over held-out records: as given, refitted, with the effects."""
+    """Errors of `predict` over held-out records: as given, of others, with the effects."""
     courses = Smoothed.references(given, records, sensors=sensors, extrapolate=extrapolate)
-    rows = {"model as given": given, "base refitted": refitted}
+    rows = {"model as given": given, **others}
     errors = {
         f"held out, {name}": Prediction.of(
             model, courses, window=window, extrapolate=extrapolate

@@ -19,14 +19,7 @@ from pmmkit.diagnosis.joint.belongs import SCATTER
 from pmmkit.diagnosis.joint.captive_vote import Ballot, Beside, CaptiveVote, Names, Vote
 from pmmkit.diagnosis.joint.records_vote import RecordsVote
 from pmmkit.diagnosis.joint.result import BASE, Another, Belonging
-from pmmkit.diagnosis.joint.scatter import (
-    FLAT,
-    Groups,
-    Learned,
-    Next,
-    next_laboratory,
-    scatter_of_base,
-)
+from pmmkit.diagnosis.joint.scatter import FLAT, Groups, Learned, next_laboratory, scatter_of_base
 from pmmkit.models import Model
 from pmmkit.numerics import Array, precision_over
 
@@ -90,13 +83,16 @@ def others(
         found = next_laboratory(learned, groups)
         wide = next_laboratory([unsure, *learned[1:]], groups)
         try:
-            model = _model(first, fit, mine, replace(found, covariance=wide.covariance))
+            model = _model(first, fit, mine, found.values, wide.covariance)
+            ship = wide.covariance - np.diag(wide.between)
+            alone = _model(first, fit, mine, found.values, ship)
         except ModelError:
             # Beyond what a value can be: there is no such ship to sail.
             return ()
         made.append(
             Another(
                 model=model,
+                ship=alone,
                 scales=MappingProxyType(
                     {BASE: factor * BETWEEN}
                     | dict(zip(mine, (factor * scales).tolist(), strict=True))
@@ -223,14 +219,14 @@ def _positive(matrix: Array) -> Array:
     return found
 
 
-def _model(vote: RecordsVote, fit: SetFit, names: Names, found: Next) -> Model:
+def _model(vote: RecordsVote, fit: SetFit, names: Names, values: Array, covariance: Array) -> Model:
     """The ship of the records with the values of another laboratory and their covariance."""
     numbers = fit.place.question.numbers
     used = numbers.used(names)
     z = np.zeros_like(fit.z)
-    z[used] = found.values
-    covariance = np.zeros_like(fit.covariance)
-    covariance[np.ix_(used, used)] = found.covariance
-    own = replace(fit, names=names, z=z, covariance=covariance)
+    z[used] = values
+    whole = np.zeros_like(fit.covariance)
+    whole[np.ix_(used, used)] = covariance
+    own = replace(fit, names=names, z=z, covariance=whole)
     made = model_of(vote.model, vote.system.every, own, vote.system.speed, "several campaigns")
     return replace(made, name=f"{made.name}, another laboratory", notes=(*made.notes, NOTE))

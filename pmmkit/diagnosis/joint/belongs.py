@@ -13,6 +13,7 @@ from pmmkit.inference import log_normal
 from pmmkit.numerics import Array
 
 Owner = Literal["the ship's", "the laboratory's", "cannot tell"]
+LABORATORY: Final[Owner] = "the laboratory's"
 DECIDED: Final = 1.0
 """ln of the odds from which it is said whose an effect is."""
 SCATTER: Final = 0.25
@@ -81,7 +82,7 @@ def owner(log_odds: float) -> Owner:
     """Whose an effect is, from `log_shared`."""
     if log_odds > DECIDED:
         return "the ship's"
-    return "the laboratory's" if log_odds < -DECIDED else "cannot tell"
+    return LABORATORY if log_odds < -DECIDED else "cannot tell"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

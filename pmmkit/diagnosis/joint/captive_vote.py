@@ -11,20 +11,21 @@ import numpy as np
 from pmmkit.base import ModelError, TableError
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.adequacy import blocks_of
-from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.captive.disagreement import disagreements
 from pmmkit.diagnosis.captive.formula import told_with_formula
+from pmmkit.diagnosis.captive.held_out import missed
 from pmmkit.diagnosis.captive.least_squares import JointFit, joint_fit, labels, refined
-from pmmkit.diagnosis.captive.refit import in_convention, refitted, written_in
+from pmmkit.diagnosis.captive.refit import in_convention, refitted
 from pmmkit.diagnosis.captive.system import WIDER, CandidateColumns, System
 from pmmkit.diagnosis.captive.verdict import RankedSets, ranked
 from pmmkit.diagnosis.evidence import PRICE, RankedSet
-from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.findings import Diagnosis, Transfer
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues
 from pmmkit.effects import Effect, is_fault
 from pmmkit.intake import Disagreement, Untold
 from pmmkit.models import DerivativeTable, Model
 from pmmkit.numerics import Array
+from pmmkit.reduction import View
 
 # What one campaign says of sets of effects, its own faults taken out.
 
@@ -74,6 +75,9 @@ class Vote(Protocol):
     def promised(self, names: Names) -> Ballot:
         """A set, as far as is known without another fit."""
 
+    def prepare(self, sets: Sequence[Names], /) -> None:
+        """Make ready for sets that are weighed next."""
+
     def weighed(self, names: Names) -> Ballot | None:
         """A set after its own fit; None if that fit leads nowhere."""
 
@@ -85,6 +89,14 @@ class Vote(Protocol):
 
     def model_with(self, names: Names, faults: Names) -> Model | None:
         """The model with a set, all fitted to this campaign; None without a complete model."""
+
+    def transfers(self, names: Names, faults: Names, /) -> tuple[Transfer, ...]:
+        """What effects do to kinds of records that are left out, each beside those before it."""
+
+    def held_out_errors(
+        self, names: Names, faults: Names, others: Mapping[str, Model], /
+    ) -> Mapping[str, Mapping[str, float]]:
+        """Errors of what is held out: of the base alone, of a set, and of other models."""
 
 
 def of_ship(names: Iterable[str]) -> Names:
@@ -139,7 +151,8 @@ class CaptiveVote:
 
     `model`: whose derivatives are the base. `diagnosis`: of these tests alone. `ranking`: runs,
     base and candidates, the effects that the model has, and sets of the others beside these.
-    `faults`: none, and the best sets of faults. `own`: effects of the user.
+    `faults`: none, and the best sets of faults. `own`: effects of the user. `unseen`: runs that are
+    held out.
     """
 
     name: str
@@ -149,6 +162,7 @@ class CaptiveVote:
     ranking: RankedSets
     faults: list[Names]
     own: tuple[Effect, ...] = ()
+    unseen: tuple[View, ...] = ()
 
     @property
     def kind(self) -> Kind:
@@ -177,13 +191,16 @@ class CaptiveVote:
         )
         return Ballot(log_evidence=value + paid - alone, faults=faults)
 
+    def prepare(self, _sets: Sequence[Names]) -> None:
+        """Nothing takes long."""
+
     def weighed(self, names: Names) -> Ballot:
         """The same."""
         return self.promised(names)
 
     def sizes(self, names: Names, faults: Names) -> Mapping[str, LaboratoryValues]:
         """The effects of a set, fitted together with the base."""
-        blocks, fit = self._fitted(names, faults)
+        _, blocks, fit = self._fitted(names, faults)
         found = {}
         for block in blocks:
             c = block.candidate
@@ -207,7 +224,7 @@ class CaptiveVote:
         Where a regression is given an effect, its other values move by what they share: given the
         coefficients, the base is what it is without them, and ``C_be C_ee⁻¹`` times these more.
         """
-        blocks, fit = self._fitted(names, faults)
+        _, blocks, fit = self._fitted(names, faults)
         told: dict[str, tuple[tuple[str, str], float]] = {}
         for block in blocks:
             c = block.candidate
@@ -263,12 +280,34 @@ class CaptiveVote:
 
     def model_with(self, names: Names, faults: Names) -> Model | None:
         """The model with a set, all fitted together; None if these tests excite too little."""
-        blocks, fit = self._fitted(names, faults)
+        _, blocks, fit = self._fitted(names, faults)
         try:
             base = self.ranking.system.base
             return refitted(self.model, fit, blocks, base, self.campaign, self.own)[0]
         except (TableError, ModelError):
             return None
+
+    def transfers(self, _names: Names, _faults: Names) -> tuple[Transfer, ...]:
+        """None: whether an effect is of one size in all tests is asked of it (homogeneity)."""
+        return ()
+
+    def held_out_errors(
+        self, names: Names, faults: Names, _others: Mapping[str, Model]
+    ) -> Mapping[str, Mapping[str, float]]:
+        """Errors of runs that are held out: of the base fitted to the others, and with a set.
+
+        Other models are of ships that sail free: their hull stands behind a propeller.
+        """
+        if not self.unseen:
+            return {}
+        rows: dict[str, tuple[Names, Names]] = {"base refitted": ((), ())}
+        if names or faults:
+            rows["with the effects"] = names, faults
+        found = {}
+        for row, own in rows.items():
+            system, blocks, fit = self._fitted(*own)
+            found[f"held out, {row}"] = missed(self.unseen, system.base, blocks, fit)
+        return found
 
     def _beside(self, names: Names) -> list[Names]:
         """Sets of faults that may stand beside effects: the best alone, and the best with them."""
@@ -278,29 +317,15 @@ class CaptiveVote:
     def _evidence(self, names: Names) -> float:
         return self.ranking.sets.entry(names).log_evidence if names else 0.0
 
-    def _fitted(self, names: Names, faults: Names) -> tuple[tuple[CandidateColumns, ...], JointFit]:
+    def _fitted(
+        self, names: Names, faults: Names
+    ) -> tuple[System, tuple[CandidateColumns, ...], JointFit]:
+        """The system in which a set is asked, its effects, and these fitted with the base."""
         mine = [name for name in (*names, *faults) if name in self.ranking.sets.by_name]
         home = self.ranking.home(mine)
         blocks = blocks_of(home.beside, home.sets.entry(mine)) if mine else []
         together = refined(home.system, [*home.known, *blocks])
-        return together, joint_fit(home.system, together, floor=home.system.floor)
-
-
-def captive_vote(
-    name: str,
-    model: Model,
-    campaign: Campaign,
-    *,
-    floor: float | None = None,
-    noise: float | None = None,
-    seed: int = 0,
-) -> CaptiveVote:
-    """Diagnose captive tests and keep what more sets need."""
-    _, structure, effects = derivatives_of(model)
-    own = written_in(model)
-    system = captive_system(campaign, structure, floor=floor, noise=noise, own=own)
-    given = system.taking_part(effects)
-    return vote_of_tests(name, model, campaign, system.whole(given), given, own=own, seed=seed)
+        return home.system, together, joint_fit(home.system, together, floor=home.system.floor)
 
 
 def vote_of_tests(
@@ -311,6 +336,7 @@ def vote_of_tests(
     given: Sequence[str] = (),
     *,
     own: Sequence[Effect] = (),
+    unseen: tuple[View, ...] = (),
     seed: int = 0,
 ) -> CaptiveVote:
     """Diagnose a system of captive tests and keep what more sets need."""
@@ -325,4 +351,5 @@ def vote_of_tests(
         ranking=ranking,
         faults=[(), *fault_sets(ranking.entries, FAULTS)],
         own=tuple(own),
+        unseen=unseen,
     )

@@ -5,27 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
-from pmmkit.base import ModelError, SimulationError
+from pmmkit.base import ModelError, SimulationError, each, opened
 from pmmkit.diagnosis.evidence import PRICE
-from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.findings import Diagnosis, Transfer
 from pmmkit.diagnosis.free_running.base import FreeBase
 from pmmkit.diagnosis.free_running.contest import Contest, steady, why_not
-from pmmkit.diagnosis.free_running.diagnose import (
-    FreeSystem,
-    answer,
-    contest_about,
-    free_system,
-    with_given,
-)
+from pmmkit.diagnosis.free_running.diagnose import FreeSystem, with_given
 from pmmkit.diagnosis.free_running.disagreement import disagreements
 from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import SetFit, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, FreeCandidate
 from pmmkit.diagnosis.free_running.left_out import left_out_error
+from pmmkit.diagnosis.free_running.transfer import transfers_of
 from pmmkit.diagnosis.joint.belongs import LaboratoryValues
 from pmmkit.diagnosis.joint.captive_vote import Ballot, Kind, Names, asked_in, fault_sets, of_ship
 from pmmkit.identification import FreeRecord
@@ -93,7 +89,8 @@ class RecordsVote:
     """Free-running records that have been diagnosed.
 
     `system`: records, model and candidates. `diagnosis`: of these records alone. `contest`:
-    that led to it. `given`: candidates that the base has already.
+    that led to it. `given`: candidates that the base has already. `held_out`: records for which it
+    is asked how well they are predicted, over windows of `held_out_window` [s].
     """
 
     name: str
@@ -101,6 +98,8 @@ class RecordsVote:
     diagnosis: Diagnosis
     contest: Contest
     given: Names = ()
+    held_out: tuple[FreeRecord, ...] = ()
+    held_out_window: float | None = None
 
     @property
     def kind(self) -> Kind:
@@ -215,33 +214,74 @@ class RecordsVote:
         fit = self.steady(frozenset((*self._asked(names), *faults)))
         return None if fit is None else self.model_of(fit)
 
-    @cached_property
-    def fit(self) -> Callable[[frozenset[str]], SetFit | None]:
-        """A set through the equations, each once; None if it leads to no ship, or predicts
-        records left out worse than the base alone."""
-        known = {frozenset(item.names): item.fit for item in self.contest.settled}
-        known[frozenset()] = self.contest.null
-        missed = left_out_error(self.contest.null)
+    def transfers(self, names: Names, faults: Names) -> tuple[Transfer, ...]:
+        """What effects do to kinds of records that are left out, each beside those before it."""
+        return transfers_of(self._asked(names), self.fit, faults)
 
-        def made(names: frozenset[str]) -> SetFit | None:
-            if names in known:
-                return known[names]
-            model, every = self.fits_into
+    def held_out_errors(
+        self, names: Names, faults: Names, others: Mapping[str, Model]
+    ) -> Mapping[str, Mapping[str, float]]:
+        """Errors of records that are held out: of the model as given, refitted, and with a set; and
+        of other models of the ship."""
+        if not self.held_out:
+            return {}
+        base = self.model_of(steady(self.contest.null))
+        fit = self.steady(frozenset((*self._asked(names), *faults))) if names or faults else None
+        return self.system.held_out_errors(
+            self.held_out,
+            self.held_out_window,
+            {"base refitted": base, **others},
+            None if fit is None else (self.model_of(fit), fit),
+        )
+
+    @cached_property
+    def _known(self) -> dict[frozenset[str], SetFit | None]:
+        """Sets through the equations, each once."""
+        known: dict[frozenset[str], SetFit | None] = {
+            frozenset(item.names): item.fit for item in self.contest.settled
+        }
+        return known | {frozenset(): self.contest.null}
+
+    def fit(self, names: frozenset[str]) -> SetFit | None:
+        """A set through the equations; None if it leads to no ship, or predicts records left out
+        worse than the base alone."""
+        if names not in self._known:
+            self._fit_all([names])
+        return self._known[names]
+
+    def prepare(self, sets: Sequence[Names]) -> None:
+        """Fit sets that are weighed next, side by side, each from what is known before them."""
+        every = [
+            frozenset((*own, *x))
+            for names in sets
+            if (own := self._asked(names))
+            for x in self._beside(own)
+        ]
+        self._fit_all([x for x in dict.fromkeys(every) if x not in self._known])
+
+    def _fit_all(self, sets: Sequence[frozenset[str]]) -> None:
+        model, every = self.fits_into
+        asked = []
+        for names in sets:
             order = tuple(item.name for item in every if item.name in names)
             # From the most probable part of it: far from all of them a motion is easily lost.
             near = max(
-                (fit for own, fit in known.items() if own < names), key=lambda x: x.log_probability
+                (fit for own, fit in self._known.items() if fit is not None and own < names),
+                key=lambda x: x.log_probability,
             )
-            question = near.place.question
-            try:
-                place = place_at(question, near.z, question.numbers.used(order))
-                found = fitted(place, order, near.forces)
-            except (ModelError, SimulationError):
-                return None
-            barred = why_not(model, every, found, self.system.speed)
-            return found if not barred and left_out_error(found) <= missed else None
+            asked.append((order, near))
+        missed = left_out_error(self.contest.null)
 
-        return cache(made)
+        def made(item: tuple[Names, SetFit]) -> SetFit | None:
+            found = _fitted(*item)
+            if found is None or why_not(model, every, found, self.system.speed):
+                return None
+            return found if left_out_error(found) <= missed else None
+
+        words = [f"set {' and '.join(order)}" for order, _ in asked]
+        with opened(self.system.executor) as crew, threadpool_limits(1):
+            for place, fit in each(made, asked, crew, names=words):
+                self._known[sets[place]] = fit
 
     @cached_property
     def steady(self) -> Callable[[frozenset[str]], SetFit | None]:
@@ -304,17 +344,11 @@ class RecordsVote:
         return list(dict.fromkeys([(), self.faults, *named]))
 
 
-def records_vote(
-    name: str,
-    model: Model,
-    records: Sequence[FreeRecord],
-    *,
-    most: int = OWN,
-    seed: int = 0,
-    **settings: Any,
-) -> RecordsVote:
-    """Diagnose free-running records and keep what more sets need."""
-    system = free_system(model, records, **settings)
-    contest = contest_about(system, most=most)
-    diagnosis = answer(system, seed=seed, contest=contest)
-    return RecordsVote(name=name, system=system, diagnosis=diagnosis, contest=contest)
+def _fitted(order: Names, near: SetFit) -> SetFit | None:
+    """A set from where a part of it ended; None if its motion is lost."""
+    question = near.place.question
+    try:
+        place = place_at(question, near.z, question.numbers.used(order))
+        return fitted(place, order, near.forces)
+    except (ModelError, SimulationError):
+        return None

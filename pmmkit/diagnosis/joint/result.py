@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.diagnosis.evidence import PRICE, Visible
-from pmmkit.diagnosis.findings import AS_LIKELY, VERDICTS, Diagnosis, Verdict
-from pmmkit.diagnosis.joint.belongs import LaboratoryValues, Owner, Third
+from pmmkit.diagnosis.findings import AS_LIKELY, VERDICTS, Diagnosis, Transfer, Verdict
+from pmmkit.diagnosis.joint.belongs import LABORATORY, LaboratoryValues, Owner, Third
 from pmmkit.diagnosis.joint.captive_vote import Ballot, Names, of_ship
 from pmmkit.effects import CATALOGUE
 from pmmkit.intake import Disagreement
@@ -55,7 +55,8 @@ class Belonging:
     where fewer than two of them measure the effect. `coefficients`: those that all laboratories
     have. `size`: of what is found, over these; laboratories differ by τ of it. `thirds`: what
     another laboratory would find, by the scale of what laboratories differ by; the first is the
-    one to use, the others show how much hangs on it.
+    one to use, the others show how much hangs on it. `shown`: ln evidence of each campaign for it
+    beside the others of the set, without a price.
     """
 
     effect: str
@@ -66,6 +67,7 @@ class Belonging:
     size: float
     measured: tuple[LaboratoryValues, ...]
     thirds: tuple[Third, ...]
+    shown: Mapping[str, float]
 
     @property
     def sentence(self) -> str:
@@ -73,7 +75,23 @@ class Belonging:
         if not math.isfinite(self.log_odds):
             return f"{self.effect}: cannot tell whose it is, {self._why()}."
         sides = "one size for all" if self.log_odds > 0.0 else "a size for each"
-        return f"{self.effect}: {self.owner} ({odds(abs(self.log_odds))} for {sides})."
+        alone = [name for name, x in self.shown.items() if x > PRICE]
+        by = f"; {alone[0]} alone shows it" if len(alone) == 1 < len(self.shown) else ""
+        return f"{self.effect}: {self.owner} ({odds(abs(self.log_odds))} for {sides}{by})."
+
+    @property
+    def refusal(self) -> str:
+        """Why it is refused where it is `unshown`."""
+        told = ", ".join(f"{name} {x:+.1f}" for name, x in self.shown.items())
+        return (
+            f"{self.effect}: {odds(abs(self.log_odds))} for a size for each, of which each pays "
+            f"{PRICE:.1f} (ln evidence {told})"
+        )
+
+    @property
+    def unshown(self) -> bool:
+        """Whether each laboratory has a size of its own, and none pays the price of it."""
+        return self.owner == LABORATORY and max(self.shown.values(), default=math.inf) < PRICE
 
     def _why(self) -> str:
         names = [item.laboratory for item in self.measured]
@@ -107,6 +125,7 @@ class Belonging:
         return {
             "effect": self.effect,
             "owner": self.owner,
+            "shown": dict(self.shown),
             "log_odds": self.log_odds if math.isfinite(self.log_odds) else None,
             "coefficients": list(self.coefficients),
             "measured": {
@@ -128,12 +147,14 @@ class Another:
     """The model of a laboratory that has not tested yet.
 
     `model`: the ship of the records with what all laboratories share; the covariance holds by
-    what they differ. `scales`: scales of the half-normal priors of what laboratories differ by,
-    over usual sizes: of values of the base, and of each effect. `scatter`: what the campaigns
+    what they differ. `ship`: the same with what is not known of the ship alone, as if all
+    laboratories were one. `scales`: scales of the half-normal priors of what laboratories differ
+    by, over usual sizes: of values of the base, and of each effect. `scatter`: what the campaigns
     make of it, root mean square.
     """
 
     model: Model
+    ship: Model
     scales: Mapping[str, float]
     scatter: Mapping[str, float]
 
@@ -177,6 +198,12 @@ class Together(Described):
     disagreements : mapping of str to tuple of Disagreement
         By campaign: groups of runs that disagree with the others beside the best set; and those
         that, one in each campaign, explain as much in its place.
+    errors : mapping of str to Mapping of str to Mapping of str to float
+        By campaign: errors of what is held out, by model and quantity.
+    transfers : mapping of str to tuple of Transfer
+        By campaign: what each effect of the best set does to kinds of records that are left out.
+    unshared : tuple of Belonging
+        Effects that are refused: no campaign alone shows them, and together they agree on no size.
     """
 
     verdict: Verdict
@@ -194,11 +221,26 @@ class Together(Described):
     disagreements: Mapping[str, tuple[Disagreement, ...]] = field(
         default_factory=lambda: MappingProxyType({})
     )
+    errors: Mapping[str, Mapping[str, Mapping[str, float]]] = field(
+        default_factory=lambda: MappingProxyType({})
+    )
+    transfers: Mapping[str, tuple[Transfer, ...]] = field(
+        default_factory=lambda: MappingProxyType({})
+    )
+    unshared: tuple[Belonging, ...] = ()
 
     @property
     def best(self) -> Names:
         """The best set of effects; empty where none is named."""
         return self.group[0][0] if self.group else ()
+
+    @property
+    def proposed(self) -> Names:
+        """What to add now: effects of the best set that are no laboratory's, and that hold for all
+        kinds of records."""
+        apart = {item.effect for item in self.belongs if item.owner == LABORATORY}
+        narrow = {x.effect for own in self.transfers.values() for x in own if x.is_narrow}
+        return tuple(name for name in self.best if name not in apart | narrow)
 
     @property
     def answer(self) -> str:
@@ -288,6 +330,14 @@ class Together(Described):
             ],
             "added": dict(self.added),
             "belongs": [item.to_dict() for item in self.belongs],
+            "unshared": [item.to_dict() for item in self.unshared],
+            "proposed": list(self.proposed),
+            "transfers": {
+                name: [item.to_dict() for item in own] for name, own in self.transfers.items()
+            },
+            "errors": {
+                name: {row: dict(x) for row, x in own.items()} for name, own in self.errors.items()
+            },
             "another_laboratory": [
                 {"scales": dict(x.scales), "scatter": dict(x.scatter)} for x in self.others
             ],
@@ -340,6 +390,14 @@ class Together(Described):
                 if item.measured
             ),
             Section(
+                title="Refused, since no campaign shows it alone and all agree on no size",
+                points=[item.refusal for item in self.unshared],
+            ),
+            Section(
+                title="What each effect does to records of a kind that is left out",
+                points=[f"{name}: {x}" for name, own in self.transfers.items() for x in own],
+            ),
+            Section(
                 title="By what another laboratory differs, over usual sizes (scale of the prior)",
                 tables=[self._scatter()] if self.others else [],
             ),
@@ -365,6 +423,17 @@ class Together(Described):
         first = Section(
             paragraphs=[f"Verdict: {VERDICTS[self.verdict]}", *self.flags], points=effects
         )
+        owners = [
+            f"{owner}: {', '.join(names)}"
+            for owner in ("the ship's", LABORATORY, "cannot tell")
+            if (names := [x.effect for x in self.belongs if x.owner == owner])
+        ]
+        owners += [
+            f"{name}'s own: {', '.join(faults)}"
+            for name in self.names
+            if (faults := self.faults_of(name))
+        ]
+        told = [Section(title="What belongs to whom", points=owners), *told]
         return [first, *(item for item in told if item.points or item.tables)]
 
     def _table(self) -> Grid:

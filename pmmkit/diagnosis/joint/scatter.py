@@ -75,11 +75,13 @@ class Next:
     """Values of a laboratory that has not tested yet.
 
     `scatter (g,)`: by what laboratories differ, root mean square, a number for each group.
+    `between (n,)`: variance of each value by that, which the covariance holds too.
     """
 
     values: Array
     covariance: Array
     scatter: Array
+    between: Array
 
 
 def next_laboratory(learned: Sequence[Learned], groups: Groups) -> Next:
@@ -140,10 +142,12 @@ def next_laboratory(learned: Sequence[Learned], groups: Groups) -> Next:
     )
     square = np.append(groups.base**2, share @ (groups.scales * np.exp(drawn)) ** 2)
     covariance = known[:size, :size] + along[:size] @ moved @ along[:size].T
+    between = square[kinds] * groups.usual**2
     return Next(
         values=known[:size] @ score[~moves] - along[:size] @ mean,
-        covariance=covariance + np.diag(square[kinds] * groups.usual**2),
+        covariance=covariance + np.diag(between),
         scatter=np.sqrt(square),
+        between=between,
     )
 
 

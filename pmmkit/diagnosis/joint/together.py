@@ -5,22 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import combinations
 from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.system import WIDER, System
 from pmmkit.diagnosis.captive.verdict import CHANCE
 from pmmkit.diagnosis.evidence import LEAST, PRICE, RIVALS
-from pmmkit.diagnosis.findings import Verdict
+from pmmkit.diagnosis.findings import Transfer, Verdict
 from pmmkit.diagnosis.joint.another import others
 from pmmkit.diagnosis.joint.belongs import (
+    LABORATORY,
     SCATTER,
     LaboratoryValues,
     found_size,
@@ -28,19 +27,13 @@ from pmmkit.diagnosis.joint.belongs import (
     owner,
     third,
 )
-from pmmkit.diagnosis.joint.captive_vote import (
-    Ballot,
-    CaptiveVote,
-    Names,
-    Vote,
-    captive_vote,
-    of_ship,
-)
-from pmmkit.diagnosis.joint.records_vote import RecordsVote, records_vote
+from pmmkit.diagnosis.joint.captive_vote import Ballot, CaptiveVote, Names, Vote, of_ship
+from pmmkit.diagnosis.joint.records_vote import RecordsVote
 from pmmkit.diagnosis.joint.result import Another, Belonging, JointEntry, Together
 from pmmkit.identification import Chosen, FreeRecord
 from pmmkit.intake import Disagreement
 from pmmkit.models import Model, scaled
+from pmmkit.presentation import listed
 
 # Which sets of effects all campaigns are asked for, and what they say.
 
@@ -66,6 +59,11 @@ def weigh(
     entries: dict[Names, JointEntry] = {}
     refused: dict[Names, str] = {}
 
+    def prepare(sets: Sequence[Names]) -> None:
+        new = [names for names in sets if names not in entries and names not in refused]
+        for vote in votes:
+            vote.prepare([names for names in new if _votes(vote, names)])
+
     def look(names: Names) -> bool:
         if names not in entries and names not in refused:
             tell(f"All campaigns with {' and '.join(names)}")
@@ -83,6 +81,7 @@ def weigh(
         return all(any(x <= own for own in inside) for x in bad)
 
     singles = _ranked(_promised(votes, (name,)) for name in every)
+    prepare([item.names for item in singles[:SINGLES]])
     for item in singles[:SINGLES]:
         look(item.names)
     promised = [_promised(votes, names) for names in _several(votes)]
@@ -98,8 +97,9 @@ def weigh(
     seen: set[Names] = set()
     while ahead := [x.names for x in _ranked(entries.values())[:BEAM] if x.names not in seen]:
         seen.add(ahead[0])
-        for near in (*_parts(ahead[0]), *_larger(ahead[0], several)):
-            if hopeful(near):
+        for sets in (_parts(ahead[0]), _larger(ahead[0], several)):
+            prepare([names for names in sets if hopeful(names)])
+            for near in filter(hopeful, sets):
                 look(near)
     others = [x for x in singles if x.names not in entries and x.names not in refused]
     return (
@@ -166,7 +166,24 @@ def _larger(names: Names, more: Sequence[str]) -> list[Names]:
 # Whose the effects of a set are, by the coefficients that each campaign measures.
 
 
-def belongings(votes: Sequence[Vote], best: JointEntry) -> tuple[Belonging, ...]:
+def shown_beside(best: JointEntry, entries: Sequence[JointEntry]) -> dict[str, Mapping[str, float]]:
+    """By effect of a set what each campaign says for it beside the others, in ln evidence; nothing
+    where the others were refused."""
+    known = {item.names: item.ballots for item in entries} | {(): {}}
+    found: dict[str, Mapping[str, float]] = {}
+    for name in best.names:
+        rest = known.get(tuple(x for x in best.names if x != name))
+        whole = best.ballots if rest is not None else {}
+        found[name] = {
+            of: ballot.log_evidence - (rest or {}).get(of, _NONE).log_evidence
+            for of, ballot in whole.items()
+        }
+    return found
+
+
+def belongings(
+    votes: Sequence[Vote], best: JointEntry, entries: Sequence[JointEntry]
+) -> tuple[Belonging, ...]:
     """Whose each effect of the best set is.
 
     Of an effect that comes to values which the model has, the captive tests say nothing by
@@ -183,9 +200,37 @@ def belongings(votes: Sequence[Vote], best: JointEntry) -> tuple[Belonging, ...]
     if stated:
         measured = {name for own in sizes for name, x in own.items() if x.laboratory in tests}
         sizes = [{name: x for name, x in stated.items() if name not in measured}, *sizes]
+    shown = shown_beside(best, entries)
     return tuple(
-        _belonging(name, [own[name] for own in sizes if name in own]) for name in best.names
+        _belonging(name, [own[name] for own in sizes if name in own], shown[name])
+        for name in best.names
     )
+
+
+def with_shown(
+    votes: Sequence[Vote], entries: Sequence[JointEntry]
+) -> tuple[tuple[JointEntry, ...], tuple[Belonging, ...], tuple[Belonging, ...]]:
+    """The entries without sets of an effect that no campaign shows; whose the effects of the best
+    one then are, and what was refused.
+
+    An effect of the ship is paid for once. Where each laboratory has a size of its own it is as
+    many effects, and each pays: what all together hardly pay once is none.
+    """
+    left, refused = tuple(entries), list[Belonging]()
+    while left and is_told(left[0]):
+        belongs = belongings(votes, left[0], entries)
+        bad = [item for item in belongs if item.unshown]
+        if not bad:
+            return left, belongs, tuple(refused)
+        refused += bad
+        names = {item.effect for item in bad}
+        left = tuple(item for item in left if not names.intersection(item.names))
+    return left, (), tuple(refused)
+
+
+def is_told(item: JointEntry) -> bool:
+    """Whether a set in front is named: chance gives such evidence in less than `CHANCE`."""
+    return not item.linear and item.log_evidence > max(LEAST, -math.log(CHANCE))
 
 
 def laboratories_apart(
@@ -221,7 +266,9 @@ def _apart(found: Mapping[str, Sequence[Disagreement]]) -> list[str]:
     ]
 
 
-def _belonging(name: str, found: Sequence[LaboratoryValues]) -> Belonging:
+def _belonging(
+    name: str, found: Sequence[LaboratoryValues], shown: Mapping[str, float]
+) -> Belonging:
     """Whose an effect is, by the coefficients that all have."""
     common = (
         [x for x in found[0].coefficients if all(x in own.coefficients for own in found)]
@@ -249,6 +296,7 @@ def _belonging(name: str, found: Sequence[LaboratoryValues]) -> Belonging:
         )
         if common
         else (),
+        shown=MappingProxyType(dict(shown)),
     )
 
 
@@ -306,106 +354,7 @@ def _is_bare(system: System) -> bool:
     return "XT" not in names and not any(parse_derivative(name).count("d") for name in names)
 
 
-CHOSEN: Final = ("runs", "test_runs", "channels", "shortest")
-"""Settings of `Chosen.of`."""
 Tests = Campaign | Sequence[FreeRecord]
-
-
-def joint_diagnosis(
-    model: Model,
-    campaigns: Sequence[Campaign] | Mapping[str, Tests],
-    *,
-    captive: Mapping[str, Any] = MappingProxyType({}),
-    free: Mapping[str, Any] = MappingProxyType({}),
-    progress: Callable[[str], None] | None = None,
-) -> Together:
-    """Name what a model lacks that several campaigns of one ship show together.
-
-    Parameters
-    ----------
-    model : Model
-        Complete where there are free-running records. Its derivatives of hull and added mass are
-        the base of captive tests.
-    campaigns : sequence of Campaign, or mapping of str to Campaign or sequence of FreeRecord
-        Captive tests and free-running records, by name if a mapping. The model is carried to the
-        length of a free-running campaign's ship by Froude's law (`scaled`).
-    captive : mapping of str to object
-        ``floor``, ``noise`` and ``seed`` as for `diagnose_captive`.
-    free : mapping of str to object
-        ``candidates`` (effects), ``most``, ``floor``, ``spread``, ``window``, ``sensors``,
-        ``windage``, ``extrapolate`` and ``seed`` as for `diagnose_free`; ``runs``, ``channels`` and
-        ``shortest``, which records of campaigns take part, as for `Chosen.of`.
-    progress : callable, optional
-        Is told what is being done.
-
-    Returns
-    -------
-    Together
-
-    Raises
-    ------
-    DataError
-        If there is no campaign, or one cannot be asked.
-
-    Notes
-    -----
-    Each campaign is diagnosed alone, with its own noise and its own faults. Then, for a set S of
-    effects of the ship, ln odds are ``Σ_i [ln p_i(S, F_i(S)) − ln p_i(F_i)] − |S| ln 80``, where
-    F_i are the faults that make campaign i most probable, without S or with it, each at its price;
-    an effect of the ship is paid for once (`PRICE`). A campaign that was not asked for an effect
-    does not vote on it.
-
-    Each campaign averages over coefficients of its own, by the prior of usual sizes: that S acts
-    is what they vote for, not that it has one size; whether it has is asked afterwards of each
-    effect (`log_shared`). The values of the base as captive tests know them are the prior for
-    the records: the covariance of the model, or where it has none and the tests are of the bare
-    hull, that of its derivatives fitted to these tests. Base and effects are taken as independent
-    there, so that what both kinds of tests know of the base in common is used once.
-
-    Sets are fitted to records through the equations before they count, beginning with the single
-    effects that promise most by linear problems: a set that makes records left out one after
-    another worse is refused. A set is named if its
-    odds are above e after the price and chance gives such evidence in less than 1 % of ships
-    without any effect: by Markov's inequality that is less than one over the odds.
-    """
-    tell = progress or (lambda _: None)
-    named = campaigns if isinstance(campaigns, Mapping) else Campaign.by_title(campaigns)
-    if not named:
-        raise DataError("There is no campaign: give captive tests or free-running records.")
-    notes: list[str] = []
-    tests = {
-        name: x for name, x in named.items() if isinstance(x, Campaign) and x.kind != "free-running"
-    }
-    captives: list[CaptiveVote] = []
-    for name, tested in tests.items():
-        tell(f"{name}: captive tests")
-        captives.append(captive_vote(name, model, tested, **captive))
-    known, said = known_from(
-        model, [(x.name, x.ranking.system, partial(x.model_with, (), ())) for x in captives]
-    )
-    notes += said
-    votes: list[Vote] = list(captives)
-    for name, item in named.items():
-        if name in tests:
-            continue
-        own = known
-        if isinstance(item, Campaign):
-            own, said = carried(known, name, item)
-            notes += said
-        records, _ = records_among(item, own, free)
-        settings = {key: x for key, x in free.items() if key not in CHOSEN}
-        votes.append(
-            records_vote(
-                name,
-                own,
-                records,
-                progress=lambda word, name=name: tell(f"{name}: {word}"),
-                **settings,
-            )
-        )
-    return answered(
-        sorted(votes, key=lambda x: list(named).index(x.name)), notes=notes, progress=tell
-    )
 
 
 def records_among(
@@ -414,8 +363,7 @@ def records_among(
     """Records as they are given, or those of a campaign that are chosen, and those held out."""
     if not isinstance(item, Campaign):
         return item, ()
-    wanted = {name: chosen.get(name) for name in CHOSEN}
-    used, kept = Chosen.of(item, model, rudder="auto", wind=True, **wanted)
+    used, kept = Chosen.of(item, model, rudder="auto", wind=True, **chosen)
     return used.records, kept.records if kept else ()
 
 
@@ -430,23 +378,30 @@ def answered(
     tell = progress or (lambda _: None)
     said = list(notes)
     every = sorted(set().union(*(item.asked for item in votes)))
-    entries, refused = weigh(votes, every, tell)
+    weighed, refused = weigh(votes, every, tell)
+    entries, belongs, unshared = with_shown(votes, weighed)
     best = entries[0] if entries and not entries[0].linear else None
-    told = best is not None and best.log_evidence > max(LEAST, -math.log(CHANCE))
+    told = best is not None and is_told(best)
     group = _group(entries) if told else ()
     added: dict[str, float] = {}
-    belongs: tuple[Belonging, ...] = ()
+    transfers: dict[str, tuple[Transfer, ...]] = {}
     apart: Mapping[str, tuple[Disagreement, ...]] = {}
     made = None
     if told and best is not None:
         tell("Groups of runs")
         apart = laboratories_apart(votes, best)
-        known = {item.names: item.log_evidence for item in entries}
+        known = {item.names: item.log_evidence for item in weighed}
         for name in best.names:
             rest = tuple(x for x in best.names if x != name)
             added[name] = best.log_evidence - known.get(rest, 0.0)
-        belongs = belongings(votes, best)
         made = _model(votes, best)
+        own = [item.effect for item in belongs if item.owner != LABORATORY]
+        order = tuple(sorted(own, key=lambda name: -added[name]))
+        transfers = {
+            item.name: found
+            for item in votes
+            if (found := item.transfers(order, best.ballots.get(item.name, _NONE).faults))
+        }
     more: tuple[Another, ...] = ()
     if not given:
         tell("Another laboratory")
@@ -461,6 +416,13 @@ def answered(
                 "there is no model of another laboratory: what the campaigns say together is "
                 "beyond what a value can be"
             )
+    models = {"another laboratory": more[0].model} if more else {}
+    errors = {}
+    for item in votes:
+        names = best.names if told and best is not None else ()
+        faults = best.ballots.get(item.name, _NONE).faults if names and best else _own_faults(item)
+        if found_there := item.held_out_errors(names, faults, models):
+            errors[item.name] = found_there
     verdict: Verdict = "missing_effect" if told else _unnamed(votes)
     return Together(
         verdict=verdict,
@@ -470,8 +432,11 @@ def answered(
         belongs=belongs,
         added=MappingProxyType(added),
         refused=refused,
-        flags=(*_flags(votes), *_apart(apart)),
+        flags=(*_flags(votes), *_owned(belongs), *_apart(apart)),
         disagreements=MappingProxyType(dict(apart)),
+        errors=MappingProxyType(errors),
+        transfers=MappingProxyType(transfers),
+        unshared=unshared,
         notes=(
             *said,
             f"each effect pays {PRICE:.2f} once: odds of 1 to 80 before any test",
@@ -515,6 +480,17 @@ def _flags(votes: Sequence[Vote]) -> tuple[str, ...]:
         elif item.diagnosis.flags:
             found.append(f"{item.name} alone: what it names is not the whole story.")
     return tuple(found)
+
+
+def _owned(belongs: Sequence[Belonging]) -> list[str]:
+    """Effects that are named, and are not the ship's."""
+    names = [item.effect for item in belongs if item.owner == LABORATORY]
+    if not names:
+        return []
+    return [
+        f"{listed(names)}: each laboratory has a size of its own, so in one of them at least it "
+        "stands for something else. It is not proposed; the next one may have any size between."
+    ]
 
 
 def _group(entries: Sequence[JointEntry]) -> tuple[tuple[Names, float], ...]:

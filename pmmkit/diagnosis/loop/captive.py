@@ -13,13 +13,13 @@ from typing import Final, Protocol, TypeVar
 import numpy as np
 
 from pmmkit.base import DataError, ModelError, Progress, Workers
-from pmmkit.campaigns import Campaign
+from pmmkit.campaigns import Campaign, Run
 from pmmkit.conventions import CHANNEL_UNITS, Structure
 from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of, standing
 from pmmkit.diagnosis.captive.formula import answer_with_formula
-from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
+from pmmkit.diagnosis.captive.held_out import FORCE, HeldOut, held_out, missed
 from pmmkit.diagnosis.captive.hidden_entries import OutsideCheck
 from pmmkit.diagnosis.captive.least_squares import (
     JointFit,
@@ -42,6 +42,7 @@ from pmmkit.intake import Untold
 from pmmkit.models import Model, Step
 from pmmkit.numerics import Array
 from pmmkit.presentation import counted
+from pmmkit.reduction import View
 
 # What each candidate alone would do to captive tests, before anything is added.
 
@@ -180,8 +181,6 @@ def only_campaign(title: str, effect: str, campaign: str) -> str:
 
 
 Names = tuple[str, ...]
-FORCE: Final = "force"
-"""All channels of captive tests together, each over its rms force."""
 TOLD: Final = ErrorWords(
     of=FORCE,
     judged=(FORCE,),
@@ -200,7 +199,7 @@ class CaptiveTests:
     `source`: the base: a model, the name of a structure, or derivatives. `system`: runs, base
     and candidates. `floor`: what is too small to matter, over the rms force of a channel.
     `begun`: effects that the base has from the beginning. `own`: effects of the user. `outside`:
-    what is asked of names.
+    what is asked of names. `unseen`: runs that are held out.
     """
 
     source: Model | str | tuple[str, ...] | Structure
@@ -210,6 +209,7 @@ class CaptiveTests:
     outside: OutsideCheck
     begun: tuple[str, ...] = ()
     own: tuple[Effect, ...] = ()
+    unseen: tuple[View, ...] = ()
 
     @property
     def title(self) -> str:
@@ -287,9 +287,20 @@ class CaptiveTests:
         mine = tuple(replace(step, campaign="") for step in steps)
         return Fall(added=mine, rows=tuple(rows), told={self.title: TOLD})
 
-    def held_out_errors(self, _steps: Sequence[Step]) -> dict[str, dict[str, float]]:
-        """None: conditions of captive tests are left out in turn instead."""
-        return {}
+    def held_out_errors(self, steps: Sequence[Step]) -> dict[str, dict[str, float]]:
+        """Errors of runs that are held out, the base fitted to the others, without and with the
+        effects; without such runs none: conditions are left out in turn instead."""
+        if not self.unseen:
+            return {}
+        rows = {"held out, base refitted": self.begun}
+        if steps:
+            rows["held out, with the effects"] = self._names(steps)
+        found = {}
+        for row, names in rows.items():
+            system, blocks = self._about(names)
+            fit = joint_fit(system, blocks, floor=self.floor)
+            found[row] = missed(self.unseen, system.base, blocks, fit)
+        return found
 
     def alone(
         self,
@@ -390,6 +401,7 @@ def captive_tests(
     executor: Workers = None,
     outside: bool = False,
     progress: Progress | None = None,
+    held_out: Sequence[Run] = (),
 ) -> CaptiveTests:
     """The evidence of captive tests; arguments as for `begin`."""
     source, structure, effects = derivatives_of(model)
@@ -414,6 +426,15 @@ def captive_tests(
         ),
         begun=begun,
         own=own,
+        unseen=tuple(
+            View.of(
+                campaign.with_(runs=tuple(held_out)).within_reach(),
+                unknown_noise=True,
+                executor=executor,
+            )
+            if held_out
+            else ()
+        ),
     )
 
 

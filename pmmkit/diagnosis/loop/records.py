@@ -22,7 +22,7 @@ from pmmkit.diagnosis.findings import UNITS, Diagnosis
 from pmmkit.diagnosis.free_running.base import FLOOR, known_faults
 from pmmkit.diagnosis.free_running.contest import MOST, Contest
 from pmmkit.diagnosis.free_running.diagnose import FreeSystem, answer, contest_about, free_system
-from pmmkit.diagnosis.free_running.findings import held_out_errors, model_of, moved
+from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import (
     WIDER,
@@ -42,12 +42,12 @@ from pmmkit.diagnosis.free_running.left_out import (
     unimportant,
 )
 from pmmkit.diagnosis.free_running.question import records_of
-from pmmkit.diagnosis.free_running.windows import WINDOW, joined, sailed, shown
+from pmmkit.diagnosis.free_running.windows import joined, sailed, shown
 from pmmkit.diagnosis.loop.captive import only_campaign
 from pmmkit.diagnosis.loop.fall import ALL, BASE, ErrorWords, Fall, FallRow
 from pmmkit.diagnosis.record_figures import Sailed, before_and_after
 from pmmkit.diagnosis.refit import stepped
-from pmmkit.effects import OUTSIDE, Effect
+from pmmkit.effects import Effect
 from pmmkit.equations import State
 from pmmkit.identification import FreeRecord
 from pmmkit.models import Model, Step
@@ -383,15 +383,11 @@ class FreeRecords:
         made, better = (
             model_of(system.model, system.every, fit, system.speed) for fit in (before, after)
         )
-        return held_out_errors(
-            system.model,
-            made,
-            better if steps else None,
+        return system.held_out_errors(
             self.held_out,
-            window=self.held_out_window or system.window or WINDOW * made.ship.L / system.speed,
-            corrections={name: x for name, x in moved(after).items() if name in OUTSIDE},
-            sensors=system.sensors,
-            extrapolate=system.extrapolate,
+            self.held_out_window,
+            {"base refitted": made},
+            (better, after) if steps else None,
         )
 
     def sailed(self, steps: Sequence[Step], most: int = DRAWN) -> list[Sailed]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
@@ -16,7 +17,7 @@ from pmmkit.diagnosis.any_campaign import complete_model
 from pmmkit.diagnosis.joint.captive_vote import CaptiveVote, Names, Vote, vote_of_tests
 from pmmkit.diagnosis.joint.records_vote import OWN, RecordsVote
 from pmmkit.diagnosis.joint.result import Together
-from pmmkit.diagnosis.joint.together import CHOSEN, answered, carried, known_from, records_among
+from pmmkit.diagnosis.joint.together import answered, carried, known_from, records_among
 from pmmkit.diagnosis.loop.captive import CaptiveTests, captive_tests
 from pmmkit.diagnosis.loop.fall import Fall
 from pmmkit.diagnosis.loop.records import FreeRecords, free_running
@@ -52,7 +53,9 @@ class SeveralCampaigns:
     order : tuple of str
         Names as they were given.
     settings : mapping of str to object
-        Of records, as for `diagnose_free` and `records_among`.
+        Of the question to records, as for `diagnose_free`.
+    chosen : mapping of str to Mapping of str to object
+        By campaign of records which of them take part, as for `records_among`.
     own : tuple of Effect
         Effects of the user.
     tell : callable
@@ -64,6 +67,7 @@ class SeveralCampaigns:
     free: Mapping[str, Tests]
     order: Names
     settings: Mapping[str, Any]
+    chosen: Mapping[str, Mapping[str, Any]]
     own: tuple[Effect, ...] = ()
     tell: Callable[[str], None] = lambda _: None
 
@@ -84,8 +88,9 @@ class SeveralCampaigns:
 
     @property
     def floor(self) -> float:
-        """What is too small to matter, over the rms force of a channel, in the first campaign."""
-        return next(iter(self.campaigns().values())).floor
+        """What is too small to matter, over the rms force of a channel, in the first captive tests;
+        in the first records where there are none."""
+        return next(iter((self.captive or self.campaigns()).values())).floor
 
     @property
     def begun(self) -> Names:
@@ -155,11 +160,12 @@ class SeveralCampaigns:
         )
 
     def held_out_errors(self, steps: Sequence[Step]) -> Mapping[str, Mapping[str, float]]:
-        """Errors of records that are held out, before and after; empty where there are none."""
-        for item, asked in self.each(steps).values():
-            if isinstance(item, FreeRecords) and item.held_out:
-                return item.held_out_errors(asked)
-        return {}
+        """Errors of what is held out of each campaign, before and after; empty where nothing is."""
+        return {
+            f"{name}: {row}": errors
+            for name, (item, asked) in self.each(steps).items()
+            for row, errors in item.held_out_errors(asked).items()
+        }
 
     def model(self, steps: Sequence[Step]) -> Model:
         """The ship of the first records, or of the first captive tests where there are none, base
@@ -220,18 +226,17 @@ class SeveralCampaigns:
 
         def made(brought: Brought | None) -> dict[str, FreeRecords]:
             based, _ = self._base(brought)
-            asked = {name: x for name, x in self.settings.items() if name not in CHOSEN}
             found = {}
             for name, item in self.free.items():
                 model = carried(based, name, item)[0] if isinstance(item, Campaign) else based
-                used, kept = records_among(item, model, self.settings)
+                used, kept = records_among(item, model, self.chosen[name])
                 found[name] = free_running(
                     model,
                     used,
                     held_out=kept,
                     own=self.own,
                     progress=partial(self._of, name),
-                    **asked,
+                    **self.settings,
                 )
             return found
 
@@ -288,10 +293,7 @@ class SeveralCampaigns:
         def made(steps: tuple[Step, ...], seed: int) -> tuple[Together, tuple[Vote, ...]]:
             given = tuple((step.effect, step.campaign) for step in steps)
             if (given, seed) not in known:
-                votes = tuple(
-                    self._vote(name, item, asked, seed)
-                    for name, (item, asked) in self.each(steps).items()
-                )
+                votes = self.votes(steps, seed)
                 said = answered(
                     votes,
                     given=tuple(step.effect for step in steps),
@@ -302,6 +304,12 @@ class SeveralCampaigns:
             return known[given, seed]
 
         return made
+
+    def votes(self, steps: Sequence[Step], seed: int = 0) -> tuple[Vote, ...]:
+        """The campaigns, each diagnosed alone beside a base with some steps."""
+        return tuple(
+            self._vote(name, item, asked, seed) for name, (item, asked) in self.each(steps).items()
+        )
 
     @property
     def _notes(self) -> list[str]:
@@ -322,6 +330,8 @@ class SeveralCampaigns:
                 diagnosis=item.diagnose(steps, seed),
                 contest=item.contest(given),
                 given=given,
+                held_out=item.held_out,
+                held_out_window=item.held_out_window,
             )
         self._of(name, "captive tests")
         tests = item.standing(steps)
@@ -332,6 +342,7 @@ class SeveralCampaigns:
             tests.system,
             tests.begun,
             own=self.own,
+            unseen=item.unseen,
             seed=seed,
         )
 
@@ -359,33 +370,72 @@ def several_campaigns(
         for name, item in campaigns.items()
         if not isinstance(item, Campaign) or item.kind == "free-running"
     }
+    tests = {
+        name: item
+        for name, item in campaigns.items()
+        if isinstance(item, Campaign) and name not in free
+    }
+    opened = {name: item for name, item in campaigns.items() if isinstance(item, Campaign)}
+    kept = fitting(settings.pop("test_runs", None) or (), opened)
     if settings and not free:
         raise DataError(f"Of no use for captive tests: {', '.join(settings)}.")
+    sailed = {name: item for name, item in opened.items() if name in free}
+    runs = fitting(settings.pop("runs", None) or (), sailed)
+    among = {name: settings.pop(name, None) for name in ("channels", "shortest")}
+    captive = {}
+    for name, item in tests.items():
+        held = item.matching(kept[name]) if name in kept else []
+        captive[name] = captive_tests(
+            complete,
+            item.with_(runs=tuple(run for run in item.runs if run not in held)) if held else item,
+            floor=floor,
+            candidates=None,
+            noise=noise,
+            own=own,
+            executor=executor,
+            held_out=held,
+        )
     return SeveralCampaigns(
         given_model=complete,
-        captive=MappingProxyType(
-            {
-                name: captive_tests(
-                    complete,
-                    item,
-                    floor=floor,
-                    candidates=None,
-                    noise=noise,
-                    own=own,
-                    executor=executor,
-                )
-                for name, item in campaigns.items()
-                if isinstance(item, Campaign) and name not in free
-            }
-        ),
+        captive=MappingProxyType(captive),
         free=MappingProxyType(free),
         order=tuple(campaigns),
         settings=MappingProxyType(
-            {"floor": floor, "candidates": None, "most": OWN, "executor": executor, **settings}
+            {
+                "floor": None if tests else floor,
+                "candidates": None,
+                "most": OWN,
+                "executor": executor,
+                **settings,
+            }
+        ),
+        chosen=MappingProxyType(
+            {x: {**among, "runs": runs.get(x), "test_runs": kept.get(x)} for x in free}
         ),
         own=tuple(own),
         tell=progress or (lambda _: None),
     )
+
+
+def fitting(
+    patterns: Sequence[str], campaigns: Mapping[str, Campaign]
+) -> dict[str, tuple[str, ...]]:
+    """By campaign the patterns that fit ids of its runs.
+
+    Raises
+    ------
+    UnknownNameError
+        If one fits no run of any campaign.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for name, item in campaigns.items():
+        ids = [run.id for run in item.runs]
+        if own := tuple(x for x in patterns if fnmatch.filter(ids, x)):
+            found[name] = own
+    lost = [x for x in patterns if not any(x in own for own in found.values())]
+    if lost:
+        next(iter(campaigns.values())).matching(lost)
+    return found
 
 
 def _asked(name: str, item: CaptiveTests | FreeRecords, steps: Sequence[Step]) -> list[Step]:
