@@ -18,6 +18,7 @@ from pmmkit import open_campaign, save_campaign, without_effect
 from pmmkit.cli import main
 from pmmkit.models import load_model, save_model
 from pmmkit.simulation import simulate
+from tests.support.free_tank.campaigns import Setup, write
 
 
 @pytest.fixture(scope="module")
@@ -494,3 +495,36 @@ def test_an_effect_is_fitted_to_several_campaigns(folder, tmp_path, capsys):
     assert made["Nvvr"] == pytest.approx(
         load_model("s175-3dof").parts["hull_polynomial"].values["Nvvr"], rel=0.1
     )
+
+
+@pytest.mark.slow
+def test_two_seas_are_asked_together(tmp_path, capsys):
+    """Two programmes of a tanker with a coupling that the library's has not, in a tank that shares
+    no code with the package; their turns are held out."""
+    seas = [
+        write(Setup(case="coupling", runs=3, seed=seed, ship="kvlcc2-l7"), tmp_path / str(seed))
+        for seed in (1, 2)
+    ]
+    status, said, _ = run(
+        capsys, "diagnose", "kvlcc2-l7", *seas, "--candidates", "yaw_sway_coupling,asymmetry",
+        "--test-runs", "turning_*", "--workers", "1", "--no-figures", "--out", tmp_path / "out",
+    )  # fmt: skip
+    assert status == 0
+    content = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    assert content["proposed"] == ["yaw_sway_coupling"]
+    (belongs,) = content["belongs"]
+    assert belongs["owner"] == "the ship's"
+    truth = {"Yvvr": 0.0214, "Yvrr": -0.0405, "Nvvr": -0.0424, "Nvrr": 0.00156}
+    another = belongs["another_laboratory"][0]
+    for name, value, std in zip(
+        belongs["coefficients"], another["values"], another["std"], strict=True
+    ):
+        assert abs(value - truth[name]) < 2.5 * std
+    for rows in content["errors"].values():
+        given, other = (rows[f"held out, {x}"] for x in ("model as given", "another laboratory"))
+        assert other["heading"] < 0.02 * given["heading"]
+        assert other["position"] < 0.03 * given["position"]
+    for row in content["turn"].values():
+        assert row["low"] < row["ship_low"] < row["mean"] < row["ship_high"]
+    assert "Next: pmmkit add kvlcc2-l7 yaw_sway_coupling" in said
+    assert f"--fit {seas[0]} --fit {seas[1]}" in said
