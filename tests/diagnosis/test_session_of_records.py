@@ -18,6 +18,7 @@ from pmmkit.diagnosis.free_running.fits import at_place, having
 from pmmkit.diagnosis.record_figures import before_and_after
 from pmmkit.identification import Prior
 from pmmkit.views import page_of, write_report
+from tests.support.recorded import recorded
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
 
 FEW = ("asymmetry", "fault_rudder_zero", "modulus_yaw_drag")
@@ -245,3 +246,18 @@ def test_what_noise_alone_gives_stands_beside_the_error(added, found):
 def test_nothing_to_draw_is_refused():
     with pytest.raises(DataError, match="no record"):
         before_and_after([])
+
+
+@pytest.mark.slow
+def test_one_record_that_the_model_turns_away_from_does_not_decide_for_all():
+    """A turn whose rudder column has the other sign: with it no step of a fit was taken, and
+    nothing was named (a ship that goes astern, of the Esso Osaka)."""
+    track = pk.simulate(SHIP, "turning", rudder_deg=35.0, speed=SPEED, dt=0.5)
+    turned = recorded(track, SENSORS, np.random.default_rng(9), name="other sign", speed=SPEED)
+    turned = turned.with_(delta=-turned.delta).cut(0.0, 75.0)
+    how = {"candidates": ["asymmetry", "fault_rudder_zero"], "most": 1, "sensors": SENSORS}
+    sound = pk.begin(SHIP, sailed(ASYMMETRY, 0), **how, spread=0.03).diagnose()
+    found = pk.begin(SHIP, [*sailed(ASYMMETRY, 0), turned], **how, spread=0.03).diagnose()
+    assert found.best == sound.best == ("asymmetry",)
+    assert found.entries == sound.entries
+    assert any("left out: other sign" in note for note in found.notes)

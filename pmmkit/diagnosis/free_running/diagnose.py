@@ -81,7 +81,8 @@ class FreeSystem:
     """What free-running records are asked about a model.
 
     `model`: complete, without the candidates. `base`: what is known of the values of the model.
-    `tell`: is told what is being done. `executor`: who fits the sets.
+    `tell`: is told what is being done. `executor`: who fits the sets. `lost`: records that are
+    left out, since the model as it is given turns another way in them.
     """
 
     model: Model
@@ -94,6 +95,7 @@ class FreeSystem:
     extrapolate: bool
     tell: Callable[[str], None]
     executor: Workers = None
+    lost: tuple[str, ...] = ()
 
     @property
     def speed(self) -> float:
@@ -242,6 +244,29 @@ def free_system(
     )
 
 
+FEW: Final = 1.0 / 3.0
+"""Share of the records below which those in which the model turns another way are left out: a
+choice; of the Esso Osaka it is 1 of 9."""
+
+
+def sailing(system: FreeSystem) -> FreeSystem:
+    """The system without records in which the model as it is given turns another way.
+
+    About such a motion no linear problem means anything, no step of a fit is taken that does not
+    sail them all, and unknown forces that bring it back hide all else: one decides for all (a ship
+    that goes astern, of the Esso Osaka). Where many are lost it is the model that is wrong.
+    """
+    question = system.question
+    alone = replace(question, stretches=tuple(item.free for item in question.stretches))
+    lost = set(alone.lost(np.zeros(len(question.numbers.every))))
+    if not 0 < len(lost) < FEW * len(system.records):
+        return system
+    kept = [record for number, record in enumerate(system.records) if number not in lost]
+    names = [system.records[number].name for number in sorted(lost)]
+    system.tell(f"Left out: {', '.join(names)}")
+    return replace(system, records=tuple(kept), lost=tuple(names))
+
+
 ALONE: Final = "noise alone"
 """Row of errors: what is left of records that were left out if nothing is missing."""
 DRAWS: Final = 4000
@@ -310,6 +335,7 @@ def diagnose_free(
         progress=progress,
         executor=executor,
     )
+    system = sailing(system)
     return answer(system, held_out=held_out, held_out_window=held_out_window, most=most, seed=seed)
 
 
@@ -401,7 +427,7 @@ def answer(
         model=made,
         refitted=refitted,
         corrections=MappingProxyType(corrections),
-        notes=(*_notes(question, last), *_refused(contest)),
+        notes=(*_notes(question, last), *_lost(system), *_refused(contest)),
         disagreements=apart,
         transfers=_transfers(best, contest) if told and best else (),
         nearest=_nearest(best, refit, misfit) if best and verdict == "unexplained" else None,
@@ -554,6 +580,16 @@ def _refused(contest: Contest) -> tuple[str, ...]:
         f"{' + '.join(names)} would have had {gain:.1f} of ln evidence with values that "
         f"no model can have: {why}"
         for names, gain, why in contest.refused
+    )
+
+
+def _lost(system: FreeSystem) -> tuple[str, ...]:
+    """Records that were left out, and the way back to them."""
+    if not system.lost:
+        return ()
+    return (
+        f"left out: {', '.join(system.lost)}, where the model as it is given turns another way by "
+        "more than 86°; begin with a model that sails there, or cut what it cannot (trim)",
     )
 
 

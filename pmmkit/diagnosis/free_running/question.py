@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -89,13 +89,16 @@ class RecordQuestion:
 
     def sails(self, z: Array) -> bool:
         """Whether no motion is lost with some numbers: none turns the other way."""
+        return next(self.lost(z), None) is None
+
+    def lost(self, z: Array) -> Iterator[int]:
+        """Numbers of the records whose motion is lost with some numbers."""
         change = self.numbers.T @ z
-        for item in self.stretches:
+        for number, item in enumerate(self.stretches):
             heading = sailed(item, change)[:, State.psi]
             turned = np.abs(heading - np.interp(item.record.t, *_measured(item)))
             if not np.all(turned < ROUND):
-                return False
-        return True
+                yield number
 
     def followed(self, z: Array) -> RecordQuestion:
         """The same along the path that the sensors tell, as they are read with some numbers."""

@@ -21,7 +21,13 @@ from pmmkit.diagnosis.evidence import RankedSet, Visible
 from pmmkit.diagnosis.findings import UNITS, Diagnosis
 from pmmkit.diagnosis.free_running.base import FLOOR, known_faults
 from pmmkit.diagnosis.free_running.contest import MOST, Contest
-from pmmkit.diagnosis.free_running.diagnose import FreeSystem, answer, contest_about, free_system
+from pmmkit.diagnosis.free_running.diagnose import (
+    FreeSystem,
+    answer,
+    contest_about,
+    free_system,
+    sailing,
+)
 from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import SetFit
 from pmmkit.diagnosis.free_running.hypotheses import (
@@ -263,42 +269,47 @@ TOLD: Final = ErrorWords(
 class FreeRecords:
     """Free-running records, a model, and what may be missing of it.
 
-    `system`: records, model and candidates. `begun`: faults of the records that the model's
+    `given`: records, model and candidates. `begun`: faults of the records that the model's
     steps tell of. `own`: effects of the user.
     """
 
     title: str
-    system: FreeSystem
+    given: FreeSystem
     begun: tuple[str, ...] = ()
     held_out: tuple[FreeRecord, ...] = ()
     held_out_window: float | None = None
     most: int = MOST
     own: tuple[Effect, ...] = ()
 
+    @cached_property
+    def system(self) -> FreeSystem:
+        """The same without records in which the model turns another way."""
+        return sailing(self.given)
+
     @property
     def base(self) -> str:
         """The base in words."""
-        return self.system.model.name
+        return self.given.model.name
 
     @property
     def about(self) -> str:
         """The tests in words."""
-        records = counted(len(self.system.records), "record")
+        records = counted(len(self.given.records), "record")
         return f"{records} of {self.title}" if self.title else records
 
     @property
     def floor(self) -> float:
         """What is too small to matter, over the rms force of a channel."""
-        return self.system.floor
+        return self.given.floor
 
     @property
     def kinds(self) -> Mapping[str, str]:
         """Who takes part: ``physics`` or ``fault`` by name."""
-        return {item.name: item.kind for item in self.system.every}
+        return {item.name: item.kind for item in self.given.every}
 
     def why_not_asked(self, effect: Effect, _covered: Sequence[Visible]) -> str:
         """Why an effect takes no part, in words; empty where it does."""
-        return why_not_asked(effect, self.system.model, self.system.records)
+        return why_not_asked(effect, self.given.model, self.given.records)
 
     def fitted(self, steps: Sequence[Step]) -> frozenset[str]:
         """Effects that a contest beside some steps has fitted through the equations: they stand
@@ -479,7 +490,7 @@ def free_running(
     there = {item.name for item in system.every}
     return FreeRecords(
         title=records.title if isinstance(records, Campaign) else "",
-        system=system,
+        given=system,
         begun=tuple(name for name in faults if name in there),
         held_out=tuple(held_out),
         held_out_window=held_out_window,
