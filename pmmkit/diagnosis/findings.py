@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from pmmkit.conventions import CHANNEL_UNITS
+from pmmkit.conventions import CHANNEL_UNITS, CHANNELS
 from pmmkit.diagnosis.empirical import EmpiricalFormula
 from pmmkit.diagnosis.evidence import RankedSet, Visible, finite
 from pmmkit.diagnosis.outside import PERHAPS, HiddenEntries, Outside
@@ -310,7 +310,7 @@ class Nearest:
 
     def __str__(self) -> str:
         where = "harmonics" if self.channel == "all" else f"errors in {self.channel}"
-        if self.channel in CHANNEL_UNITS or self.channel == "all":
+        if self.channel in (*CHANNELS, "all"):
             what = f"from {fallen(self.error_before, self.error_after, self.error_level)}"
         else:
             where = where.replace("_", " ")

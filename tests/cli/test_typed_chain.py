@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import math
+import re
+import shlex
 import shutil
 from pathlib import Path
 
@@ -221,6 +223,45 @@ def test_the_chain_of_the_documentation_on_real_measurements(
     assert late[0] < 0.8
     assert late[1] < 1.5
     assert 3.2 < told["simulate"]["tactical_diameter_L"] < 3.8
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_next_ship_run(
+    hmri, shared_data, datasets, tmp_path, capsys, monkeypatch, undrawn
+):
+    """Those of docs/case_next_ship.md in their order, with two effects and few ships: two campaigns
+    predict what was held out of the zigzags far better than captive tests alone."""
+    page = (datasets.parent / "docs" / "case_next_ship.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"^```sh\n(.*?)^```", page, re.S | re.M)
+    kept, *lines = block.replace("\\\n", " ").splitlines()
+    assert len(lines) <= 10
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PMMKIT_DATA", str(shared_data))
+    Path("datasets").symlink_to(datasets, target_is_directory=True)
+    shutil.copytree(hmri[0], "kvlcc2_hmri-reduced")
+    more = {
+        "diagnose": ["--candidates", "asymmetry,rudder_stall", "--workers", "1", "--no-figures"],
+        "uncertainty": ["--ships", "200"],
+    }
+    told = {}
+    for line in lines:
+        _, name, *words = shlex.split(line.replace('"$KEPT"', shlex.quote(kept[5:])))
+        if name != "reduce":
+            status, told[name], _ = said(capsys, name, *words, *more.get(name, []))
+            assert status == 0, line
+    found = told["diagnose"]
+    assert {"asymmetry", "rudder_stall"} <= set(found["proposed"])
+    rows = found["errors"]["KVLCC2, HSVA free-running zigzags 2006"]
+    given, other = (rows[f"held out, {x}"] for x in ("model as given", "another laboratory"))
+    assert given["heading"] > 20.0
+    assert other["heading"] < 0.35 * given["heading"]
+    assert "KVLCC2, HMRI PMM 2012" in found["errors"]
+    turn = found["turn"]["tactical_diameter_L starboard"]
+    assert turn["low"] < turn["ship_low"] < turn["mean"] < turn["ship_high"] < turn["high"]
+    assert 3.1 < turn["mean"] < 3.6
+    assert told["uncertainty"]["metrics"]["tactical_diameter_L"]["mean"] == pytest.approx(
+        turn["mean"], rel=0.03
+    )
 
 
 def test_a_model_is_carried_to_the_ship_of_a_campaign_or_to_a_length(tmp_path, capsys, monkeypatch):

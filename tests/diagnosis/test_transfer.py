@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
-from pmmkit.diagnosis.findings import Transfer
+from pmmkit.diagnosis.findings import Nearest, Transfer
 from pmmkit.diagnosis.free_running.transfer import kinds_of
 from tests.support.zigzags import ASYMMETRY, SENSORS, SHIP, sailed
 
@@ -40,3 +40,12 @@ def test_a_true_effect_is_advised():
     assert min(transfer.changes.values()) < -0.3
     assert [item.effect for item in found.proposed] == ["asymmetry"]
     assert found.to_dict()["transfers"] == [transfer.to_dict()]
+
+
+def test_the_nearest_relative_of_records_is_told_in_the_unit_of_its_error():
+    """The speed, which is a channel of captive tests too, came out in per cent of the forces."""
+    near = Nearest(
+        effects=("wind",), error_before=0.037, error_after=0.0277, error_level=np.nan,
+        channel="speed", ratio=8.5,
+    )  # fmt: skip
+    assert "goes from 0.037 to 0.0277 m/s" in str(near)
