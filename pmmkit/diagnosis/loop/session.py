@@ -196,7 +196,7 @@ class Session(Described, Generic[Said]):
         return self.evidence.fall(self.steps)
 
     def held_out_errors(self) -> Mapping[str, Mapping[str, float]]:
-        """Errors of records that are held out, before and after; empty where there are none."""
+        """Errors of what is held out, before and after; empty where nothing is."""
         return self.evidence.held_out_errors(self.steps)
 
     def model(self) -> Model:
@@ -292,12 +292,13 @@ def begin(
         by name if a mapping, as for `together`.
     floor, candidates, noise, own, executor
         As for `diagnose_captive`, or for `diagnose_free`, which tells the noise from the records.
-        Of several campaigns ``noise`` is that of captive tests, ``candidates`` are those of
-        records.
+        Of several campaigns ``noise``, and ``floor`` where there are any, are those of captive
+        tests, ``candidates`` are those of records.
     **settings
         Of captive tests ``outside`` and ``progress``, as for `diagnose_captive`. Of free-running
-        records as for `diagnose_free`; of several campaigns also ``runs``, ``test_runs`` (held
-        out), ``channels`` and ``shortest``, as for `Chosen.of`.
+        records as for `diagnose_free`; of several campaigns also ``runs``, ``channels`` and
+        ``shortest``, as for `Chosen.of`, and ``test_runs``: patterns of runs that are held out, of
+        captive tests too.
 
     Returns
     -------
