@@ -321,7 +321,7 @@ def turns_of(another: Model, alone: Model, speed: float) -> pd.DataFrame | None:
             "n": SHIPS,
         }
         try:
-            whole, ship = (monte_carlo(x, "turning", **order) for x in (another, alone))
+            whole, ship = (monte_carlo(x, **order) for x in (another, alone))
         except PmmkitError:
             return None
         for measure in ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L"):
