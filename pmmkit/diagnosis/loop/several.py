@@ -10,7 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from pmmkit.base import DataError, ModelError, Workers
+from pmmkit.base import DataError, ModelError, TableError, Workers
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import Structure
 from pmmkit.diagnosis.any_campaign import complete_model
@@ -448,7 +448,7 @@ def _fitted(item: CaptiveTests) -> Model | None:
     """The model with its derivatives fitted to captive tests; None if they excite too little."""
     try:
         return item.rival((), ())
-    except ModelError:
+    except (ModelError, TableError):
         return None
 
 
