@@ -68,7 +68,9 @@ def runs_at_odds(
             if one.run == worst and (own := beyond.get(one.channel))
         ]
         without = _without({worst, *aside}, solution, rows)
-        rest = influences(_solved_anew(without, solution, rows, sensitivities, columns), rows)
+        rest = influences(
+            solve(rows, sensitivities, columns, without, solution.between.unknown()), rows
+        )
     return tuple(odd)
 
 
@@ -93,18 +95,6 @@ def _without(
     ]
 
 
-def _solved_anew(
-    groups: Sequence[tuple[float, Sequence[int]]],
-    solution: Solution,
-    rows: Sequence[Rows],
-    sensitivities: Sequence[Sequence[Sensitivity]],
-    columns: DerivativeNames,
-) -> Solution:
-    """Values and scatter of some runs, from the scatter of all on."""
-    unknown, begin = solution.between.unknown(), solution.between.scatter
-    return solve(rows, sensitivities, columns, groups, unknown, begin=begin)
-
-
 def _by_the_others(
     aside: Collection[str],
     run: str,
@@ -125,7 +115,7 @@ def _by_the_others(
     without = _without(aside, solution, rows)
     if not without[group][1]:
         return {}  # nobody else was at this speed
-    others = _solved_anew([without[group]], solution, rows, sensitivities, columns)
+    others = solve(rows, sensitivities, columns, [without[group]], solution.between.unknown())
     judged = {
         item.channel: _held_against(others, item, number, own, changes, between)
         for place, item in solution.fits

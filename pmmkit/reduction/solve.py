@@ -218,15 +218,14 @@ def solve(
     known: Mapping[int, Mapping[str, float]] | None = None,
     *,
     intervals: bool = True,
-    begin: RunEffects | None = None,
 ) -> Solution:
-    """Fit every channel at every Froude number; the search for the scatter starts at `begin`."""
+    """Fit every channel at every Froude number."""
     cases = list(_cases(rows, sensitivities, columns, groups, between, known or {}))
     size = {
         channel: float(np.sqrt(np.mean([case.size**2 for case in own])))
         for channel, own in _by_channel(cases).items()
     }
-    scatter = between.scatter or begin or RunEffects.usual(size)
+    scatter = between.scatter or RunEffects.usual(size)
     draws: list[RunDraws] = []
     fits = [case.begun(size[case.channel]) for case in cases]
     for _ in range(ROUNDS if between.scatter is None else 1):
