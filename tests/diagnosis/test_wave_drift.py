@@ -250,7 +250,8 @@ def test_it_is_added_and_taken_out_again(table, named):
 
 @pytest.mark.slow
 def test_a_wind_sea_is_told_from_a_wind_that_the_model_knows(table):
-    """From one side they are one force: only what is known of the wind tells them apart."""
+    """From one side they are nearly one force: what is known of the wind tells them apart, and by
+    the yaw moment that the waterline gives to short waves the waves alone are not taken for it."""
     areas = {"AF": BODY.front, "AL": BODY.flank, "cx": 0.7, "cy": 0.8, "cn": 0.1}
     part = Part(effect="wind", values=MappingProxyType(areas))
     ready = with_table(SHIP, table)
@@ -262,15 +263,14 @@ def test_a_wind_sea_is_told_from_a_wind_that_the_model_knows(table):
     )
     assert windy.group == ()
     assert [names for names, _ in both.group] == [("wave_drift",)]
-    taken = asked(ready, sailed(Hidden(waves=1.0), len(RUNS), one_side=True))
-    assert taken.group[0][0] == ("wind",)
-    assert taken.findings[0].coefficients["cy"] > 2.0
+    waves = asked(ready, sailed(Hidden(waves=1.0), len(RUNS), one_side=True))
+    assert [names for names, _ in waves.group] == [("wave_drift",)]
 
 
 @pytest.mark.slow
 def test_a_filter_fits_the_factors_in_the_sea_of_each_record(table):
-    """The side force at about what the walls of the tank make, which is less than the table."""
+    """The side force at about what the walls of the tank make, by the table."""
     model = with_table(SHIP, table, 1.0)
     records = sailed(Hidden(waves=1.0))
     found = identify(model, records, ["wave_drift.ky"], spread=0.5, sensors=NOISE)
-    assert 0.3 < found.model.values("wave_drift")["ky"] < 1.1
+    assert 0.3 < found.model.values("wave_drift")["ky"] < 1.2
