@@ -199,7 +199,7 @@ def test_what_only_the_tank_can_show_is_fitted_beside_what_both_can(both):
 
 @pytest.mark.slow
 def test_what_only_the_tank_can_show_reaches_the_ship(both):
-    """Memory of the flow is no candidate of records: it comes as the tank measures it."""
+    """Memory is added as the tank measures it; the fall of the records stays that of their base."""
     session = both.add("memory")
     assert session.fall().only("sea").steps == ("base",)
     assert math.isfinite(session.fall().by_campaign["sea"][-1])
