@@ -102,6 +102,7 @@ def by_stage() -> dict[str, tuple[str, ...]]:
     return {stage: tuple(name for name in ordered if places[name][0] == stage) for stage in STAGES}
 
 
+@cache
 def _text(name: str) -> str:
     """The file of an action, which is not loaded."""
     return (pkgutil.get_data(JOBS, f"{_module(name)}.py") or b"").decode()

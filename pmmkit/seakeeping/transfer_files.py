@@ -324,19 +324,15 @@ def _wamit(path: Path, given: _Given) -> _Found:
     rotations = np.arange(6) > 2
     mirrored = MIRRORED[:, None, None]
     motion = moved / scale ** rotations[:, None, None] * mirrored
+    unit = given.rho * g * scale ** (1.0 + rotations)[:, None, None] * mirrored
+    excited, drifts = _first_beside(path, ".3", ".2"), _first_beside(path, ".8", ".9")
     force = np.full_like(motion, np.nan)
-    for suffix in (".3", ".2"):
-        if (beside := path.with_suffix(suffix)).is_file():
-            unit = given.rho * g * scale ** (2.0 + rotations)[:, None, None]
-            force = _wamit_at(beside, 2, omega, heading) * unit * mirrored
-            break
+    if excited is not None:
+        force = _wamit_at(excited, 2, omega, heading) * scale * unit
     second = None
-    for suffix in (".8", ".9"):
-        if (beside := path.with_suffix(suffix)).is_file():
-            unit = given.rho * g * scale ** (1.0 + rotations)[:, None, None]
-            mean = (_wamit_at(beside, 3, omega, heading) * unit * mirrored).real
-            second = mean[list(HORIZONTAL)][:, None]
-            break
+    if drifts is not None:
+        mean = (_wamit_at(drifts, 3, omega, heading) * unit).real
+        second = mean[list(HORIZONTAL)][:, None]
     return _Found(
         engine="WAMIT",
         name="",
@@ -354,6 +350,11 @@ def _wamit(path: Path, given: _Given) -> _Found:
         second_order=second,
         notes=notes,
     )
+
+
+def _first_beside(path: Path, *suffixes: str) -> Path | None:
+    """The first of the files of its name with these endings that there is."""
+    return next((x for x in map(path.with_suffix, suffixes) if x.is_file()), None)
 
 
 def _wamit_scale(path: Path, g: float) -> tuple[float, float, tuple[str, ...]]:

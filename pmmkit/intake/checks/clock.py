@@ -50,24 +50,22 @@ def clock_facts(t: Array) -> Mapping[str, float]:
         for unit in RESOLUTIONS
         if _are_multiples(finite[:HEAD], unit, rough) and _are_multiples(finite, unit, rough)
     )
+    even = float(np.mean(np.abs(steps - typical) <= 0.01 * typical))
     return facts | {
         "step": mean,
         "backwards": float(np.count_nonzero(steps < 0)),
         "repeats": float(np.count_nonzero(steps == 0)),
         "gaps": float(np.count_nonzero(steps > GAP * typical)) if typical else 0.0,
         "gap": float(steps.max()),
-        "lost": _lost(steps, typical),
+        "lost": _lost(steps / typical) if typical and even >= MOSTLY else 0.0,
         "unevenness": float(steps.std() / mean) if mean else 0.0,
-        "even": float(np.mean(np.abs(steps - typical) <= 0.01 * typical)),
+        "even": even,
         "resolution": next(multiples, 0.0),
     }
 
 
-def _lost(steps: Array, typical: float) -> float:
-    """Rows that an even clock lacks: steps of two to five times the others, whole ones."""
-    if typical <= 0.0 or np.mean(np.abs(steps - typical) <= 0.01 * typical) < MOSTLY:
-        return 0.0
-    times = steps / typical
+def _lost(times: Array) -> float:
+    """Rows that an even clock lacks: steps that are two to five times the others, whole ones."""
     whole = np.rint(times)
     short = (whole >= 2) & (whole <= GAP) & (np.abs(times - whole) < 0.05)
     return float(np.sum(whole[short] - 1))
