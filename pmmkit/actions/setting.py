@@ -233,7 +233,7 @@ def settings_from(declared: type[Settings], values: Mapping[str, Any]) -> Settin
     Examples
     --------
     >>> from pmmkit.actions.jobs.compare import CompareSettings
-    >>> asked = {"model": "kvlcc2", "campaign": "mine", "wave_height": 3.0}
+    >>> asked = {"model": "kvlcc2", "campaigns": ("mine",), "wave_height": 3.0}
     >>> settings_from(CompareSettings, asked).waves.wave_height
     3.0
     """
@@ -265,7 +265,7 @@ def as_typed(job: Any) -> str:
     Examples
     --------
     >>> from pmmkit.actions.jobs.compare import CompareSettings
-    >>> as_typed(CompareSettings(model="a ship.toml", campaign=Path("mine"), figures=False))
+    >>> as_typed(CompareSettings(model="a ship.toml", campaigns=(Path("mine"),), figures=False))
     "'a ship.toml' mine --no-figures"
     """
     values = sorted(values_of(job), key=lambda pair: not pair[0].help.argument)

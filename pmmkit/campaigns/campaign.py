@@ -544,6 +544,34 @@ class Campaign(Described):
             found[f"{name} ({place})" if name in found else name] = item
         return found
 
+    @staticmethod
+    def fitting(
+        campaigns: Mapping[str, Campaign], patterns: Sequence[str]
+    ) -> dict[str, tuple[str, ...]]:
+        """By campaign the patterns that fit ids of its runs; without those of which none does.
+
+        Parameters
+        ----------
+        campaigns : mapping of str to Campaign
+            Several of one ship.
+        patterns : sequence of str
+            Such as ``SD_*``.
+
+        Raises
+        ------
+        UnknownNameError
+            If one fits no run of any campaign.
+        """
+        found: dict[str, tuple[str, ...]] = {}
+        for name, item in campaigns.items():
+            ids = [run.id for run in item.runs]
+            if own := tuple(x for x in patterns if fnmatch.filter(ids, x)):
+                found[name] = own
+        lost = [x for x in patterns if not any(x in own for own in found.values())]
+        if lost:
+            next(iter(campaigns.values())).matching(lost)
+        return found
+
     def to_xarray(self) -> xr.DataTree:
         """All runs as one DataTree, a node a run (reads everything)."""
         import xarray as xr

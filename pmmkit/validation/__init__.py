@@ -6,15 +6,17 @@ from pmmkit.base import lazy
 
 if TYPE_CHECKING:
     from pmmkit.validation.captive import CaptiveRun, observed
-    from pmmkit.validation.comparison import Comparison, compare
+    from pmmkit.validation.comparison import Comparison
     from pmmkit.validation.dataset import errors_in_percent, measures_in_percent
     from pmmkit.validation.free_running import FreeRun, ManoeuvreComparison, as_tested
+    from pmmkit.validation.joint import JointComparison, compare
     from pmmkit.validation.submission import compare_submission
 
 __all__ = [
     "CaptiveRun",
     "Comparison",
     "FreeRun",
+    "JointComparison",
     "ManoeuvreComparison",
     "as_tested",
     "compare",

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from pmmkit.base import DataError, Progress, UnknownNameError
+from pmmkit.base import Progress, UnknownNameError
 from pmmkit.campaigns import TEST_KINDS, Campaign, Rig, Run
 from pmmkit.conventions import CHANNEL_UNITS, METRICS, Metric, Ship, Water
 from pmmkit.inference import COVERAGE
 from pmmkit.intake import Disagreement
-from pmmkit.models import Model, load_model
+from pmmkit.models import Model
 from pmmkit.numerics import rms
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number, percent
-from pmmkit.reduction import FLOOR, View
+from pmmkit.reduction import View
 from pmmkit.validation.captive import CaptiveRun, compare_captive
 from pmmkit.validation.dataset import of_harmonics, of_samples, rows_of
 from pmmkit.validation.free_running import MOTIONS, FreeRun, ManoeuvreComparison, compare_free
@@ -403,60 +402,17 @@ class Comparison(Described):
         raise UnknownNameError(f"No run {run!r} was compared.")
 
 
-def compare(
-    model: Model | str | Path,
+def compare_one(
+    known: Model,
     campaign: Campaign,
     *,
-    floor: float = FLOOR,
+    floor: float,
     window: float | None = None,
     extrapolate: bool = False,
     views: Sequence[View] | None = None,
     progress: Progress | None = None,
 ) -> Comparison:
-    """A model beside measurements, and where it fails.
-
-    Parameters
-    ----------
-    model : Model, str or path
-        A model, the name of a library ship, or a file; at any scale: it is brought to that of the
-        tests by Froude's law.
-    campaign : Campaign
-        Captive tests: forces are predicted on the measured motion. Free-running tests: the motion
-        is simulated from the measured start with the measured rudder and revolutions.
-    floor : float
-        Share of the rms force of a channel that counts as uncertain whatever else is known.
-    window : float, optional
-        Free-running: length of the windows that are predicted [s]; 15 ship lengths by default.
-    extrapolate : bool
-        Allow speeds outside the range of the model's values.
-    views : sequence of View, optional
-        Captive tests: what `observed` says of them, where several models stand beside the same
-        tests.
-    progress : callable, optional
-        Told what is being done.
-
-    Returns
-    -------
-    Comparison
-
-    Raises
-    ------
-    ModelError
-        If the model is of another ship than the tests.
-    DataError
-        If nothing can be compared, with the reasons.
-
-    Notes
-    -----
-    The comparison error E is predicted less measured. Its validation uncertainty (ASME V&V 20,
-    ITTC 7.5-03-01-01) is twice the root of the sum of squares of: the noise of the mean or
-    harmonic, by the record's own spectrum; the scatter of repeated runs; the campaign's stated
-    uncertainties; that of the model's derivatives; the numerical uncertainty U_SN; and the floor.
-    Where E is less, nothing can be said.
-    """
-    if not 0.0 <= floor < 1.0:
-        raise DataError(f"The floor is a share of the force such as 0.005, not {floor:g}.")
-    known = model if isinstance(model, Model) else load_model(model)
+    """A model beside the tests of one campaign; settings as for `compare`."""
     captive: tuple[CaptiveRun, ...] = ()
     free: tuple[FreeRun, ...] = ()
     manoeuvres: tuple[ManoeuvreComparison, ...] = ()

@@ -69,8 +69,7 @@ def command_lines(state: WorkbenchState, folder: Path, action: Actions) -> list[
             data=data,
         )
         base = str(reduced / "model.toml")
-    for place in tests:
-        add("compare", model=base, campaign=place, data=data)
+    add("compare", model=base, campaigns=tests, data=data)
     told: dict[str, Any] = {"data": data, "own": own, **state.settings}
     add("diagnose", model=base, campaigns=tests, **told)
     told["fit"] = tests

@@ -141,15 +141,17 @@ def test_a_form_may_sail_with_orders_and_conditions_alone(wrong, value, tmp_path
 
 
 def test_settings_are_reached_by_name_whatever_their_group():
-    job = settings_from(CompareSettings, {"model": "a", "campaign": Path("b"), "wave_height": 2.0})
+    job = settings_from(
+        CompareSettings, {"model": "a", "campaigns": (Path("b"),), "wave_height": 2.0}
+    )
     assert job.waves.wave_height == 2.0
-    assert stated(job) == {"model": "a", "campaign": Path("b"), "wave_height": 2.0}
+    assert stated(job) == {"model": "a", "campaigns": (Path("b"),), "wave_height": 2.0}
     assert settings_of(CompareSettings)[0].default is MISSING
 
 
 def test_half_a_sea_is_refused_in_python_and_on_the_console(capsys):
     waves = settings_from(
-        CompareSettings, {"model": "a", "campaign": Path("b"), "wave_height": 2.0}
+        CompareSettings, {"model": "a", "campaigns": (Path("b"),), "wave_height": 2.0}
     ).waves
     with pytest.raises(SettingError, match="--wave-period"):
         _ = waves.sea

@@ -15,7 +15,7 @@ from pmmkit.cli import main
 from pmmkit.models.library import SHIPS
 from pmmkit.seakeeping import motions
 from pmmkit.seakeeping.strips import strips_of
-from pmmkit.validation import comparison
+from pmmkit.validation import joint
 
 SEA = ["--hs", "4", "--tp", "9.7"]
 
@@ -194,7 +194,7 @@ def test_records_of_a_model_are_compared_in_the_sea_that_is_typed(tmp_path, monk
         seen.append(sailed)
         raise DataError("Seen.")
 
-    monkeypatch.setattr(comparison, "compare", looked_at)
+    monkeypatch.setattr(joint, "compare", looked_at)
     waves = ["--wave-height", "0.12", "--wave-period", "1.5", "--waves-from-deg", "70"]
     assert main(["compare", "kvlcc2", str(tmp_path), *waves, "--out", str(tmp_path / "out")]) != 0
     assert "Seen." in capsys.readouterr().err

@@ -144,6 +144,38 @@ def test_the_chain_on_a_ship_that_is_known(tmp_path, capsys, monkeypatch, undraw
     )
 
 
+def test_two_seas_and_a_tank_are_compared_together(tmp_path, capsys, monkeypatch):
+    """A ship that pulls to a side in one sea, towed and in another sea without it: the errors of
+    the first sea alone stand out, and every file says whose it is."""
+    monkeypatch.chdir(tmp_path)
+    model = pk.scaled(pk.load_model("s175-3dof"), 3.0)
+    pk.save_model(model, "ship.toml")
+    sound = model.with_values("rudder_mmg", rate_deg_s=20.0)
+    pulled = sound.with_values("hull_polynomial", Y0=8e-4, N0=-4e-4)
+    write_campaign(tmp_path / "tank")
+    for name, ship in (("calm", sound), ("pulled", pulled)):
+        path = write_zigzags(tmp_path / name, ship, 1.1) / "campaign.toml"
+        text = path.read_text(encoding="utf-8")
+        path.write_text(text.replace("Zigzags of another laboratory", name), encoding="utf-8")
+    asked = ["compare", "ship.toml", "tank", "calm", "pulled", "--runs", "ZZ15", "--no-figures"]
+    status, told, words = said(capsys, *asked, "--out", "both")
+    assert status == 0
+    assert list(told["campaigns"]) == ["calm", "pulled"]
+    assert "no such run in" in words
+    error = {(row["channel"], row["campaign"]): row for row in told["joint"]}
+    assert error["heading", "pulled"]["error"] > 5.0 * error["heading", "calm"]["error"]
+    assert error["heading", "all"]["runs"] == 2
+    assert set(told["files"]) == {
+        "comparison.json", "joint.csv", "1_calm_comparison.csv", "1_calm_misfit.csv",
+        "1_calm_manoeuvres.csv", "1_calm_report.html", "2_pulled_comparison.csv",
+        "2_pulled_misfit.csv", "2_pulled_manoeuvres.csv", "2_pulled_report.html",
+    }  # fmt: skip
+    assert main(["compare", "ship.toml", "calm", "pulled", "--runs", "SD_*,ZZ15"]) == 1
+    assert "No run is called SD_*" in " ".join(capsys.readouterr().err.split())
+    assert main(["compare", "calm", "calm", "pulled"]) != 0
+    assert "with one campaign" in " ".join(capsys.readouterr().err.split())
+
+
 def write_rolling(folder: Path, ship: pk.Model) -> Path:
     """Zigzags of a container ship that heels, with her heel."""
     write_zigzags(folder, ship, 8.0, dt=2.0)

@@ -119,6 +119,22 @@ def test_the_chance_of_a_sum_of_squares_is_that_of_draws():
         assert found.ratio == pytest.approx(np.sqrt(total[0, 0] / weights.sum()))
 
 
+def test_one_record_does_not_decide_for_all():
+    """Seven records come down to the noise and one goes up from 4 to 8 times it: less is left. Half
+    of them up by as much as the others down is no less."""
+    one = np.ones((8, 1))
+    traces = np.stack([one, 0.1 * one, 0.01 * one], axis=-1)
+    before, after = np.full((8, 1), 16.0), one.copy()
+    after[-1] = 64.0
+
+    def squares(total):
+        return LeftOutSquares(names=("heading",), total=total, traces=traces)
+
+    assert squares(after).falls_from(squares(np.where(after > 1.0, 16.0, 4.0)))
+    assert not squares(np.where(np.arange(8)[:, None] < 4, 4.0, 64.0)).falls_from(squares(before))
+    assert not squares(before).falls_from(squares(after))
+
+
 def test_what_has_a_sign_in_nature():
     """A ship to one side, a value that is off and an instrument have none."""
     signed = {item.name: item.signed for item in candidates_for(pk.load_model(SHIP), [])}

@@ -253,6 +253,9 @@ MADE = {
     "Run": cache(lambda: reduction().campaign.runs[-1]),
     "Model": model,
     "Comparison": cache(lambda: pk.compare(model(), reduction().campaign)),
+    "JointComparison": cache(
+        lambda: pk.compare(model(), {EVIL: reduction().campaign, "sea": reduction().campaign})
+    ),
     "MethodComparison": identified,
     "Identified": cache(lambda: identified().found["ekf"]),
     "Session": added,
@@ -288,7 +291,14 @@ MADE = {
         lambda: pk.simulate(model(), speed=9.0, fn="instant", compiled=False).tested
     ),
 }
-LONG = ("CardFit", "Comparison", "MethodComparison", "Identified", "SobolIndices")
+LONG = (
+    "CardFit",
+    "Comparison",
+    "JointComparison",
+    "MethodComparison",
+    "Identified",
+    "SobolIndices",
+)
 EACH = [pytest.param(name, marks=pytest.mark.slow) if name in LONG else name for name in MADE]
 SAID = {
     "Effect": ("Hooft", "free running", "CD", "required", "0.55", "To be sure"),
@@ -305,6 +315,7 @@ SAID = {
     "Run": ("yaw with drift", "m/s", "T ", "runs.h5"),
     "Model": ("measured: S175", "library: Son", "±", "D = 6.533 m", "joined", "6.00 to 12.00 m/s"),
     "Comparison": ("over measured", "[N m]", "k = 2", "27 of 27", "stands out"),
+    "JointComparison": ("over uncertainty", "every run", "all", "18 of 18", "sea: Root mean"),
     "MethodComparison": ("prior", "ekf", "regression", "±", "Notes"),
     "Identified": ("prior", "ekf", "±", "passes"),
     "Session": ("<tank>", "Steps", "evidence", "it is large", "0.5 %"),

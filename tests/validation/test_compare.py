@@ -924,3 +924,36 @@ def test_figures_of_free_running_tests(tanker, sea):
         "Y [N]",
         "N [N m]",
     ]
+
+
+def test_several_campaigns_are_told_each_and_together(s175, truth):
+    """Two halves of a programme as two campaigns: each has its own answer, and the mean square of
+    the errors of all is that of the whole programme over what each half measured."""
+    wrong = without(truth, "Nvvr")
+    halves = [
+        s175.with_(title=title, runs=s175.runs[at::2]) for at, title in enumerate(("even", "odd"))
+    ]
+    found = pk.compare(wrong, halves)
+    assert list(found.each) == ["even", "odd"]
+    for tests, mine in zip(halves, found.each.values(), strict=True):
+        pd.testing.assert_frame_equal(mine.to_pandas(), pk.compare(wrong, tests).to_pandas())
+    rows = found.to_pandas()
+    assert len(rows) == 3 * len(s175.runs)
+    told = found.joint().set_index(["channel", "campaign"])
+    for channel, own in rows.groupby("channel"):
+        size = own.groupby("campaign")["measured"].transform(lambda x: np.sqrt(np.mean(x**2)))
+        both = told.loc[(channel, "all")]
+        assert both["runs"] == len(own)
+        assert both["error"] == pytest.approx(np.sqrt(np.mean((own["error"] / size) ** 2)))
+        assert both["ratio"] == pytest.approx(np.sqrt(np.mean(own["ratio"] ** 2)))
+        assert both["within"] == own["within"].sum()
+    assert "even: What stands out" in str(found)
+
+
+def test_campaigns_of_one_title_are_numbered_and_none_is_refused(s175, truth):
+    few = s175.with_(runs=s175.runs[:2])
+    found = pk.compare(truth, [few, few])
+    assert list(found.each) == [s175.title, f"{s175.title} (2)"]
+    assert list(pk.compare(truth, {"mine": few}).joint()["campaign"].unique()) == ["mine"]
+    with pytest.raises(DataError, match="no campaign"):
+        pk.compare(truth, [])

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.actions.outcome import Outcome, figure_files, marked, results_folder, warned, written
-from pmmkit.actions.records import sound_campaign
+from pmmkit.actions.records import sound_campaigns
 from pmmkit.actions.sea import WaveSettings, carried, new_notes
 from pmmkit.actions.setting import SettingError, patterns, setting, settings, stem
 from pmmkit.actions.shared import Data, Figures, Out
@@ -18,9 +19,11 @@ from pmmkit.base import TableError
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
     from pmmkit.intake import CheckFinding
-    from pmmkit.models import DerivativeTable
+    from pmmkit.models import DerivativeTable, Model
     from pmmkit.validation import Comparison
 
+_Tests = Mapping[str, tuple["Campaign", tuple["CheckFinding", ...]]]
+"""Tests by their titles, and what the checks say of them."""
 
 # What is compared with tests and is no model: the campaign or the table of somebody else.
 
@@ -130,10 +133,12 @@ class CompareSettings:
         "derivative table.",
         argument=True,
     )
-    campaign: Path = setting(
-        "The tests: folder with campaign.toml, such a file, .h5 or .zip, or its URL; a "
-        "derivative table where one was submitted.",
+    campaigns: tuple[Path, ...] = setting(
+        "The tests: folder with campaign.toml, such a file, .h5 or .zip, or its URL; several of "
+        "one ship, captive and free running, are told each and together; a derivative table where "
+        "one was submitted.",
         argument=True,
+        metavar="CAMPAIGN",
     )
     floor: float = setting(
         "Share of a channel's rms force that counts as uncertain whatever else is known.",
@@ -148,7 +153,9 @@ class CompareSettings:
         least=0.1,
     )
     runs: tuple[str, ...] = setting(
-        "Runs to compare with, such as 'turn_*'; may be repeated; all if absent.", default=()
+        "Runs to compare with, of whichever campaign, such as 'turn_*'; may be repeated; all if "
+        "absent.",
+        default=(),
     )
     waves: WaveSettings = WaveSettings()
     extrapolate: bool = setting("Allow speeds outside the model's range.", default=False)
@@ -159,83 +166,114 @@ class CompareSettings:
 
 def compare(job: CompareSettings) -> Outcome:
     """Do what is asked."""
-    from statistics import median
-
-    from pmmkit.base import shown
     from pmmkit.campaigns import Campaign
-    from pmmkit.models import load_model
-    from pmmkit.validation import as_tested, compare_submission
-    from pmmkit.validation import compare as compare_comparison
+    from pmmkit.models import DerivativeTable, load_model
+    from pmmkit.validation import compare_submission
 
-    folder = results_folder(job.out, f"{stem(job.campaign)}-compared")
+    first, *others = job.campaigns
+    folder = results_folder(job.out, f"{'-'.join(map(stem, job.campaigns))}-compared")
     other = submitted(job.model, job.data)
     if other is not None and (job.window or job.waves.wave_height or job.extrapolate):
         raise SettingError("Windows, waves and extrapolation are for models alone.")
-    if isinstance(other, Campaign):
-        opened, findings = _chosen(job.campaign, job.data, job.runs)
-        return _written(
-            compare_submission(other, opened, floor=job.floor), findings, folder, job.figures
-        )
-    if other is not None:
-        names = (stem(job.model), stem(job.campaign))
-        return compare_tables(other, job.campaign, folder, names, drawn=job.figures)
-    known = load_model(job.model)
-    opened, findings = _chosen(job.campaign, job.data, job.runs)
+    if other is not None and others:
+        raise SettingError("What was submitted is compared with one campaign.")
+    if isinstance(other, DerivativeTable):
+        names = (stem(job.model), stem(first))
+        return compare_tables(other, first, folder, names, drawn=job.figures)
+    base = load_model(job.model) if other is None else other
+    opened = sound_campaigns(job.campaigns, job.data)
+    chosen = _chosen({title: one for title, (one, _) in opened.items()}, patterns(job.runs))
+    if isinstance(base, Campaign):
+        each = {x: compare_submission(base, one, floor=job.floor) for x, one in chosen.items()}
+        return _written(job, each, opened, (), folder)
+    if job.waves.sea is not None and all(one.kind == "captive" for one in chosen.values()):
+        raise SettingError("A tank is calm while a model is towed: leave the waves out.")
+    notes = [f"note: no such run in {title}." for title in opened if title not in chosen]
+    each = {}
+    for title, tests in chosen.items():
+        each[title], more = _beside(job, base, tests)
+        notes += more
+    return marked(_written(job, each, opened, notes, folder), base)
+
+
+def _chosen(
+    campaigns: Mapping[str, Campaign], wanted: Sequence[str] | None
+) -> Mapping[str, Campaign]:
+    """The campaigns with the runs that are wanted, without those that have none."""
+    from pmmkit.campaigns import Campaign
+
+    if not wanted:
+        return campaigns
+    fit = Campaign.fitting(campaigns, wanted)
+    return {x: campaigns[x].with_(runs=tuple(campaigns[x].matching(own))) for x, own in fit.items()}
+
+
+def _beside(
+    job: CompareSettings, known: Model, tests: Campaign
+) -> tuple[Comparison, Sequence[str]]:
+    """A model beside a campaign, in waves where it runs free; what there is to say of them."""
+    from statistics import median
+
+    from pmmkit.base import shown
+    from pmmkit.validation import as_tested
+    from pmmkit.validation import compare as compare_comparison
+
     rough, of_sea = known, tuple[str, ...]()
-    if job.waves.sea is not None:
-        if opened.kind != "free-running":
-            raise SettingError("A tank is calm while a model is towed: leave the waves out.")
-        tested, _ = as_tested(known, opened)
-        pace = float(median([run.settings.speed for run in opened]))
+    if job.waves.sea is not None and tests.kind == "free-running":
+        tested, _ = as_tested(known, tests)
+        pace = float(median([run.settings.speed for run in tests]))
         rough, _, of_sea = carried(tested, job.waves, job.model, pace)
     with shown() as progress:
         found = compare_comparison(
             rough,
-            opened,
+            tests,
             floor=job.floor,
             window=job.window,
             extrapolate=job.extrapolate,
             progress=progress,
         )
-    return marked(
-        _written(found, findings, folder, job.figures, new_notes(rough, of_sea, known)), known
-    )
-
-
-def _chosen(
-    path: Path, data: Path | None, runs: Sequence[str]
-) -> tuple[Campaign, tuple[CheckFinding, ...]]:
-    """The tests, those that are wanted, and what the checks say of them."""
-    opened, findings = sound_campaign(path, data)
-    if runs:
-        opened = opened.with_(runs=tuple(opened.matching(patterns(runs) or ())))
-    return opened, findings
+    return found, new_notes(rough, of_sea, known)
 
 
 def _written(
-    found: Comparison,
-    findings: Sequence[CheckFinding],
+    job: CompareSettings,
+    each: Mapping[str, Comparison],
+    opened: _Tests,
+    notes: Sequence[str],
     folder: Path,
-    drawn: bool,
-    notes: Sequence[str] = (),
 ) -> Outcome:
-    """The results of a comparison in their folder."""
-    from pmmkit.views import write_report
+    """The results of a comparison, or of those with each campaign and all together."""
+    from pmmkit.validation import JointComparison
 
-    content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
-    # A page is a map of runs: manoeuvres of a submission are told by their measures alone.
-    page = [("report.html", partial(write_report, found, findings=findings))]
-    if not (found.captive or found.free):
-        page = []
-    results = (*_files(found, content, drawn), *page)
-    lines = [str(found), *warned(findings), *notes, ""]
-    told = (f"Report:  {folder / name}" for name, _ in page)
-    return written(folder, results, content, lines).then(*told)
+    checks = {title: opened[title][1] for title in each}
+    told = {title: [item.to_dict() for item in own] for title, own in checks.items()}
+    warnings = warned(item for own in checks.values() for item in own)
+    results: Iterator[tuple[str, Any]]
+    if len(job.campaigns) == 1:
+        ((title, found),) = each.items()
+        content = {**found.to_dict(), "findings": told[title]}
+        results, lines = _files(found, checks[title], job.figures), [str(found)]
+    else:
+        joint = JointComparison(each=each)
+        content = {**joint.to_dict(), "findings": told}
+        places = dict(zip(opened, job.campaigns, strict=True))
+        own = (
+            (f"{number}_{stem(places[title])}_{name}", made)
+            for number, (title, found) in enumerate(each.items(), 1)
+            for name, made in _files(found, checks[title], job.figures)
+        )
+        results, lines = chain([("joint.csv", joint.joint())], own), [str(joint)]
+    every = chain([("comparison.json", content)], results)
+    done = written(folder, every, content, [*lines, *warnings, *notes, ""])
+    pages = [name for name in done.content["files"] if name.endswith("report.html")]
+    return done.then(*(f"Report:  {folder / name}" for name in pages))
 
 
-def _files(found: Comparison, content: Mapping[str, Any], drawn: bool) -> Iterator[tuple[str, Any]]:
+def _files(
+    found: Comparison, findings: Sequence[CheckFinding], drawn: bool
+) -> Iterator[tuple[str, Any]]:
     from pmmkit.validation import errors_in_percent, measures_in_percent
-    from pmmkit.views import comparison_figures
+    from pmmkit.views import comparison_figures, write_report
 
     if found.captive or found.free:
         yield "comparison.csv", found.to_pandas()
@@ -247,6 +285,8 @@ def _files(found: Comparison, content: Mapping[str, Any], drawn: bool) -> Iterat
         yield "manoeuvres.csv", found.metrics()
         if not found.free:
             yield "percent.csv", measures_in_percent(found.manoeuvres)
-    yield "comparison.json", content
     if drawn:
         yield from figure_files(comparison_figures(found), "png")
+    # A page is a map of runs: manoeuvres of a submission are told by their measures alone.
+    if found.captive or found.free:
+        yield "report.html", partial(write_report, found, findings=findings)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fnmatch
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
@@ -376,11 +375,11 @@ def several_campaigns(
         if isinstance(item, Campaign) and name not in free
     }
     opened = {name: item for name, item in campaigns.items() if isinstance(item, Campaign)}
-    kept = fitting(settings.pop("test_runs", None) or (), opened)
+    kept = Campaign.fitting(opened, settings.pop("test_runs", None) or ())
     if settings and not free:
         raise DataError(f"Of no use for captive tests: {', '.join(settings)}.")
     sailed = {name: item for name, item in opened.items() if name in free}
-    runs = fitting(settings.pop("runs", None) or (), sailed)
+    runs = Campaign.fitting(sailed, settings.pop("runs", None) or ())
     among = {name: settings.pop(name, None) for name in ("channels", "shortest")}
     captive = {}
     for name, item in tests.items():
@@ -415,27 +414,6 @@ def several_campaigns(
         own=tuple(own),
         tell=progress or (lambda _: None),
     )
-
-
-def fitting(
-    patterns: Sequence[str], campaigns: Mapping[str, Campaign]
-) -> dict[str, tuple[str, ...]]:
-    """By campaign the patterns that fit ids of its runs.
-
-    Raises
-    ------
-    UnknownNameError
-        If one fits no run of any campaign.
-    """
-    found: dict[str, tuple[str, ...]] = {}
-    for name, item in campaigns.items():
-        ids = [run.id for run in item.runs]
-        if own := tuple(x for x in patterns if fnmatch.filter(ids, x)):
-            found[name] = own
-    lost = [x for x in patterns if not any(x in own for own in found.values())]
-    if lost:
-        next(iter(campaigns.values())).matching(lost)
-    return found
 
 
 def _asked(name: str, item: CaptiveTests | FreeRecords, steps: Sequence[Step]) -> list[Step]:
