@@ -275,7 +275,12 @@ class Transfer:
     def is_narrow(self) -> bool:
         """Whether it lowers the errors of one kind of records and raises those of another."""
         values = self.changes.values()
-        return min(values, default=0.0) < -OTHER and max(values, default=0.0) > OTHER
+        return self.lowers and max(values, default=0.0) > OTHER
+
+    @property
+    def lowers(self) -> bool:
+        """Whether it lowers the errors of any kind of records."""
+        return min(self.changes.values(), default=0.0) < -OTHER
 
     def __str__(self) -> str:
         told = [f"{kind} {100 * x:+.0f} %" for kind, x in self.changes.items()]
@@ -438,14 +443,16 @@ class Diagnosis(Described):
 
     @property
     def proposed(self) -> tuple[Finding, ...]:
-        """What to add now: of a set that is not the whole story the effect of the greatest odds
-        alone, since the others may stand for what is asked once it is there; none that holds for a
-        kind of records alone."""
+        """What to add now: of a set that is not the whole story one effect alone, since the others
+        may stand for what is asked once it is there: that of the greatest odds, of those that lower
+        what is left out if any is known to; none that holds for a kind of records alone."""
         narrow = {item.effect for item in self.transfers if item.is_narrow}
         found = tuple(item for item in self.findings if item.effect not in narrow)
         if not self.flags:
             return found
-        return tuple(sorted(found, key=lambda item: -item.log_odds)[:1])
+        lowering = {item.effect for item in self.transfers if item.lowers}
+        first = sorted(found, key=lambda item: (item.effect not in lowering, -item.log_odds))
+        return tuple(first[:1])
 
     @property
     def families(self) -> tuple[str, ...]:

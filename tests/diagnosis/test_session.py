@@ -25,6 +25,7 @@ from pmmkit import (
 from pmmkit.base import ModelError, UnknownNameError
 from pmmkit.diagnosis import undone
 from pmmkit.diagnosis.captive.held_out import held_out
+from pmmkit.diagnosis.findings import Transfer
 from pmmkit.files import datasets_folder
 from pmmkit.models import load_model, model_text, save_model
 from tests.support.uncoupled import uncoupled
@@ -94,6 +95,10 @@ def test_of_what_is_not_the_whole_story_the_strongest_effect_alone_is_proposed(c
     assert flagged.proposed == (strong,)
     assert flagged.to_dict()["proposed"] == [strong.effect]
     assert weak.effect not in flagged.to_dict()["proposed"]
+    useless = Transfer(effect=strong.effect, changes={"turns": 0.04, "zigzags": 0.03})
+    useful = Transfer(effect=weak.effect, changes={"turns": -0.23, "zigzags": -0.17})
+    assert replace(flagged, transfers=(useless, useful)).proposed == (weak,)
+    assert replace(flagged, transfers=(useless,)).proposed == (strong,)
 
 
 @pytest.mark.slow
