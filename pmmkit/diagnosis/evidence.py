@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.effects import CATALOGUE, Effect
 from pmmkit.numerics import Array
 
 PRICE: Final = math.log(80.0)
@@ -132,6 +133,36 @@ class Visible:
     shown: bool
     why: str
     mimics: Mapping[str, float]
+
+
+def not_held(name: str, family: str, why: str) -> Visible:
+    """An effect for which the tests hold nothing."""
+    return Visible(
+        name=name,
+        family=family,
+        signal=0.0,
+        without_a_run=0.0,
+        hides=math.inf,
+        shown=False,
+        why=why,
+        mimics={},
+    )
+
+
+def not_asked(done: Container[str], why: Callable[[Effect], str]) -> dict[str, str]:
+    """The catalogue without what was asked and what the base has, with the reason of each entry."""
+    return {
+        name: why(effect) or why_no_size(effect)
+        for name, effect in CATALOGUE.items()
+        if name not in done
+    }
+
+
+def why_no_size(effect: Effect) -> str:
+    """Why no tests are asked for an entry that has no size of its own."""
+    if effect.faulty:
+        return "the checks of the runs look for it: pmmkit check"
+    return "a part of the model, not a size: pmmkit compare shows where it fails"
 
 
 def integrated_out(inner: Array, across: Array, rest: Array) -> tuple[Array, Array]:

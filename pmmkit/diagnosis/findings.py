@@ -388,7 +388,7 @@ class Diagnosis(Described):
         Sizes of each named effect by kind of test, speed, side, amplitude and frequency (captive
         tests).
     not_asked : mapping of str to str
-        The rest of the catalogue, and why such runs are not asked for it (captive tests).
+        The rest of the catalogue, and why such runs are not asked for it.
     untold : tuple of Untold
         What the runs cannot tell of their own errors, by their settings alone (captive tests).
     outside : Outside, optional
@@ -564,8 +564,8 @@ class Diagnosis(Described):
         hidden = [f"{item.name}: {item.why}{_hides(item.hides)}" for item in self.not_testable]
         if self.not_asked:
             hidden.append(
-                f"the rest of the catalogue ({len(self.not_asked)}): captive tests are not asked "
-                f"for it; --json gives the reason of each"
+                f"the rest of the catalogue ({len(self.not_asked)}): such runs are not asked for "
+                f"it; --json gives the reason of each"
             )
         told = [
             Section(title="These runs cannot tell it from", points=rivals),

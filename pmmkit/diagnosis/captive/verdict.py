@@ -46,6 +46,8 @@ from pmmkit.diagnosis.evidence import (
     Visible,
     could_hide,
     mimics,
+    not_asked,
+    not_held,
 )
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, Verdict
 from pmmkit.effects import BY_SPEED, CATALOGUE, Effect
@@ -96,16 +98,7 @@ def coverage(system: System) -> tuple[Visible, ...]:
 
 def _not_held(candidate: Candidate) -> Visible:
     """An effect for which the runs hold nothing."""
-    return Visible(
-        name=candidate.name,
-        family=candidate.family,
-        signal=0.0,
-        without_a_run=0.0,
-        hides=math.inf,
-        shown=False,
-        why=_why(candidate, 0.0, "", still=True),
-        mimics={},
-    )
+    return not_held(candidate.name, candidate.family, _why(candidate, 0.0, "", still=True))
 
 
 def at_usual_size(block: CandidateColumns) -> Array:
@@ -471,19 +464,13 @@ def _not_asked(ranking: RankedSets, given: Sequence[str]) -> dict[str, str]:
     """The catalogue without what was asked and what the base has, with the reason of each entry."""
     known = {name for names in ranking.system.base.names.values() for name in names}
     done = {item.name for item in ranking.covered} | set(given)
-    reasons = {}
-    for name, effect in CATALOGUE.items():
-        if name in done or (effect.coefficients and known.issuperset(effect.typical)):
-            continue
-        if effect.not_captive:
-            reasons[name] = effect.not_captive
-        elif effect.coefficients:
-            reasons[name] = "asked once the base has the terms that it changes"
-        elif effect.faulty:
-            reasons[name] = "the checks of the runs look for it: pmmkit check"
-        else:
-            reasons[name] = "a part of the model, not a size: pmmkit compare shows where it fails"
-    return reasons
+    done |= {x.name for x in CATALOGUE.values() if x.coefficients and known.issuperset(x.typical)}
+
+    def why(effect: Effect) -> str:
+        once = "asked once the base has the terms that it changes" if effect.coefficients else ""
+        return effect.not_captive or once
+
+    return not_asked(done, why)
 
 
 def _leads_on(system: System, named: Sequence[str]) -> bool:

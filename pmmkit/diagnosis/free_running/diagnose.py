@@ -15,7 +15,7 @@ from pmmkit.base import Workers
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.captive.verdict import CHANCE
-from pmmkit.diagnosis.evidence import LEAST, PRICE, RIVALS, Visible
+from pmmkit.diagnosis.evidence import LEAST, PRICE, RIVALS, Visible, not_asked, not_held
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, Transfer, Verdict
 from pmmkit.diagnosis.free_running.base import FLOOR, SPREAD, FreeBase, base_of, stated_base
 from pmmkit.diagnosis.free_running.contest import (
@@ -53,7 +53,9 @@ from pmmkit.diagnosis.free_running.hypotheses import (
     candidates_for,
     check_seas,
     free_candidate_of,
+    lacking,
     screen,
+    why_not_asked,
 )
 from pmmkit.diagnosis.free_running.left_out import (
     each,
@@ -68,7 +70,7 @@ from pmmkit.diagnosis.free_running.misfit import LeftOutMisfit, left_out_squares
 from pmmkit.diagnosis.free_running.question import RecordQuestion, question_of, records_of
 from pmmkit.diagnosis.free_running.transfer import transfers_of
 from pmmkit.diagnosis.free_running.windows import WINDOW
-from pmmkit.effects import OUTSIDE, Effect
+from pmmkit.effects import CATALOGUE, OUTSIDE, Effect
 from pmmkit.identification import FreeRecord, Prior, sea_notes
 from pmmkit.intake import Disagreement
 from pmmkit.models import Model, Sailing
@@ -404,7 +406,8 @@ def answer(
     fewer = [
         screen(null.known.without([j]), question.numbers, null.spread) for j in range(len(records))
     ]
-    covered = coverage_of(seen, fewer, every)
+    absent = _absent(system)
+    covered = (*coverage_of(seen, fewer, every), *absent)
     return Diagnosis(
         verdict=verdict,
         group=tuple(group) if told else (),
@@ -429,9 +432,33 @@ def answer(
         corrections=MappingProxyType(corrections),
         notes=(*_notes(question, last), *_lost(system), *_refused(contest)),
         disagreements=apart,
+        not_asked=MappingProxyType(_not_asked(system, absent)),
         transfers=_transfers(best, contest) if told and best else (),
         nearest=_nearest(best, refit, misfit) if best and verdict == "unexplained" else None,
     )
+
+
+def _absent(system: FreeSystem) -> tuple[Visible, ...]:
+    """Effects for which the records lack what they must hold."""
+    model, records, asked = system.model, system.records, {item.name for item in system.every}
+    return tuple(
+        not_held(effect.name, effect.family.replace("_", " "), lacks)
+        for effect in CATALOGUE.values()
+        if effect.name not in asked and effect.asked_in_free_running
+        if (lacks := lacking(effect, model, records))
+    )
+
+
+def _not_asked(system: FreeSystem, absent: Sequence[Visible]) -> dict[str, str]:
+    """The rest of the catalogue, and why records are not asked for it."""
+    why = {
+        name: why_not_asked(effect, system.model, system.records)
+        for name, effect in CATALOGUE.items()
+    }
+    # What records could be asked for is left out because somebody chose the candidates.
+    chosen = {name for name, reason in why.items() if not reason}
+    asked = {item.name for item in system.every} | {item.name for item in absent}
+    return not_asked(asked | chosen, lambda effect: why[effect.name])
 
 
 def contest_about(system: FreeSystem, given: Sequence[str] = (), *, most: int = MOST) -> Contest:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError
-from pmmkit.diagnosis.evidence import PRICE, integrated_out
+from pmmkit.diagnosis.evidence import PRICE, integrated_out, why_no_size
 from pmmkit.diagnosis.free_running.base import FreeBase
 from pmmkit.diagnosis.free_running.information import WindowInformation
 from pmmkit.effects import CATALOGUE, HULL, INERTIA, OUTSIDE, Effect, Move
@@ -110,16 +110,47 @@ def excited(model: Model, records: Sequence[FreeRecord]) -> frozenset[str]:
     )
 
 
-def why_not_asked(effect: Effect, model: Model, records: Sequence[FreeRecord]) -> str:
-    """Why records are not asked for an effect, in words; empty where they are."""
-    if effect.not_free_running or not effect.asked_in_free_running:
-        return effect.not_free_running or "it moves nothing that such records show"
+_LOGGED: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "roll": "log the roll angle in every run",
+        "wind": "log the wind in every run, or state its speed and direction",
+        "waves": "state the sea of every run, and give the model a table (pmmkit seakeeping)",
+        "depth": "state the depth of the water; in deep water there is nothing to ask",
+        "several speeds": "sail at a second speed",
+    }
+)
+"""What gives records what they lack, by the words of `Effect.EXCITES`."""
+
+
+def lacking(effect: Effect, model: Model, records: Sequence[FreeRecord]) -> str:
+    """What records must hold to be asked for an effect and do not, and what would give it; empty
+    where they hold it all."""
     held = excited(model, records)
-    lacking = [effect.EXCITES[word] for word in effect.excites if word not in held]
-    if lacking:
-        return f"these records lack {' and '.join(lacking)}"
+    words = [word for word in effect.excites if word not in held]
+    if not words:
+        return ""
+    remedy = "; ".join(_LOGGED[word] for word in words if word in _LOGGED)
+    lack = f"these records lack {' and '.join(effect.EXCITES[word] for word in words)}"
+    return f"{lack}: {remedy}" if remedy else lack
+
+
+def why_not_asked(effect: Effect, model: Model, records: Sequence[FreeRecord]) -> str:
+    """Why records are not asked for an effect, and what would tell; empty where they are."""
+    if not effect.asked_in_free_running:
+        if "shaft" in effect.roles:
+            return (
+                "the model sails with the revolutions that are recorded: log their order too, and "
+                "compare what an engine makes of it with them"
+            )
+        told = "; captive tests are asked for it" if effect.asked_in_captive else ""
+        return (
+            f"{effect.not_free_running}{told}" if effect.not_free_running else why_no_size(effect)
+        )
+    lacks = lacking(effect, model, records)
+    if lacks:
+        return lacks
     if not free_candidate_of(effect, Sailing(model, records[0].speed)).moves:
-        return "the model has no place for it"
+        return "the model has no place for it: it is asked once there is a part that it changes"
     return ""
 
 
