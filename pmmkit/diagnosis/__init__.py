@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.any_campaign import complete_model, diagnose
     from pmmkit.diagnosis.captive.candidate import candidate_of
     from pmmkit.diagnosis.captive.standard import standard_tests
+    from pmmkit.diagnosis.evidence import REMOVES
     from pmmkit.diagnosis.findings import Diagnosis
     from pmmkit.diagnosis.free_running.hypotheses import free_candidate_of
     from pmmkit.diagnosis.joint.result import Together
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.planning.ranking import Advice
 
 __all__ = [
+    "REMOVES",
     "Advice",
     "Diagnosis",
     "Fall",

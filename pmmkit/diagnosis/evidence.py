@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,13 @@ asked, one is missing in every second ship. It is the same whatever else is aske
 of an effect do not hang on how many others the catalogue holds. scripts/studies/hidden_effects.py:
 at ln 62 and more nothing is named in 160 empty campaigns, and 27 of 29 effects alone."""
 RIVALS: Final = math.log(20.0)
-"""Answers within these odds of the best cannot be told from it (docs/theory/evidence.md)."""
+"""Answers within these odds of the best cannot be told from it (docs/theory/evidence.md); more is
+strong evidence (Kass and Raftery 1995, section 3.2)."""
+DECISIVE: Final = math.log(150.0)
+"""Odds from which evidence is very strong (Kass and Raftery 1995, section 3.2)."""
+REMOVES: Final = 0.005
+"""Share of the misfit from which a page does not show 0 %: an effect that is not named and takes
+less away does not help."""
 SHOWS: Final = 12.0
 """Squared signal over noise at its usual size from which an effect can be seen, whichever run is
 left out."""
@@ -92,6 +98,45 @@ def mimics(
         most = sorted(others, key=lambda name: -shares[name][k])
         found.append({name: shares[name][k] for name in most if shares[name][k] >= MIMICS})
     return found
+
+
+Weight = Literal["decisive", "likely", "cannot be told", "does not help"]
+
+
+def weight(log_odds: float, share: float = math.nan) -> Weight:
+    """Evidence in words. share: of the held-out misfit that goes; NaN where that does not matter.
+
+    Examples
+    --------
+    >>> weight(6.0), weight(4.0), weight(-2.0), weight(-4.0), weight(6.0, 0.001)
+    ('decisive', 'likely', 'cannot be told', 'does not help', 'does not help')
+    """
+    if share < REMOVES or log_odds < -RIVALS:
+        return "does not help"
+    if log_odds > DECISIVE:
+        return "decisive"
+    return "likely" if log_odds > RIVALS else "cannot be told"
+
+
+class Ranked(Protocol):
+    """A set of effects with its ln evidence against no effect."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of its effects."""
+        ...
+
+    @property
+    def log_evidence(self) -> float:
+        """Less the price of each effect."""
+        ...
+
+
+def with_or_without(name: str, entries: Sequence[Ranked]) -> float:
+    """ln odds of the best set with an effect against the best one without it, or no effect."""
+    known = [x for x in entries if not math.isnan(x.log_evidence)]
+    own = max((x.log_evidence for x in known if name in x.names), default=-math.inf)
+    return own - max([0.0, *(x.log_evidence for x in known if name not in x.names)])
 
 
 def finite(value: float) -> float | None:

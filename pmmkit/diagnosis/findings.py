@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS
 from pmmkit.diagnosis.empirical import EmpiricalFormula
-from pmmkit.diagnosis.evidence import RankedSet, Visible, finite
+from pmmkit.diagnosis.evidence import RankedSet, Visible, Weight, finite, weight, with_or_without
 from pmmkit.diagnosis.outside import PERHAPS, HiddenEntries, Outside
 from pmmkit.intake import Disagreement, Untold
 from pmmkit.models import Model, odds
@@ -96,10 +96,7 @@ class Finding(Described):
     @property
     def explained(self) -> dict[str, float]:
         """Share of the held-out mean square error that it takes away, by channel."""
-        return {
-            name: 1.0 - (after / before) ** 2 if before > 0 else 0.0
-            for name, (before, after) in self.errors.items()
-        }
+        return {name: _taken(before, after) for name, (before, after) in self.errors.items()}
 
     def rows(self) -> list[list[Cell]]:
         """Coefficient, value, half of the 95 % interval, usual size, and what is odd about it."""
@@ -129,8 +126,13 @@ class Finding(Described):
 
     @property
     def title(self) -> str:
-        """Its name, what it is, and the odds, on one line."""
-        return f"{self.effect}: {self.summary} Evidence {self.evidence}."
+        """Its name and what it is, on one line."""
+        return f"{self.effect}: {self.summary}"
+
+    @property
+    def share(self) -> float:
+        """Share of the held-out mean square error that it takes away beside the others."""
+        return _taken(self.error_before, self.error_after)
 
     def remarks(self) -> list[str]:
         """How the error of what was left out falls, what resembles it, and what would tell."""
@@ -161,7 +163,7 @@ class Finding(Described):
         return f"{self.effect} ({self.family}): evidence {self.evidence}"
 
     def _sections(self) -> Sequence[Section]:
-        return [_effect(self)]
+        return [replace(_effect(self), title=f"{self.title} Evidence {self.evidence}.")]
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, with the names that ``pmmkit diagnose --json`` has."""
@@ -193,6 +195,11 @@ class Finding(Described):
             "rivals": list(self.rivals),
             "separating_test": self.separating_test,
         }
+
+
+def _taken(before: float, after: float) -> float:
+    """Share of the mean square error that goes."""
+    return 1.0 - (after / before) ** 2 if before > 0 else 0.0
 
 
 ROUNDING: Final = 1e-6
@@ -455,6 +462,16 @@ class Diagnosis(Described):
         return tuple(first[:1])
 
     @property
+    def ranked(self) -> tuple[Finding, ...]:
+        """The findings, those first that take the largest share of the held-out misfit away."""
+        return tuple(sorted(self.findings, key=lambda item: -item.share))
+
+    def weight(self, name: str, share: float = math.nan) -> Weight:
+        """Evidence for an effect in words; of one that is not named, `share` of the held-out misfit
+        goes with it."""
+        return weight(with_or_without(name, self.entries), math.nan if name in self.best else share)
+
+    @property
     def families(self) -> tuple[str, ...]:
         """Families of the best set."""
         return tuple(dict.fromkeys(item.family for item in self.findings))
@@ -500,7 +517,7 @@ class Diagnosis(Described):
 
     def table(self) -> Grid:
         """The coefficients of all findings."""
-        groups = [Group(rows=item.rows(), title=item.title) for item in self.findings]
+        groups = [Group(rows=item.rows(), title=self._titled(item)) for item in self.ranked]
         return Grid(head=_HEAD, groups=groups, texts=(4,))
 
     def error_table(self) -> Grid:
@@ -579,10 +596,15 @@ class Diagnosis(Described):
         ]
         return [
             Section(paragraphs=[floor, f"Verdict: {self.sentence}", *self.remarks()]),
-            *(_effect(item) for item in self.findings),
+            *(replace(_effect(item), title=self._titled(item)) for item in self.ranked),
             *self._formula(),
             *(section for section in told if section.points),
         ]
+
+    def _titled(self, item: Finding) -> str:
+        """A finding with its evidence, in words and as odds."""
+        words = self.weight(item.effect).capitalize()
+        return f"{item.title} {words} (evidence {item.evidence})."
 
     def _formula(self) -> list[Section]:
         if self.formula is None or not self.formula.terms:

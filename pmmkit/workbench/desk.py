@@ -463,11 +463,8 @@ class Desk:
         with self._changing:
             state = self._current(revision)
             shown = self._candidate(effect, campaign)
-            if shown.get("asks_why") and not why.strip():
-                raise DataError(
-                    f"{effect} takes nothing of the misfit away. Say why in a sentence to add it "
-                    f"all the same: the reason stands in the model."
-                )
+            if not shown.get("offered", True):
+                raise DataError(f"{effect} does not help. {shown['reason']}")
             more = {
                 "effect": effect,
                 "why": why.strip(),

@@ -12,7 +12,7 @@ from scipy.stats import multivariate_normal, ncx2
 
 from pmmkit.diagnosis.captive import evidence
 from pmmkit.diagnosis.captive.evidence import Sets, gate, ranked_sets, sets_of
-from pmmkit.diagnosis.evidence import PRICE, could_hide, mimics
+from pmmkit.diagnosis.evidence import PRICE, could_hide, mimics, weight, with_or_without
 from pmmkit.inference import Normal
 
 ROWS = 40
@@ -180,3 +180,38 @@ def test_a_small_effect_speaks_against_what_is_expected_of_it():
     about_three = could_hide(G, usual, np.array([3.0]), price=6.0)
     assert about_three == pytest.approx(could_hide(G, usual, price=6.0 + 4.5), rel=1e-3)
     assert about_three > 1.05 * could_hide(G, usual, price=6.0)
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (151.0, "decisive"),
+        (149.0, "likely"),
+        (21.0, "likely"),
+        (19.0, "cannot be told"),
+        (1.0, "cannot be told"),
+        (1.0 / 19.0, "cannot be told"),
+        (1.0 / 21.0, "does not help"),
+    ],
+)
+def test_evidence_is_told_in_the_grades_of_kass_and_raftery(factor, words):
+    assert weight(math.log(factor)) == words
+
+
+def test_what_leaves_the_held_out_misfit_does_not_help_whatever_its_odds():
+    assert weight(1000.0, share=0.0049) == "does not help"
+    assert weight(1000.0, share=0.0051) == "decisive"
+
+
+def test_an_effect_is_weighed_against_the_best_that_does_without_it():
+    ranked = (
+        [("a",), 200.0],
+        [("b",), 150.0],
+        [("c",), 0.5],
+        [("a", "b"), 198.0],
+        [("d",), math.nan],
+    )
+    entries = [SimpleNamespace(names=names, log_evidence=x) for names, x in ranked]
+    odds = {name: with_or_without(name, entries) for name in "abcd"}
+    assert odds == {"a": 50.0, "b": -2.0, "c": -199.5, "d": -math.inf}
+    assert with_or_without("c", entries[2:3]) == 0.5  # nothing at all is the other answer

@@ -236,13 +236,15 @@ def test_words_of_all_languages_are_those_that_the_page_says():
 
 
 @pytest.mark.slow
-def test_what_takes_nothing_of_the_misfit_away_is_added_for_a_reason_alone(looped, browser, desk):
+def test_what_does_not_help_is_told_why_and_is_not_added(looped, browser, desk):
     done(browser, "diagnose")
     candidates = desk.missing()["candidates"]
-    useless = [item for item in candidates if item["asks_why"]]
+    useless = [item for item in candidates if item["reason"]]
     assert useless
+    assert {item["weight"] for item in useless} == {"does not help"}
     assert not any(item["named"] for item in useless)
-    assert all(item["share"]["all"] < 0.005 for item in useless)
-    for blank in ("", "  "):
-        with pytest.raises(DataError, match=r"takes nothing of the misfit away\. Say why"):
-            desk.add(desk.page()["revision"], useless[0]["effect"], blank)
+    nothing = [item for item in useless if item["share"]["all"] < 0.005]
+    assert nothing
+    assert all("takes nothing of the held-out misfit" in item["reason"] for item in nothing)
+    with pytest.raises(DataError, match=r"does not help\. It takes nothing"):
+        desk.add(desk.page()["revision"], nothing[0]["effect"])

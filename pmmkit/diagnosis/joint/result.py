@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.diagnosis.evidence import PRICE, Visible
+from pmmkit.diagnosis.evidence import PRICE, Visible, Weight, weight, with_or_without
 from pmmkit.diagnosis.findings import AS_LIKELY, VERDICTS, Diagnosis, Transfer, Verdict
 from pmmkit.diagnosis.joint.belongs import LABORATORY, LaboratoryValues, Owner, Third
 from pmmkit.diagnosis.joint.captive_vote import Ballot, Names, of_ship
@@ -251,6 +251,11 @@ class Together(Described):
     def sentence(self) -> str:
         """The verdict in words."""
         return VERDICTS[self.verdict]
+
+    def weight(self, name: str, share: float = math.nan) -> Weight:
+        """Evidence for an effect in words; of one that is not named, `share` of the held-out misfit
+        goes with it."""
+        return weight(with_or_without(name, self.entries), math.nan if name in self.best else share)
 
     def rivals_of(self, name: str) -> list[Names]:
         """Sets without an effect that are about as likely as the best one, which has it."""

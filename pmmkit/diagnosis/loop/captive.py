@@ -59,18 +59,20 @@ def alone_in_tests(
     *,
     changes: bool = True,
 ) -> tuple[dict[str, dict[str, float]], dict[str, Changes]]:
-    """Shares of the error that candidates take away, and what they change, each beside the base."""
+    """Shares of the error that candidates take away, and what they change, each beside the base;
+    `noise`: the share that goes where noise alone is left."""
     beside, _, known = taken_as_given(system, given)
-    base = held_out(system, known, with_level=False)
-    before = base.of_channel()
+    base = held_out(system, known, with_spread=False)
+    before, noise = base.of_channel(), 1.0 - (base.share(kind="level") / base.share()) ** 2
     each = [tuple(blocks_of(beside, entry)) for entry in chosen]
     shares = {}
     for number, (entry, own) in enumerate(zip(chosen, each, strict=True)):
         heard(number, entry.names[0])
         errors = held_out(system, (*known, *own), with_level=False)
-        shares[entry.names[0]] = {"all": 1.0 - (errors.share() / base.share()) ** 2} | {
-            name: 1.0 - (after / before[name]) ** 2 for name, after in errors.of_channel().items()
-        }
+        shares[entry.names[0]] = {
+            "all": 1.0 - (errors.share() / base.share()) ** 2,
+            "noise": noise,
+        } | {name: 1.0 - (after / before[name]) ** 2 for name, after in errors.of_channel().items()}
     if not changes:
         return shares, {}
     # One stack for all: the features of the smooth floor cost most, and are the same for each.

@@ -166,7 +166,11 @@ Paths = dict[str, dict[str, Array]]
 def alone_in_records(
     contest: Contest, names: Sequence[str], heard: Callable[[int, str], None], numbers: int
 ) -> tuple[dict[str, dict[str, float]], dict[str, Paths], Paths]:
-    """By candidate its share of the misfit and its paths, and the paths of the base alone."""
+    """By candidate its share of the misfit and its paths, and the paths of the base alone.
+
+    `noise`: the share that goes where noise alone is left, as the candidate that takes most away
+    says: before it, what is missing stands among the unknown forces.
+    """
     null = alone(contest)
     records = [item.record for item in null.followed.stretches]
     wanted = numbers // (len(records) * (len(names) + 1) * len(MOTION))
@@ -180,7 +184,7 @@ def alone_in_records(
         }
 
     before = errors_of(null)
-    shares, beside = {}, {}
+    shares, beside, most = {}, {}, (0.0, null)
     for number, name in enumerate(names):
         heard(number, name)
         fit = alone(contest, name)
@@ -192,6 +196,10 @@ def alone_in_records(
             kind: 1.0 - (after[kind] / x) ** 2 if x > 0.0 else 0.0 for kind, x in before.items()
         }
         beside[name] = paths(fit)
+        most = max(most, (whole, fit), key=lambda pair: pair[0])
+    if shares:
+        noise = taken_away(null, before, before | noise_level(most[1]))
+        shares = {name: own | {"noise": noise} for name, own in shares.items()}
     return shares, beside, paths(null)
 
 

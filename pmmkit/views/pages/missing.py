@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import Any, Final
 
-from pmmkit.diagnosis import Diagnosis, Fall, Session, Together
+from pmmkit.diagnosis import REMOVES, Diagnosis, Fall, Session, Together
 from pmmkit.effects import CATALOGUE, Effect, is_fault
 from pmmkit.models import Step, odds
 from pmmkit.numerics import Array
@@ -80,7 +80,10 @@ def drawn_over(
         "shares": {
             name: {
                 "all": short(own["all"]),
-                "channels": {key: short(x) for key, x in own.items() if key != "all"},
+                "noise": short(own["noise"]),
+                "channels": {
+                    key: short(x) for key, x in own.items() if key not in ("all", "noise")
+                },
             }
             for name, own in shares.items()
         },
@@ -106,23 +109,10 @@ def _on_screen(columns: Mapping[str, Array]) -> dict[str, list[float]]:
 # One candidate of what may be missing, as the page reads it.
 
 
-REMOVES: Final = 0.005
-"""Share of the misfit from which the page does not show 0 %: below it only a reason adds an
-effect that is not named."""
-
-
 def candidate_page(
-    name: str,
-    effect: Effect | None,
-    *,
-    log_odds: float,
-    named: bool,
-    kind: str,
-    best: float = math.nan,
-    **more: Any,
+    name: str, effect: Effect | None, *, log_odds: float, named: bool, kind: str, **more: Any
 ) -> dict[str, Any]:
-    """A candidate; `best`: ln evidence of the answer, where one is named."""
-    removed = (more.get("share") or {}).get("all")
+    """A candidate before it is ranked."""
     told: dict[str, Any] = {
         "family": effect.family if effect else "",
         "campaign": "",
@@ -142,12 +132,48 @@ def candidate_page(
         "summary": (effect.summary or effect.text) if effect else "",
         "log_odds": short(log_odds),
         "evidence": odds(log_odds),
-        "behind": "" if named or math.isnan(best) else odds(best - log_odds),
-        "asks_why": not named and removed is not None and removed < REMOVES,
         "named": named,
         **told,
         **more,
     }
+
+
+def _ranked(
+    candidates: Sequence[Mapping[str, Any]],
+    found: Diagnosis | Together,
+    drawn: Sequence[Mapping[str, Any]],
+    own: Collection[str],
+    fitted: Collection[str] = (),
+) -> list[dict[str, Any]]:
+    """Candidates with their evidence in words, those first that take the largest share of the
+    held-out misfit of a campaign away, and those last that do not help, with the reason: of
+    these only a person's own effects are offered. What was fitted stands before what a linear
+    problem promises."""
+    ranked = []
+    for item in candidates:
+        told = [x["shares"].get(item["effect"], {"all": None})["all"] for x in drawn]
+        shares = [share for share in told if share is not None]
+        most = max(shares, default=math.nan)
+        asked = found.diagnoses[item["campaign"]] if item["campaign"] else found  # type: ignore[union-attr]
+        words = asked.weight(item["effect"], math.nan if item["named"] else most)
+        useless = words == "does not help"
+        why = _why_not(item, most, found.best) if useless else ""
+        offered = not useless or item["effect"] in own
+        share = math.inf if math.isnan(most) else -most
+        place = (useless, item["effect"] not in fitted, share, -item["log_odds"])
+        ranked.append((place, {**item, "weight": words, "reason": why, "offered": offered}))
+    return [item for _, item in sorted(ranked, key=lambda pair: pair[0])]
+
+
+def _why_not(item: Mapping[str, Any], share: float, best: Sequence[str]) -> str:
+    """Why a candidate does not help."""
+    if share < REMOVES:
+        return "It takes nothing of the held-out misfit away."
+    if best and item["effect"] not in best:
+        return f"The tests need no more than {' and '.join(best)}."
+    if item["log_odds"] < 0.0:
+        return f"The tests speak against it: {item['evidence'].removesuffix(' against')}."
+    return "Another effect explains more."
 
 
 def coefficients_page(
@@ -189,7 +215,6 @@ def missing_page(
     ]
     drawn = drawn_over(evidence, session.steps, chosen, heard, numbers=NUMBERS if overlays else 0)
     entries = {**CATALOGUE, **own}
-    best = next((x.log_evidence for x in found.entries if x.names == found.best), math.nan)
     candidates = []
     for entry in chosen:
         name = entry.names[0]
@@ -202,7 +227,6 @@ def missing_page(
                 log_odds=finding.log_odds if finding else entry.log_evidence,
                 named=finding is not None,
                 kind="fault" if is_fault(name) else "physics",
-                best=best,
                 family=seen.family if seen else "",
                 share=drawn["shares"].get(name),
                 lost=name not in drawn["shares"],
@@ -221,7 +245,7 @@ def missing_page(
                 why=seen.why if seen else "",
             )
         )
-    candidates.sort(key=lambda x: (not x["named"], x["effect"] not in fitted, -x["log_odds"]))
+    candidates = _ranked(candidates, found, [drawn], own, fitted)
     return {
         "verdict": found.verdict,
         "sentence": found.sentence,
@@ -298,6 +322,7 @@ def joint_page(
     ]
     candidates = [item for item in (*ship, *faults) if item["named"]]
     candidates += [item for item in ship if not item["named"]]
+    drawn = _drawn(session, found, candidates, heard)
     return {
         "verdict": found.verdict,
         "sentence": found.sentence,
@@ -305,7 +330,7 @@ def joint_page(
         "remarks": [*found.flags, *sentences.values(), *found.notes],
         "formula": None,
         "floor": session.evidence.floor,
-        "candidates": candidates,
+        "candidates": _ranked(candidates, found, drawn, own),
         "sets": [{"effects": list(names), "odds": short(x)} for names, x in found.group],
         "suspected": [],
         "hidden": [{"effect": x.name, "why": x.why, "size": short(x.hides)} for x in found.hidden],
@@ -313,7 +338,7 @@ def joint_page(
         "covered": [],
         "overlays": {},
         "base": {},
-        "drawn": _drawn(session, found, candidates, heard),
+        "drawn": drawn,
         "unasked": [
             {"effect": name, "why": ""} for name in own if name not in session.evidence.kinds
         ],

@@ -11,9 +11,6 @@ import { ownPanel } from "./own.js";
 import { coveragePanel } from "./coverage.js";
 import { chosenCell } from "./where.js";
 
-// What fills a bar of evidence where no candidate has more.
-const STRONG = Math.log(1e6);
-
 export async function showMissing(root, app, shown) {
   const [asked, fall] = await Promise.all([app.missing(), app.fall()]);
   const found = asked?.drawn ? overOne(asked, asked.drawn[app.of]) : asked;
@@ -51,16 +48,15 @@ function question(app, before) {
 
 function answer(found, app, view) {
   const drawn = Object.keys(found.overlays).length > 0;
-  const most = Math.max(STRONG, ...found.candidates.map((item) => item.log_odds));
   return el("section", { class: "panel", "aria-label": t("candidates") },
     el("div", { class: "head" }, el("h2", {}, t(found.since ? "asked_before" : "candidates")), found.since || !drawn ? null : el("span", { class: "soft small hint" }, t("hover_hint"))),
     el("p", {}, found.sentence),
     found.formula ? found.formula.remarks.map((text) => el("p", { class: "small" }, text)) : null,
     found.remarks.length ? el("details", {}, el("summary", {}, t("remarks")), found.remarks.map((text) => el("p", { class: "soft small" }, text))) : null,
-    el("ol", { class: "candidates" }, found.candidates.map((item) => candidate(item, app, view, { drawn, most }))));
+    el("ol", { class: "candidates" }, found.candidates.map((item) => candidate(item, app, view, drawn))));
 }
 
-function candidate(item, app, view, { drawn, most }) {
+function candidate(item, app, view, drawn) {
   const preview = () => view.draw([item.effect]);
   const leave = () => view.draw(app.pair);
   const name = el("button", { class: "link", title: t("show_effect", { effect: plainWord(item.effect) }), on: { focus: preview, click: preview } }, plainWord(item.effect));
@@ -68,28 +64,22 @@ function candidate(item, app, view, { drawn, most }) {
     type: "checkbox", checked: app.pair.includes(item.effect), "aria-label": t("compare_effect", { effect: plainWord(item.effect) }), value: item.effect,
     on: { change: (event) => pairUp(event.target, app, view) },
   }) : null;
-  // What takes nothing away is added for a reason that a person gives.
-  const why = item.asks_why && !frozen ? el("input", { type: "text", maxlength: 300, "aria-label": t("add_reason"), placeholder: t("add_reason"), on: {
-    input: (event) => { event.target.closest("li").querySelector("button:not(.link)").disabled = app.busy() || !event.target.value.trim(); },
-  } }) : null;
   return el("li", { on: { mouseenter: preview, mouseleave: leave } },
     el("span", { class: "name" }, name,
       item.named ? el("span", { class: "tag named" }, t("named")) : null,
       item.kind === "fault" ? el("span", { class: "tag fault" }, item.campaign ? t("of_campaign", { campaign: item.campaign }) : t("fault")) : null),
-    frozen ? null : el("button", { class: item.named ? "primary" : "", disabled: app.busy() || item.asks_why, "aria-label": t(item.kind === "fault" ? "correct_effect" : "add_effect", { effect: plainWord(item.effect) }), on: { click: () => app.act("add", { effect: item.effect, campaign: item.campaign ?? "", why: why?.value ?? "" }) } },
+    frozen || !item.offered ? null : el("button", { class: item.named ? "primary" : "", disabled: app.busy(), "aria-label": t(item.kind === "fault" ? "correct_effect" : "add_effect", { effect: plainWord(item.effect) }), on: { click: () => app.act("add", { effect: item.effect, campaign: item.campaign ?? "" }) } },
       item.kind === "fault" ? t("correct") : t("add")),
     el("p", { class: "summary" }, item.summary, item.kind === "fault" ? ` ${t("fault_about")}` : ""),
-    item.share ? meter("share", t("takes_away"), item.share.all, percent(item.share.all)) : null,
-    meter("evidence", t(item.votes?.length > 1 ? "all_together" : "evidence"), item.log_odds / most, item.evidence),
-    item.votes?.length > 1 ? item.votes.map((vote) => meter("evidence", vote.campaign, vote.log_odds / most, vote.evidence)) : null,
-    item.behind ? el("p", { class: "summary" }, t("behind_answer", { odds: item.behind })) : null,
+    item.share ? meter(t("takes_away"), item.share) : null,
+    el("p", { class: "summary" }, `${t(item.votes?.length > 1 ? "all_together" : "evidence")}: `, el("b", {}, t(`weight_${item.weight.replaceAll(" ", "_")}`)), item.reason ? ` · ${item.reason}` : ` (${item.evidence})`),
+    item.votes?.length > 1 ? item.votes.map((vote) => el("p", { class: "summary" }, `${vote.campaign}: ${vote.evidence}`)) : null,
     item.said ? el("p", { class: "summary" }, item.said) : null,
     item.share ? el("p", { class: "summary number" }, Object.entries(item.share.channels).map(([channel, share]) => `${t(`channel_${channel}`)} ${percent(share)}`).join(" · ")) : null,
     item.lost ? el("p", { class: "summary" }, t("lost_motion")) : null,
     item.rivals.length ? el("p", { class: "summary" }, t("resembles", { names: item.rivals.map(plainWord).join(", ") })) : null,
     item.test ? el("p", { class: "summary" }, t("to_be_sure", { test: item.test })) : null,
     item.coefficients.length ? coefficients(item.coefficients) : null,
-    why ? el("p", { class: "summary" }, why) : null,
     tick ? el("label", { class: "summary tick" }, tick, t("compare")) : null);
 }
 
@@ -118,10 +108,12 @@ function percent(share) {
   return `${fixed(100 * Math.max(share, -9.99), 0)} %`;
 }
 
-function meter(kind, label, share, text) {
-  const width = `${100 * Math.min(Math.max(share ?? 0, 0), 1)}%`;
-  return el("div", { class: `meter ${kind}` }, el("span", {}, label),
-    el("div", { class: "track" }, el("div", { class: "fill", css: { width } })), el("b", {}, text));
+// The share of the misfit that goes, with a mark where noise alone is left.
+function meter(label, { all, noise }) {
+  const at = (share) => `${100 * Math.min(Math.max(share ?? 0, 0), 1)}%`;
+  const level = noise === null || noise <= 0 ? null : el("div", { class: "level", css: { left: at(noise) }, title: t("noise_level", { level: percent(noise) }) });
+  return el("div", { class: "meter" }, el("span", {}, label),
+    el("div", { class: "track" }, el("div", { class: "fill", css: { width: at(all) } }), level), el("b", {}, percent(all)));
 }
 
 function coefficients(rows) {
