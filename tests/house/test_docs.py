@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from pmmkit import catalogue
+from pmmkit.actions import action, names
 from pmmkit.campaigns.file import schema
 from pmmkit.effects import CATALOGUE
 from scripts.documentation import campaign_file, make_docs
@@ -92,3 +93,39 @@ def test_help_of_make_docs_makes_nothing(monkeypatch, capsys):
 def test_readme_example_is_ten_lines():
     (example,) = blocks(ROOT / "README.md", "python")
     assert len([line for line in example.splitlines() if line.strip()]) <= 10
+
+
+OF_ALL = {"--help", "--version", "--json", "--quiet", "-q", "--install-completion"}
+TYPED = re.compile(r"pmmkit ([a-z][a-z-]*)((?: (?![|;&#])[^\s`]+)*)")
+
+
+def typed_options(text):
+    """Commands and options of the command lines in a text, lines that go on joined."""
+    for command, rest in TYPED.findall(text.replace("\\\n", " ").replace("  ", " ")):
+        yield from ((command, word) for word in re.findall(r"(?<=\s)--?[a-z][a-z0-9-]*", rest))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_options_of_commands_exist(page):
+    known = {
+        name: {
+            way
+            for field in action(name).fields
+            for word in field.options
+            for way in word.split("/")
+        }
+        for name in names()
+    }
+    typed = set(typed_options(page.read_text("utf-8")))
+    assert [x for x in sorted(typed) if x[0] in known and x[1] not in known[x[0]] | OF_ALL] == []
+
+
+def test_an_option_that_is_typed_is_found():
+    text = (
+        "`pmmkit simulate --rudder-law lag` and\n    pmmkit add m x -o m2.toml --fit a | pmmkit b"
+    )
+    assert set(typed_options(text)) == {
+        ("simulate", "--rudder-law"),
+        ("add", "-o"),
+        ("add", "--fit"),
+    }
