@@ -140,7 +140,6 @@ def results_file(
     *,
     read: Iterable[str | Path | None] = (),
     force: bool = False,
-    option: str = "--output",
 ) -> Path:
     """The file of the result."""
     if target is None:
@@ -148,7 +147,7 @@ def results_file(
         if file != Path(default):
             say(f"{quoted(Path(default))} is there: this goes to {quoted(file)}.")
         return file
-    keep_what_was_read(target, read, force=force, option=option)
+    keep_what_was_read(target, read, force=force, option="--output")
     if target.is_file():
         say(f"{quoted(target)} is there: it is replaced.")
     return target

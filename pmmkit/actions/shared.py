@@ -23,6 +23,10 @@ Out = Annotated[
         "those of former calls if absent."
     ),
 ]
+Output = Annotated[
+    Path | None,
+    Help("File of the result, or a folder where that is many files.", names="-o --output"),
+]
 Force = Annotated[bool, Help("Let the output replace the very file that was read.")]
 
 Manoeuvre = Annotated[

@@ -77,11 +77,11 @@ def command_lines(state: WorkbenchState, folder: Path, action: Actions) -> list[
     for number, step in enumerate(state.steps, start=1):
         made = model_file(folder, state.effects[:number])
         named = ("@".join(filter(None, (step.effect, step.campaign))),)
-        add("add", step.effect, model=model, effects=named, target=made, why=step.note, **told)
+        add("add", step.effect, model=model, effects=named, output=made, why=step.note, **told)
         model = str(made)
     if state.steps:
         steps, made = folder / STEPS, Path("replayed.toml")
-        add("replay", name="add", model=base, steps=steps, target=made, **told)
+        add("replay", name="add", model=base, steps=steps, output=made, **told)
     return found
 
 

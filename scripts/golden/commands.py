@@ -26,9 +26,9 @@ LINES: dict[str, tuple[str, ...]] = {
     "effects": ("effects flow_straightening", "effects fault_time_lag --json"),
     "models": (
         *(f"model show {ship} --json" for ship in SPEEDS),
-        "model set kvlcc2 hull_polynomial.Yv=-0.32 --because tests --out changed.toml --json",
-        "model replace kvlcc2 propeller --from kcs --out replaced.toml --json",
-        "model astern kvlcc2 --out astern.toml --json",
+        "model set kvlcc2 hull_polynomial.Yv=-0.32 --because tests -o changed.toml --json",
+        "model replace kvlcc2 propeller --from kcs -o replaced.toml --json",
+        "model astern kvlcc2 -o astern.toml --json",
         "scale kvlcc2-l7 --length 320 --speed 8 --json --out full",
         "scale kvlcc2-l7 --length 320 --froude-only --json --out froude",
     ),

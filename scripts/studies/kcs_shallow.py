@@ -95,7 +95,7 @@ def campaign(book: Path, sheet: str, folder: Path) -> Path:
     (folder / book.name).write_bytes(book.read_bytes())
     file = folder / f"{sheet}.toml"
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-        assert main(["new-campaign", str(folder), "--sheet", sheet, "--out", str(file)]) == 0
+        assert main(["new-campaign", str(folder), "--sheet", sheet, "-o", str(file)]) == 0
     text = re.sub(r"(?m)^rho = .*", f"rho = {RHO}", file.read_text(encoding="utf-8"))
     text = re.sub(r"(?m)^rudder_positive = .*", 'rudder_positive = "port"', text)
     file.write_text(text, encoding="utf-8")

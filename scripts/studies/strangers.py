@@ -147,7 +147,7 @@ def play(name: str, place: Path, run: Typed = typed) -> Played:
     drawn = ["--ships", str(SHIPS), "--out", str(place / f"{name}-uncertainty")]
     spread = run(["uncertainty", model, *sail, *drawn])["metrics"]["tactical_diameter_L"]
     stated = str(place / f"{name}-stated.toml")
-    run(["model", "set", model, *steering(hull), "--because", "as built", "--out", stated])
+    run(["model", "set", model, *steering(hull), "--because", "as built", "-o", stated])
     second = run(["simulate", stated, *sail, "--out", str(place / f"{name}-stated-turn")])
     inside, missed, open_ = held(hull, reduced / "derivatives.csv")
     true = turn(hull, speed)

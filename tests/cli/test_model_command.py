@@ -12,12 +12,12 @@ from tests.support.commands import said
 def test_values_and_parts_are_changed_in_a_new_file(tmp_path, capsys):
     first, second = tmp_path / "a.toml", tmp_path / "b.toml"
     status, told, _ = said(
-        capsys, "model", "set", "kvlcc2", "rudder.area=120", "--because", "as built", "--out", first
+        capsys, "model", "set", "kvlcc2", "rudder.area=120", "--because", "as built", "-o", first
     )
     assert status == 0
     assert told["steps"][-1] == "Stated: rudder_mmg.area = 120, because as built."
     status, _, _ = said(
-        capsys, "model", "replace", first, "propeller", "--from", "kcs", "--out", second
+        capsys, "model", "replace", first, "propeller", "--from", "kcs", "-o", second
     )
     assert status == 0
     made = pk.load_model(second)

@@ -85,7 +85,7 @@ def test_by_force_there_is_a_model_that_every_command_marks(odd, tmp_path, capsy
     status, told, _ = said(capsys, "export", model, "--to", "mss", "--speed", "8", "-o", file)
     assert (status, told["not_usable"][:10]) == (3, "NOT USABLE")
     changed = tmp_path / "m.toml"
-    assert said(capsys, "model", "set", model, "rudder.area=33", "--out", changed)[0] == 3
+    assert said(capsys, "model", "set", model, "rudder.area=33", "-o", changed)[0] == 3
     assert pk.load_model(changed).not_usable
 
 

@@ -78,7 +78,7 @@ def test_add_does_not_write_over_its_own_input_unless_forced(at_home, capsys):
             ("scale", "m/model.toml", "--length", "320", "--froude-only", "--out", "m"),
             "m/model.toml",
         ),
-        (("model", "set", "m/model.toml", "Nvvr=-0.04", "--out", "m/model.toml"), "m/model.toml"),
+        (("model", "set", "m/model.toml", "Nvvr=-0.04", "-o", "m/model.toml"), "m/model.toml"),
     ],
 )
 def test_no_command_writes_its_model_over_the_one_it_read(order, read, at_home, capsys):

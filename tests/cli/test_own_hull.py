@@ -60,7 +60,7 @@ def test_one_laboratorys_tests_against_anothers_zigzags_by_five_commands(
     for words in (
         ["scale", "kvlcc2_hmri-reduced/model.toml", "--length", "7", "--froude-only"],
         ["model", "set", "model-ship/model.toml", "propeller.D=0.204", "rudder.rate_deg_s=15.8",
-         "--because", "HSVA's propeller and gear", "--out", "hsva.toml"],
+         "--because", "HSVA's propeller and gear", "-o", "hsva.toml"],
         ["simulate", "hsva.toml", "--rudder-deg", "35", "--speed", "1.1702"],
         ["compare", "hsva.toml", datasets / "kvlcc2_hsva", "--data", shared_data],
     ):  # fmt: skip

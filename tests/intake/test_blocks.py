@@ -204,7 +204,7 @@ def test_what_a_header_doubts_is_left_out_and_the_rest_of_its_group_is_not(folde
 
 def drafted(capsys, folder: Path, *arguments: str) -> tuple[dict[str, Any], Path]:
     target = folder / "a.toml"
-    status = main(["new-campaign", str(folder), "--out", str(target), *arguments, "--json"])
+    status = main(["new-campaign", str(folder), "-o", str(target), *arguments, "--json"])
     assert status == 0
     return json.loads(capsys.readouterr().out), target
 
@@ -287,7 +287,7 @@ def test_several_sheets_are_told_apart(folder: Path, capsys) -> None:
     campaign = open_campaign(target)
     assert campaign.depths == (0.41, 0.246)
     assert {run.id[:3].casefold() for run in campaign.by_depth()[1]} == {"a02"}
-    assert main(["new-campaign", str(folder), "--out", str(folder / "b.toml"), "--sheet", "A9"])
+    assert main(["new-campaign", str(folder), "-o", str(folder / "b.toml"), "--sheet", "A9"])
     assert "There are 'Environment', 'A01', 'A02'" in capsys.readouterr().err
 
 

@@ -184,7 +184,7 @@ def test_a_file_is_not_replaced_unless_told(s175, tmp_path, capsys):
     assert main(["new-campaign", str(folder)]) == 1
     assert "was not replaced" in capsys.readouterr().err
     assert (folder / "campaign.toml").read_text(encoding="utf-8") == "mine"
-    assert main(["new-campaign", str(folder), "--out", str(tmp_path / "else.toml")]) == 0
+    assert main(["new-campaign", str(folder), "-o", str(tmp_path / "else.toml")]) == 0
     assert 'file = "tank/PS_U1.0_v0.08.csv"' in (tmp_path / "else.toml").read_text("utf-8")
     assert main(["new-campaign", str(folder), "--force"]) == 0
     assert (folder / "campaign.toml").read_text(encoding="utf-8") != "mine"
@@ -450,7 +450,7 @@ def test_noise_is_no_oscillation():
 
 def test_zigzags_of_hsva_are_told_by_their_names(shared_data, tmp_path, capsys):
     folder = shared_data / "kvlcc2_hsva_free"
-    status, content, words = drafted(capsys, folder, "--out", tmp_path / "campaign.toml")
+    status, content, words = drafted(capsys, folder, "-o", tmp_path / "campaign.toml")
     assert (status, content["kind"]) == (0, "free-running")
     orders = {
         run["id"][17:]: (run["settings"]["rudder_deg"], run["settings"]["switch_deg"])
@@ -469,7 +469,7 @@ def test_turns_and_zigzags_of_the_esso_osaka_are_told_by_their_records(
     real = open_campaign(datasets / "esso_osaka", data=shared_data)
     by_file = {run.source: run.settings for run in real}
     folder = shared_data / "esso_osaka_free"
-    _, content, _ = drafted(capsys, folder, "--out", tmp_path / "campaign.toml")
+    _, content, _ = drafted(capsys, folder, "-o", tmp_path / "campaign.toml")
     for run in content["runs"]:
         if run["test"] == "random":
             continue

@@ -52,7 +52,7 @@ def test_who_knows_astern_stops_as_she_is():
 
 def test_the_command_writes_a_model_that_stops(tmp_path, capsys):
     out = tmp_path / "kcs-astern.toml"
-    assert main(["model", "astern", "kcs", "--out", str(out)]) == 0
+    assert main(["model", "astern", "kcs", "-o", str(out)]) == 0
     assert ASTERN in capsys.readouterr().out
     assert pk.load_model(out).knows_astern
     assert main(["model", "astern", "kcs", "propeller"]) == 2

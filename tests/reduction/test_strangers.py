@@ -51,7 +51,7 @@ def test_the_turn_is_that_of_the_true_ship(stranger):
     name, place = stranger
     hull, model = HULLS[name], str(place / "reduced" / "model.toml")
     own = str(place / "own.toml")
-    order = ["model", "set", model, *steering(hull), "--because", "as built", "--out", own, "-q"]
+    order = ["model", "set", model, *steering(hull), "--because", "as built", "-o", own, "-q"]
     assert main(order) == 0
     found = pk.simulate(own, speed=SPEEDS[name], rudder_deg=35).metrics
     true = turn(hull, SPEEDS[name])

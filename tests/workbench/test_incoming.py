@@ -78,7 +78,7 @@ def test_dropped_files_lie_together_and_become_a_campaign_that_opens(browser, de
 
 
 def test_the_file_is_that_of_the_command(browser, strange, tmp_path):
-    new_campaign(NewCampaignSettings(folder=strange, out=tmp_path / "campaign.toml"))
+    new_campaign(NewCampaignSettings(folder=strange, output=tmp_path / "campaign.toml"))
     drafted = (tmp_path / "campaign.toml").read_text("utf-8")
     page = look(browser, strange)
     told = [line for line in page["text"].splitlines() if not line.startswith("file = ")]

@@ -16,7 +16,7 @@ from pmmkit.actions.records import (
     sound_campaigns,
 )
 from pmmkit.actions.setting import SettingError, sensors_of, setting, settings
-from pmmkit.actions.shared import Data, DrawFigures, Force, NoiseSettings, Out, Own
+from pmmkit.actions.shared import Data, DrawFigures, Force, NoiseSettings, Out, Output, Own
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ class AddSettings:
     records: RecordSettings = RecordSettings()
     uncertainty: NoiseSettings = NoiseSettings()
     own: Own = None
-    target: Path | None = setting("Model file to write.", default=None, names="-o --output")
+    output: Output = None
     undo: bool = setting("Take the effect that was added last out again.", default=False)
     why: str = setting("A remark for the model's history.", default="")
     figures: DrawFigures = True
@@ -75,7 +75,7 @@ def add(job: AddSettings) -> Outcome:
     if job.out is not None:
         results_folder(job.out, job.out)
     written = results_file(
-        job.target,
+        job.output,
         f"{Path(job.model).stem}-extended.toml",
         read=[job.model, job.own],
         force=job.force,

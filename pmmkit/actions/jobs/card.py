@@ -11,7 +11,7 @@ from typing import Final, Literal
 
 from pmmkit.actions.outcome import Outcome, marked, results_file, results_folder, written
 from pmmkit.actions.setting import SettingError, setting, settings, stem
-from pmmkit.actions.shared import Extrapolate, Force, Spread
+from pmmkit.actions.shared import Extrapolate, Force, Out, Output, Spread
 from pmmkit.actions.speeds import Speed, approach
 from pmmkit.presentation import quoted
 
@@ -40,14 +40,17 @@ class CardSettings:
     ships: int = setting("fit: ships behind an interval.", default=200, least=20)
     seed: int = setting("fit: of their draws.", default=0, least=0)
     extrapolate: Extrapolate = False
-    out: Path | None = setting(
-        "form, write: the card; fit: folder of the results. A new one if absent.", default=None
-    )
+    output: Output = None
+    out: Out = None
     force: Force = False
 
 
 def card(job: CardSettings) -> Outcome:
     """Do what is asked."""
+    if job.action == "fit" and job.output is not None:
+        raise SettingError("fit writes a folder: name it with --out.")
+    if job.action != "fit" and job.out is not None:
+        raise SettingError(f"{job.action} writes a file: name it with -o.")
     if job.action == "form":
         return _form(job)
     if job.what is None:
@@ -63,7 +66,7 @@ def _form(job: CardSettings) -> Outcome:
 
     if job.what is not None:
         raise SettingError(f"form takes nothing: is it pmmkit card write {job.what}?")
-    file = results_file(job.out, Card.FILE, option="--out")
+    file = results_file(job.output, Card.FILE)
     write_text(file, empty_card())
     command = f"pmmkit card fit {quoted(file)}"
     return Outcome(
@@ -80,9 +83,7 @@ def _written(job: CardSettings, name: str) -> Outcome:
 
     loaded = load_model(name)
     made = Card.of(loaded, approach(job.speed, loaded), extrapolate=job.extrapolate)
-    file = results_file(
-        job.out, f"{stem(name)}-card.toml", read=[name], force=job.force, option="--out"
-    )
+    file = results_file(job.output, f"{stem(name)}-card.toml", read=[name], force=job.force)
     write_text(file, made.text())
     told = Outcome(content={"card": str(file)}, lines=[str(made), "", f"Card: {file}"])
     return marked(told, loaded)

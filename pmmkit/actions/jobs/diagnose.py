@@ -459,7 +459,7 @@ def _adding(
         records=job.records,
         uncertainty=job.uncertainty,
         own=own,
-        target=next(filter(is_empty_place, (Path(f"model{n}.toml") for n in count(2)))),
+        output=next(filter(is_empty_place, (Path(f"model{n}.toml") for n in count(2)))),
     )
     if job.model not in STRUCTURES:
         return [f"{head} pmmkit add {as_typed(better)}"]

@@ -7,7 +7,7 @@ from typing import Final, Literal
 
 from pmmkit.actions.outcome import Outcome, marked, results_file
 from pmmkit.actions.setting import SettingError, setting, settings, stem
-from pmmkit.actions.shared import Data
+from pmmkit.actions.shared import Data, Output
 from pmmkit.actions.speeds import WAYS, TypedSpeed, typed
 
 STAGE: Final = ("hand in", 3)
@@ -29,9 +29,7 @@ class ExportSettings:
     to: Format | None = setting(
         "What to write; the ending of the output says it if absent.", default=None
     )
-    output: Path | None = setting(
-        "File, or folder for a campaign as csv.", default=None, names="-o --output"
-    )
+    output: Output = None
     speed: TypedSpeed | None = setting(
         f"For models whose values depend on it, at the model's own scale: {WAYS}.",
         default=None,

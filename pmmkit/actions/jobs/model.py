@@ -8,12 +8,11 @@ Examples: pmmkit model show model.toml · pmmkit model set model.toml rudder.are
 from __future__ import annotations
 
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
 from pmmkit.actions.outcome import Outcome, marked, results_file
 from pmmkit.actions.setting import SettingError, setting, settings, stem
-from pmmkit.actions.shared import Force
+from pmmkit.actions.shared import Force, Output
 
 if TYPE_CHECKING:
     from pmmkit.models import Model
@@ -42,9 +41,7 @@ class ModelSettings:
         "replace: library ship or model file.", default=None, names="--from"
     )
     because: str = setting("The reason, which the model keeps: 'the yard's drawing'.", default="")
-    out: Path | None = setting(
-        "New model file; the name with -changed beside it if absent.", default=None
-    )
+    output: Output = None
     force: Force = False
 
 
@@ -71,11 +68,7 @@ def model(job: ModelSettings) -> Outcome:
             )
         made = with_part_of(loaded, words[0], load_model(job.lender), job.because)
     path = results_file(
-        job.out,
-        f"{stem(job.model)}-changed.toml",
-        read=[job.model, job.lender],
-        force=job.force,
-        option="--out",
+        job.output, f"{stem(job.model)}-changed.toml", read=[job.model, job.lender], force=job.force
     )
     write_results(path.parent, [(path.name, partial(save_model, made))])
     done = made.history[len(loaded.history) :]

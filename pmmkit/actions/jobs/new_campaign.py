@@ -7,6 +7,7 @@ from typing import Final
 
 from pmmkit.actions.outcome import Outcome
 from pmmkit.actions.setting import setting, settings
+from pmmkit.actions.shared import Output
 from pmmkit.presentation import quoted
 
 STAGE: Final = ("measure", 2)
@@ -18,9 +19,7 @@ class NewCampaignSettings:
     """What is asked."""
 
     folder: Path = setting("Folder with the files of the tests, or a file.", argument=True)
-    out: Path | None = setting(
-        "Campaign file; campaign.toml in the folder if absent.", default=None
-    )
+    output: Output = None
     ship: str | None = setting("Ship of the library (pmmkit ships), at its scale.", default=None)
     sheet: str | None = setting("The only sheet of the workbook that is meant.", default=None)
     force: bool = setting("Replace a file that is there.", default=False)
@@ -33,7 +32,7 @@ def new_campaign(job: NewCampaignSettings) -> Outcome:
     from pmmkit.intake import campaign_draft, written
 
     beside = job.folder if job.folder.is_dir() or not job.folder.exists() else job.folder.parent
-    target = beside / CAMPAIGN.file if job.out is None else job.out
+    target = beside / CAMPAIGN.file if job.output is None else job.output
     if target.is_dir():
         target = target / CAMPAIGN.file
     if target.exists() and not job.force:

@@ -13,6 +13,7 @@ from pmmkit.actions.shared import (
     Cycles,
     Data,
     ExecutionSettings,
+    Output,
     Sets,
     StructureName,
 )
@@ -43,7 +44,7 @@ class ReportSettings:
         "ending of the output says it if absent.",
         default=None,
     )
-    output: Path | None = setting("File of the report.", default=None, names="-o --output")
+    output: Output = None
     template: Path | None = setting(
         "The laboratory's own Word document (.docx), which is filled.", default=None
     )
