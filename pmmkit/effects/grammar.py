@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cache
@@ -62,7 +63,8 @@ def own_effect(
     Parameters
     ----------
     name : str
-        Small letters, digits and ``_``; not a name of the catalogue.
+        Small letters, digits and ``_``; not a name of the catalogue. ``my bilge`` is made
+        ``my_bilge``, with a warning.
     text : str
         Statements parted by ``;`` or line breaks. ``Y: v*|v|*r + v^3`` gives products of v, r, u,
         p, phi, d (delta) and their moduli in a channel; each has its derivative as coefficient.
@@ -94,6 +96,7 @@ def own_effect(
     >>> own_effect("fins", "Y: v*|v|*r; N: v*v*r; Nvvr ~ -0.04").typical
     mappingproxy({'Yv|v|r': 0.01..., 'Nvvr': -0.04})
     """
+    name = _valid(name)
     if not _NAME.fullmatch(name) or name in CATALOGUE:
         known = "it is one of the catalogue" if name in CATALOGUE else "use a to z, 0 to 9, _"
         raise DataError(f"{name!r:.40} cannot be the name of an own effect: {known}.")
@@ -346,6 +349,15 @@ def own_effects_text(effects: Sequence[Effect]) -> str:
     return toml_text({"effects": tables})
 
 
+def _valid(name: str) -> str:
+    """A name in small letters, with ``_`` in place of blanks and hyphens; a change is said."""
+    made = re.sub(r"[\s_-]+", "_", name.strip().lower())
+    if made == name or not _NAME.fullmatch(made):
+        return name
+    warnings.warn(f"The effect {name!r} is called {made} here.", stacklevel=3)
+    return made
+
+
 def _entry(entry: Any, taken: list[str]) -> Effect:
     if not isinstance(entry, dict):
         raise DataError("an effect is a table of name, terms and more.")
@@ -364,12 +376,13 @@ def _entry(entry: Any, taken: list[str]) -> Effect:
     found += [f"{key} is missing." for key in lost]
     found += [f"{key} must be a text." for key in wrong]
     found += [] if sound else ["typical must be a table of numbers."]
-    if not lost and entry["name"] in taken:
-        found.append(f"the name {entry['name']!r} stands there twice.")
     if found:
         raise DataError(found)
     texts = {key: entry[key] for key in ("family", "summary", "check") if key in entry}
-    return own_effect(entry["name"], entry["terms"], typical=sizes, **texts)
+    made = own_effect(entry["name"], entry["terms"], typical=sizes, **texts)
+    if made.name in taken:
+        raise DataError(f"the name {made.name!r} stands there twice.")
+    return made
 
 
 def _statements(text: str) -> Iterator[tuple[str, int]]:

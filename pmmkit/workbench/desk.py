@@ -354,7 +354,7 @@ class Desk:
             places = [self.named(campaign) for campaign in asked.campaigns]
             for campaign, place in zip(asked.campaigns, places, strict=True):
                 if not place.exists():
-                    raise DataError(f"There is no {campaign}.")
+                    raise DataError(f"{campaign}: there is no such file or folder.")
             if len(set(places)) < len(places):
                 raise DataError("A campaign is named twice: name another one of the same ship.")
             for name in (model, asked.parts):

@@ -124,7 +124,7 @@ def test_any_text_is_read_or_refused(text):
 
 
 def test_names_of_the_catalogue_are_taken():
-    for name in ("memory", "fault_gauge_zero", "Mine", "my effect", ""):
+    for name in ("memory", "fault_gauge_zero", "2nd bilge", "kiel+", ""):
         with pytest.raises(DataError, match="cannot be the name"):
             pk.own_effect(name, "Y: v")
 
@@ -277,3 +277,20 @@ def test_one_written_by_hand_takes_part_too():
     found = diagnose_captive(SMALL, "cubic", candidates=[own])
     assert found.group[0][0] == ("shape",)
     assert found.findings[0].coefficients["share"] == pytest.approx(1.0, abs=0.3)
+
+
+@pytest.mark.parametrize("typed", ["my bilge", "My Bilge", " my-bilge ", "my_Bilge"])
+def test_a_name_of_words_is_made_valid_and_said(typed):
+    with pytest.warns(UserWarning, match="is called my_bilge here"):
+        assert pk.own_effect(typed, "Y: v*|v|*r").name == "my_bilge"
+
+
+def test_two_names_that_become_one_stand_there_twice(tmp_path):
+    file = tmp_path / "own.toml"
+    entry = '[[effects]]\nname = "{}"\nterms = "Y: v*|v|*r"\n'
+    file.write_text(entry.format("my_bilge") + entry.format("my bilge"), encoding="utf-8")
+    with (
+        pytest.warns(UserWarning, match="my_bilge"),
+        pytest.raises(DataError, match="'my_bilge' stands there twice"),
+    ):
+        pk.own_effects(file)

@@ -196,7 +196,7 @@ def test_a_folder_without_tests_is_said_in_place(tmp_path):
 def test_a_campaign_that_is_not_there_is_refused_before_anything_is_served(tmp_path, capsys):
     status, told, _ = said(capsys, "workbench", tmp_path / "none", "--out", tmp_path / "w")
     assert status == 1
-    assert "There is no" in told["error"]["message"]
+    assert "none: there is no such file or folder" in told["error"]["message"]
     assert not (tmp_path / "w" / STATE).exists()
 
 

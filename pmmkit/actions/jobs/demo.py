@@ -142,7 +142,9 @@ def _checked(way: DraftProgress) -> tuple[DraftProgress, Campaign]:
         )
         return replace(way, stopped=f"The checks contradict it:\n{told}", wrong=True), campaign
     doubts = [item for item in findings if item.severity == "warning"]
-    words = f"no contradiction in {len(campaign)} runs, {len(doubts)} warnings"
+    words = (
+        f"no contradiction in {counted(len(campaign), 'run')}, {counted(len(doubts), 'warning')}"
+    )
     return way.after("check", words), campaign
 
 
