@@ -602,9 +602,10 @@ class Diagnosis(Described):
         ]
 
     def _titled(self, item: Finding) -> str:
-        """A finding with its evidence, in words and as odds."""
+        """A finding with its evidence against the sets without it, in words and as odds."""
         words = self.weight(item.effect).capitalize()
-        return f"{item.title} {words} (evidence {item.evidence})."
+        evidence = odds(with_or_without(item.effect, self.entries))
+        return f"{item.title} {words} (evidence {evidence})."
 
     def _formula(self) -> list[Section]:
         if self.formula is None or not self.formula.terms:
