@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Collection, Container, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, Protocol
 
@@ -137,6 +137,14 @@ def with_or_without(name: str, entries: Sequence[Ranked]) -> float:
     known = [x for x in entries if not math.isnan(x.log_evidence)]
     own = max((x.log_evidence for x in known if name in x.names), default=-math.inf)
     return own - max([0.0, *(x.log_evidence for x in known if name not in x.names)])
+
+
+def weight_of(
+    name: str, entries: Sequence[Ranked], best: Collection[str], share: float = math.nan
+) -> Weight:
+    """Evidence for an effect among sets in words; of one that is not named, `share` of the held-out
+    misfit goes with it."""
+    return weight(with_or_without(name, entries), math.nan if name in best else share)
 
 
 def finite(value: float) -> float | None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS
 from pmmkit.diagnosis.empirical import EmpiricalFormula
-from pmmkit.diagnosis.evidence import RankedSet, Visible, Weight, finite, weight, with_or_without
+from pmmkit.diagnosis.evidence import RankedSet, Visible, Weight, finite, weight_of, with_or_without
 from pmmkit.diagnosis.outside import PERHAPS, HiddenEntries, Outside
 from pmmkit.intake import Disagreement, Untold
 from pmmkit.models import Model, odds
@@ -469,7 +469,7 @@ class Diagnosis(Described):
     def weight(self, name: str, share: float = math.nan) -> Weight:
         """Evidence for an effect in words; of one that is not named, `share` of the held-out misfit
         goes with it."""
-        return weight(with_or_without(name, self.entries), math.nan if name in self.best else share)
+        return weight_of(name, self.entries, self.best, share)
 
     @property
     def families(self) -> tuple[str, ...]:
