@@ -113,6 +113,8 @@ class Look:
         Files that cannot be read or understood.
     passed_over : int
         Files that were not looked at because there are too many.
+    without_table : tuple of FileLook
+        Sheets of workbooks in which no table was found; particulars may stand there.
     """
 
     path: Path
@@ -121,6 +123,7 @@ class Look:
     others: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
     problems: tuple[Problem, ...] = ()
     passed_over: int = 0
+    without_table: tuple[FileLook, ...] = ()
 
     def lines(self) -> list[str]:
         """All that was seen, in lines for people."""
@@ -291,7 +294,13 @@ def look(path: str | Path) -> Look:
     problems = [*(fault for item in looks for fault in item.problems), *problems]
     if not found:
         raise CampaignError(problems)
-    return Look(path=place, groups=found, problems=tuple(problems))
+    return Look(
+        path=place, groups=found, problems=tuple(problems), without_table=_without_table(looks)
+    )
+
+
+def _without_table(looks: Sequence[FileLook]) -> tuple[FileLook, ...]:
+    return tuple(item for item in looks if item.has_sheets and not item.columns)
 
 
 def _is_packed(path: Path) -> bool:
@@ -310,6 +319,7 @@ def _look_folder(folder: Path) -> Look:
     others: Counter[str] = Counter()
     problems: list[Problem] = []
     looks: list[FileLook] = []
+    bare: list[FileLook] = []
     for path in files:
         shown = path.relative_to(folder).as_posix()
         if not _is_text(shown):
@@ -318,7 +328,9 @@ def _look_folder(folder: Path) -> Look:
         if path.suffix.lower() in _PASSED and not path.is_dir():
             others[path.suffix.lower()] += 1
             continue
-        for item in look_at(path, shown, numbers=False):
+        seen = look_at(path, shown, numbers=False)
+        bare += _without_table(seen)
+        for item in seen:
             if item.is_campaign:
                 campaigns.append(_campaign(path, shown))
             elif item.columns:
@@ -338,6 +350,7 @@ def _look_folder(folder: Path) -> Look:
         others=MappingProxyType(dict(others)),
         problems=tuple(problems),
         passed_over=passed_over,
+        without_table=tuple(bare),
     )
 
 

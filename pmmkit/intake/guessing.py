@@ -382,8 +382,8 @@ def _pattern(words: str) -> re.Pattern[str]:
 _NAMES: Final = tuple(
     (name, _pattern(words))
     for name, words in {
-        "FX_rudder": "f ?x ?rudder|rudder (?:normal )?f ?x|r ?fx",
-        "FY_rudder": "f ?y ?rudder|rudder f ?y|r ?fy",
+        "FX_rudder": "(?:f ?)?x ?rud(?:der)?|rudder (?:normal )?f ?x|r ?fx",
+        "FY_rudder": "(?:f ?)?y ?rud(?:der)?|rudder f ?y|r ?fy",
         "wind_speed": "wind (?:velo|velocity|speed) relative(?: mid)?|relative wind speed|aws",
         "wind_direction": "wind (?:dir|direction|angle) relative(?: mid)?|awa",
         "udot": "u ?dot|du ?dt|surge acc(?:eleration)?",
@@ -402,11 +402,11 @@ _NAMES: Final = tuple(
         "K": "m ?x|moment ?x|x ?moment|roll ?moment|heeling moment|k moment|k",
         "psi": "psi(?: hat)?|ψ|heading(?: angle)?|hdg|yaw(?: angle)?|course angle",
         "phi": "phi|φ|roll(?: angle)?|heel(?: angle)?",
-        "delta": "delta(?: rudder)?|δ|rudder(?: angle)?|rud|helm|ruder(?:winkel)?",
+        "delta": "delta(?: rudder)?|δ|rudder(?: angle)?|(?:d ?)?rud|helm|ruder(?:winkel)?",
         "n": "n|rps|rpm|revs?|revolutions|n prop(?:eller)?|prop(?:eller)? (?:rev(?:olution)?s?|rps|"
         "rpm|n)|shaft speed",
-        "T": "thrust|prop(?:eller)? thrust",
-        "Q": "torque|prop(?:eller)? torque",
+        "T": "thrust|prop(?:eller)? thrust|t ?p(?:rop)?",
+        "Q": "torque|prop(?:eller)? torque|q ?p(?:rop)?",
         "sinkage": "sinkage|heave|squat",
         "trim": "trim(?: angle)?|pitch(?: angle)?",
         "lat": "lat(?:itude)?",

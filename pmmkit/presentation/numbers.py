@@ -170,11 +170,14 @@ def counted(count: int, what: str) -> str:
 
     Examples
     --------
-    >>> counted(1, "run"), counted(3, "run"), counted(2, "guess")
-    ('1 run', '3 runs', '2 guesses')
+    >>> counted(1, "run"), counted(3, "run"), counted(2, "guess"), counted(2, "history")
+    ('1 run', '3 runs', '2 guesses', '2 histories')
     """
-    ending = "es" if what.endswith(("s", "x", "ch", "sh")) else "s"
-    return f"{count} {what}" if count == 1 else f"{count} {what}{ending}"
+    if count == 1:
+        return f"1 {what}"
+    if what[-1:] == "y" and what[-2:-1] not in "aeiou":
+        return f"{count} {what[:-1]}ies"
+    return f"{count} {what}{'es' if what.endswith(('s', 'x', 'ch', 'sh')) else 's'}"
 
 
 def listed(words: Sequence[str]) -> str:

@@ -18,6 +18,8 @@ from pmmkit.signals.periodic import TURN
 ORDER: Final = 3
 A_CYCLE: Final = 64
 """Samples a cycle that the record is condensed to."""
+LEAST_A_CYCLE: Final = 2 * ORDER + 2
+"""Samples a cycle from which its harmonics are columns of their own, a quarter above it too."""
 RANGE: Final = 0.25
 """How far from the nominal frequency is looked, as a fraction of it."""
 STEPS: Final = 30
@@ -45,8 +47,8 @@ def estimate_frequency(t: ArrayLike, y: ArrayLike, omega: float) -> tuple[float,
     -------
     omega, std : float
         [rad/s]. The record disagrees with the nominal frequency where they differ by several
-        std. A record that does not oscillate within a quarter of the nominal frequency gives the
-        nominal frequency with an infinite std.
+        std. A record that does not oscillate within a quarter of the nominal frequency, or has
+        fewer than eight samples a cycle, gives the nominal frequency with an infinite std.
 
     Raises
     ------
@@ -80,6 +82,8 @@ def estimate_frequency(t: ArrayLike, y: ArrayLike, omega: float) -> tuple[float,
             f"The record covers {covered:.2f} nominal cycles: its frequency cannot be told from "
             "less than one and a half."
         )
+    if omega * float(np.median(np.diff(time))) > TURN / LEAST_A_CYCLE:
+        return float(omega), math.inf
     time, values = _condensed(time, values, covered)
     values = values - values.mean(axis=-1, keepdims=True)
     spread = np.sqrt(np.mean(values**2, axis=-1, keepdims=True))

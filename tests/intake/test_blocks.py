@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -127,18 +128,23 @@ ENVIRONMENT: list[Row] = [
 ]
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def saved(path: Path, sheets: Mapping[str, list[Row]]) -> None:
     book = openpyxl.Workbook()
     book.remove(book.active)
-    for title, rows in (("Environment", ENVIRONMENT), ("A01", sheet("A01")), ("A02", sheet("a02"))):
+    for title, rows in sheets.items():
         page = book.create_sheet(title)
         for line in rows:
             page.append(line)
         if title != "Environment":
             for cells in MERGED:
                 page.merge_cells(cells)
-    book.save(tmp_path / "results.xlsx")
+    book.save(path)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    pages = {"Environment": ENVIRONMENT, "A01": sheet("A01"), "A02": sheet("a02")}
+    saved(tmp_path / "results.xlsx", pages)
     return tmp_path
 
 
@@ -256,6 +262,38 @@ def test_no_edited_line_leads_to_a_campaign(folder: Path, capsys) -> None:
     assert yaw.drift == pytest.approx(8 * DEG)
     assert yaw.propeller_rps == pytest.approx(5.0)
     assert campaign["a02_C00"].settings.speed == pytest.approx(U)
+
+
+def test_particulars_stand_beside_lists_without_names(tmp_path: Path, capsys) -> None:
+    """Two tables of calibrations fill the columns to the right of the ship, and name none."""
+    gauges = ["XF", 4.19, 0.008, 0.02, "N", 41.9, 0.08]
+    pages: dict[str, list[Row]] = {
+        "Environment": [
+            line if place < 4 else [*line, *[None] * (5 - len(line)), *gauges, None, *gauges]
+            for place, line in enumerate(ENVIRONMENT)
+        ]
+    }
+    pages["Environment"] = [
+        ["T0Z05A01", *line[1:]] if line[:1] == ["A01"] else line for line in pages["Environment"]
+    ]
+    saved(tmp_path / "results.xlsx", {**pages, "T0Z05A01": sheet("T0Z05A01")})
+    _, target = drafted(capsys, tmp_path)
+    raw = tomllib.loads(target.read_text(encoding="utf-8"))
+    assert raw["ship"] == {"L": 4.0, "B": 0.6, "d": 0.2, "volume": 0.3, "Izz": 300.0, "xG": -0.05}
+    assert raw["water"]["depth"] == 0.41
+    assert not [item for item in raw["tables"] if "switch_deg" in item]
+    assert len(open_campaign(target)) == 26 + 24 + 6
+
+
+def test_the_sign_of_the_rudder_is_told_by_few_of_many_steady_tests(tmp_path: Path, capsys) -> None:
+    """Of 300 rows with drift and rudder 21 part the two."""
+    rows = sheet("A01")
+    more = [steady(f"A01_S{n:03d}", 8, 10, noise=1e-3 * (n % 7)) for n in range(280)]
+    pages = {"Environment": ENVIRONMENT, "A01": [*rows[:23], *more, *rows[23:]]}
+    saved(tmp_path / "results.xlsx", pages)
+    _, target = drafted(capsys, tmp_path)
+    raw = tomllib.loads(target.read_text(encoding="utf-8"))
+    assert raw["campaign"]["rudder_positive"] == "port"
 
 
 def test_the_draft_says_what_it_left_and_offers_the_statistics(folder: Path, capsys) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+import shutil
 import tracemalloc
 
 import numpy as np
@@ -13,6 +15,7 @@ from checks_programme import campaign_of, hash_of, programme, run_of
 from pmmkit import Run, open_campaign
 from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns import Settings
+from pmmkit.cli import main
 from pmmkit.intake import examine
 from pmmkit.intake.checks.track import rate_facts, velocity_facts
 from pmmkit.reduction import reduce_campaign
@@ -309,6 +312,54 @@ def turning(lag: float = 0.0, earth: bool = False, knots: bool = False, rudder: 
     return Run(
         id="ZZ", test="zigzag", kind="history", loader=lambda: data, settings=Settings(speed=0.8)
     )
+
+
+def towed(*, heave: float, force: float, own: float = 7.0) -> Run:
+    """A model towed straight that heaves at 7 rad/s, by metres; X swings by newtons at its own."""
+    t = np.arange(0.0, 60.0, 0.025)
+    rng = np.random.default_rng(8)
+    columns = {
+        "X": -7.0 + force * np.sin(own * t) + rng.normal(0.0, 0.6, len(t)),
+        "Y": rng.normal(0.0, 0.6, len(t)),
+        "N": rng.normal(0.0, 0.6, len(t)),
+        "sinkage": 0.004 + heave * np.cos(7.0 * t) + rng.normal(0.0, 2e-4, len(t)),
+    }
+    data = xr.Dataset({name: ("t", part) for name, part in columns.items()}, coords={"t": t})
+    settings = Settings(speed=0.9)
+    return Run(id="R1", test="resistance", kind="history", loader=lambda: data, settings=settings)
+
+
+def test_a_model_towed_through_waves_is_told():
+    (found,) = said(examine(campaign_of([towed(heave=0.012, force=9.0)])), "waves")
+    assert found.severity == "warning"
+    assert found.numbers["swing"] == pytest.approx(9.0, rel=0.05)
+    assert found.numbers["period"] == pytest.approx(2 * math.pi / 7.0, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("heave", "force", "own"),
+    [(0.0, 0.0, 7.0), (0.012, 0.7, 7.0), (0.0, 9.0, 7.0), (0.012, 9.0, 31.0)],
+    ids=["calm", "a little", "the carriage shakes", "two causes"],
+)
+def test_other_swings_are_no_waves(heave, force, own):
+    run = towed(heave=heave, force=force, own=own)
+    assert not said(examine(campaign_of([run])), "waves")
+
+
+@pytest.mark.parametrize("name", ["C1", "C2", "C3"])
+def test_calm_water_of_the_dtc_is_silent(shared_data, tmp_path, name):
+    """Three runs of another laboratory's benchmark, from rest to rest."""
+    ship = {"L": 3.984, "B": 0.572, "d": 0.163, "volume": 0.2444, "Izz": 240.0}
+    shutil.copy(shared_data / "dtc_captive" / f"{name}.dat", tmp_path)
+    assert main(["new-campaign", str(tmp_path)]) == 0
+    file = tmp_path / "campaign.toml"
+    text = file.read_text("utf-8")
+    for key, value in ship.items():
+        text = re.sub(
+            rf"(?m)^# {'mass' if key == 'volume' else key} = .*", f"{key} = {value}", text
+        )
+    file.write_text(text, "utf-8")
+    assert not said(examine(open_campaign(tmp_path)), "waves")
 
 
 def free(run: Run):

@@ -381,6 +381,9 @@ def test_any_name_of_a_file_gives_a_file_that_opens(name, tmp_path_factory):
         ("ZZ10-10", "zigzag", {"rudder_deg": 10.0, "switch_deg": 10.0}),
         ("HSVA_CPMC_KVLCC2_Z_10_05", "zigzag", {"rudder_deg": 10.0, "switch_deg": 5.0}),
         ("zigzag_31-Jul-2020_13_04_24", "zigzag", {}),
+        ("HSVA_Z20", "zigzag", {"rudder_deg": 20.0, "switch_deg": 20.0}),
+        ("T0Z05A01", None, {}),
+        ("results/sheet Z05A", None, {}),
         ("s175_mss_turn_U12_d+35", "turning", {"speed": 12.0, "rudder_deg": 35.0}),
         ("delta35_turning", "turning", {"rudder_deg": 35.0}),
         ("Fn0.26/drift/beta_12", "static_drift", {"froude": 0.26, "drift_deg": 12.0}),
@@ -479,6 +482,52 @@ def test_turns_and_zigzags_of_the_esso_osaka_are_told_by_their_records(
         if true.switch:
             found = run["settings"]["switch_deg"]
             assert found == pytest.approx(math.degrees(true.switch), abs=3)
+
+
+def course_kept_in_waves(path: Path, *, stops: bool = False) -> Path:
+    """A free-running model without forces; heading and sway follow the waves."""
+    t = np.arange(0.025, 90.0, 0.025)
+    speed = 0.9 * np.clip((60.0 - t) / 50.0, 0.0, 1.0) if stops else 0.9 * np.clip(t / 8.0, 0, 1)
+    psi = 0.6 * np.sin(2.3 * t)
+    names = ["time", "x0", "y0", "psi", "u", "v", "n", "T_p", "Qp", "drud", "Xrud", "Yrud"]
+    units = ["s", "m", "m", "deg", "m/s", "m/s", "rps", "N", "Nmm", "deg", "N", "N"]
+    x = np.cumsum(speed) * 0.025
+    columns = [t, x, 0.01 * np.sin(0.2 * t), psi, speed, 0.01 * np.sin(2.3 * t), 9.0 + 0 * t]
+    columns += [6.0 + 0 * t, -105.0 + 0 * t, -4.0 * psi, 0.1 * psi, 0.3 * psi]
+    rows = "".join("\t".join(f"{x:.4f}" for x in row) + "\n" for row in np.column_stack(columns))
+    path.write_text("\t".join(names) + "\n" + "\t".join(units) + "\n" + rows, "utf-8")
+    return path
+
+
+def test_a_course_kept_in_waves_is_no_yaw_test(tmp_path, capsys):
+    """Heading swings by half a degree, the rudder follows; without forces the model runs free."""
+    course_kept_in_waves(tmp_path / "FW1.dat")
+    course_kept_in_waves(tmp_path / "FW2.dat", stops=True)
+    _, content, _ = drafted(capsys, tmp_path)
+    assert content["kind"] == "free-running"
+    assert [run["test"] for run in content["runs"]] == ["straight", None]
+    columns = tomllib.loads((tmp_path / "campaign.toml").read_text("utf-8"))["columns"]
+    assert columns["delta"]["name"] == "drud"
+    assert (columns["T"]["name"], columns["Q"]["name"]) == ("T_p", "Qp")
+    assert (columns["FX_rudder"]["name"], columns["FY_rudder"]["name"]) == ("Xrud", "Yrud")
+
+
+def test_a_captive_run_in_waves_is_no_oscillating_test(tmp_path, capsys):
+    """Forces swing with the waves, the last digit of the speed with every sample."""
+    t = 0.025 * np.arange(1, 4001)
+    u = 0.872 * np.clip(t / 10.0, 0.0, 1.0) + 0.007 * np.cos(np.pi * np.arange(4000))
+    force = 8.0 * np.sin(4.1 * t) - 5.6 * np.clip(t / 10.0, 0.0, 1.0) ** 2
+    zero = np.zeros_like(t)
+    columns = np.column_stack([t, np.cumsum(u) * 0.025, zero, zero, u, force, zero, zero])
+    names = "\t".join(["time", "x0", "y0", "psi", "u", "X", "Y", "N"])
+    np.savetxt(tmp_path / "CW2.dat", columns, "%.4f", "\t", header=names, comments="")
+    columns[:, [1, 4]] = 0.0
+    np.savetxt(tmp_path / "CW1.dat", columns, "%.4f", "\t", header=names, comments="")
+    _, content, _ = drafted(capsys, tmp_path)
+    (run,) = content["runs"]
+    assert content["kind"] == "captive"
+    assert (run["id"], run["test"]) == ("CW2", "resistance")
+    assert "CW1.dat: the carriage stands still" in (tmp_path / "campaign.toml").read_text("utf-8")
 
 
 def test_tables_of_hmri_open_once_their_conventions_are_said(

@@ -160,6 +160,14 @@ def test_frequency_is_found_near_the_nominal_one():
     assert std < 1e-3
 
 
+@pytest.mark.parametrize("samples", [2.0, 3.0, 6.0, 7.9])
+def test_few_samples_a_cycle_do_not_tell_a_frequency(samples):
+    """The last digit of a carriage's speed goes up and down: 'waves' of two samples."""
+    t = 0.025 * np.arange(1258)
+    omega = 2 * np.pi / (0.025 * samples)
+    assert estimate_frequency(t, 0.007 * np.cos(omega * t), omega) == (omega, np.inf)
+
+
 def test_white_noise_passes_over_what_is_missing_and_says_where_it_cannot_be_told():
     noise = np.random.default_rng(4).normal(size=4000)
     values = 1e-3 * np.arange(4000.0) ** 2 + 0.3 * noise

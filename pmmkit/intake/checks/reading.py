@@ -25,6 +25,7 @@ from pmmkit.intake.checks.record import flat_facts, spike_facts
 from pmmkit.intake.checks.rest import rest_facts
 from pmmkit.intake.checks.signs import axis_facts
 from pmmkit.intake.checks.stated import set_facts
+from pmmkit.intake.checks.static import SWINGS, wave_facts
 from pmmkit.intake.checks.track import free_facts, motion_facts
 from pmmkit.numerics import Array
 from pmmkit.signals import CycleSums, FourierBasis, Window
@@ -182,8 +183,15 @@ def _of_history(
     window = (same and same.window) or TankRecord(
         run=run, data=clean, times=t, forces=forces, names=present
     ).window()
-    part = forces[:, window.start : window.stop]
-    shared["facts"] = facts | _gauge_facts(t[window.start : window.stop], part, None, present)
+    inside = slice(window.start, window.stop)
+    part = forces[:, inside]
+    moved = {
+        name: np.asarray(clean.variables[name].values, float)[inside]
+        for name in SWINGS
+        if name in clean and clean.variables[name].dims == ("t",)
+    }
+    waves = wave_facts(t[inside], {"X": part[present.index("X")]} if "X" in present else {}, moved)
+    shared["facts"] = facts | _gauge_facts(t[inside], part, None, present) | waves
     return Summary(
         means=dict(zip(present, part.mean(axis=1).tolist(), strict=True)),
         harmonic_noise=dict(zip(present, _mean_noise(part).tolist(), strict=True)),

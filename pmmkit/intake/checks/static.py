@@ -1,19 +1,21 @@
-"""What is left at zero drift, and how unlike the two sides are."""
+"""Steady runs: how unlike the two sides are, and forces that swing with the model."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
     from pmmkit.intake.checks.finding import Summary
 
+Facts = dict[str, float]
 ASYMMETRIC: Final = 0.03
 HYSTERESIS: Final = 0.05
 
@@ -89,6 +91,68 @@ def _repeated(group: Sequence[Summary]) -> Iterator[CheckFinding]:
                 )
 
 
+SWINGS: Final = ("sinkage", "trim", "phi")
+"""Channels in which a model that is free follows waves."""
+SHARE: Final = 0.5
+"""Least part of the square of a response, and of a force, that lies at the one frequency."""
+LARGE: Final = 0.5
+"""Amplitude over the mean from which a swinging force is told: of the DTC (benchmark of 2019) it is
+1.2 in waves as high as half the draught, and its three runs in calm water are silent."""
+
+
+def wave_facts(t: Array, forces: Mapping[str, Array], moved: Mapping[str, Array]) -> Facts:
+    """Period of a swing that a free model and a force share in a steady window, and its size."""
+    if len(t) < 64 or not forces or not moved:
+        return {}
+    clock = np.linspace(t[0], t[-1], len(t))
+    window = np.hanning(len(t))
+
+    def power(values: Array) -> Array:
+        even = np.interp(clock, t, values)
+        found: Array = np.abs(np.fft.rfft((even - even.mean()) * window)) ** 2
+        return found
+
+    def near(spectrum: Array, peak: int) -> float:
+        return float(spectrum[max(peak - 2, 0) : peak + 3].sum() / max(spectrum.sum(), 1e-300))
+
+    responses = [power(values) for values in moved.values() if np.ptp(values) > 0]
+    found: Facts = {}
+    for name, values in forces.items():
+        spectrum = power(values)
+        peak = int(np.argmax(spectrum))
+        shared = peak > 3 and any(near(response, peak) > SHARE for response in responses)
+        size = math.sqrt(2.0 * near(spectrum, peak)) * float(values.std())
+        if shared and near(spectrum, peak) > SHARE and size > LARGE * abs(float(values.mean())):
+            found |= {f"{name}_swing": size, f"{name}_swing_period": float(np.ptp(t)) / peak}
+    return found
+
+
+def examine_waves(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """Steady runs in which a force swings with heave, pitch or roll, by more than half its mean.
+
+    A model that is towed through waves has a mean force which holds their drift, and is no
+    resistance in calm water.
+    """
+    swung = [item for item in summaries if "X_swing" in item.facts]
+    if not swung:
+        return
+    worst = max(swung, key=lambda item: item.facts["X_swing"] / max(abs(item.mean("X")), 1e-12))
+    size, period = worst.facts["X_swing"], worst.facts["X_swing_period"]
+    yield CheckFinding(
+        check="waves",
+        severity="warning",
+        message=f"The model heaves, pitches or rolls, and X swings with it: in {worst.run.id} by "
+        f"{figure(size)} N to each side of its mean, {figure(worst.mean('X'))} N, every "
+        f"{period:.3g} s. A "
+        "model in waves does so; its mean force holds what the waves add.",
+        runs=tuple(item.run.id for item in swung),
+        remedy="Leave runs in waves out of derivatives of calm water, or compare a model with "
+        "waves with them.",
+        numbers={"swing": size, "period": period},
+    )
+
+
 CHECKS = (
+    Check("waves", "steady forces that swing with heave, pitch or roll", examine_waves),
     Check("sides", "drift to port against starboard, and repeats that differ", examine_sides),
 )

@@ -37,6 +37,7 @@ from pmmkit.intake.drafts.motion import (
     BY_PATH,
     RunFacts,
     drift_column,
+    is_track,
     motion_facts,
     sharper,
     with_drift,
@@ -115,10 +116,10 @@ class Draft:
     @property
     def words(self) -> str:
         """What it is of, in words."""
-        parts = [f"{len(self.runs)} histories"] if self.runs else []
-        parts += [f"{len(self.tables)} tables"] if self.tables else []
-        parts += [f"{len(campaign)} runs of {file}" for file, campaign in self.saved]
-        return f"a {self.kind} campaign of {', '.join(parts)}"
+        parts = [counted(len(self.runs), "history")] if self.runs else []
+        parts += [counted(len(self.tables), "table")] if self.tables else []
+        parts += [f"{counted(len(campaign), 'run')} of {file}" for file, campaign in self.saved]
+        return f"a {self.kind} campaign of {', '.join(parts) or 'no runs'}"
 
 
 _BODY_MOTION: Final = "postProcessing/sixDoFRigidBodyState"
@@ -177,16 +178,9 @@ def draft_of(
     runs = _at_one_speed(_tared(runs))
     listing = [(matrix.look.path, matrix.look.options) for matrix in matrices]
     kind = _kind(runs, tables, saved[0][1].kind if saved else None)
-    apart = [
-        run.test is not None and TEST_KINDS[run.test].free_running != (kind == "free-running")
-        for run in runs
-    ]
-    kept = [run for run, other in zip(runs, apart, strict=True) if not other]
-    unused = [
-        f"{run.file}: a {run.test} test does not belong to a {kind} campaign"
-        for run, other in zip(runs, apart, strict=True)
-        if other
-    ]
+    left = [_does_not_belong(run, kind) for run in runs]
+    kept = [run for run, why in zip(runs, left, strict=True) if not why]
+    unused = [f"{run.file}: {why}" for run, why in zip(runs, left, strict=True) if why]
     unused += [
         f"{base}{item.shown}: {_NOT_RUNS[group.first.kind]}"
         for group in seen.groups
@@ -223,8 +217,8 @@ def _over_its_bottom(entry: RunDraft, depths: Mapping[str, tuple[float, str]]) -
 def _beside(seen: Look, tables: Sequence[FileLook]) -> list[FileLook]:
     """Sheets of the workbooks of some tables that hold no runs."""
     books = {item.path for item in tables}
-    looks = [item for group in seen.groups for item in group.files]
-    return [item for item in looks if item.path in books and item.kind == "unknown"]
+    looks = [item for group in seen.groups for item in group.files if item.kind == "unknown"]
+    return [item for item in (*looks, *seen.without_table) if item.path in books]
 
 
 def _matrices(seen: Look, base: str, runs: Sequence[RunDraft]) -> tuple[MatrixDraft, ...]:
@@ -478,7 +472,8 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
         known |= {"amplitude_m"}
     if known & {"path_amplitude_m", "r_amplitude", "rdot_amplitude"}:
         known |= {"yaw_amplitude_deg"}
-    test = named.test or _test_of_table(known)
+    captive = named.test is not None and TEST_KINDS[named.test].captive
+    test = named.test if captive else _test_of_table(known)
     settings = settled(test, named, RunFacts(), length=length)
     return RunDraft(
         id=f"{PurePosixPath(_stem(file)).name}{'_' + sheet if sheet else ''}",
@@ -556,15 +551,26 @@ def _kind(runs: Sequence[RunDraft], tables: Sequence[RunDraft], saved: str | Non
     if saved is not None:
         return saved
     counted = Counter(
-        (run.test is not None and TEST_KINDS[run.test].free_running) or _is_track(run)
+        (run.test is not None and TEST_KINDS[run.test].free_running) or is_track(run.look.known)
         for run in runs
     )
     return "free-running" if counted[True] > counted[False] + len(tables) else "captive"
 
 
-def _is_track(run: RunDraft) -> bool:
-    known = set(run.look.known)
-    return {"x", "y"} <= known and not {"X", "Y", "N"} & known
+def _does_not_belong(run: RunDraft, kind: str) -> str:
+    """Why a record is no run of a campaign of that kind; empty where it may be one."""
+    test = None if run.test is None else TEST_KINDS[run.test]
+    if test is not None and test.free_running != (kind == "free-running"):
+        return f"a {run.test} test does not belong to a {kind} campaign"
+    slowest = RUN_SETTINGS["speed"].bounds.least or 0.0
+    speeds = [x.value for x in run.settings if x.key == "speed" and x.value is not None]
+    still = test is not None and test.captive and not test.at_rest
+    if still and kind == "captive" and any(abs(speed) < slowest for speed in speeds):
+        return (
+            "the carriage stands still: no run of a moving model. If a known weight hung on it, "
+            'write it as a run with test = "check_load"'
+        )
+    return ""
 
 
 def _steady_runs(runs: Sequence[RunDraft]) -> list[RunDraft]:

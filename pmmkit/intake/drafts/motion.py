@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final
@@ -97,12 +97,7 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> R
     if len(t) < 20 or not np.all(np.diff(t) > 0):
         return RunFacts()
     kind = None if test is None else TEST_KINDS[test]
-    if (kind is not None and kind.free_running) or (
-        kind is None
-        and {"x", "y", "psi"} <= set(channels)
-        and "delta" in channels
-        and "Y" not in channels
-    ):
+    if (kind is not None and kind.free_running) or (kind is None and is_track(channels)):
         return _free(t, channels, kind)
     kept, why = _at_speed(t, channels)
     time, seen = t[kept], {name: numbers[kept] for name, numbers in channels.items()}
@@ -124,6 +119,11 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> R
     sure = again is not None and math.isfinite(again[1])
     found = again if again is not None and sure else (omega, _PULLED_STEP * omega)
     return _oscillating(time, seen, swings, found, kind, whole)
+
+
+def is_track(channels: Collection[str]) -> bool:
+    """Whether channels are those of a ship that runs free: a path and no forces."""
+    return {"x", "y"} <= {*channels} and not {"X", "Y", "N"} & {*channels}
 
 
 def sharper(test: str | None, moved: RunFacts) -> str | None:
@@ -184,8 +184,12 @@ def _oscillations(time: Array, seen: Mapping[str, Array], names: Sequence[str]) 
     return found
 
 
+_SAMPLED: Final = 8
+"""Samples a cycle that a motion has at least; what turns faster is noise of a sensor."""
+
+
 def rough_frequency(time: Array, values: Array) -> float | None:
-    """Angular frequency of the highest peak of the spectrum [rad/s]."""
+    """Angular frequency of the highest peak of the spectrum [rad/s]; None where nothing swings."""
     count = min(len(time), 4096)
     grid = np.linspace(time[0], time[-1], count)
     even = np.interp(grid, time, values)
@@ -198,6 +202,8 @@ def rough_frequency(time: Array, values: Array) -> float | None:
     peak = int(np.argmax(power[1:])) + 1
     omega = 2 * math.pi * peak / (size * (grid[1] - grid[0]))
     if (time[-1] - time[0]) * omega < 1.5 * 2 * math.pi:
+        return None
+    if omega * float(np.median(np.diff(time))) > 2 * math.pi / _SAMPLED:
         return None
     rows = design_matrix(omega * grid, 1)
     fit, *_ = np.linalg.lstsq(rows, even, rcond=None)
@@ -417,7 +423,10 @@ def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Run
     """Settings of a free-running test, by its rudder, heading and track."""
     settings: dict[str, tuple[float, str]] = {}
     begun = 0
-    if "delta" in channels:
+    heading = unwrapped(channels["psi"]) if "psi" in channels else None
+    if kind is None and heading is not None and np.ptp(heading) < _KEPT and not _slows(t, channels):
+        kind = TEST_KINDS["straight"]
+    if kind is not TEST_KINDS["straight"] and "delta" in channels:
         delta = channels["delta"]
         held = _most_held(delta)
         near = max(0.08 * held, math.radians(0.6))
@@ -435,12 +444,26 @@ def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Run
             side, begun, _ = max(long, key=_length) if kind is TEST_KINDS["turning"] else long[0]
             if kind in (TEST_KINDS["zigzag"], TEST_KINDS["turning"], TEST_KINDS["pull_out"]):
                 settings["rudder_deg"] = (_tidy(side * math.degrees(held), 0), "recorded delta")
-            if kind is TEST_KINDS["zigzag"] and "psi" in channels:
-                settings |= _switch(unwrapped(channels["psi"]), long)
+            if kind is TEST_KINDS["zigzag"] and heading is not None:
+                settings |= _switch(heading, long)
     if "n" in channels:
         settings |= _held({"n": channels["n"]})
     found = settings | _approach(t, channels, begun)
     return RunFacts(test=kind.name if kind else None, settings=found)
+
+
+def _slows(t: Array, channels: Mapping[str, Array]) -> bool:
+    """Whether a ship that begins at speed loses most of it, as in a stop."""
+    path = np.hypot(channels["x"] - channels["x"][0], channels["y"] - channels["y"][0])
+    tenth = max(len(t) // 10, 1)
+    first = (path[tenth] - path[0]) / (t[tenth] - t[0])
+    last = (path[-1] - path[-1 - tenth]) / (t[-1] - t[-1 - tenth])
+    return bool(first > 0.05 * np.ptp(path) / (t[-1] - t[0]) and last < 0.5 * first)
+
+
+_KEPT: Final = math.radians(6.0)
+"""A heading that moves by less in all is kept: the smallest usual zigzag, 5°/5°, moves by 10°; an
+autopilot in waves, benchmark of the DTC, by 1.8°."""
 
 
 def _most_held(delta: Array) -> float:

@@ -181,8 +181,8 @@ def test_named(part: str) -> str | None:
 
 
 _ORDERS: Final = re.compile(
-    r"(?<![A-Za-z])(?:ZZ?|[Zz]ig[-_ ]?[Zz]ag)[-_ ]?(?P<rudder>[+-]?\d{1,2}(?:\.\d+)?)"
-    r"(?:deg)?(?:[-_ /x](?P<switch>\d{1,2}(?:\.\d+)?)(?!\d|[-_]\w{3}[-_]))?(?![\d.]|-\w{3}-)"
+    r"(?<![A-Za-z\d])(?:ZZ?|[Zz]ig[-_ ]?[Zz]ag)[-_ ]?(?P<rudder>[+-]?\d{1,2}(?:\.\d+)?)(?:deg)?"
+    r"(?:[-_ /x](?P<switch>\d{1,2}(?:\.\d+)?)(?!\d|[-_]\w{3}[-_]))?(?![\dA-Za-z.]|-\w{3}-)"
 )
 
 

@@ -44,7 +44,7 @@ _WATER: Final[Mapping[str, Any]] = {"rho": 1000.0}
 _SPEED: Final = 1.0
 """Speed [m/s] where nobody knows it; the same for all runs, so that it changes no sign."""
 _MOST: Final = 12
-"""Runs of a kind of test that are read, evenly among them: enough for every sign."""
+"""Histories of a kind of test that are read, evenly among them: enough for every sign."""
 
 
 def trial_campaign(text: str, target: Path, source: Mapping[str, str]) -> Campaign | None:
@@ -73,13 +73,14 @@ def knows_speed(text: str) -> bool:
 
 
 def summaries_of(campaign: Campaign) -> tuple[Summary, ...]:
-    """What the runs say, of some runs of each kind of test; those that cannot be read left out."""
-    kinds: dict[str, list[Run]] = {}
+    """What the runs say, of some histories of each kind of test and of all rows of tables, whose
+    steady tests need drift and rudder one by one; those that cannot be read are left out."""
+    kinds: dict[tuple[str, str], list[Run]] = {}
     for run in campaign:
-        kinds.setdefault(run.test, []).append(run)
+        kinds.setdefault((run.test, run.kind), []).append(run)
     found = []
-    for runs in kinds.values():
-        for run in _some(runs):
+    for (_, kind), runs in kinds.items():
+        for run in _some(runs) if kind == "history" else runs:
             try:
                 if not _large(run):
                     found.append(summarise(run, campaign))

@@ -6,7 +6,7 @@ import math
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final, Literal
 
@@ -44,10 +44,14 @@ _RHO: Final = 1000.0
 def particulars_of(
     looks: Sequence[FileLook], sheets: Sequence[str]
 ) -> tuple[Found, Mapping[str, tuple[float, str]]]:
-    """Particulars of the model by key of the campaign file, each with where it stands."""
+    """Particulars of the model by key of the campaign file, each with where it stands.
+
+    A list of particulars has no header: every row of its sheet is looked at.
+    """
     for look in looks:
         try:
-            cells = READERS[look.format].cells(look.request)
+            bare = replace(look, options=replace(look.options, header=False))
+            cells = READERS[bare.format].cells(bare.request)
         except CampaignError:
             continue
         found = dict(_model(_listed(cells), look.shown))
@@ -102,26 +106,24 @@ def _model(
 
 def _depths(cells: Cells, shown: str, sheets: Sequence[str]) -> dict[str, tuple[float, str]]:
     """The depth of the water by sheet of runs, where rows are named after them."""
-    place = next(
-        (
-            index
-            for name in _DEPTHS
-            for index, header in enumerate(cells.headers)
-            if split_unit(header)[0].strip().casefold() == name
-        ),
-        None,
-    )
+    titles = [
+        (split_unit(cell)[0].strip().casefold(), place, cell)
+        for row in cells.rows
+        for place, cell in enumerate(row)
+        if isinstance(cell, str)
+    ]
+    named = [item for name in _DEPTHS for item in titles if item[0] == name]
     found: dict[str, tuple[float, str]] = {}
-    if place is None:
+    if not named:
         return found
+    _, place, title = named[0]
     for line, row in zip(cells.lines, cells.rows, strict=True):
         for sheet in dict.fromkeys(sheets):
             if _is(row[0], sheet):
                 number = to_number(row[place], cells.decimal)
                 if number is not None and number > 0:
-                    found.setdefault(
-                        sheet, (number, f"{shown}: {cells.headers[place]}, row {line}")
-                    )
+                    depth = float(f"{number:.6g}")
+                    found.setdefault(sheet, (depth, f"{shown}: {title}, row {line}"))
     return found
 
 
