@@ -382,7 +382,8 @@ class Campaign(Described):
                 f"The runs of {self.title or self.ship.name!r} were made in water "
                 f"of {', '.join(most)} and {last}; derivatives and forces hold at one depth.",
                 remedy="`pmmkit reduce` reduces each depth by itself, in Python reduce_depths(). "
-                "Elsewhere take the runs of one depth: a campaign file for each, or "
+                "Elsewhere take the runs of one depth: a campaign file for each (pmmkit "
+                "new-campaign FOLDER --sheet NAME -o FILE where each has a sheet), or "
                 "campaign.by_depth().",
             )
         return found[0]

@@ -683,5 +683,11 @@ def _against(odds: float) -> str:
     return f"about {1.0 / odds:.0f} to 1 against it" if odds < AS_LIKELY else "as likely"
 
 
+ANY: Final = 100.0
+"""Share of the usual size from which that could hide is no bound that tells anybody anything."""
+
+
 def _hides(share: float) -> str:
-    return f"; up to {share:.2g} of its usual size could hide" if math.isfinite(share) else ""
+    if not math.isfinite(share):
+        return ""
+    return f"; {f'up to {share:.2g} of its usual' if share <= ANY else 'any'} size could hide"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -285,6 +286,34 @@ def test_particulars_stand_beside_lists_without_names(tmp_path: Path, capsys) ->
     assert len(open_campaign(target)) == 26 + 24 + 6
 
 
+def near_the_bottom(v: float, r: float, vdot: float, rdot: float, delta: float):
+    """The hull of `forces` with five times its added mass in sway."""
+    x, y, n = forces_in_deep_water(v, r, vdot, rdot, delta)
+    return x, y - 4 * 280.0 * vdot, n
+
+
+forces_in_deep_water = forces
+
+
+@pytest.mark.parametrize("inside", [True, False])
+def test_the_mass_tells_the_inertia_where_added_mass_is_large(
+    tmp_path: Path, capsys, monkeypatch, inside: bool
+) -> None:
+    """Y over r u is a sixth of Y over the sway acceleration with the model's mass inside."""
+
+    def read(v: float, r: float, vdot: float, rdot: float, delta: float) -> tuple[float, ...]:
+        x, y, n = near_the_bottom(v, r, vdot, rdot, delta)
+        own = 0.0 if inside else MASS
+        return x - own * v * r, y + own * (vdot + U * r), n + (own and IZZ) * rdot
+
+    monkeypatch.setattr(sys.modules[__name__], "forces", read)
+    saved(tmp_path / "results.xlsx", {"Environment": ENVIRONMENT, "A01": sheet("A01")})
+    _, target = drafted(capsys, tmp_path)
+    text = target.read_text(encoding="utf-8")
+    assert tomllib.loads(text)["campaign"]["forces"] == ("balance" if inside else "hydrodynamic")
+    assert ("beside the mass of 299.7 kg" in text) or not inside
+
+
 def test_the_sign_of_the_rudder_is_told_by_few_of_many_steady_tests(tmp_path: Path, capsys) -> None:
     """Of 300 rows with drift and rudder 21 part the two."""
     rows = sheet("A01")
@@ -294,6 +323,27 @@ def test_the_sign_of_the_rudder_is_told_by_few_of_many_steady_tests(tmp_path: Pa
     _, target = drafted(capsys, tmp_path)
     raw = tomllib.loads(target.read_text(encoding="utf-8"))
     assert raw["campaign"]["rudder_positive"] == "port"
+
+
+def test_a_cell_that_no_run_uses_is_no_question(tmp_path: Path, capsys) -> None:
+    """A row of a sweep has no drift: its drift is the heading's. A row of yaw lacks its force."""
+    rows = sheet("A01")
+    swept = next(place for place, line in enumerate(rows) if line and line[0] == "A01_M0")
+    for line in rows[swept : swept + COUNT]:
+        line[NAMES.index("v (m/s)")] = line[NAMES.index("Drift (°)")] = 0.0
+        line[NAMES.index("psi (°)")] = 8.0
+    rows[swept + 5][NAMES.index("Drift (°)")] = None
+    saved(tmp_path / "results.xlsx", {"Environment": ENVIRONMENT, "A01": rows})
+    content, _ = drafted(capsys, tmp_path)
+    assert not [item for item in content["todo"] if "lacks values" in item]
+    yawed = next(place for place, line in enumerate(rows) if line and line[0] == "A01_G0")
+    rows[yawed + 3][NAMES.index("Y (N)")] = None
+    saved(tmp_path / "results.xlsx", {"Environment": ENVIRONMENT, "A01": rows})
+    (tmp_path / "a.toml").unlink()
+    content, _ = drafted(capsys, tmp_path)
+    (lacking,) = [item for item in content["todo"] if "lacks values" in item]
+    assert "pure_yaw" in lacking
+    assert "pure_sway" not in lacking
 
 
 def test_the_draft_says_what_it_left_and_offers_the_statistics(folder: Path, capsys) -> None:

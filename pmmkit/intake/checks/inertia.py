@@ -186,6 +186,19 @@ def _noise(key: str, item: Summary) -> float:
     return item.harmonic_noise.get(channel, 0.0)
 
 
+def inertia_beside_mass(campaign: Campaign, summaries: Sequence[Summary]) -> bool | None:
+    """Whether the model's inertia is inside Y of yaw tests, by its stated mass; None untold.
+
+    Of all forces Y over r u tells it best near the bottom: added mass grows there, Yr stays small
+    beside the mass.
+    """
+    question = next(item for item in _QUESTIONS if item.key == "Yr")
+    verdict = _ask(question, campaign, summaries)
+    if verdict is None or not _is_told(verdict, campaign):
+        return None
+    return verdict.share - _spread(verdict, campaign) > REMOVED
+
+
 def unasked_inertia(campaign: Campaign, summaries: Sequence[Summary]) -> tuple[str, ...]:
     """Channels of oscillating tests in which no run tells whether the model's inertia is inside.
 

@@ -46,7 +46,7 @@ from pmmkit.intake.drafts.names import RunKey, facts_of, facts_of_header, settle
 from pmmkit.intake.drafts.questions import Found, particulars_of
 from pmmkit.intake.file import LARGE, values_of
 from pmmkit.intake.folder import FileGroup, Look, look
-from pmmkit.intake.seen import ColumnLook, FileLook
+from pmmkit.intake.seen import ColumnLook, FileLook, SheetBlock
 from pmmkit.numerics import Array
 from pmmkit.presentation import counted
 from pmmkit.readers import READERS
@@ -501,9 +501,11 @@ def _tables(item: FileLook, base: str, length: float | None, *, named: bool) -> 
         swept = "the rudder swings slowly: its rows are not as independent as steady tests"
         notes = [swept] if block.what == "sweep" else []
         notes += [HEADED] if block.headed else []
+        columns = as_measured(item, block)
         found.append(
             replace(
                 whole,
+                problems=_problems_of(item, block, columns),
                 id=f"{whole.id}_{block.words[0] if block.words else block.what}_{test or ''}",
                 test=test,
                 settings=tuple(held),
@@ -512,10 +514,21 @@ def _tables(item: FileLook, base: str, length: float | None, *, named: bool) -> 
                 samples="cycle" if cycle else None,
                 template=template_of(block, blocks, sheet),
                 notes=tuple(notes),
-                columns=as_measured(item, block),
+                columns=columns,
             )
         )
     return found
+
+
+def _problems_of(item: FileLook, block: SheetBlock, columns: Mapping[str, Any]) -> tuple[str, ...]:
+    """What is wrong in the rows of a block, in columns that they use."""
+    used = {**{name: column.title for name, column in item.known.items()}, **columns}.values()
+    return tuple(
+        str(problem)
+        for problem in item.problems
+        if (problem.row is None or problem.row in block.lines)
+        and (problem.column is None or problem.column in used)
+    )
 
 
 _IN_A_CYCLE: Final = ("speed", "period", "amplitude_m", "yaw_amplitude_deg")

@@ -12,6 +12,7 @@ from typing import Any, Final, TypeVar
 from pmmkit.base import DataError
 from pmmkit.campaigns import TEST_KINDS, Campaign, Run, campaign_of
 from pmmkit.intake.checks.finding import Summary
+from pmmkit.intake.checks.inertia import inertia_beside_mass
 from pmmkit.intake.checks.physics import AskedSign, along_tank, asked_signs, inertia_inside
 from pmmkit.intake.checks.reading import summarise
 from pmmkit.intake.drafts.columns import ColumnChoice
@@ -50,8 +51,11 @@ _MOST: Final = 12
 def trial_campaign(text: str, target: Path, source: Mapping[str, str]) -> Campaign | None:
     """The runs of a campaign file that are complete, with stand-ins for ship, water and speed."""
     raw: dict[str, Any] = tomllib.loads(text)
-    if "name" not in raw.get("ship", {}):
-        raw["ship"] = {**_SHIP, **raw.get("ship", {})}
+    ship = raw.get("ship", {})
+    if "name" not in ship:
+        weighed = {"mass", "volume"} if {"mass", "volume"} & {*ship} else set()
+        stand_in = {key: value for key, value in _SHIP.items() if key not in weighed}
+        raw["ship"] = {**stand_in, **ship}
     raw["water"] = {**_WATER, **raw.get("water", {})}
     stated = raw.get("defaults", {})
     raw["defaults"] = {"speed": _SPEED, **stated, "source": {**source, **stated.get("source", {})}}
@@ -185,7 +189,10 @@ def proposed(draft: Draft, target: Path) -> Draft:
     if found.best.changes:
         summaries = _summaries(_seen_from_mesh(_with(draft, proposal)), target)
     timed = _timed(draft, plain) and not computed
-    tried = _with(draft, _further(proposal, trial, summaries, timed=timed))
+    ship = tomllib.loads(plain).get("ship", {})
+    weighed = "name" in ship or ({"L", "B", "d"} <= {*ship} and bool({"mass", "volume"} & {*ship}))
+    further = _further(proposal, trial, summaries, timed=timed, weighed=weighed)
+    tried = _with(draft, further)
     if not (found.best.changes or computed):
         return tried  # the runs were read as they stand in the draft
     found_then = asked_signs(trial, _summaries(tried, target))
@@ -201,7 +208,7 @@ def _summaries(draft: Draft, target: Path) -> tuple[Summary, ...]:
 
 
 def _further(
-    proposal: Proposal, trial: Campaign, summaries: Sequence[Summary], *, timed: bool
+    proposal: Proposal, trial: Campaign, summaries: Sequence[Summary], *, timed: bool, weighed: bool
 ) -> Proposal:
     """With what can be told once the signs are right; of the inertia where r u is known."""
     inside = inertia_inside(summaries) if timed else None
@@ -209,6 +216,10 @@ def _further(
         why = f"Y/(r u) over Y/(sway acceleration) is {inside[1]:.2f}: "
         why += "0.3 to 0.5 with the inertia"
         proposal = replace(proposal, balance=inside[0], why_balance=why)
+    elif timed and weighed and (told := inertia_beside_mass(trial, summaries)) is not None:
+        why = f"Y/(r u) beside the mass of {trial.ship.mass:.4g} kg: "
+        why += "the inertia is inside" if told else "the inertia is removed"
+        proposal = replace(proposal, balance=told, why_balance=why)
     along = along_tank(trial, summaries)
     if along is not None:
         usual = "-1 along the tank" if along[0] else "-0.1 to -0.7 along the hull"
