@@ -154,25 +154,36 @@ def errors_table(errors: Mapping[str, Mapping[str, float]]) -> str:
 
 
 def sound_campaign(
-    path: Path, data: Path | None, executor: Workers = None
+    path: Path, data: Path | None, executor: Workers = None, *, model: Model | None = None
 ) -> tuple[Campaign, tuple[CheckFinding, ...]]:
-    """A campaign that does not contradict itself, and what the checks say of it."""
+    """A campaign that does not contradict itself, and what the checks say of it.
+
+    Of tests at several depths those in water as deep as the model's.
+    """
     from pmmkit.campaigns import open_campaign
     from pmmkit.intake import examine, refuse
 
     campaign = open_campaign(path, data=data)
+    if model is not None and len(campaign.depths) > 1:
+        part = campaign.as_deep_as(model.water.depth, model.ship.d)
+        if part is not campaign:
+            say(
+                f"In water of {part.depth_in_words}, as the model: {len(part.runs)} of "
+                f"{len(campaign.runs)} runs."
+            )
+        campaign = part
     findings = examine(campaign, executor=executor)
     refuse(findings)
     return campaign, findings
 
 
 def sound_campaigns(
-    paths: Sequence[Path], data: Path | None
+    paths: Sequence[Path], data: Path | None, model: Model | None = None
 ) -> dict[str, tuple[Campaign, tuple[CheckFinding, ...]]]:
     """The same of several campaigns, by their titles as a session knows them."""
     from pmmkit.campaigns import Campaign
 
-    sound = [sound_campaign(path, data) for path in paths]
+    sound = [sound_campaign(path, data, model=model) for path in paths]
     return dict(zip(Campaign.by_title([campaign for campaign, _ in sound]), sound, strict=True))
 
 

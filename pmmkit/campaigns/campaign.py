@@ -367,6 +367,38 @@ class Campaign(Described):
             for depth in found
         ) or (self,)
 
+    def as_deep_as(self, depth: float | None, draught: float) -> Campaign:
+        """The runs in water as deep as that of a model, where they were made at several depths.
+
+        Parameters
+        ----------
+        depth, draught : float
+            Of the model [m]; depths are compared over the draught, so that its scale is any.
+
+        Returns
+        -------
+        Campaign
+            Of one depth; the campaign as it is where none of its depths is within 2 % of it.
+
+        Examples
+        --------
+        >>> from pmmkit.campaigns.settings import Settings
+        >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
+        >>> runs = tuple(Run(id=str(h), test="static_drift", kind="means", loader=None,
+        ...                  settings=Settings(speed=1.0, depth=h)) for h in (.3, .5))
+        >>> found = Campaign(title="", ship=ship, water=Water(), runs=runs).as_deep_as(20.0, 10.0)
+        >>> [run.id for run in found], found.water.depth
+        (['0.5'], 0.5)
+        """
+        wanted = math.inf if depth is None else depth / draught * self.ship.d
+        near = [
+            part
+            for part in self.by_depth()
+            if (part.water.depth is None and depth is None)
+            or abs((part.water.depth or 0.0) - wanted) <= AS_DEEP * wanted < math.inf
+        ]
+        return near[0] if len(near) == 1 else self
+
     def at_one_depth(self) -> Campaign:
         """The campaign, its water as deep as it was for all of its runs.
 
@@ -382,9 +414,8 @@ class Campaign(Described):
                 f"The runs of {self.title or self.ship.name!r} were made in water "
                 f"of {', '.join(most)} and {last}; derivatives and forces hold at one depth.",
                 remedy="`pmmkit reduce` reduces each depth by itself, in Python reduce_depths(). "
-                "Elsewhere take the runs of one depth: a campaign file for each (pmmkit "
-                "new-campaign FOLDER --sheet NAME -o FILE where each has a sheet), or "
-                "campaign.by_depth().",
+                "Elsewhere name a model of one of them (model.toml in the folder of a depth): its "
+                "runs are taken, in Python campaign.by_depth().",
             )
         return found[0]
 
@@ -582,6 +613,10 @@ class Campaign(Described):
 
 def _in_words(depth: float | None) -> str:
     return "no stated depth" if depth is None else f"{depth:.4g} m"
+
+
+AS_DEEP: Final = 0.02
+"""Depths over the draught within this are one: scales and draughts are rounded to three figures."""
 
 
 def _one_depth(one: float | None, other: float | None) -> bool:

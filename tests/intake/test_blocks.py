@@ -126,6 +126,11 @@ ENVIRONMENT: list[Row] = [
     ["VOL", 37500.0, "m³"],
     ["XG", -2.5, "m"],
     ["IZ", 300.0, "kgm²", "as measured"],
+    ["PROPELLER"],
+    ["Dp", 6.0, "m", "diameter"],
+    ["P/Dp", 0.8, "-"],
+    ["RUDDER"],
+    ["AR", 40.0, "m²"],
 ]
 
 
@@ -245,6 +250,7 @@ def test_no_edited_line_leads_to_a_campaign(folder: Path, capsys) -> None:
     raw = tomllib.loads(text)
     assert raw["ship"] == {"L": 4.0, "B": 0.6, "d": 0.2, "volume": 0.3, "Izz": 300.0, "xG": -0.05}
     assert raw["water"] == {"rho": 999.1, "depth": 0.246}
+    assert (raw["propeller"], raw["rudder"]) == ({"D": 0.12}, {"area": 0.016})
     assert raw["campaign"]["forces"] == "balance"
     assert raw["campaign"]["rudder_positive"] == "port"
     campaign = open_campaign(target)

@@ -84,6 +84,15 @@ def test_the_command_gives_every_depth_a_folder_and_says_how_they_grow(folder, t
     assert "straight lines over T/h" in words
     status = said(capsys, "sweep", out, "--depths", "1.2", "--speeds", "8")[0]
     assert status == 1
+    half = len(pk.open_campaign(folder)) // 2
+    for job in ("compare", "diagnose"):
+        order = [job, out / "depth-1.52" / "model.toml", folder, "--no-figures"]
+        status, told, words = said(capsys, *order, "--out", tmp_path / job)
+        assert status == 0
+        assert f"In water of 0.36 m, as the model: {half} of {2 * half} runs." in words
+    status, _, words = said(capsys, "compare", "s175-3dof", folder, "--out", tmp_path / "c")
+    assert status == 1
+    assert "name a model of one of them" in words
 
 
 def test_growth_is_the_ratio_with_the_errors_of_both():

@@ -85,7 +85,7 @@ def add(job: AddSettings) -> Outcome:
     taken = ""
     if job.undo:
         before, taken = undone(before, effects_of_user)
-    opened = {name: one for name, (one, _) in sound_campaigns(job.fit, job.data).items()}
+    opened = {name: one for name, (one, _) in sound_campaigns(job.fit, job.data, before).items()}
     sailed = max(opened.values(), key=lambda item: item.kind == "free-running")
     base = before
     rest = [step.effect for step in kept.steps] if kept else list(job.effects)

@@ -181,7 +181,8 @@ def compare(job: CompareSettings) -> Outcome:
         names = (stem(job.model), stem(first))
         return compare_tables(other, first, folder, names, drawn=job.figures)
     base = load_model(job.model) if other is None else other
-    opened = sound_campaigns(job.campaigns, job.data)
+    like = None if isinstance(base, Campaign) else base
+    opened = sound_campaigns(job.campaigns, job.data, like)
     chosen = _chosen({title: one for title, (one, _) in opened.items()}, patterns(job.runs))
     if isinstance(base, Campaign):
         each = {x: compare_submission(base, one, floor=job.floor) for x, one in chosen.items()}

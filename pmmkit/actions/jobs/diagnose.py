@@ -97,6 +97,8 @@ class DiagnoseSettings:
 def diagnose(job: DiagnoseSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.base import DataError
+    from pmmkit.conventions import STRUCTURES
+    from pmmkit.models import load_model
 
     asked = job.records
     names = None if job.candidates is None else words(job.candidates)
@@ -107,7 +109,8 @@ def diagnose(job: DiagnoseSettings) -> Outcome:
     folder = results_folder(job.out, f"{name}-diagnosed", read=[job.model], force=job.force)
     if len(job.campaigns) > 1:
         return marked(_together(job, names, known, folder), job.model)
-    opened, checked = sound_campaign(campaign, job.data, executor)
+    like = None if job.model in STRUCTURES else load_model(job.model)
+    opened, checked = sound_campaign(campaign, job.data, executor, model=like)
     if opened.kind == "free-running":
         if known or job.uncertainty.noise is not None or job.own is not None or job.outside:
             raise DataError(
@@ -253,7 +256,7 @@ def _together(
             f"file or a library ship; pmmkit reduce writes a model from captive tests."
         )
     model = load_model(job.model)
-    opened = sound_campaigns(job.campaigns, job.data)
+    opened = sound_campaigns(job.campaigns, job.data, model)
     free = [one for one, _ in opened.values() if one.kind == "free-running"]
     session = session_of_several(
         model,

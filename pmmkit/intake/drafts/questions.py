@@ -29,9 +29,11 @@ _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "volume": ("vol", "volume", "displacement volume", "displaced volume"),
     "Izz": ("iz", "izz", "i z", "i zz"),
     "xG": ("xg", "x g", "lcg"),
+    "propeller.D": ("dp", "d p", "propeller diameter", "diameter of the propeller"),
+    "rudder.area": ("ar", "a r", "rudder area", "area of the rudder"),
 }
 """Usual names in such lists; the first that is there counts."""
-_POWERS: Final = {"L": 1, "B": 1, "d": 1, "volume": 3, "xG": 1}
+_POWERS: Final = {"L": 1, "B": 1, "d": 1, "volume": 3, "xG": 1, "propeller.D": 1, "rudder.area": 2}
 _LONGEST: Final = 20.0
 """Length of a model at most [m]: a longer one is the ship."""
 _GYRADIUS: Final = (0.18, 0.32)
@@ -93,7 +95,7 @@ def _model(
     for key, power in _POWERS.items():
         if key in listed:
             values[key] = listed[key][0] / (scale**power if ship else 1.0)
-            told = f", over {scale:g}{'³' if power == 3 else ''}" if ship else ""
+            told = f", over {scale:g}{' ²³'[power - 1].strip()}" if ship else ""
             yield key, (float(f"{values[key]:.4g}"), f"{shown}: {listed[key][1]}{told}")
     if "Izz" in listed and {"L", "volume"} <= set(values):
         for factor, told in ((1.0, ""), (scale**-5, f", over {scale:g}⁵")):

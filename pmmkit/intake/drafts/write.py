@@ -248,7 +248,12 @@ def _listed(draft: Draft, todo: Todo) -> list[str]:
             todo.add(f"[ship] {key}: it is not in the list.")
     lines += ["", "[water]", _density(draft, todo)]
     if "depth" in found:
-        return [*lines, aligned(f"depth = {toml(found['depth'][0])}", found["depth"][1])]
+        lines.append(aligned(f"depth = {toml(found['depth'][0])}", found["depth"][1]))
+    for place in ("propeller.D", "rudder.area"):
+        if place in found:
+            table, key = place.split(".")
+            lines += ["", f"[{table}]"]
+            lines.append(aligned(f"{key} = {toml(found[place][0])}", found[place][1]))
     return lines
 
 
