@@ -471,6 +471,10 @@ class Diagnosis(Described):
         goes with it."""
         return weight_of(name, self.entries, self.best, share)
 
+    def log_odds_of(self, name: str) -> float:
+        """ln odds of the best set with an effect against the best one without it."""
+        return with_or_without(name, self.entries)
+
     @property
     def families(self) -> tuple[str, ...]:
         """Families of the best set."""
@@ -604,7 +608,7 @@ class Diagnosis(Described):
     def _titled(self, item: Finding) -> str:
         """A finding with its evidence against the sets without it, in words and as odds."""
         words = self.weight(item.effect).capitalize()
-        evidence = odds(with_or_without(item.effect, self.entries))
+        evidence = odds(self.log_odds_of(item.effect))
         return f"{item.title} {words} (evidence {evidence})."
 
     def _formula(self) -> list[Section]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.diagnosis.evidence import PRICE, Visible, Weight, weight_of
+from pmmkit.diagnosis.evidence import PRICE, Visible, Weight, weight_of, with_or_without
 from pmmkit.diagnosis.findings import AS_LIKELY, VERDICTS, Diagnosis, Transfer, Verdict
 from pmmkit.diagnosis.joint.belongs import LABORATORY, LaboratoryValues, Owner, Third
 from pmmkit.diagnosis.joint.captive_vote import Ballot, Names, of_ship
@@ -256,6 +256,10 @@ class Together(Described):
         """Evidence for an effect in words; of one that is not named, `share` of the held-out misfit
         goes with it."""
         return weight_of(name, self.entries, self.best, share)
+
+    def log_odds_of(self, name: str) -> float:
+        """ln odds of the best set with an effect against the best one without it."""
+        return with_or_without(name, self.entries)
 
     def rivals_of(self, name: str) -> list[Names]:
         """Sets without an effect that are about as likely as the best one, which has it."""

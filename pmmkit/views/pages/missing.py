@@ -224,7 +224,7 @@ def missing_page(
             candidate_page(
                 name,
                 effect,
-                log_odds=finding.log_odds if finding else entry.log_evidence,
+                log_odds=found.log_odds_of(name),
                 named=finding is not None,
                 kind="fault" if is_fault(name) else "physics",
                 family=seen.family if seen else "",
@@ -384,13 +384,12 @@ def _candidate(
     sentences: Mapping[str, str],
 ) -> dict[str, Any]:
     """An effect of the ship, beside the others of the best set if it is one of them."""
-    single = next(item for item in found.singles if item.names == (name,))
     measured = next((item for item in found.belongs if item.effect == name), None)
     third = measured.thirds[0] if measured and measured.thirds else None
     return candidate_page(
         name,
         entries.get(name),
-        log_odds=found.added.get(name, single.log_evidence),
+        log_odds=found.log_odds_of(name),
         named=name in found.best,
         kind="physics",
         votes=votes,
