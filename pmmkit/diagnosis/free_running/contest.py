@@ -107,8 +107,8 @@ def contest_of(
     names = [item.name for item in every]
     settled: list[NamedSet] = []
     refused: list[tuple[Names, float, str]] = []
-    ahead = NamedSet(names=(), gain=0.0, fit=null)
-    place, first = null.place, null.weighed()
+    place, first = null.place.whole, null.weighed()
+    ahead = NamedSet(names=(), gain=0.0, fit=replace(null, place=place))
     with opened(executor, rounds=True) as crew:
         for count in range(min(most, len(names))):
             tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")

@@ -45,13 +45,31 @@ FINE: Final = (2.0, 1.4)
 class Linearised:
     """The linear problem about some numbers.
 
-    `question`: with the starts about which it is made. `sheets`: rows of the windows.
+    `question`: with the starts about which it is made. `columns`: numbers whose slopes it has.
+    `held`: rows of its windows, some 25 MB of 13 records; None where they are made when they are
+    asked for.
     """
 
     question: RecordQuestion
     z: Array
-    sheets: list[list[Sheet]]
+    columns: NDArray[np.intp]
     information: Information
+    held: list[list[Sheet]] | None = None
+
+    @property
+    def sheets(self) -> list[list[Sheet]]:
+        """Rows of the windows of each record."""
+        return self.question.sheets(self.z, self.columns) if self.held is None else self.held
+
+    @property
+    def small(self) -> Linearised:
+        """The same without its rows, to be kept beside many others."""
+        return replace(self, held=None)
+
+    @property
+    def whole(self) -> Linearised:
+        """The same with its rows, to be asked for them again and again."""
+        return replace(self, held=self.sheets)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -100,13 +118,14 @@ def place_at(
 ) -> Linearised:
     """The linear problem about some numbers, with the slopes of some columns or of all."""
     used = question.numbers.every if columns is None else columns
-    return _placed(question, z, question.sheets(z, used))
+    return _placed(question, z, used, question.sheets(z, used))
 
 
-def _placed(question: RecordQuestion, z: Array, sheets: list[list[Sheet]]) -> Linearised:
-    return Linearised(
-        question=question, z=z, sheets=sheets, information=question.information(sheets, z)
-    )
+def _placed(
+    question: RecordQuestion, z: Array, columns: NDArray[np.intp], sheets: list[list[Sheet]]
+) -> Linearised:
+    information = question.information(sheets, z)
+    return Linearised(question=question, z=z, columns=columns, information=information, held=sheets)
 
 
 def fitted(
@@ -127,6 +146,8 @@ def fitted(
     if np.any(begin != place.z):
         place = _along(place_at(question.followed(begin), begin, used), names)
         place = place_at(place.question, begin, used)
+    else:
+        place = place.whole
     found = at_place(place, names, forces, fine=forces is not None)
     stands, forces = _standing(found, place)
     first = 0
@@ -142,7 +163,8 @@ def fitted(
         if gained < SLACK:
             break
     last = found if _is_settled(found) else _where_it_stands(found, stands)
-    return _with_all(last) if whole else last
+    last = _with_all(last) if whole else last
+    return replace(last, place=last.place.small)
 
 
 def _with_all(found: SetFit) -> SetFit:
@@ -206,6 +228,7 @@ def having(place: Linearised, names: Sequence[str]) -> Linearised:
         place,
         question=replace(place.question, numbers=numbers),
         z=place.z[order],
+        columns=np.flatnonzero(np.isin(order, place.columns)),
         information=place.information.only(order),
     )
 
@@ -215,7 +238,7 @@ def _tried(question: RecordQuestion, z: Array, columns: NDArray[np.intp]) -> Lin
     with np.errstate(all="ignore"):
         sheets = question.sheets(z, columns)
         largest = max(float(np.max(np.abs(x.forces))) for own in sheets for x in own)
-    return _placed(question, z, sheets) if largest < WILD else None
+    return _placed(question, z, columns, sheets) if largest < WILD else None
 
 
 def at_place(
