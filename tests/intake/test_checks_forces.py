@@ -281,6 +281,27 @@ def test_left_and_right_differ():
     assert found.numbers["Y"] == pytest.approx(3.0 / largest, rel=1e-6)
 
 
+def test_repeats_that_differ_stand_in_one_sentence():
+    """Three settings, each run four times: at two of them Y is off once, by 4 N and 8 N."""
+    drifts = [math.radians(angle) for angle in (-8.0, 4.0, 8.0)]
+
+    def off(newtons):
+        return lambda run, data: data.assign(Y=data["Y"] + newtons)
+
+    runs = [
+        run_of(f"D{k}{n}", "static_drift", noise=0.0, drift=drift, change=off(k * (n == 3) * 4.0))
+        for k, drift in enumerate(drifts)
+        for n in range(4)
+    ]
+    found = [x for x in said(examine(campaign_of(runs)), "sides") if "same settings" in x.message]
+    (item,) = found
+    assert "Y in 2 of 3 by up to" in item.message
+    assert "4 runs like D20" in item.message
+    assert set(item.runs) == {f"D{k}{n}" for k in (1, 2) for n in range(4)}
+    largest = max(abs(float(run.data["Y"].mean())) for run in runs)
+    assert item.numbers["Y"] == pytest.approx(8.0 / largest, rel=1e-6)
+
+
 def test_all_errors_stand_in_one_refusal_and_warnings_do_not_raise():
     runs = programme(speeds=(1.5,), inside=True, change=scaled(X=-1.0))
     findings = examine(campaign_of(runs))

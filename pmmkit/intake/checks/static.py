@@ -10,6 +10,7 @@ import numpy as np
 
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure
 from pmmkit.numerics import Array
+from pmmkit.presentation import counted
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
@@ -36,7 +37,7 @@ def examine_sides(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
             series.setdefault(key, []).append(item)
     for group in series.values():
         yield from _mirrored(group)
-        yield from _repeated(group)
+    yield from _repeated([*series.values()])
 
 
 def _mirrored(group: Sequence[Summary]) -> Iterator[CheckFinding]:
@@ -67,28 +68,42 @@ def _mirrored(group: Sequence[Summary]) -> Iterator[CheckFinding]:
         )
 
 
-def _repeated(group: Sequence[Summary]) -> Iterator[CheckFinding]:
-    same: dict[float, list[Summary]] = {}
-    for item in group:
-        same.setdefault(round(item.run.settings.drift, 5), []).append(item)
-    for repeats in same.values():
-        for channel in ("X", "Y", "N"):
-            largest = max((abs(item.mean(channel)) for item in group), default=0.0)
-            values = np.array([item.mean(channel) for item in repeats])
-            if len(repeats) < 2 or not largest or not np.all(np.isfinite(values)):
-                continue
-            share = float(np.ptp(values)) / largest
-            if share > HYSTERESIS:
-                yield CheckFinding(
-                    check="sides",
-                    severity="info",
-                    message=f"{len(repeats)} runs at the same settings differ in {channel} by "
-                    f"{figure(float(np.ptp(values)))}, {100 * share:.0f} % of the largest of the "
-                    f"series.",
-                    runs=tuple(item.run.id for item in repeats),
-                    remedy="Look for hysteresis, waiting time between runs, or a wrong setting.",
-                    numbers={"share": share},
-                )
+def _repeated(series: Sequence[Sequence[Summary]]) -> Iterator[CheckFinding]:
+    """All settings that were run again, in one sentence."""
+    differ: dict[str, list[tuple[float, float, list[Summary]]]] = {}
+    again = 0
+    for group in series:
+        same: dict[float, list[Summary]] = {}
+        for item in group:
+            same.setdefault(round(item.run.settings.drift, 5), []).append(item)
+        for repeats in (own for own in same.values() if len(own) > 1):
+            again += 1
+            for channel in ("X", "Y", "N"):
+                largest = max(abs(item.mean(channel)) for item in group)
+                values = np.array([item.mean(channel) for item in repeats])
+                if not largest or not np.all(np.isfinite(values)):
+                    continue
+                apart = float(np.ptp(values))
+                if apart > HYSTERESIS * largest:
+                    differ.setdefault(channel, []).append((apart / largest, apart, repeats))
+    if not differ:
+        return
+    worst = {name: max(found, key=lambda item: item[0]) for name, found in differ.items()}
+    words = [
+        f"{channel} in {len(differ[channel])} of {again} by up to {100 * share:.0f} % of the "
+        f"largest of its series ({figure(apart)} in {counted(len(repeats), 'run')} like "
+        f"{repeats[0].run.id})"
+        for channel, (share, apart, repeats) in worst.items()
+    ]
+    runs = [x.run.id for found in differ.values() for _, _, repeats in found for x in repeats]
+    yield CheckFinding(
+        check="sides",
+        severity="info",
+        message=f"Runs at the same settings differ: {', '.join(words)}.",
+        runs=tuple(dict.fromkeys(runs)),
+        remedy="Look for hysteresis, waiting time between runs, or a wrong setting.",
+        numbers={channel: share for channel, (share, _, _) in worst.items()},
+    )
 
 
 SWINGS: Final = ("sinkage", "trim", "phi")
