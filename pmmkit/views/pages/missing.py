@@ -112,7 +112,7 @@ def _on_screen(columns: Mapping[str, Array]) -> dict[str, list[float]]:
 def candidate_page(
     name: str, effect: Effect | None, *, log_odds: float, named: bool, kind: str, **more: Any
 ) -> dict[str, Any]:
-    """A candidate before it is ranked."""
+    """A candidate before it is ranked; `log_odds` are those that a step keeps."""
     told: dict[str, Any] = {
         "family": effect.family if effect else "",
         "campaign": "",
@@ -131,7 +131,6 @@ def candidate_page(
         "kind": kind,
         "summary": (effect.summary or effect.text) if effect else "",
         "log_odds": short(log_odds),
-        "evidence": odds(log_odds),
         "named": named,
         **told,
         **more,
@@ -157,22 +156,24 @@ def _ranked(
         asked = found.diagnoses[item["campaign"]] if item["campaign"] else found  # type: ignore[union-attr]
         words = asked.weight(item["effect"], math.nan if item["named"] else most)
         useless = words == "does not help"
-        why = _why_not(item, most, found.best) if useless else ""
+        weighed = asked.log_odds_of(item["effect"])
+        why = _why_not(item["effect"], most, weighed, found.best) if useless else ""
         offered = not useless or item["effect"] in own
         share = math.inf if math.isnan(most) else -most
         place = (useless, item["effect"] not in fitted, share, -item["log_odds"])
-        ranked.append((place, {**item, "weight": words, "reason": why, "offered": offered}))
+        said = {"evidence": odds(weighed), "weight": words, "reason": why, "offered": offered}
+        ranked.append((place, {**item, **said}))
     return [item for _, item in sorted(ranked, key=lambda pair: pair[0])]
 
 
-def _why_not(item: Mapping[str, Any], share: float, best: Sequence[str]) -> str:
+def _why_not(effect: str, share: float, log_odds: float, best: Sequence[str]) -> str:
     """Why a candidate does not help."""
     if share < REMOVES:
         return "It takes nothing of the held-out misfit away."
-    if best and item["effect"] not in best:
+    if best and effect not in best:
         return f"The tests need no more than {' and '.join(best)}."
-    if item["log_odds"] < 0.0:
-        return f"The tests speak against it: {item['evidence'].removesuffix(' against')}."
+    if log_odds < 0.0:
+        return f"The tests speak against it: {odds(-log_odds)}."
     return "Another effect explains more."
 
 
@@ -224,7 +225,7 @@ def missing_page(
             candidate_page(
                 name,
                 effect,
-                log_odds=found.log_odds_of(name),
+                log_odds=finding.log_odds if finding else entry.log_evidence,
                 named=finding is not None,
                 kind="fault" if is_fault(name) else "physics",
                 family=seen.family if seen else "",
@@ -384,12 +385,13 @@ def _candidate(
     sentences: Mapping[str, str],
 ) -> dict[str, Any]:
     """An effect of the ship, beside the others of the best set if it is one of them."""
+    single = next(item for item in found.singles if item.names == (name,))
     measured = next((item for item in found.belongs if item.effect == name), None)
     third = measured.thirds[0] if measured and measured.thirds else None
     return candidate_page(
         name,
         entries.get(name),
-        log_odds=found.log_odds_of(name),
+        log_odds=found.added.get(name, single.log_evidence),
         named=name in found.best,
         kind="physics",
         votes=votes,
