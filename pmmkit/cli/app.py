@@ -25,6 +25,7 @@ from pmmkit.actions import (
 )
 from pmmkit.base import __version__
 from pmmkit.cli.output import tell
+from pmmkit.presentation import counted, listed
 
 Json = Annotated[
     bool,
@@ -50,6 +51,19 @@ class Command(typer.core.TyperCommand):
                 found.setdefault(heading, []).append(told)
         return found
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read what was typed; words beyond the arguments are told with those that there are."""
+        ctx.allow_extra_args = True  # click's own sentence does not say what there is
+        if stray := super().parse_args(ctx, args):
+            taken = [item.name for item in self.params if item.param_type_name == "argument"]
+            known = (
+                f"{counted(len(taken), 'argument')}, {listed(taken)}" if taken else "no argument"
+            )
+            words = listed([repr(word) for word in stray])
+            verb = "is" if len(stray) == 1 else "are"
+            ctx.fail(f"{self.name} takes {known}: {words} {verb} too much.")
+        return stray
+
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write them."""
         for heading, rows in self.sections(ctx).items():
@@ -62,10 +76,8 @@ class Commands(typer.core.TyperGroup):
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002
         """Write them."""
-        for stage, listed in by_stage().items():
-            rows = [
-                (name, about(name).split("\n\n")[0]) for name in listed if name in self.commands
-            ]
+        for stage, own in by_stage().items():
+            rows = [(name, about(name).split("\n\n")[0]) for name in own if name in self.commands]
             if rows:
                 with formatter.section(stage.capitalize()):
                     formatter.write_dl(rows)

@@ -30,6 +30,10 @@ SHIP = '[ship]\nname = "kvlcc2-l7"\n[water]\nrho = 1000.0\n'
         ("simulate made --speed 1", 1, "It holds one: write made/model.toml"),
         ("check twice", 1, "This name stands twice in its table"),
         ("model set kvlcc2 rudder.arae=3", 1, "did you mean 'area'?"),
+        ("card fit nothere", 1, "nothere: there is no such card. pmmkit card form makes one"),
+        ("simulate kvlcc2 8 9", 2, "'8' and '9' are too much"),
+        ("trial kvlcc2 nothere", 2, "trial takes 1 argument, campaign: 'nothere' is too much"),
+        ("new-campaign tests", 1, "Name another -o, or --force"),
     ],
 )
 def test_a_mistake_is_answered_with_what_to_type(
@@ -60,3 +64,11 @@ def test_json_holds_the_answer_too(capsys):
     told = json.loads(capsys.readouterr().out)["error"]
     assert told["type"] == "usage"
     assert told["message"].endswith("--manoeuvre turning.")
+
+
+@pytest.mark.parametrize(
+    ("command", "file"), [("model", "MODEL-changed.toml"), ("new-campaign", "campaign.toml beside")]
+)
+def test_the_help_tells_where_a_file_goes_that_is_not_named(command, file, capsys):
+    assert main([command, "--help"]) == 0
+    assert f"is {file}" in " ".join(capsys.readouterr().out.split())

@@ -13,6 +13,7 @@ from pmmkit.actions.outcome import Outcome, marked, results_file, results_folder
 from pmmkit.actions.setting import SettingError, setting, settings, stem
 from pmmkit.actions.shared import Extrapolate, Force, Out, Output, Spread
 from pmmkit.actions.speeds import Speed, approach
+from pmmkit.base import DataError
 from pmmkit.presentation import quoted
 
 STAGE: Final = ("model", 3)
@@ -99,6 +100,8 @@ def _fitted(job: CardSettings, file: Path) -> Outcome:
 
     if job.speed is not None:
         raise SettingError("fit takes the speeds of the card: write them there.")
+    if not file.exists():
+        raise DataError(f"{file}: there is no such card. pmmkit card form makes one to fill in.")
     known = read_card(file)
     folder = results_folder(job.out, f"{stem(file)}-ship", read=[file, job.model], force=job.force)
     with shown() as progress:

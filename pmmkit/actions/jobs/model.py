@@ -1,6 +1,8 @@
 """Show a model part by part with its sources, change values, take a part of another ship, or
 estimate what its propeller does astern.
 
+The changed model is MODEL-changed.toml in this folder if -o is absent.
+
 Examples: pmmkit model show model.toml · pmmkit model set model.toml rudder.area=0.055
 --because 'as built' · pmmkit model replace model.toml propeller --from kvlcc2
 """

@@ -1,4 +1,7 @@
-"""Draft a campaign.toml from the files of a folder, for a person to check and complete."""
+"""Draft a campaign.toml from the files of a folder, for a person to check and complete.
+
+The draft is campaign.toml beside the files if -o is absent.
+"""
 
 from __future__ import annotations
 
@@ -36,14 +39,14 @@ def new_campaign(job: NewCampaignSettings) -> Outcome:
     if target.is_dir():
         target = target / CAMPAIGN.file
     if target.exists() and not job.force:
-        raise FileExists(f"{target} is there: it was not replaced. Name another --out, or --force.")
+        raise FileExists(f"{target} is there: it was not replaced. Name another -o, or --force.")
     draft = campaign_draft(job.folder, target, ship=job.ship, sheet=job.sheet)
     text = written(draft)
     try:
         write_text(target, text.text)
     except OSError as error:
         raise FileExists(
-            f"{target} cannot be written: {error.strerror}. Choose another place with --out."
+            f"{target} cannot be written: {error.strerror}. Choose another place with -o."
         ) from error
     saved = sum(len(campaign) for _, campaign in draft.saved)
     count = saved + len(draft.runs) + len(draft.tables)
