@@ -297,13 +297,20 @@ class Rao(Described):
         return pd.DataFrame({name: values.ravel() for name, values in columns.items()})
 
     def plot(self) -> Figure:
-        """Heave, pitch and roll over the length of the waves; angles over the slope of the wave."""
-        shown = self.cases()[:_CURVES]
-        k = self.wavenumber
+        """Heave, pitch and roll over the length of the waves; angles over the slope of the wave.
+
+        Of many speeds the least and the greatest are drawn, of many headings some evenly spread.
+        """
+        every = np.arange(self.speed.size * self.heading.size).reshape(self.speed.size, -1)
+        speeds = every if every.size <= _CURVES else every[sorted({0, self.speed.size - 1})]
+        columns = min(self.heading.size, _CURVES // len(speeds))
+        spread = np.linspace(0, self.heading.size - 1, columns).round().astype(int)
+        drawn = speeds[:, spread].ravel()
+        names, k = self.cases(), self.wavenumber
 
         def curves(mode: int, over: Array) -> dict[str, Array]:
             flat = np.abs(self.motion[mode]).reshape(-1, self.omega.size) / over
-            return dict(zip(shown, flat, strict=False))
+            return {names[case]: flat[case] for case in drawn}
 
         return over_wave_length(
             2 * math.pi / k / self.L,

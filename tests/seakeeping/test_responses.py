@@ -256,3 +256,14 @@ def test_operability_is_each_value_over_its_limit(moved):
         Operability.of(moved, waves, limits={"heel": 3.0})
     with pytest.raises(DataError, match="nothing to judge"):
         Operability.of(moved, waves, limits={"wet": 0.05})
+
+
+def test_the_picture_of_motions_shows_the_greatest_speed_and_head_seas():
+    few = np.array([0.4, 0.6, 0.9])
+    found = rao(SHIP, speeds=(0.0, 4.0, 8.0), headings_deg=np.arange(0, 181, 30), omega=few)
+    figure = found.plot()
+    shown = {line.get_label() for line in figure.axes[0].get_lines()}
+    ends = {(speed, heading) for speed in ("0.00", "8.00") for heading in ("0°", "180°")}
+    assert len(shown) == 8
+    assert ends <= {(text.split()[0], text.split()[-1]) for text in shown}
+    assert not any(text.startswith("4.00") for text in shown)
