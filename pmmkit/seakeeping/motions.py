@@ -89,9 +89,8 @@ def rao(
     froude_krylov, total = excitation(strips, U, beta, w, safe)
     force = (rho * np.where(slow, froude_krylov, total)).astype(np.complex128)
     added = rho * coefficients(strips, U[:, None, None], safe)
-    inertia, stiffness = _mass(strips, mass, rho), rho * _stiffness(strips, mass)
-    inertia_rolled = inertia[3, 3] + added[3, 3].real
-    critical = 2 * np.sqrt(stiffness[3, 3] * inertia_rolled)
+    inertia, stiffness = mass_matrix(strips, mass, rho), rho * restoring(strips, mass)
+    critical = critical_of(stiffness, inertia, added)
     still = stiffness[:, :, None, None, None].astype(complex)
     matrix = (still - safe**2 * (inertia[:, :, None, None, None] + added)).astype(np.complex128)
 
@@ -208,7 +207,7 @@ def _axes(
     return U, beta, w
 
 
-def _mass(strips: Strips, loading: Loading, rho: float) -> Array:
+def mass_matrix(strips: Strips, loading: Loading, rho: float) -> Array:
     """The mass matrix about the water above the centre of gravity."""
     mass = rho * strips.hull.hydrostatics.volume
     height = loading.KG - strips.hull.draught
@@ -220,7 +219,7 @@ def _mass(strips: Strips, loading: Loading, rho: float) -> Array:
     return np.asarray(found)
 
 
-def _stiffness(strips: Strips, loading: Loading) -> Array:
+def restoring(strips: Strips, loading: Loading) -> Array:
     """Restoring by buoyancy and weight over ρ, with the sums along the hull that excite it."""
     still, x = strips.hull.hydrostatics, strips.x
     level, tilted = weights(x, np.zeros(1))[:, 0].real
@@ -236,6 +235,11 @@ def _stiffness(strips: Strips, loading: Loading) -> Array:
             "not stand upright."
         )
     return np.asarray(strips.g * found)
+
+
+def critical_of(stiffness: Array, inertia: Array, added: Complex) -> Array:
+    """Critical damping of roll, over which that beside the waves is stated [N m s]."""
+    return np.asarray(2 * np.sqrt(stiffness[3, 3] * (inertia[3, 3] + added[3, 3].real)))
 
 
 def _solved(

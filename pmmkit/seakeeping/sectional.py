@@ -73,11 +73,8 @@ def solve(maps: Array, wavenumber: Array) -> Sections:
     >>> f"{heave.real:.3f} {-heave.imag:.3f}"
     '0.605 0.396'
     """
-    nodes, gauss = np.polynomial.legendre.leggauss(NODES)
-    theta = 0.25 * math.pi * (nodes + 1)
-    points = at(maps, theta)
-    weights = slope(maps, theta) * (0.25 * math.pi * gauss)
-    given, wavenumber = wavenumber, np.minimum(wavenumber, SHORTEST / float(np.abs(points).max()))
+    theta, points, weights = _nodes(maps)
+    given, wavenumber = wavenumber, _bounded(wavenumber, points)
     even = multipoles(maps, theta, wavenumber, odd=False)
     odd = multipoles(maps, theta, wavenumber, odd=True)
     stream = (-points.imag, -points.real, -0.5 * np.abs(points) ** 2)
@@ -98,6 +95,45 @@ def solve(maps: Array, wavenumber: Array) -> Sections:
         added=added * even_odd[:, :, None, None],
         far=far.astype(np.complex128),
     )
+
+
+def _nodes(maps: Array) -> tuple[Array, Complex, Complex]:
+    """Angles of the nodes, their points w and the weights dw."""
+    nodes, gauss = np.polynomial.legendre.leggauss(NODES)
+    theta = 0.25 * math.pi * (nodes + 1)
+    return theta, at(maps, theta), slope(maps, theta) * (0.25 * math.pi * gauss)
+
+
+def _bounded(wavenumber: Array, points: Complex) -> Array:
+    return np.minimum(wavenumber, SHORTEST / float(np.abs(points).max()))
+
+
+def answers(maps: Array, wavenumber: Array) -> tuple[Complex, Complex, Complex, Complex]:
+    """Points, weights and the potentials of any motion of the section's surface, even and odd.
+
+    The potentials (nodes of the flow, frequencies, sections, nodes) are those of a unit flow
+    through each node [m²/s] of the sign of `normals`: the stream function grows along the section
+    by what flows through it.
+
+    maps (sections, coefficients); wavenumber [1/m].
+    """
+    theta, points, weights = _nodes(maps)
+    bounded = _bounded(wavenumber, points)
+    streams = tuple(np.broadcast_to(column, points.shape) for column in _running_sums().T)
+    even = strengths(multipoles(maps, theta, bounded, odd=False), streams)[0]
+    odd = strengths(multipoles(maps, theta, bounded, odd=True), streams, free=True)[0]
+    return points, weights, even, odd
+
+
+def _running_sums() -> Array:
+    """Integrals from the keel to each node by what stands at all nodes, weights taken."""
+    legendre = np.polynomial.legendre
+    nodes, _ = legendre.leggauss(NODES)
+    degrees = np.arange(NODES)
+    grown = np.stack(
+        [legendre.legval(nodes, legendre.legint(np.eye(NODES)[m], lbnd=-1)) for m in degrees], -1
+    )
+    return np.asarray((grown * (degrees + 0.5)) @ legendre.legvander(nodes, NODES - 1).T)
 
 
 def multipoles(maps: Array, theta: Array, wavenumber: Array, *, odd: bool) -> Complex:

@@ -162,7 +162,7 @@ def excitation(
     incident = np.broadcast_to(w[:, None], (6, *encounter.shape))
 
     points, steps = strips.sections.points, strips.sections.weights
-    even, odd = _waves(points, steps, k, across)
+    even, odd = wave_velocity(points, steps, k, across)
     drift = speed[:, None, None] / (1j * encounter)
     scale = encounter * omega
     total = incident.copy()
@@ -197,8 +197,13 @@ def _summed(strips: Strips, local: list[Complex], by: Complex, encounter: Array)
     return np.where(encounter < 0.0, found[1].conj(), found[0])
 
 
-def _waves(points: Complex, steps: Complex, k: Array, across: Array) -> tuple[Complex, Complex]:
-    """The wave's velocity through whole sections: even and odd over the breadth, by node."""
+def wave_velocity(
+    points: Complex, steps: Complex, k: Array, across: Array
+) -> tuple[Complex, Complex]:
+    """The wave's velocity through whole sections: even and odd over the breadth, by node.
+
+    Over k times the potential above the middle line: (headings, frequencies, sections, nodes).
+    """
     up, out, _ = normals(points, steps)
     decay = np.exp(-np.multiply.outer(k, points.real))
     phase = np.multiply.outer(np.multiply.outer(across, k), points.imag)

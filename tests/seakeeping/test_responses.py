@@ -186,8 +186,10 @@ def test_drift_is_alike_on_both_sides():
 
 def test_methods_agree_on_the_size_of_the_peak_in_head_seas(moved):
     found = added_resistance(moved)
-    peaks = {name: np.nanmax(values[1, -1]) for name, values in found.methods.items()}
-    assert max(peaks.values()) < 3.0 * min(peaks.values())
+    at_speed = [x[1, -1] for x in found.methods.values() if np.isfinite(x[1, -1]).any()]
+    peaks = [np.nanmax(values) for values in at_speed]
+    assert len(peaks) == 4
+    assert max(peaks) < 3.0 * min(peaks)
     assert np.isnan(found.methods["STAWAVE-2"][1, 2]).all()
     told = found.mean(sea("bretschneider", Hs=3.0, Tp=9.0), speed=8.0, heading_deg=180)
     assert 2e4 < told["SNNM"] < 1e6

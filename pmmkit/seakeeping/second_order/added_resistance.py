@@ -18,7 +18,12 @@ from pmmkit.presentation import Described, Grid, Group, Section, number
 from pmmkit.seakeeping.figures import over_wave_length
 from pmmkit.seakeeping.hull_forms.hull import Hull
 from pmmkit.seakeeping.seas import Sea
-from pmmkit.seakeeping.second_order.mean_drift import drift, mean_force, radiated_force
+from pmmkit.seakeeping.second_order.mean_drift import (
+    drift,
+    mean_force,
+    radiated_force,
+    sectional_drift,
+)
 from pmmkit.seakeeping.transfer import Rao, between, nearest
 
 if TYPE_CHECKING:
@@ -193,6 +198,9 @@ LEAVES_OUT: Final[Mapping[str, str]] = MappingProxyType(
         "with reflection": "The same in long waves, Faltinsen's (1980) reflection at the waterline "
         "in short ones, blended by the energy that a plate of the draught reflects. The blend is "
         "our own; the waterline is that at rest, without the wave that the bow makes.",
+        "momentum": "At rest alone: Maruo (1960), the momentum of the waves that all sections send "
+        "out together, and Faltinsen's reflection in short ones. Sections answer each by itself, "
+        "the ends as if alone in the wave: in head waves a fixed ship loses energy.",
         "STAWAVE-2": "A formula fitted to tank tests, for waves within 45° of the bow, ships of "
         "75 to 350 m and Fn 0.1 to 0.3; no form of the hull but its block coefficient.",
         "SNNM": "Liu and Papanikolaou's (2020) formula, fitted to tank tests at all headings, as "
@@ -326,6 +334,9 @@ def added_resistance(rao: Rao) -> AddedResistance:
     if rao.strips is None or rao.loading is None:
         return AddedResistance(rao=rao, methods={rao.engine: -drift(rao)[0]})
     brought = {} if rao.second_order is None else {rao.engine: -rao.second_order[0]}
+    rest = (rao.speed == 0.0)[:, None, None]
+    own = replace(rao, second_order=None)
+    momentum = {"momentum": np.where(rest, -drift(own)[0], np.nan)} if rest.any() else {}
     along = np.cos(rao.heading)[:, None] * radiated_force(rao)
     form = form_of(rao.strips.hull, rao.loading.kyy)
     given: dict[str, Callable[..., Array]] = {"STAWAVE-2": stawave2, "SNNM": snnm}
@@ -338,7 +349,8 @@ def added_resistance(rao: Rao) -> AddedResistance:
         methods={
             **brought,
             "Gerritsma-Beukelman": -along,
-            "with reflection": -drift(replace(rao, second_order=None))[0],
+            "with reflection": -sectional_drift(rao)[0],
+            **momentum,
             **formulas,
         },
     )
