@@ -100,7 +100,7 @@ function beside(items) {
       el("tbody", {},
         row(t("takes_away"), (item) => percent(item.share.all)),
         Object.keys(items[0].share.channels).map((channel) => row(t(`channel_${channel}`), (item) => percent(item.share.channels[channel]))),
-        row(t("evidence"), (item) => `${item.evidence} (${t("log_odds", { odds: num(item.log_odds) })})`),
+        row(t("evidence"), (item) => item.evidence),
         row(t("separating_test"), (item) => item.test || "–"))));
 }
 
