@@ -185,12 +185,12 @@ def _of_history(
     ).window()
     inside = slice(window.start, window.stop)
     part = forces[:, inside]
-    moved = {
-        name: np.asarray(clean.variables[name].values, float)[inside]
+    moved = [
+        np.asarray(clean.variables[name].values, float)[inside]
         for name in SWINGS
         if name in clean and clean.variables[name].dims == ("t",)
-    }
-    waves = wave_facts(t[inside], {"X": part[present.index("X")]} if "X" in present else {}, moved)
+    ]
+    waves = wave_facts(t[inside], part[present.index("X")], moved) if "X" in present else {}
     shared["facts"] = facts | _gauge_facts(t[inside], part, None, present) | waves
     return Summary(
         means=dict(zip(present, part.mean(axis=1).tolist(), strict=True)),

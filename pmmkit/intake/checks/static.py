@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -115,9 +115,9 @@ LARGE: Final = 0.5
 1.2 in waves as high as half the draught, and its three runs in calm water are silent."""
 
 
-def wave_facts(t: Array, forces: Mapping[str, Array], moved: Mapping[str, Array]) -> Facts:
-    """Period of a swing that a free model and a force share in a steady window, and its size."""
-    if len(t) < 64 or not forces or not moved:
+def wave_facts(t: Array, force: Array, moved: Iterable[Array]) -> Facts:
+    """Period of a swing that a free model and X share in a steady window, and its size."""
+    if len(t) < 64:
         return {}
     clock = np.linspace(t[0], t[-1], len(t))
     window = np.hanning(len(t))
@@ -125,21 +125,18 @@ def wave_facts(t: Array, forces: Mapping[str, Array], moved: Mapping[str, Array]
     def power(values: Array) -> Array:
         even = np.interp(clock, t, values)
         found: Array = np.abs(np.fft.rfft((even - even.mean()) * window)) ** 2
-        return found
+        return found / max(float(found.sum()), 1e-300)
 
-    def near(spectrum: Array, peak: int) -> float:
-        return float(spectrum[max(peak - 2, 0) : peak + 3].sum() / max(spectrum.sum(), 1e-300))
-
-    responses = [power(values) for values in moved.values() if np.ptp(values) > 0]
-    found: Facts = {}
-    for name, values in forces.items():
-        spectrum = power(values)
-        peak = int(np.argmax(spectrum))
-        shared = peak > 3 and any(near(response, peak) > SHARE for response in responses)
-        size = math.sqrt(2.0 * near(spectrum, peak)) * float(values.std())
-        if shared and near(spectrum, peak) > SHARE and size > LARGE * abs(float(values.mean())):
-            found |= {f"{name}_swing": size, f"{name}_swing_period": float(np.ptp(t)) / peak}
-    return found
+    spectrum = power(force)
+    peak = int(np.argmax(spectrum))
+    near = slice(max(peak - 2, 0), peak + 3)
+    own = float(spectrum[near].sum())
+    size = math.sqrt(2.0 * own) * float(force.std())
+    if peak <= 3 or own <= SHARE or size <= LARGE * abs(float(force.mean())):
+        return {}
+    if not any(power(values)[near].sum() > SHARE for values in moved if np.ptp(values) > 0):
+        return {}
+    return {"X_swing": size, "X_swing_period": float(np.ptp(t)) / peak}
 
 
 def examine_waves(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:

@@ -210,16 +210,18 @@ def _summaries(draft: Draft, target: Path) -> tuple[Summary, ...]:
 def _further(
     proposal: Proposal, trial: Campaign, summaries: Sequence[Summary], *, timed: bool, weighed: bool
 ) -> Proposal:
-    """With what can be told once the signs are right; of the inertia where r u is known."""
-    inside = inertia_inside(summaries) if timed else None
-    if inside is not None:
-        why = f"Y/(r u) over Y/(sway acceleration) is {inside[1]:.2f}: "
-        why += "0.3 to 0.5 with the inertia"
-        proposal = replace(proposal, balance=inside[0], why_balance=why)
-    elif timed and weighed and (told := inertia_beside_mass(trial, summaries)) is not None:
+    """With what can be told once the signs are right; of the inertia where r u is known.
+
+    A stated mass tells it, as it does in the check of inertia; a ratio of forces where none is.
+    """
+    if timed and weighed and (told := inertia_beside_mass(trial, summaries)) is not None:
         why = f"Y/(r u) beside the mass of {trial.ship.mass:.4g} kg: "
         why += "the inertia is inside" if told else "the inertia is removed"
         proposal = replace(proposal, balance=told, why_balance=why)
+    elif timed and (inside := inertia_inside(summaries)) is not None:
+        why = f"Y/(r u) over Y/(sway acceleration) is {inside[1]:.2f}: "
+        why += "0.3 to 0.5 with the inertia"
+        proposal = replace(proposal, balance=inside[0], why_balance=why)
     along = along_tank(trial, summaries)
     if along is not None:
         usual = "-1 along the tank" if along[0] else "-0.1 to -0.7 along the hull"

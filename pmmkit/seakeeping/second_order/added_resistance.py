@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
@@ -22,6 +22,7 @@ from pmmkit.seakeeping.second_order.mean_drift import (
     drift,
     mean_force,
     radiated_force,
+    resting_drift,
     sectional_drift,
 )
 from pmmkit.seakeeping.transfer import Rao, between, nearest
@@ -335,8 +336,7 @@ def added_resistance(rao: Rao) -> AddedResistance:
         return AddedResistance(rao=rao, methods={rao.engine: -drift(rao)[0]})
     brought = {} if rao.second_order is None else {rao.engine: -rao.second_order[0]}
     rest = (rao.speed == 0.0)[:, None, None]
-    own = replace(rao, second_order=None)
-    momentum = {"momentum": np.where(rest, -drift(own)[0], np.nan)} if rest.any() else {}
+    momentum = {"momentum": np.where(rest, -resting_drift(rao)[0], np.nan)} if rest.any() else {}
     along = np.cos(rao.heading)[:, None] * radiated_force(rao)
     form = form_of(rao.strips.hull, rao.loading.kyy)
     given: dict[str, Callable[..., Array]] = {"STAWAVE-2": stawave2, "SNNM": snnm}

@@ -167,22 +167,30 @@ def sectional_drift(rao: Rao) -> Array:
     return np.asarray((1 - share) * long + share * reflected_force(rao))
 
 
+def resting_drift(rao: Rao) -> Array:
+    """Mean X, Y and N about midship of a ship at rest, (3, headings, frequencies) [N/m², N m/m²].
+
+    The momentum of the waves that the whole ship sends out (`momentum_drift`), blended into what
+    the sides reflect by the energy that a plate of half the draught reflects.
+    """
+    share = plate_reflection(_HALF * rao.wavenumber * rao.strip_sections.hull.draught)
+    still = reflected_force(rao)[:, rao.speed == 0.0][:, 0]
+    return np.asarray((1 - share) * momentum_drift(rao) + share * still)
+
+
 def drift(rao: Rao) -> Array:
     """Mean drift X (forward), Y (port) and N about midship of waves [N/m², N m/m²].
 
-    At rest by the momentum of the waves that the whole ship sends out (`momentum_drift`), blended
-    into what the sides reflect by the energy that a plate of half the draught reflects; at speed by
-    `sectional_drift`. What the engine itself computed comes first.
+    At rest `resting_drift`, at speed `sectional_drift`. What the engine itself computed comes
+    first.
     """
     if rao.second_order is not None:
         return rao.second_order
-    found = sectional_drift(rao)
     rest = rao.speed == 0.0
-    if rest.any():
-        share = plate_reflection(_HALF * rao.wavenumber * rao.strip_sections.hull.draught)
-        short = share * reflected_force(rao)[:, rest]
-        found[:, rest] = (1 - share) * momentum_drift(rao)[:, None] + short
-    return found
+    still = resting_drift(rao)[:, None] if rest.any() else 0.0
+    if rest.all():
+        return np.broadcast_to(still, (3, *rao.motion.shape[1:])).copy()
+    return np.where(rest[:, None, None], still, sectional_drift(rao))
 
 
 def drift_table(rao: Rao, sea: Sea, *, speed: float | None = None) -> dict[str, tuple[float, ...]]:
