@@ -30,7 +30,10 @@ SETTLED: Final = 0.05
 """A fit ends when no number moves by more than this share of its standard deviation."""
 DAMPED: Final = (0.0, 1e-2, 0.1, 1.0, 10.0, 1e2)
 """Damping of the steps that are tried one after another until the records are more probable; the
-next step begins with a little less."""
+next step begins with that, with a little less where the first try was taken and `AGREES`."""
+AGREES: Final = 0.75
+"""Share of what a linear problem promises of a step from which it holds for a longer one
+(Marquardt's rule, as in Nocedal and Wright 2006)."""
 PATHS: Final = 2
 """Times that the path of the model as given is told anew."""
 WILD: Final = 1e12
@@ -139,9 +142,10 @@ def fitted(
     records less probable, by unknown forces of the best size there, is damped.
     """
     numbers = place.question.numbers
-    used = numbers.used(names)
+    own = numbers.used(names)
     begin = np.zeros_like(place.z)
-    begin[used] = place.z[used]
+    begin[own] = place.z[own]
+    _, used = numbers.moving(names)
     question = place.question
     if np.any(begin != place.z):
         place = _along(place_at(question.followed(begin), begin, used), names)
@@ -157,8 +161,10 @@ def fitted(
         )
         if there is None:
             break
-        place, now, forces, damping = there
-        gained, stands, first = now - stands, now, max(DAMPED.index(damping) - 1, 0)
+        place, now, forces, damping, promised = there
+        gained, stands, at = now - stands, now, DAMPED.index(damping)
+        holds = at == first and gained >= AGREES * promised
+        first = max(at - 1, 0) if holds else at
         found = at_place(place, names, found.forces, fine=True)
         if gained < SLACK:
             break
@@ -189,7 +195,7 @@ def _standing(found: SetFit, place: Linearised) -> tuple[float, Forces]:
 
     question = place.question
     asked = place.information.at(place.z)
-    forces, best = most_likely(asked, value, question.least, found.forces)
+    forces, best = most_likely(asked, value, question.least, found.forces, FINE)
     before = unlikely(question.numbers, found.names, found.spread, place.z)
     return best - before, forces
 
@@ -276,18 +282,31 @@ def _stepped(
     stands: float,
     forces: Forces,
     dampings: Sequence[float],
-) -> tuple[Linearised, float, Forces, float] | None:
-    """The linear problem a step further, how it stands there by which forces (`_standing`), and by
-    which damping; None where no step helps.
+) -> tuple[Linearised, float, Forces, float, float] | None:
+    """The linear problem a step further, how it stands there by which forces (`_standing`), by
+    which damping, and what was promised; None where no step helps.
 
     Undamped it goes where the linear problem of a set leads by the unknown forces it needs there,
-    damped by those that explain what is missed now.
+    damped by those that explain what is missed now. By these the first often leads down: then it is
+    not tried (of HSVA's zigzags none of 30 such steps helped). Once a try has failed, shorter ones
+    end where they promise nothing.
     """
     place = found.place
     question, numbers = place.question, place.question.numbers
-    about = (place.information.under(forces), numbers, found.names, found.spread, place.z)
+    known = place.information.under(forces)
+    about = (known, numbers, found.names, found.spread, place.z)
+
+    def level(z: Array) -> float:
+        return known.normal.log_density_at(z) - unlikely(numbers, found.names, found.spread, z)
+
+    begins = level(place.z)
     for damping in dampings:
         z = damped(*about, damping) if damping else found.z
+        promised = level(z) - begins
+        if promised < 0.0:
+            continue
+        if promised < SLACK and damping > dampings[0]:
+            return None
         moved = question.moved(place.sheets, z - place.z, forces)
         if not moved.sails(z):
             continue
@@ -296,5 +315,5 @@ def _stepped(
             continue
         now, needed = _standing(found, there)
         if now > stands - SLACK:
-            return there, now, needed, damping
+            return there, now, needed, damping, promised
     return None

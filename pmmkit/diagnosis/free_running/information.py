@@ -211,9 +211,12 @@ def information_of(
             pieces = sheet.forces.shape[1]
             rows = whitened(sheet, sigma)
             size = sheet.starts.shape[1]
-            rest = np.asarray(np.linalg.qr(scaled(rows, size), mode="r"))[size:, size:]
             split = pieces * sheet.forces.shape[2]
-            F, G = rest[:, :split], rest[:, split:].copy()
+            asked = np.flatnonzero(sheet.values.any(axis=0))  # of the others no slopes are made
+            kept = np.r_[: size + split, size + split + asked, rows.shape[1] - 1]
+            rest = np.asarray(np.linalg.qr(scaled(rows[:, kept], size), mode="r"))[size:, size:]
+            F, G = rest[:, :split], np.zeros((len(rest), len(change) + 1))
+            G[:, [*asked, -1]] = rest[:, split:]
             G[:, -1] += G[:, :-1] @ change + F @ sheet.along.ravel()
             by.setdefault(pieces, []).append((owner, sheet.spacing, F.T @ F, F.T @ G, G.T @ G))
     return Information(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -184,14 +185,20 @@ def finest(name: str, speed: float, L: float) -> float:
 class Smooth:
     """A window as its sensors tell it.
 
-    `start (s,)`: what comes to its first states. `left (b,)`: residuals over the noise.
-    `leverage (b,)`: share of each average that starts and forces take.
+    `start (s,)`: what comes to its first states. `left (b,)`: residuals over the noise. `design,
+    known`: rows of starts and forces, and what is known of these.
     """
 
     start: Array
     forces: Array
     left: Array
-    leverage: Array
+    design: Array
+    known: InformationRoot
+
+    @cached_property
+    def leverage(self) -> Array:
+        """Share of each average (b,) that starts and forces take."""
+        return self.known.spread(self.design)
 
 
 def smoothed(
@@ -228,11 +235,17 @@ def _smoothed(
     std = np.concatenate([np.full(size, VAGUE), np.ones(pieces * channels)])
     known = InformationRoot.of(np.zeros(len(std)), std).with_rows(A, e)
     mean = known.mean[:, :, None]
-    left, leverage = e - (A @ mean)[:, :, 0], known.spread(A)
+    left = e - (A @ mean)[:, :, 0]
     pushes = (root @ mean[:, size:]).reshape(len(sheets), pieces, channels)
     starts = mean[:, :size, 0] / length
     return [
-        Smooth(start=starts[w], forces=pushes[w], left=left[w], leverage=leverage[w])
+        Smooth(
+            start=starts[w],
+            forces=pushes[w],
+            left=left[w],
+            design=A[w],
+            known=InformationRoot(root=known.root[w]),
+        )
         for w in range(len(sheets))
     ]
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pmmkit.base import SimulationError
 from pmmkit.diagnosis.free_running.windows import (
+    RUDDER_ZERO,
     RecordWindows,
     by_piece,
     constants,
@@ -20,7 +21,6 @@ from pmmkit.diagnosis.free_running.windows import (
     shown,
 )
 from pmmkit.effects import CURRENT, OUTSIDE
-from pmmkit.equations import InputField
 from pmmkit.numerics import Array
 
 SMALL: Final = 1e-5
@@ -167,7 +167,7 @@ def _carried(
         if own is None:
             raise SimulationError("No ship has such a mass matrix.")
         moved[place] = own
-        turned[place] = (inputs(stretch, further) - given)[0, InputField.rudder]
+        turned[place] = step if stretch.names[value] == RUDDER_ZERO else 0.0
     forced = size + (int(stretch.pieces.max()) + 1) * len(stretch.units)
     found = np.empty((count, size, forced + len(steps)))
     stretch.functions.tangents(

@@ -25,6 +25,8 @@ BLOCK: Final = 0.15
 SHORT: Final = 5
 """Short windows in a window: what starts and noise are told by. In them any model is almost
 linear."""
+RUDDER_ZERO: Final = "rudder_zero"
+"""The value that turns what is recorded of the rudder."""
 INSTANTS: Final = 6
 """Least instants of a short window."""
 
@@ -261,7 +263,7 @@ def inputs(stretch: RecordWindows, change: Array) -> Array:
     """Inputs (n, i) after a change of the values."""
     moved = dict(zip(stretch.names, change.tolist(), strict=True))
     found = stretch.record.inputs
-    found[:, InputField.rudder] += moved.get("rudder_zero", 0.0)
+    found[:, InputField.rudder] += moved.get(RUDDER_ZERO, 0.0)
     return found
 
 
