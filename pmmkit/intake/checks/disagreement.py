@@ -142,7 +142,8 @@ class Disagreement:
         >>> round(found.gain, 3)
         0.04
         """
-        inside = {words: np.isin(ids, list(own)) for words, own in groups.items()}
+        names, places = np.unique(ids, return_inverse=True)
+        inside = {x: np.array([name in own for name in names])[places] for x, own in groups.items()}
         there = [words for words, rows in inside.items() if rows.any() and not rows.all()]
         if not there:
             return
