@@ -130,7 +130,8 @@ def load_model(name_or_path: str | Path) -> Model:
     UnknownNameError
         If neither a file nor a library ship is meant.
     ModelError
-        If the file is damaged or wrong, with all that is wrong. Nothing in a file is executed.
+        If the file is damaged or wrong, with all that is wrong, or something else is given. Nothing
+        in a file is executed.
 
     Examples
     --------
@@ -138,6 +139,12 @@ def load_model(name_or_path: str | Path) -> Model:
     >>> model.rolls, model.values("hull_polynomial")["Yv"]
     (False, -0.0116)
     """
+    if not isinstance(name_or_path, str | Path):
+        kind = type(name_or_path).__name__
+        raise ModelError(
+            f"A model is a Model, a name of the library or a file, not a {kind}: model_of(reduction) "
+            "makes one of tests, to_model(table) of derivatives."
+        )
     text = str(name_or_path)
     is_name = (
         isinstance(name_or_path, str) and not text.endswith(".toml") and Path(text).name == text

@@ -491,3 +491,12 @@ def test_a_part_that_is_taken_out_leaves_nothing_in_the_covariance():
     left = pk.without_effect(fitted, "resistance_curve")
     assert left.covariance_names == ("Yv",)
     assert left.covariance.tolist() == np.eye(len(left.Fn) or 1).tolist()
+
+
+@pytest.mark.parametrize("wrong", ["table", 5, None])
+def test_what_is_no_model_is_told_what_makes_one(wrong):
+    """A table of derivatives was taken for the name of a file, longer than a name can be."""
+    ship = load_model("s175-3dof").ship
+    table = from_values({"Yv": -0.01}, ship=ship, water=Water(rho=1000.0, g=9.81))
+    with pytest.raises(ModelError, match=r"to_model\(table\)"):
+        pk.simulate(table if wrong == "table" else wrong, speed=9.0)
