@@ -142,8 +142,8 @@ def load_model(name_or_path: str | Path) -> Model:
     if not isinstance(name_or_path, str | Path):
         kind = type(name_or_path).__name__
         raise ModelError(
-            f"A model is a Model, a name of the library or a file, not a {kind}: model_of(reduction) "
-            "makes one of tests, to_model(table) of derivatives."
+            f"A model is a Model, a name of the library or a file, not a {kind}: "
+            "model_of(reduction) makes one of tests, to_model(table) of derivatives."
         )
     text = str(name_or_path)
     is_name = (
