@@ -123,19 +123,18 @@ def distributions(
     """How the metrics of many ships are distributed, with the nominal ship and near IMO limits."""
     with styled():
         figure = canvas(3.0)
-        axes = np.atleast_1d(figure.subplots(1, len(ships)))
+        axes = np.atleast_1d(figure.subplots(1, len(ships), sharey=True))
         for axis, (metric, values) in zip(axes, ships.items(), strict=True):
             low, high = intervals[metric]
-            axis.hist(
-                values[np.isfinite(values)], bins=60, color=colour(0), alpha=0.6, label="ships"
-            )
+            own = values[np.isfinite(values)]
+            axis.hist(own, bins="auto", color=colour(0), alpha=0.6, label="ships")
             axis.axvspan(low, high, color=colour(0), alpha=0.15, lw=0, label="central 95 %")
             axis.axvline(nominal[metric], color=REFERENCE, lw=1.4, label="as it is")
             left, right = axis.get_xlim()
             if metric in _LIMITS and abs(_LIMITS[metric] - (left + right) / 2) < right - left:
                 axis.axvline(_LIMITS[metric], color=LIMIT, lw=1.2, label="IMO limit")
             axis.set_title(_titled(metric, units.get(metric, "-")))
-            axis.set_yticks([])
+        axes[0].yaxis.get_major_locator().set_params(integer=True)
         axes[0].set_ylabel("number of ships")
         legend_below(figure, list(axes))
     return figure

@@ -464,3 +464,27 @@ def test_what_the_bars_of_causes_show_stands_within_the_figure():
     box = told.get_window_extent()
     assert box.x0 >= 0.0
     assert box.x1 <= figure.bbox.x1
+
+
+def labels_within(side):
+    """Numbers at the ticks of a side that lie within its limits."""
+    low, high = sorted(side.get_view_interval())
+    return [
+        tick.label1.get_text()
+        for tick in side.get_major_ticks()
+        if low <= tick.get_loc() <= high and tick.label1.get_visible() and tick.label1.get_text()
+    ]
+
+
+@pytest.mark.slow
+def test_bars_of_few_ships_hold_several_and_say_how_many():
+    """Sixty bars for sixty ships were a comb; the numbers of ships had no scale."""
+    found = pk.monte_carlo("kvlcc2-l7", speed=1.179, rudder_deg=35, n=60, spread=0.05, seed=1)
+    figure = found.plot()
+    assert not collisions(figure)
+    assert len(labels_within(figure.axes[0].yaxis)) > 1
+    for axis in figure.axes:
+        heights = [bar.get_height() for bar in axis.patches if bar.get_label() != "central 95 %"]
+        assert sum(heights) >= 60
+        assert np.median([height for height in heights if height >= 1.0]) > 2
+        assert len(labels_within(axis.xaxis)) > 1
