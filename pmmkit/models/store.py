@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
@@ -139,13 +140,14 @@ def load_model(name_or_path: str | Path) -> Model:
     >>> model.rolls, model.values("hull_polynomial")["Yv"]
     (False, -0.0116)
     """
-    if not isinstance(name_or_path, str | Path):
+    try:
+        text = os.fspath(name_or_path)
+    except TypeError:
         kind = type(name_or_path).__name__
         raise ModelError(
             f"A model is a Model, a name of the library or a file, not a {kind}: "
             "model_of(reduction) makes one of tests, to_model(table) of derivatives."
-        )
-    text = str(name_or_path)
+        ) from None
     is_name = (
         isinstance(name_or_path, str) and not text.endswith(".toml") and Path(text).name == text
     )
