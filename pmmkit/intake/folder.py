@@ -56,6 +56,9 @@ _PASSED: Final = frozenset(
     }
 )
 """Suffixes of files that are not measurements and are not opened."""
+_LISTS: Final = frozenset({".csv", ".txt", ".tsv", ".dat"})
+_SHORT: Final = 64_000
+"""Size of a text up to which it is looked through for particulars [bytes]: some hundred rows."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +117,8 @@ class Look:
     passed_over : int
         Files that were not looked at because there are too many.
     without_table : tuple of FileLook
-        Sheets of workbooks in which no table was found; particulars may stand there.
+        Sheets of workbooks in which no table was found, and short texts: particulars may stand
+        there.
     """
 
     path: Path
@@ -300,7 +304,14 @@ def look(path: str | Path) -> Look:
 
 
 def _without_table(looks: Sequence[FileLook]) -> tuple[FileLook, ...]:
-    return tuple(item for item in looks if item.has_sheets and not item.columns)
+    return tuple(
+        item for item in looks if not item.columns and (item.has_sheets or _may_list(item))
+    )
+
+
+def _may_list(item: FileLook) -> bool:
+    """Whether a file that no reader knows is a short text of rows."""
+    return not item.format and item.size <= _SHORT and item.path.suffix.lower() in _LISTS
 
 
 def _is_packed(path: Path) -> bool:

@@ -75,6 +75,40 @@ def test_a_draft_says_what_was_done(name, tmp_path, capsys):
                      "ship.xG"}  # fmt: skip
 
 
+LISTS = {
+    "ship.csv": ("Item,Value,Unit", "{name},{value},{unit}", ".", "mm"),
+    "particulars.txt": ("", "{name}\t{value} {unit}", ".", "m"),
+    "Hauptdaten.csv": ("Größe;Wert;Einheit", "{name};{value};{unit}", ",", "m"),
+}
+"""Head, row, decimal sign and unit of length of lists of particulars."""
+
+
+@pytest.mark.parametrize("file", LISTS)
+def test_what_a_list_beside_the_records_states_is_not_asked(file, tmp_path, capsys):
+    """Length in mm and mass in t among them; the list is no run, and a draft says its rows."""
+    text_tank.write(tmp_path / "c", LABORATORIES[next(iter(LABORATORIES))])
+    head, row, decimal, length = LISTS[file]
+    units = {"L": length, "B": "m", "d": "m", "mass": "t", "Izz": "kgm2"}
+    sizes = {"mm": 1e3, "t": 1e-3}
+    names = {"L": "Lpp", "d": "Draught"}
+    rows = [
+        row.format(
+            name=names.get(key, key),
+            value=f"{PARTICULARS[key] * sizes.get(unit, 1.0):.10g}".replace(".", decimal),
+            unit=unit,
+        )
+        for key, unit in units.items()
+    ]
+    (tmp_path / "c" / file).write_text("\n".join([*([head] if head else []), *rows]) + "\n")
+    text = drafted(tmp_path / "c", capsys)
+    raw = tomllib.loads(text)
+    told = {key: raw["ship"].get(key) for key in units}
+    assert told == {key: pytest.approx(PARTICULARS[key], rel=1e-3) for key in units}
+    assert f"{file}: Lpp = " in text
+    assert not [item.key for item in questions_of(text) if item.kind == "needed"]
+    assert all(run["file"] != file for run in raw["runs"])
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LABORATORIES)
 def test_no_laboratory_is_accused_and_the_truth_comes_out(name, tmp_path, capsys):

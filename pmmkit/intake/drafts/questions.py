@@ -11,7 +11,7 @@ from functools import partial
 from typing import Final, Literal
 
 from pmmkit.base import CampaignError
-from pmmkit.conventions import split_unit
+from pmmkit.conventions import factor_to, is_unit, split_unit
 from pmmkit.files import toml_string
 from pmmkit.intake.drafts.columns import aligned
 from pmmkit.intake.seen import FileLook
@@ -23,17 +23,32 @@ from pmmkit.readers import READERS, Cell, Cells, to_number
 Found = Mapping[str, tuple[float, str]]
 _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "scale": ("sc", "scale", "lambda", "λ", "model scale", "maßstab", "massstab", "schaal"),
-    "L": ("lpp", "l pp", "lbp", "l", "length between perpendiculars"),
+    "L": ("lpp", "l pp", "lbp", "l", "length between perpendiculars", "länge zw. loten"),
     "B": ("b", "bwl", "breadth", "beam"),
     "d": ("tm", "t", "d", "draught", "draft", "tiefgang", "diepgang"),
     "volume": ("vol", "volume", "displacement volume", "displaced volume"),
+    "mass": ("mass", "model mass", "mass of the model", "masse", "massa"),
     "Izz": ("iz", "izz", "i z", "i zz"),
     "xG": ("xg", "x g", "lcg"),
     "propeller.D": ("dp", "d p", "propeller diameter", "diameter of the propeller"),
     "rudder.area": ("ar", "a r", "rudder area", "area of the rudder"),
 }
 """Usual names in such lists; the first that is there counts."""
-_POWERS: Final = {"L": 1, "B": 1, "d": 1, "volume": 3, "xG": 1, "propeller.D": 1, "rudder.area": 2}
+_POWERS: Final = {
+    "L": 1,
+    "B": 1,
+    "d": 1,
+    "volume": 3,
+    "mass": 3,
+    "xG": 1,
+    "propeller.D": 1,
+    "rudder.area": 2,
+}
+_UNITS: Final[Mapping[str, str]] = {
+    "mass": "kg",
+    **dict.fromkeys(("L", "B", "d", "xG", "propeller.D"), "m"),
+}
+"""Units of those that lists have in others, mm and t, too."""
 _LONGEST: Final = 20.0
 """Length of a model at most [m]: a longer one is the ship."""
 _GYRADIUS: Final = (0.18, 0.32)
@@ -53,7 +68,7 @@ def particulars_of(
     for look in looks:
         try:
             bare = replace(look, options=replace(look.options, header=False))
-            cells = READERS[bare.format].cells(bare.request)
+            cells = READERS[bare.format or "csv"].cells(bare.request)
         except CampaignError:
             continue
         found = dict(_model(_listed(cells), look.shown))
@@ -67,21 +82,25 @@ def particulars_of(
 
 def _listed(cells: Cells) -> dict[str, tuple[float, str]]:
     """Numbers by our names, and their names with the rows."""
-    words: dict[str, tuple[float, str]] = {}
+    words: dict[str, tuple[float, str, str]] = {}
     for line, row in zip(cells.lines, cells.rows, strict=True):
         name = row[0]
         if not isinstance(name, str) or len(row) < 2:
             continue
         number = to_number(row[1], cells.decimal)
         if number is not None and math.isfinite(number):
-            unit = row[2] if len(row) > 2 and isinstance(row[2], str) else ""
-            plain = split_unit(name)[0].strip().casefold()
-            words.setdefault(plain, (number, f"{name.strip()} = {number:g} {unit}, row {line}"))
-    return {
-        key: next(words[name] for name in names if name in words)
-        for key, names in _NAMES.items()
-        if any(name in words for name in names)
-    }
+            plain, own = split_unit(name)
+            unit = row[2] if len(row) > 2 and isinstance(row[2], str) else own or ""
+            told = f"{name.strip()} = {number:g} {unit}, row {line}"
+            words.setdefault(plain.strip().casefold(), (number, unit.strip(), told))
+    found = {}
+    for key, names in _NAMES.items():
+        there = [words[name] for name in names if name in words]
+        for number, unit, told in there[:1]:
+            target = _UNITS.get(key, "")
+            factor = factor_to(unit, target) if target and is_unit(unit) else None
+            found[key] = (number * (factor or 1.0), told)
+    return found
 
 
 def _model(
@@ -97,6 +116,8 @@ def _model(
             values[key] = listed[key][0] / (scale**power if ship else 1.0)
             told = f", over {scale:g}{' ²³'[power - 1].strip()}" if ship else ""
             yield key, (float(f"{values[key]:.4g}"), f"{shown}: {listed[key][1]}{told}")
+    if "volume" not in values and "mass" in values:
+        values["volume"] = values["mass"] / _RHO
     if "Izz" in listed and {"L", "volume"} <= set(values):
         for factor, told in ((1.0, ""), (scale**-5, f", over {scale:g}⁵")):
             value = listed["Izz"][0] * factor

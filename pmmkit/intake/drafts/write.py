@@ -243,7 +243,7 @@ def _listed(draft: Draft, todo: Todo) -> list[str]:
     for key in _OF_SHIP:
         if key in found:
             lines.append(aligned(f"{key} = {toml(found[key][0])}", found[key][1]))
-        elif key not in ("mass", "xG"):
+        elif key not in ("mass", "xG") and not (key == "volume" and "mass" in found):
             lines.append(f"# {key} = ...   # TODO")
             todo.add(f"[ship] {key}: it is not in the list.")
     lines += ["", "[water]", _density(draft, todo)]
@@ -257,7 +257,7 @@ def _listed(draft: Draft, todo: Todo) -> list[str]:
     return lines
 
 
-_OF_SHIP: Final = ("L", "B", "d", "volume", "Izz", "xG")
+_OF_SHIP: Final = ("L", "B", "d", "volume", "mass", "Izz", "xG")
 _RHO: Final = aligned(
     f"rho = {FRESH_WATER:g}", "fresh water of 15 °C; TODO density [kg/m³] if it was another"
 )
