@@ -33,7 +33,8 @@ DAMPED: Final = (0.0, 1e-2, 0.1, 1.0, 10.0, 1e2)
 next step begins with that, with a little less where the first try was taken and `AGREES`."""
 AGREES: Final = 0.75
 """Share of what a linear problem promises of a step from which it holds for a longer one: what
-trust regions usually take. Without it HSVA's zigzags ask for a fifth more linear problems."""
+trust regions usually take. It and the promises that `_stepped` heeds spare 48 of 257 linear
+problems of HSVA's zigzags."""
 PATHS: Final = 2
 """Times that the path of the model as given is told anew."""
 WILD: Final = 1e12
