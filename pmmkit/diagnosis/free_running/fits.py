@@ -289,7 +289,7 @@ def _stepped(
 
     Undamped it goes where the linear problem of a set leads by the unknown forces it needs there,
     damped by those that explain what is missed now. By these the first often leads down: then it is
-    not tried (of HSVA's zigzags none of 30 such steps helped). Once a try has failed, shorter ones
+    not tried (of HSVA's zigzags none of 22 such steps helped). Once a try has failed, shorter ones
     end where they promise nothing.
     """
     place = found.place
