@@ -101,7 +101,10 @@ def atomic_folder(path: str | Path) -> Iterator[Path]:
 
 
 def write_results(path: str | Path, results: Iterable[tuple[str, Any]]) -> list[str]:
-    """Results as the files of a folder, all or nothing.
+    """Results as the files of a folder: nothing is there before all of it is made.
+
+    They take their names together in a folder that is new, one after the other in one that is there
+    (see `atomic_folder`).
 
     Parameters
     ----------

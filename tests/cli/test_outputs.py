@@ -71,6 +71,22 @@ def test_add_does_not_write_over_its_own_input_unless_forced(at_home, capsys):
     assert "nonlinear_added_mass" in load_model("own.toml").parts
 
 
+
+def test_add_leaves_no_model_without_its_folder(at_home, capsys, monkeypatch):
+    """What stops while pictures are drawn leaves neither of the two."""
+    from pmmkit.actions.jobs import add
+
+    def full(fall, drawn):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(add, "_files", full)
+    campaign = write_campaign(at_home / "small")
+    order = ["add", "s175-3dof", "nonlinear_added_mass", "--fit", str(campaign), "-o", "new.toml"]
+    assert main([*order, "--out", "new"]) != 0
+    assert "No space left" in capsys.readouterr().err
+    assert [item.name for item in at_home.iterdir()] == ["small"]
+
+
 @pytest.mark.parametrize(
     ("order", "read"),
     [

@@ -66,7 +66,7 @@ def add(job: AddSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.diagnosis import read_session, undone
     from pmmkit.effects import own_effects
-    from pmmkit.files import write_results
+    from pmmkit.files import atomic_path, write_results
     from pmmkit.models import load_model, save_model
 
     if [job.undo, bool(job.effects), job.steps is not None].count(True) != 1:
@@ -107,8 +107,12 @@ def add(job: AddSettings) -> Outcome:
             name, _, campaign = effect.partition("@")
             session = session.add(name, job.why, campaign=campaign)
         after, fall, held_out = session.model(), session.fall(), session.held_out_errors()
-    save_model(after, written)
     turns = _turns(before, after, sailed)
+    files: list[str] = []
+    with atomic_path(written) as part:  # the model is there when its folder is, not long before
+        save_model(after, part)
+        if job.out is not None and fall:
+            files = write_results(job.out, _files(fall, job.figures))
     content = {
         "model": str(written),
         "added": rest if kept else list(job.effects),
@@ -121,9 +125,6 @@ def add(job: AddSettings) -> Outcome:
         "notes": list(after.notes),
         "history": list(after.history),
     }
-    files = (
-        write_results(job.out, _files(fall, job.figures)) if job.out is not None and fall else []
-    )
     lines = _words(fall, taken, rolled, turns)
     if held_out:
         lines += [
