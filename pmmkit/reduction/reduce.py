@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from pmmkit.base import CampaignError, ContradictionError, Problem, Workers, __version__
 from pmmkit.campaigns import Campaign
@@ -108,6 +110,13 @@ THIRD = 3
 """Cycle over which papers integrate, the first two being transient."""
 
 
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Linear algebra by one thread: its last digits hang on their number."""
+    with threadpool_limits(1):
+        yield
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Reduction(Described):
     """Everything a reduction found.
@@ -180,14 +189,15 @@ class Reduction(Described):
     @cached_property
     def single_runs(self) -> dict[str, DerivativeTable]:
         """The derivatives from each oscillating run alone, by its id."""
-        return by_run(
-            self.rows,
-            self.sensitivities,
-            self.columns,
-            self.solution,
-            self.campaign,
-            self.convention,
-        )
+        with _one_thread():
+            return by_run(
+                self.rows,
+                self.sensitivities,
+                self.columns,
+                self.solution,
+                self.campaign,
+                self.convention,
+            )
 
     @cached_property
     def differences(self) -> tuple[Difference, ...]:
@@ -260,6 +270,7 @@ class Reduction(Described):
         ]
 
 
+@_one_thread()
 def reduce_campaign(
     campaign: Campaign,
     *,

@@ -4,8 +4,8 @@
 
 Each command is started, killed with SIGKILL (on Windows: terminated) at a random time of its usual
 duration, and what lies in its folder is looked at: every file that a reader could take for a result
-must be whole, and the old or the new one. Then the same command is let finish, and must give what
-it gives undisturbed.
+must be whole, and all of them the old or all the new ones. Hidden files that are left are counted.
+Then the same command is let finish, and must give what it gives undisturbed.
 """
 
 from __future__ import annotations
@@ -54,10 +54,15 @@ class Job:
 
 @dataclass
 class Tally:
-    """What was found after the kills of one command."""
+    """What was found after the kills of one command.
+
+    `states`: how often which state. `wrong`: what must not be. `hidden`: kills after which parts of
+    files lay there under a hidden name.
+    """
 
     states: Counter[str] = field(default_factory=Counter)
     wrong: list[str] = field(default_factory=list)
+    hidden: int = 0
 
 
 def content(folder: Path) -> Content:
@@ -65,56 +70,42 @@ def content(folder: Path) -> Content:
     return {
         file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
         for file in sorted(folder.rglob("*"))
-        if file.is_file()
-        and not any(part.startswith(".") for part in file.relative_to(folder).parts)
+        if file.is_file() and not is_hidden(file.relative_to(folder))
     }
+
+
+def is_hidden(file: Path) -> bool:
+    """Whether a file, or a folder that holds it, has a name that begins with a dot."""
+    return any(part.startswith(".") for part in file.parts)
 
 
 def jobs(campaign: Path, base: Path) -> list[Job]:
     """The commands that are killed; a model of the campaign is in the folder `base`."""
-    pmmkit = [sys.executable, "-m", "pmmkit"]
+    pmmkit = (sys.executable, "-m", "pmmkit")
+    tests, model = str(campaign), str(base / "model.toml")
 
-    def reduce(folder: Path) -> Sequence[str]:
-        return [
-            *pmmkit,
-            "reduce",
-            str(campaign),
-            "--structure",
-            "cubic",
-            "--out",
-            str(folder / "out"),
-            "--jobs",
-            "2",
-        ]
+    def writes(
+        *words: str, into: str = "--out", name: str = "out"
+    ) -> Callable[[Path], Sequence[str]]:
+        return lambda folder: [*pmmkit, *words, into, str(folder / name)]
 
     def old(folder: Path) -> None:
         (folder / "out").mkdir()
         for name in ("derivatives.csv", "report.html"):
             (folder / "out" / name).write_text(f"the old {name}", encoding="utf-8")
 
-    def add(folder: Path) -> Sequence[str]:
-        return [
-            *pmmkit,
-            "add",
-            str(base / "model.toml"),
-            "cubic_hull_terms",
-            "--fit",
-            str(campaign),
-            "-o",
-            str(folder / "model.toml"),
-            "--no-figures",
-            "--out",
-            str(folder / "added"),
-        ]
-
-    def save(folder: Path) -> Sequence[str]:
-        return [sys.executable, "-c", SAVE, str(campaign), str(folder / "saved.h5")]
-
+    reduce = writes("reduce", tests, "--structure", "cubic", "--jobs", "2")
+    add = ("add", model, "cubic_hull_terms", "--fit", tests, "--no-figures")
     return [
         Job("reduce", reduce),
         Job("reduce over old results", reduce, old),
-        Job("add", add),
-        Job("save_campaign", save),
+        Job("add", lambda folder: [*writes(*add)(folder), "-o", str(folder / "model.toml")]),
+        Job("diagnose", writes("diagnose", model, tests)),
+        Job("plan", writes("plan", model, tests)),
+        Job(
+            "save_campaign",
+            lambda folder: [sys.executable, "-c", SAVE, tests, str(folder / "saved.h5")],
+        ),
     ]
 
 
@@ -133,15 +124,15 @@ def run(command: Sequence[str], kill_after: float | None = None) -> bool:
 
 
 def examine(found: Content, old: Content, new: Content) -> tuple[str, list[str]]:
-    """What the state of a folder is, and which of its files are neither old nor new."""
+    """What the state of a folder is, and what of it must not be."""
+    if found in (new, old):
+        return ("new" if found == new else "old"), []
     strange = [
-        name for name, digest in found.items() if digest not in (old.get(name), new.get(name))
+        f"{name} is neither old nor new"
+        for name, digest in found.items()
+        if digest not in (old.get(name), new.get(name))
     ]
-    if found == new:
-        return "new", strange
-    if found == old:
-        return "old", strange
-    return "some old, some new", strange
+    return "neither", strange or ["some files are old, some new"]
 
 
 def try_job(job: Job, kills: int, rng: random.Random) -> Tally:
@@ -167,7 +158,8 @@ def try_job(job: Job, kills: int, rng: random.Random) -> Tally:
             ended = run(job.command(place), kill_after=rng.uniform(0.0, 1.1 * usual))
             state, strange = examine(content(place), old, new)
             tally.states["done before the kill" if ended else state] += 1
-            tally.wrong += [f"{name} is neither old nor new" for name in strange]
+            tally.wrong += strange
+            tally.hidden += any(is_hidden(file.relative_to(place)) for file in place.rglob("*"))
             run(job.command(place))
             if content(place) != new:
                 tally.wrong.append("the same command gave something else afterwards")
@@ -187,29 +179,19 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         make(Path(name), runs=given.runs, mb=0.1)
         base = Path(name) / "base"
-        run(
-            [
-                sys.executable,
-                "-m",
-                "pmmkit",
-                "reduce",
-                name,
-                "--structure",
-                "linear",
-                "--fn",
-                "pooled",
-                "--out",
-                str(base),
-            ]
-        )
+        reduction = ["reduce", name, "--structure", "linear", "--fn", "pooled", "--out", str(base)]
+        run([sys.executable, "-m", "pmmkit", *reduction])
         chosen = [job for job in jobs(Path(name), base) if job.name in (given.only or [job.name])]
         each = -(-given.kills // len(chosen))
         tallies = {job.name: try_job(job, each, rng) for job in chosen}
     wrong = [f"{job}: {text}" for job, tally in tallies.items() for text in tally.wrong]
     for job, tally in tallies.items():
         states = ", ".join(f"{state} {count}" for state, count in tally.states.most_common())
-        print(f"{job:26} {sum(tally.states.values()):4d} kills: {states}; wrong {len(tally.wrong)}")
-    print("\n".join(wrong) or "Every file was whole, and every command finished afterwards.")
+        print(
+            f"{job:26} {sum(tally.states.values()):4d} kills: {states}; "
+            f"parts left {tally.hidden}; wrong {len(tally.wrong)}"
+        )
+    print("\n".join(wrong) or "All was old or all new, and every command finished afterwards.")
     return 1 if wrong else 0
 
 

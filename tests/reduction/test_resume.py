@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
 import pmmkit as pk
 from pmmkit.base import CampaignError
@@ -74,6 +75,14 @@ def stopped_after(folder, kept, runs):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("threads", [2, 4])
+def test_several_threads_of_the_linear_algebra_give_the_same_to_the_bit(
+    folder, undisturbed, threads
+):
+    with threadpool_limits(threads):
+        assert everything(reduced(folder, executor=1)) == undisturbed
+
+
 def test_several_processes_give_the_same_to_the_bit(folder, undisturbed, at_once, monkeypatch):
     read = []
     read_run = all_runs.read_run
