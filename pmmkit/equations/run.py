@@ -15,6 +15,7 @@ import numpy as np
 
 from pmmkit.base import ModelError, SimulationError
 from pmmkit.equations.compilation import is_compiled
+from pmmkit.equations.histories import forces_by_effect
 from pmmkit.equations.layouts import (
     Constant,
     Control,
@@ -166,6 +167,28 @@ class DenseHistory:
             "n": rows[len(states) + Control.revolutions],
         }
         return followed | dict(zip(states, rows, strict=False))
+
+    def forces(self, t: Array) -> dict[str, Array]:
+        """X, Y [N] and N [N m] about midship (3, n) of each effect at ascending instants.
+
+        Added mass apart. The polynomial is called ``derivatives``.
+
+        Raises
+        ------
+        SimulationError
+            If derivatives follow the speed of the moment: these are constants of no history.
+        """
+        if self.ready.structure.follows:
+            raise SimulationError(
+                "Forces of each effect are not kept where derivatives follow the speed of the "
+                'moment; take those of the approach: fn = "approach".'
+            )
+        rows, place = self.sampled(t), len(self.ready.structure.states)
+        controls = {
+            "n_order": rows[place + Control.revolutions],
+            "bucket": rows[place + Control.bucket],
+        }
+        return forces_by_effect(self.ready.structure, self.ready.k, controls | self.channels(t))
 
     def sampled(self, t: Array) -> Array:
         """States and the three controls at ascending instants, a row each."""

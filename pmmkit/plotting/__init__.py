@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from pmmkit.base import lazy
 
 if TYPE_CHECKING:
+    from pmmkit.plotting.animation import animate
     from pmmkit.plotting.bands import TrackLike, band_histories
     from pmmkit.plotting.style import (
         INK,
@@ -33,6 +34,7 @@ __all__ = [
     "WIDTH",
     "Drawn",
     "TrackLike",
+    "animate",
     "band_histories",
     "beyond",
     "canvas",

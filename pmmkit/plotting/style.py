@@ -83,9 +83,17 @@ _EASTERN: Final = (
 )
 """Families that hold Japanese, Chinese or Korean names of runs, where one is installed."""
 _OF_THE_SESSION: Final = frozenset(
-    {"backend", "backend_fallback", "interactive", "toolbar", "timezone", "date.epoch"}
+    {
+        "animation.ffmpeg_path",
+        "backend",
+        "backend_fallback",
+        "date.epoch",
+        "interactive",
+        "timezone",
+        "toolbar",
+    }
 )
-"""Settings of matplotlib that say where figures are shown, not how they look."""
+"""Settings of matplotlib that say where figures are shown and programs lie, not how they look."""
 
 
 @contextmanager

@@ -134,10 +134,10 @@ def beyond(
 
 
 _HALF: Final = ((-0.5, 0.36), (-0.47, 0.5), (0.2, 0.5), (0.38, 0.3), (0.5, 0.0))
-_OUTLINE: Final = np.array([*_HALF, *((x, -y) for x, y in _HALF[-2::-1])])
-"""Waterline in lengths and breadths, bow at +0.5."""
 _SLENDER: Final = 0.145
 """Breadth over length of the outlines; they show the heading, not the ship."""
+WATERLINE: Final = np.array([*_HALF, *((x, -y) for x, y in _HALF[-2::-1])]) * (1.0, _SLENDER)
+"""Outline of a ship of length 1 as (ahead, to starboard) pairs, bow at +0.5."""
 _CLEAR: Final = 0.75
 """Distance of the dimension lines from the path [L]: more than half a ship."""
 _EVERY: Final = np.pi / 4
@@ -235,7 +235,7 @@ def _path(axis: Axes, track: TrackLike, number: int, name: str) -> None:
     axis.plot(aside, ahead, color=colour, ls=style.dash(number), label=name)
     stops = np.arange(0.0, min(reached[-1], 2 * np.pi), _EVERY)
     for index in np.searchsorted(reached, stops):
-        outline = np.array([aside[index], ahead[index]]) + _outline(track.psi[index])
+        outline = np.array([aside[index], ahead[index]]) + oriented(WATERLINE, track.psi[index])
         axis.fill(*outline.T, facecolor=colour, edgecolor="none", alpha=0.35, zorder=1.8)
     for angle, face in ((np.pi / 2, colour), (np.pi, "white")):
         if angle <= reached[-1]:
@@ -278,9 +278,9 @@ def _marks_told(axis: Axes) -> None:
         )
 
 
-def _outline(heading: float) -> Array:
-    """Outline of a ship of length 1 as (to starboard, ahead) pairs at a heading."""
-    ahead, aside = _OUTLINE[:, 0], _OUTLINE[:, 1] * _SLENDER
+def oriented(points: Array, heading: float) -> Array:
+    """Points of a ship, (ahead, to starboard) pairs, as (to starboard, ahead) of the approach."""
+    ahead, aside = points[:, 0], points[:, 1]
     return np.stack(
         [
             ahead * np.sin(heading) + aside * np.cos(heading),

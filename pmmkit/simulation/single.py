@@ -64,6 +64,7 @@ def simulate(
     rtol: float = Prepared.RTOL,
     extrapolate: bool = False,
     compiled: bool | None = None,
+    forces: bool = False,
     **settings: Any,
 ) -> Track:
     """Simulate a manoeuvre from steady running straight ahead.
@@ -114,6 +115,8 @@ def simulate(
     compiled : bool, optional
         Run compiled code, or interpreted code, which gives the same numbers. By default a model is
         interpreted at first, and compiled, which takes some seconds, once it is sailed often.
+    forces : bool
+        Keep the forces of each effect in the track, for `Track.animate`.
     **settings
         Of the manoeuvre, as above.
 
@@ -176,6 +179,8 @@ def simulate(
     gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
     track = track_of(loaded, history, dt, settings)
+    if forces:
+        track = replace(track, forces=MappingProxyType(history.forces(track.t)))
     more = [Track.NO_BOTTOM] if depth is not None and not loaded.feels("depth") else []
     if wave_height is not None and not loaded.feels("wave_height"):
         more.append(Track.NO_WAVES)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.base import UnknownNameError
+from pmmkit.base import Progress, UnknownNameError
 from pmmkit.conventions import METRICS, Metric
 from pmmkit.models import Standing
 from pmmkit.numerics import Array
@@ -62,6 +63,9 @@ class Track(Described):
         range that was tested.
     standing : Standing
         What the numbers of the model that sailed stand on.
+    forces : mapping of str to array (3, m)
+        X, Y [N] and N [N m] about midship of each effect that sailed, added mass apart; its
+        polynomial is called ``derivatives``. Empty unless `simulate` was asked for them.
     """
 
     t: Array
@@ -88,6 +92,7 @@ class Track(Described):
     settings: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     tested: FroudeRange | None = None
     standing: Standing = field(default_factory=Standing)
+    forces: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     CHANNELS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
         {
             "x": ("m", "path in the direction of the approach"),
@@ -130,7 +135,7 @@ class Track(Described):
         >>> turn.at(turn.t > 58.0).t
         array([59., 60.])
         """
-        kept: dict[str, Any] = {}
+        kept: dict[str, Any] = {"forces": {name: x[:, places] for name, x in self.forces.items()}}
         for item in fields(self):
             values = getattr(self, item.name)
             if isinstance(values, np.ndarray):
@@ -147,8 +152,10 @@ class Track(Described):
         lengths."""
         length, pace = L / self.L, speed / self.speed
         time = length / pace
+        heavy = (length * pace) ** 2 * np.array([[1.0], [1.0], [length]])
         return replace(
             self,
+            forces={name: heavy * x for name, x in self.forces.items()},
             L=L,
             speed=speed,
             t=self.t * time,
@@ -237,6 +244,54 @@ class Track(Described):
     def plot(self) -> Figure:
         """The first of the figures that show the manoeuvre."""
         return next(iter(self.figures().values()))
+
+    def animate(
+        self,
+        path: str | Path,
+        *,
+        frames: int = 100,
+        fps: int = 10,
+        progress: Progress | None = None,
+    ) -> Path:
+        """Write the manoeuvre as an animation, all or nothing.
+
+        On the left the ship goes along her path, to scale, with her rudder. On the right she is
+        seen from above in her own axes, where arrows show the forces of each effect if the track
+        keeps them: ``simulate(…, forces=True)``. Such an arrow begins where its force acts along
+        the ship, N/Y.
+
+        Parameters
+        ----------
+        path : path
+            A file ``.gif``, or ``.mp4`` where the program ffmpeg is installed.
+        frames : int
+            Pictures, at equal steps from the first instant to the last.
+        fps : int
+            Pictures in a second; a GIF counts in hundredths of a second.
+        progress : Progress, optional
+            Told how many pictures are drawn.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        DataError
+            If the name has another ending, ffmpeg is not found, or there are no two frames.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from pmmkit.simulation.single import simulate
+        >>> turn = simulate("kcs", speed=12.35, duration=60.0, forces=True)
+        >>> turn.animate(Path(tempfile.mkdtemp()) / "turn.gif", frames=2).name
+        'turn.gif'
+        """
+        from pmmkit.plotting import animate
+
+        return animate(self, self.forces, path, frames=frames, fps=fps, progress=progress)
 
     def _headline(self) -> str:
         angle = f" {self.rudder_deg:.1f}°" if self.rudder_deg else ""

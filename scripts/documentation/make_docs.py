@@ -228,7 +228,7 @@ def pages() -> dict[str, str]:
 
 
 def pictures() -> None:
-    """The derivatives of datasets/s175 over the Froude number, and the turns they lead to."""
+    """The derivatives of datasets/s175 over the Froude number, turns, and one in motion."""
     table = pk.reduce(pk.open_campaign(datasets_folder() / "s175"))
     model = pk.to_model(table, parts="s175-3dof")
     speeds = (6.0, 9.0, 12.0)
@@ -237,6 +237,8 @@ def pictures() -> None:
     style.save(derivatives_over_froude(shown), DOCS / "images" / "derivatives.png")
     names = [f"{speed:g} m/s, Fn {model.ship.froude(speed):.3f}" for speed in speeds]
     style.save(trajectory(tracks, names), DOCS / "images" / "turning.png")
+    turn = pk.simulate("s175", "turning", rudder_deg=35, speed=6.0, forces=True)
+    turn.animate(DOCS / "images" / "turn.gif", frames=50)
 
 
 def main() -> int:

@@ -35,7 +35,7 @@ MB = 1 << 20
 BOMB_MB = 300
 """A command may take this memory and three times its largest file."""
 GROWTH_MB = 20.0
-"""Memory that a process may gain from its tenth to its last call: pages of the allocator."""
+"""Memory that a process may gain over the second half of its calls: pages of the allocator."""
 TURNED_CLOCK = """
 import time
 real, calls = time.time, iter(range(10**9))
@@ -55,7 +55,7 @@ for number in range(count):
         pk.diagnose(pk.load_model(model), tests)
     else:
         pk.simulate(pk.load_model(model), "turning", speed=1.5, rudder_deg=10.0 + number % 26)
-    if number == 9:
+    if number == count // 2:
         early = size()
 print(size() - early)
 """
@@ -370,7 +370,7 @@ def memory(bench: Bench, _: int) -> Iterator[Row]:
         words = [str(bench.campaign), model, each, str(count)]
         done = run(words, empty(), python=("-c", MEMORY))
         grown = float(done.said.splitlines()[-1]) if done.status == 0 else float("inf")
-        note = f"grows by {grown:.1f} MB from the tenth to the last"
+        note = f"grows by {grown:.1f} MB over the second half"
         yield row(f"{count} × {each} in one process", [(done, grown < GROWTH_MB)], note)
 
 

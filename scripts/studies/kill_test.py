@@ -162,7 +162,8 @@ def try_job(job: Job, kills: int, rng: random.Random) -> Tally:
             tally.hidden += any(is_hidden(file.relative_to(place)) for file in place.rglob("*"))
             run(job.command(place))
             if content(place) != new:
-                tally.wrong.append("the same command gave something else afterwards")
+                differ = {name for name, _ in content(place).items() ^ new.items()}
+                tally.wrong.append(f"afterwards {sorted(differ)} differ")
             left = [path.name for path in place.iterdir() if path.name.endswith("-resume")]
             tally.wrong += [f"{name} was left behind" for name in left]
     return tally

@@ -71,7 +71,6 @@ def test_add_does_not_write_over_its_own_input_unless_forced(at_home, capsys):
     assert "nonlinear_added_mass" in load_model("own.toml").parts
 
 
-
 def test_add_leaves_no_model_without_its_folder(at_home, capsys, monkeypatch):
     """What stops while pictures are drawn leaves neither of the two."""
     from pmmkit.actions.jobs import add

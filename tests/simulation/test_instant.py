@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from support.commands import said
 
-from pmmkit.base import DataError, ModelError
+from pmmkit.base import DataError, ModelError, SimulationError
 from pmmkit.conventions import Convention
 from pmmkit.equations import prepare, prepare_following
 from pmmkit.imo import imo_verdicts
@@ -275,6 +275,12 @@ def test_the_answer_does_not_depend_on_how_finely_the_track_is_sampled():
 def test_another_word_is_refused_with_those_there_are():
     with pytest.raises(DataError, match="approach, instant"):
         sail(THREE, speed=7.0, fn="now")
+
+
+def test_forces_of_each_effect_are_those_of_the_approach():
+    with pytest.raises(SimulationError, match='fn = "approach"'):
+        sail(THREE, speed=7.0, fn="instant", duration=10.0, forces=True)
+    assert sail(THREE, speed=7.0, duration=10.0, forces=True).forces
 
 
 def test_a_mass_matrix_that_is_not_positive_at_one_row_is_refused():

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.actions.outcome import Outcome, figure_files, marked, results_folder, written
 from pmmkit.actions.sea import WAVES, WaveSettings, carried, first_order, new_notes
@@ -18,7 +20,11 @@ from pmmkit.actions.shared import (
     Out,
 )
 from pmmkit.actions.speeds import CurrentSpeed, Speed, WindSpeed, approach
+from pmmkit.base import shown
 from pmmkit.presentation import text_of
+
+if TYPE_CHECKING:
+    from pmmkit.simulation import Track
 
 STAGE: Final = ("predict", 1)
 EXAMPLE: Final = "pmmkit simulate kvlcc2 --manoeuvre zigzag --rudder-deg 10 --speed '15.5 kn'"
@@ -91,6 +97,11 @@ class SimulateSettings:
     waves: TrackWaveSettings = TrackWaveSettings()
     extrapolate: Extrapolate = False
     figures: Figures = True
+    animate: str | None = setting(
+        "Animation too: name of its file among the results, such as turn.gif, or turn.mp4 where "
+        "ffmpeg is installed.",
+        default=None,
+    )
     out: Out = None
 
 
@@ -100,6 +111,8 @@ def simulate(job: SimulateSettings) -> Outcome:
     from pmmkit.models import load_model
     from pmmkit.simulation import simulate
 
+    if job.animate is not None and Path(job.animate).name != job.animate:
+        raise SettingError(f"{job.animate}: name a file alone; it goes to the folder of --out.")
     folder = results_folder(job.out, f"{stem(job.model)}-{job.manoeuvre}")
     loaded = load_model(job.model)
     pace = approach(job.speed, loaded)
@@ -114,6 +127,7 @@ def simulate(job: SimulateSettings) -> Outcome:
         fn=job.fn,
         extrapolate=job.extrapolate,
         revolutions="speed" if job.waves.hold_speed else None,
+        forces=job.animate is not None,
         **vars(job.conditions),
         **job.orders.given(),
     )
@@ -128,6 +142,8 @@ def simulate(job: SimulateSettings) -> Outcome:
         drawn |= {"wave_motion": moved.plot()} if job.figures else {}
     if drawn:
         results += figure_files(drawn, "svg")
+    if job.animate is not None:
+        results.append((job.animate, partial(_animated, track)))
     verdicts = imo_turning(track) if track.manoeuvre == "turning" else []
     judged = [text_of(verdict_sections(verdicts)), ""] if verdicts else []
     if judged and sea is not None:
@@ -135,3 +151,9 @@ def simulate(job: SimulateSettings) -> Outcome:
     told = [*new_notes(rough, of_sea, loaded), "", *([str(moved), ""] if moved else [])]
     lines = [str(track), "", *(told if sea else []), *judged]
     return marked(written(folder, results, metrics, lines), loaded)
+
+
+def _animated(track: Track, path: Path) -> None:
+    """Write the animation of a track, and tell how far it is."""
+    with shown() as progress:
+        track.animate(path, progress=progress)

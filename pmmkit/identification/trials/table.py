@@ -58,7 +58,7 @@ class Trial(Track):
         Ordered rudder as it was reached, positive to starboard [deg].
     metrics : mapping of str to float
         Numbers by the names that `simulate` gives them; NaN where the record does not show them.
-    name, manoeuvre, L, Fn, scale, notes, orders, settings, tested, standing
+    name, manoeuvre, L, Fn, scale, notes, orders, settings, tested, standing, forces
         Of a `Track`.
     run : str
         Id of the run.
