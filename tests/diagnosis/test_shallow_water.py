@@ -99,3 +99,14 @@ def test_the_bottom_that_a_tanker_was_measured_over_is_named():
     assert finding.error_after < 0.6 * finding.error_before
     better = found.model
     assert better.values("shallow_water")["share"] == pytest.approx(finding.coefficients["share"])
+
+
+@pytest.mark.slow
+def test_what_a_bottom_moves_beside_the_formulas_is_said_to_hold_at_its_depth(tmp_path):
+    """Growth of another form in the tank: values fit as well, so that none is named."""
+    setup = Setup(ship="s175", case="bottom", size=1.0, runs=3, seed=1)
+    found = pk.diagnose(pk.load_model("s175"), pk.open_campaign(write(setup, tmp_path)))
+    assert found.verdict == "refit"
+    (note,) = [item for item in found.notes if "draughts deep" in item]
+    assert "2.5 draughts" in note
+    assert "values are those of this depth" in note

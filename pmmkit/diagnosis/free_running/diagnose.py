@@ -52,6 +52,7 @@ from pmmkit.diagnosis.free_running.hypotheses import (
     Names,
     candidates_for,
     check_seas,
+    excited,
     free_candidate_of,
     lacking,
     screen,
@@ -430,7 +431,7 @@ def answer(
         model=made,
         refitted=refitted,
         corrections=MappingProxyType(corrections),
-        notes=(*_notes(question, last), *_lost(system), *_refused(contest)),
+        notes=(*_notes(model, question, last), *_lost(system), *_refused(contest)),
         disagreements=apart,
         not_asked=MappingProxyType(_not_asked(system, absent)),
         transfers=_transfers(best, contest) if told and best else (),
@@ -620,7 +621,7 @@ def _lost(system: FreeSystem) -> tuple[str, ...]:
     )
 
 
-def _notes(question: RecordQuestion, last: SetFit) -> tuple[str, ...]:
+def _notes(model: Model, question: RecordQuestion, last: SetFit) -> tuple[str, ...]:
     """What a reader must know of how it was found."""
     windows = sum(len(item.begins) - 1 for item in question.stretches)
     shares = ", ".join(
@@ -634,5 +635,13 @@ def _notes(question: RecordQuestion, last: SetFit) -> tuple[str, ...]:
     ]
     if question.outliers:
         notes.append(f"{question.outliers} averages left out that no motion explains")
-    notes += sea_notes(question.model, [item.record for item in question.stretches])
+    records = [item.record for item in question.stretches]
+    notes += sea_notes(question.model, records)
+    felt = bool(model.in_role("depth")) or "shallow_water" in last.names
+    if np.any(last.z) and not felt and "depth" in excited(model, records):
+        least = min(item.depth or math.inf for item in records) / model.ship.d
+        notes.append(
+            f"the water is {least:.3g} draughts deep: what moved may be the bottom's, which need "
+            "not grow as the formulas of shallow_water say; the values are those of this depth"
+        )
     return tuple(notes)
