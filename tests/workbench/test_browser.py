@@ -161,6 +161,36 @@ def test_an_own_effect_is_checked_while_it_is_typed(opened):
     assert opened.complaints == []
 
 
+def test_a_turn_is_seen_in_motion_with_the_forces_of_each_effect(opened, axe):
+    """By keys alone; it stays open where another angle is sailed, and plays to its end."""
+    opened.run("location.hash = 'ship'")
+    opened.wait("document.querySelectorAll('.motion summary').length")
+    settled(opened)
+    opened.run("document.querySelector('.motion summary').focus()")
+    opened.key("Enter", "\r")
+    opened.wait("document.querySelectorAll('.motion .hull').length === 2")
+    drawn = "[...document.querySelectorAll('.motion .hull, .motion .force')].map(x => x.outerHTML)"
+    before = opened.run(drawn)
+    opened.run("document.querySelector('.motion input').focus()")
+    for _ in range(20):
+        opened.key("ArrowRight")
+    after = opened.run(drawn)
+    assert [x == y for x, y in zip(before, after, strict=True)] == [
+        "hull" in x and place == 1 for place, x in enumerate(before)
+    ]
+    assert opened.run("document.querySelector('.motion output').textContent").startswith("t ")
+    assert broken(opened, axe) == []
+    opened.run("document.querySelector('.motion button').focus()")
+    opened.key("Enter", "\r")
+    opened.wait("document.querySelector('.motion button').textContent === 'Pause'")
+    opened.wait("Number(document.querySelector('.motion input').value) > 0")
+    opened.run("document.querySelector('.slider input').focus()")
+    opened.key("ArrowLeft")
+    settled(opened)
+    assert opened.run("document.querySelector('.motion').open")
+    assert opened.complaints == []
+
+
 def test_all_that_can_be_clicked_has_a_name_and_a_place_among_the_keys(opened):
     for name in PLACES:
         opened.run(f"location.hash = '{name}'")

@@ -213,6 +213,9 @@ def test_a_turn_is_that_of_the_simulator_in_ship_lengths():
     assert found["advance_L"] == pytest.approx(track.metrics["advance_L"], rel=1e-4)
     assert max(page["y"]) == pytest.approx(float(track.y.max()) / track.L, rel=1e-2)
     assert {item["criterion"] for item in page["verdicts"]} == {"advance", "tactical_diameter"}
+    rudder = next(item for item in page["forces"] if item["effect"] == "rudder_mmg")
+    assert len(rudder["Y"]) == len(page["t"])
+    assert rudder["Y"][-1] < 0.0 < rudder["N"][-1]
 
 
 @pytest.mark.slow

@@ -41,7 +41,7 @@ def sailed_page(
     """
     if manoeuvre == "spiral":
         return spiral_page(model, speed=speed)
-    track = simulate(model, manoeuvre, speed=speed, compiled=False, **settings)
+    track = simulate(model, manoeuvre, speed=speed, compiled=False, forces=True, **settings)
     page = track_page(track)
     if band and (rivals or model.covariance is not None):
         among = [(rival, odds) for rival, odds, _ in rivals]
@@ -121,6 +121,13 @@ def track_page(track: Track) -> dict[str, Any]:
         "delta": short(np.degrees(track.delta[kept])),
         "r": short(np.degrees(track.r[kept])),
         "speed": short(np.hypot(track.u, track.v * np.cos(track.phi))[kept]),
+        "forces": [
+            {
+                "effect": effect,
+                **{key: short(row[kept]) for key, row in zip("XYN", own, strict=True)},
+            }
+            for effect, own in track.forces.items()
+        ],
         "metrics": [
             {
                 "name": name,

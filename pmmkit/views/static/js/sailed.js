@@ -4,6 +4,7 @@ import { el, refill, svg } from "./dom.js";
 import { t } from "./words.js";
 import { judgement, num, unitOf } from "./format.js";
 import { extent, frame, path } from "./linear.js";
+import { motionPanel } from "./motion.js";
 
 export async function turnPanel(root, app) {
   refill(root, el("h2", {}, t("turn")), el("p", { class: "soft" }, t("computing")));
@@ -23,7 +24,8 @@ export async function turnPanel(root, app) {
       el("div", { class: "plot" }, trackPlot(turns.after ? [[turns.before, "measured dashed"], [turns.after, "model"]] : [[turns.before, "model"]])),
       el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("measures") }, measures(turns))),
     turns.after ? el("p", { class: "legend" },
-      el("span", {}, el("i", { class: "line c-measured" }), t("before")), el("span", {}, el("i", { class: "line c-model" }), t("after_all"))) : null);
+      el("span", {}, el("i", { class: "line c-measured" }), t("before")), el("span", {}, el("i", { class: "line c-model" }), t("after_all"))) : null,
+    motionPanel(after));
 }
 
 export function trackPlot(tracks, { height = 340 } = {}) {

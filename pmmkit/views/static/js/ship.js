@@ -5,6 +5,7 @@ import { t } from "./words.js";
 import { judgement, num, plainWord } from "./format.js";
 import { frozen, post } from "./api.js";
 import { extent, frame, path, roomOf } from "./linear.js";
+import { motionPanel } from "./motion.js";
 import { metricTitle, trackPlot, turnPanel } from "./sailed.js";
 
 const MANOEUVRES = ["turning", "zigzag", "spiral"];
@@ -126,6 +127,7 @@ function draw(root, asked, found, trials) {
     el("div", { class: "plot" }, time.root),
     el("p", { class: "legend" }, key("c-model", t("heading")), key("c-rudder", t("rudder")), near ? key("c-measured", `${t("heading")}, ${t("measured")}`) : null,
       near ? key("c-rudder dashed", `${t("rudder")}, ${t("measured")}`) : null),
+    motionPanel(found, root.querySelector(".motion")),
     found.notes.map((text) => el("p", { class: "soft small" }, text)));
 }
 
