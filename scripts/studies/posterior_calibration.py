@@ -99,7 +99,7 @@ def sailed(seed: int, truth: dict[str, Any]) -> list[FreeRecord]:
     def change(state: np.ndarray, rudder: np.ndarray) -> np.ndarray:
         _, _, psi, u, v, r = state
         zero = np.zeros(runs)
-        now = Motion(u, v, r, psi, zero, zero, zero)
+        now = Motion(u, v, r, psi, zero, zero, zero, zero, zero)
         surge, sway, yaw, _ = ship.accelerations(now, rudder, n, calm)
         ahead, aside = np.cos(psi), np.sin(psi)
         return np.stack([u * ahead - v * aside, u * aside + v * ahead, r, surge, sway, yaw])

@@ -196,4 +196,7 @@ CASES: Mapping[str, Case] = {
         either=True,
     ),
     "play": Case(_both(lambda s: Hidden(play=2.0 * DEGREE * s)), told=False),
+    "bank": Case(_both(lambda s: Hidden(bank=0.001 * s)), told=False),
+    "tether": Case(_both(lambda s: Hidden(tether=0.0002 * s)), told=False),
+    "ventilation": Case(_both(lambda s: Hidden(ventilated=0.4 * s)), told=False),
 }

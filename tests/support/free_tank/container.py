@@ -135,7 +135,7 @@ class Container:
         along = EPS * np.sqrt(inflow**2 + SLIP * jet)
         across = (GAMMA + h.straightening) * v + (CR + h.crossing) * r
         across = U * (across + CRRR * r**3 + CRRV * r * r * v)
-        lift = normal_lift(SLOPE, delta + np.arctan(across / along), h.stalled)
+        lift = normal_lift(SLOPE, delta + np.arctan(across / along), h.stalled, h.ventilated)
         return -0.5 * BODY.rho * AREA * (along**2 + across**2) * lift
 
 

@@ -17,6 +17,11 @@ STALL, FALL, LOST = math.radians(20.0), math.radians(8.0), 0.3
 TAPER = 1.3
 """Drag of a strip at x over L in yaw alone is 1 - TAPER x."""
 
+BANK = 5.0
+"""Distance of the bank from the approach [L]."""
+AIRY = math.radians(12.0)
+"""Angle of attack beyond which a rudder draws air."""
+
 SWELL = 0.8
 """Frequency of the waves [rad/s]."""
 _ALONG = np.linspace(-0.5, 0.5, 61)
@@ -37,7 +42,7 @@ Hirano and others (1985) give; added masses stay those of deep water."""
 @dataclass(frozen=True)
 class Motion:
     """Motion through the water, one value a run: u, v [m/s], r, p [rad/s], ψ, φ [rad]; sway as it
-    was about a lag ago, over the speed."""
+    was about a lag ago, over the speed; place [m], ahead and to starboard of the first heading."""
 
     u: np.ndarray
     v: np.ndarray
@@ -46,6 +51,8 @@ class Motion:
     phi: np.ndarray
     p: np.ndarray
     late: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
 
     @property
     def speed(self) -> np.ndarray:
@@ -95,7 +102,17 @@ def hidden_forces(
         across = v[:, None] + r[:, None] * STRIPS
         strips = -hidden.strips * drag * across * np.abs(across)
         Y, N = Y + strips.mean(axis=1), N + (strips * STRIPS).mean(axis=1)
-    X, Y, N = q * hidden.vr * v * r, q * Y, q * body.L * N
+    X = hidden.vr * v * r
+    if hidden.bank:
+        pull = hidden.bank / (1.0 + np.maximum(BANK - now.y / body.L, 0.0)) ** 2
+        X, Y = X + pull * np.sin(now.psi), Y + pull * np.cos(now.psi)
+        N = N - 0.1 * pull * np.cos(now.psi)
+    if hidden.tether:
+        away = np.arctan2(-now.y, -now.x) - now.psi
+        taut = hidden.tether * np.minimum(np.hypot(now.x, now.y) / body.L, 1.0)
+        X, Y = X + taut * np.cos(away), Y + taut * np.sin(away)
+        N = N - 0.5 * taut * np.sin(away)
+    X, Y, N = q * X, q * Y, q * body.L * N
     if hidden.windage:
         wind = wind_forces(body, now, blows)
         X, Y, N = (a + hidden.windage * b for a, b in zip((X, Y, N), wind, strict=True))
@@ -140,9 +157,13 @@ def wave_forces(
     return size * body.L * X, size * body.L * Y, size * body.L**2 * N
 
 
-def normal_lift(slope: float, attack: np.ndarray, stalled: float) -> np.ndarray:
-    """Coefficient of a rudder's normal force; `stalled` is the share of one that stalls."""
-    attached = slope * np.sin(attack)
+def normal_lift(
+    slope: float, attack: np.ndarray, stalled: float, ventilated: float = 0.0
+) -> np.ndarray:
+    """Coefficient of a rudder's normal force; `stalled` is the share of one that stalls, and
+    `ventilated` what it loses to starboard where it draws air."""
+    airy = 1.0 - ventilated / (1.0 + np.exp(-(attack - AIRY) / math.radians(1.0)))
+    attached = slope * np.sin(attack) * airy
     if not stalled:
         return attached
     beyond = np.maximum(np.abs(attack) - STALL, 0.0)

@@ -54,6 +54,13 @@ class Hidden:
     play : float
         The blade follows its stock, which the column shows, only where the two are so far apart
         [rad].
+    bank : float
+        Suction of a bank five lengths to starboard of the approach, over ½ρL²U²; it grows as the
+        ship comes near, and pushes the bow away.
+    tether : float
+        Pull of a line from the stern to where the record begins, over ½ρL²U².
+    ventilated : float
+        Share of its lift that a rudder loses on one side, where air is drawn down to it.
     late_positions : float
         Positions carry the time of so much later [s].
     antenna : float
@@ -92,6 +99,9 @@ class Hidden:
     current: tuple[float, float] = (0.0, 0.0)
     rudder_zero: float = 0.0
     play: float = 0.0
+    bank: float = 0.0
+    tether: float = 0.0
+    ventilated: float = 0.0
     late_positions: float = 0.0
     antenna: float = 0.0
     heading_offset: float = 0.0

@@ -67,7 +67,7 @@ class Sailed:
     def now(self) -> Motion:
         """All instants as one motion."""
         own = self.motion
-        return Motion(*(own[name] for name in ("u", "v", "r", "psi", "phi", "p", "late")))
+        return Motion(*(own[name] for name in ("u", "v", "r", "psi", "phi", "p", "late", "x", "y")))
 
 
 def sail(ship: Ship, orders: Sequence[Order], step: float) -> list[Sailed]:
@@ -141,9 +141,9 @@ def _stepped(
 def _change(
     ship: Ship, state: np.ndarray, delta: np.ndarray, n: np.ndarray, blows: np.ndarray
 ) -> np.ndarray:
-    _, _, psi, u, v, r, phi, p, late = state
+    x, y, psi, u, v, r, phi, p, late = state
     hidden = ship.hidden
-    now = Motion(u, v, r, psi, phi, p, late)
+    now = Motion(u, v, r, psi, phi, p, late, x, y)
     surge, sway, yaw, roll = ship.accelerations(now, delta + hidden.rudder_zero, n, blows)
     level, U = v * np.cos(phi), now.speed
     return np.stack(

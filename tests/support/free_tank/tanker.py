@@ -100,5 +100,5 @@ class Tanker:
         covered = DIAMETER / HEIGHT
         slipstream = inflow + KAPPA * (behind - inflow)
         along = EPS * np.sqrt(covered * slipstream**2 + (1.0 - covered) * inflow**2)
-        lift = normal_lift(SLOPE, delta - np.arctan(across / along), h.stalled)
+        lift = normal_lift(SLOPE, delta - np.arctan(across / along), h.stalled, h.ventilated)
         return 0.5 * BODY.rho * AREA * (along**2 + across**2) * lift
