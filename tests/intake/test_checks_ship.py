@@ -17,6 +17,7 @@ from pmmkit.conventions import Structure
 from pmmkit.files import datasets_folder
 from pmmkit.intake import examine
 from pmmkit.intake.checks.particulars import examine_ship
+from pmmkit.models import ships
 from pmmkit.reduction import reduce_campaign
 
 
@@ -26,6 +27,14 @@ def said(findings, check: str):
 
 def test_consistent_particulars_are_silent():
     assert examine(campaign_of([], ship=replace(SHIP, block_stated=0.5617, GM=0.03))) == ()
+
+
+@pytest.mark.parametrize("name", ships())
+def test_no_ship_of_the_library_contradicts_herself(name):
+    """KVLCC2 of 7 m: B and d of three and two digits (Yasukawa and Yoshimura 2015), C_B .810."""
+    model = pk.load_model(name)
+    found = examine(campaign_of([], ship=model.ship, water=model.water))
+    assert said(found, "particulars") == []
 
 
 @pytest.mark.parametrize(
