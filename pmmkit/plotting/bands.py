@@ -67,6 +67,10 @@ class TrackLike(Protocol):
         """Revolutions of the propeller [1/s]."""
 
     @property
+    def forces(self) -> Mapping[str, Array]:
+        """X, Y [N] and N [N m] (3, m) of each effect; empty where they are not kept."""
+
+    @property
     def name(self) -> str:
         """Of the ship or model."""
 

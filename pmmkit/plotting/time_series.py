@@ -218,6 +218,33 @@ def histories(track: TrackLike) -> Figure:
     return figure
 
 
+def forces_over_time(track: TrackLike) -> Figure:
+    """X, Y and N of each effect over time, and their sum."""
+    with style.styled():
+        figure = style.canvas(6.4)
+        axes = figure.subplots(3, 1, sharex=True)
+        every = np.stack(list(track.forces.values()))
+        for row, (axis, title) in enumerate(zip(axes, ("X", "Y", "N"), strict=True)):
+            most = np.abs(every[:, row]).max()
+            size, unit = (1e6, "MN") if most >= 1e7 else (1e3, "kN") if most >= 1e4 else (1.0, "N")
+            axis.plot(
+                track.t, every[:, row].sum(axis=0) / size, color=style.INK, lw=0.8, label="sum"
+            )
+            for number, (name, own) in enumerate(track.forces.items(), 1):
+                axis.plot(
+                    track.t,
+                    own[row] / size,
+                    color=style.colour(number),
+                    ls=style.dash(number),
+                    label=figure_text(name.replace("_", " ")),
+                )
+            style.widened(axis)
+            axis.set_title(f"{title} [{unit}{' m' if title == 'N' else ''}]")
+        axes[-1].set_xlabel("time from the first order [s]")
+        style.legend_below(figure, list(axes))
+    return figure
+
+
 # Which figures show a manoeuvre, by the way in which it is drawn.
 
 
@@ -232,16 +259,21 @@ def manoeuvre(
     Parameters
     ----------
     tracks : sequence of TrackLike
-        Of the manoeuvre; turning circles and zigzags are drawn together, else there is one.
+        Of the manoeuvre; turning circles and zigzags are drawn together, else there is one. Of a
+        single one that keeps its forces they are drawn too.
     drawn : {"turning circle", "zigzag", "spiral", "path"}
         How it is drawn.
     names : sequence of str, optional
         Of several tracks in the legend.
     """
+    pushed = (
+        {"forces": forces_over_time(tracks[0])} if len(tracks) == 1 and tracks[0].forces else {}
+    )
     if drawn == "turning circle":
-        return {"trajectory": trajectory(tracks, names), "histories": turn_histories(tracks, names)}
+        turned = trajectory(tracks, names), turn_histories(tracks, names)
+        return {"trajectory": turned[0], "histories": turned[1], **pushed}
     if drawn == "zigzag":
-        return {"zigzag": zigzag(tracks, names)}
+        return {"zigzag": zigzag(tracks, names), **pushed}
     (track,) = tracks
     shown = {"spiral": spiral(track)} if drawn == "spiral" else {"path": path(track)}
-    return shown | {"histories": histories(track)}
+    return {**shown, "histories": histories(track), **pushed}

@@ -224,6 +224,18 @@ class Track(Described):
 
         return pd.DataFrame({"t": self.t, **{name: getattr(self, name) for name in self.CHANNELS}})
 
+    def forces_to_pandas(self) -> pd.DataFrame:
+        """X, Y [N] and N [N m] about midship of each effect in columns, t first; empty unless
+        `simulate` was asked for forces."""
+        import pandas as pd
+
+        columns = {
+            f"{channel}_{effect}": row
+            for effect, own in self.forces.items()
+            for channel, row in zip("XYN", own, strict=True)
+        }
+        return pd.DataFrame({"t": self.t, **columns} if columns else {})
+
     def to_csv(self) -> str:
         """The channels in columns, t first, with the fewest digits that give the same floats."""
         columns = [self.t.tolist(), *(getattr(self, name).tolist() for name in self.CHANNELS)]
@@ -234,7 +246,8 @@ class Track(Described):
     def figures(self) -> dict[str, Figure]:
         """The figures that show the manoeuvre, by the name of their file.
 
-        As the manoeuvre declares: a turning circle gives ``trajectory`` and ``histories``.
+        As the manoeuvre declares: a turning circle gives ``trajectory`` and ``histories``; and
+        ``forces`` of each effect where the track keeps them.
         """
         from pmmkit.plotting import manoeuvre
 

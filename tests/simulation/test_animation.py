@@ -67,6 +67,17 @@ def test_a_track_keeps_no_forces_unless_asked(turn):
     assert half.forces["propeller"].shape == (3, len(half.t))
 
 
+def test_forces_over_time_stand_in_a_table_and_a_figure(turn):
+    table = turn.forces_to_pandas()
+    assert list(table)[:4] == ["t", "X_derivatives", "Y_derivatives", "N_derivatives"]
+    assert (table["N_rudder_mmg"] == turn.forces["rudder_mmg"][2]).all()
+    drawn = turn.figures()["forces"].axes
+    assert [axis.get_title(loc="left") for axis in drawn] == ["X [N]", "Y [N]", "N [N m]"]
+    assert {line.get_label() for line in drawn[0].lines} >= {"sum", "propeller", "rudder mmg"}
+    assert "forces" not in replace(turn, forces={}).figures()
+    assert replace(turn, forces={}).forces_to_pandas().empty
+
+
 def test_each_picture_shows_another_instant(turn, tmp_path):
     told = []
     file = turn.animate(
@@ -148,3 +159,4 @@ def test_the_command_writes_it_among_the_results(tmp_path, monkeypatch, capsys):
     assert not (tmp_path / "out").exists()
     assert main([*order, "--animate", "turn.gif"]) == 0
     assert (tmp_path / "out" / "turn.gif").read_bytes()[:4] == b"GIF8"
+    assert (tmp_path / "out" / "forces.csv").read_text().startswith("t,X_derivatives,")

@@ -97,9 +97,12 @@ class SimulateSettings:
     waves: TrackWaveSettings = TrackWaveSettings()
     extrapolate: Extrapolate = False
     figures: Figures = True
+    forces: bool = setting(
+        "Forces of each effect over time too: forces.csv and a figure.", default=False
+    )
     animate: str | None = setting(
-        "Animation too: name of its file among the results, such as turn.gif, or turn.mp4 where "
-        "ffmpeg is installed.",
+        "Animation with these forces: name of its file among the results, such as turn.gif, or "
+        "turn.mp4 where ffmpeg is installed.",
         default=None,
     )
     out: Out = None
@@ -119,6 +122,7 @@ def simulate(job: SimulateSettings) -> Outcome:
     sea = job.waves.sea
     if job.waves.wave_motion and sea is None:
         raise SettingError(WAVES)
+    pushed = job.forces or job.animate is not None
     rough, motions, of_sea = carried(loaded, job.waves, job.model, pace)
     track = simulate(
         rough,
@@ -127,12 +131,14 @@ def simulate(job: SimulateSettings) -> Outcome:
         fn=job.fn,
         extrapolate=job.extrapolate,
         revolutions="speed" if job.waves.hold_speed else None,
-        forces=job.animate is not None,
+        forces=pushed,
         **vars(job.conditions),
         **job.orders.given(),
     )
     metrics, drawn = metrics_of(track), track.figures() if job.figures else {}
     results: list[tuple[str, Any]] = [("track.csv", track.to_csv()), ("metrics.json", metrics)]
+    if pushed:
+        results.append(("forces.csv", track.forces_to_pandas()))
     moved = None
     if job.waves.wave_motion and sea is not None:
         moved = first_order(
