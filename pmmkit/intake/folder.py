@@ -57,6 +57,7 @@ _PASSED: Final = frozenset(
 )
 """Suffixes of files that are not measurements and are not opened."""
 _LISTS: Final = frozenset({".csv", ".txt", ".tsv", ".dat"})
+_PROSE: Final = frozenset({".md"})
 _SHORT: Final = 64_000
 """Size of a text up to which it is looked through for particulars [bytes]: some hundred rows."""
 
@@ -338,6 +339,8 @@ def _look_folder(folder: Path) -> Look:
             continue
         if path.suffix.lower() in _PASSED and not path.is_dir():
             others[path.suffix.lower()] += 1
+            if path.suffix.lower() in _PROSE and (size := path.stat().st_size) <= _SHORT:
+                bare.append(FileLook(path=path, shown=shown, size=size))
             continue
         seen = look_at(path, shown, numbers=False)
         bare += _without_table(seen)

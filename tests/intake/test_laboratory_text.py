@@ -109,6 +109,39 @@ def test_what_a_list_beside_the_records_states_is_not_asked(file, tmp_path, caps
     assert all(run["file"] != file for run in raw["runs"])
 
 
+PROSE = {
+    "README.md": "# Tests\n\nTank: h/T 13.2. Ship: hull T530, Lpp {L} m, B {B}, d {d},\n"
+    "CB .8, LCG +3.5 % Lpp, "
+    "mass {mass} kg, Izz {Izz} kg m2 (izz/Lpp .25), n 9.9 rps. Lpp 6.1 m elsewhere.\n",
+    "ship.md": "| item | value | unit |\n|---|---|---|\n| Lpp | {L} | m |\n| **B** | {B} | m |\n"
+    "| T | {d} | m |\n| mass | {mass} | kg |\n| Izz | {Izz} | kg m2 |\n",
+    "notes.txt": "The model has a length between perpendiculars of {L} m.\nIts breadth is {B} m "
+    "and its draught {d} m;\nmodel mass = {mass} kg.\nIzz: {Izz}\n",
+}
+
+
+@pytest.mark.parametrize("file", PROSE)
+def test_what_a_text_beside_the_records_says_is_not_asked(file, tmp_path, capsys):
+    """Sentences and tables between bars; a centre of gravity in per cent is no length."""
+    text_tank.write(tmp_path / "c", LABORATORIES[next(iter(LABORATORIES))])
+    (tmp_path / "c" / file).write_text(PROSE[file].format(**PARTICULARS))
+    text = drafted(tmp_path / "c", capsys)
+    raw = tomllib.loads(text)
+    told = {key: raw["ship"].get(key) for key in ("L", "B", "d", "mass", "Izz", "xG")}
+    known = {key: pytest.approx(PARTICULARS[key], rel=1e-3) for key in told if key != "xG"}
+    assert told == {**known, "xG": None}
+    assert f"{file}: " in text
+    assert ", line " in text
+    assert not [item.key for item in questions_of(text) if item.kind == "needed"]
+
+
+def test_a_text_in_which_letters_are_no_ship_is_not_believed(tmp_path, capsys):
+    text_tank.write(tmp_path / "c", LABORATORIES[next(iter(LABORATORIES))])
+    (tmp_path / "c" / "README.md").write_text("Lpp 7 m in tank B 2 of d.o.o.; T is 12 s.\n")
+    needed = [x.key for x in questions_of(drafted(tmp_path / "c", capsys)) if x.kind == "needed"]
+    assert "ship.L" in needed
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LABORATORIES)
 def test_no_laboratory_is_accused_and_the_truth_comes_out(name, tmp_path, capsys):

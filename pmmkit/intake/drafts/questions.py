@@ -30,7 +30,7 @@ _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "mass": ("mass", "model mass", "mass of the model", "masse", "massa"),
     "Izz": ("iz", "izz", "i z", "i zz"),
     "xG": ("xg", "x g", "lcg"),
-    "propeller.D": ("dp", "d p", "propeller diameter", "diameter of the propeller"),
+    "propeller.D": ("dp", "d p", "propeller d", "propeller diameter", "diameter of the propeller"),
     "rudder.area": ("ar", "a r", "rudder area", "area of the rudder"),
 }
 """Usual names in such lists; the first that is there counts."""
@@ -63,25 +63,44 @@ def particulars_of(
 ) -> tuple[Found, Mapping[str, tuple[float, str]]]:
     """Particulars of the model by key of the campaign file, each with where it stands.
 
-    A list of particulars has no header: every row of its sheet is looked at.
+    A list of particulars has no header: every row of its sheet is looked at. A text without rows is
+    read for sentences.
     """
     for look in looks:
-        try:
-            bare = replace(look, options=replace(look.options, header=False))
-            cells = READERS[bare.format or "csv"].cells(bare.request)
-        except CampaignError:
-            continue
-        found = dict(_model(_listed(cells), look.shown))
-        if {"L", "B", "d"} <= set(found):
+        cells = _cells(look)
+        found = dict(_model(_listed(_in_rows(cells) if cells else {}), look.shown))
+        if {"L", "B", "d"} <= set(found) and cells:
             depths = _depths(cells, look.shown, sheets)
             if {*depths} == {*sheets} and len({depth for depth, _ in depths.values()}) == 1:
                 return {**found, "depth": next(iter(depths.values()))}, {}
             return found, depths
+        if not look.has_sheets:
+            text = look.path.read_text(encoding="utf-8", errors="replace")
+            found = dict(_model(_listed(_in_prose(text)), look.shown))
+            if {"L", "B", "d"} <= set(found) and found["L"] > found["B"] > found["d"]:
+                return found, {}
     return {}, {}
 
 
-def _listed(cells: Cells) -> dict[str, tuple[float, str]]:
-    """Numbers by our names, and their names with the rows."""
+Words = Mapping[str, tuple[float, str, str]]
+"""By name in small letters a number, its unit, and both as they stand there."""
+_WRITTEN: Final = r"(?:1\s*:\s*)?([-+]?(?:\d+(?:[.,]\d+)?|[.,]\d+)(?:[eE][-+]?\d+)?)"
+"""In prose: digits before the point may lack, and a scale may be written 1:46.4."""
+_LETTERS: Final = ("L", "B", "T", "d")
+"""Names of one letter that prose is believed: as they are written, no others."""
+
+
+def _cells(look: FileLook) -> Cells | None:
+    """The rows of a list; None where a file holds none."""
+    try:
+        bare = replace(look, options=replace(look.options, header=False))
+        return READERS[bare.format or "csv"].cells(bare.request)
+    except CampaignError:
+        return None
+
+
+def _in_rows(cells: Cells) -> Words:
+    """Of rows with a name, a number and a unit."""
     words: dict[str, tuple[float, str, str]] = {}
     for line, row in zip(cells.lines, cells.rows, strict=True):
         name = row[0]
@@ -93,6 +112,28 @@ def _listed(cells: Cells) -> dict[str, tuple[float, str]]:
             unit = row[2] if len(row) > 2 and isinstance(row[2], str) else own or ""
             told = f"{name.strip()} = {number:g} {unit}, row {line}"
             words.setdefault(plain.strip().casefold(), (number, unit.strip(), told))
+    return words
+
+
+def _in_prose(text: str) -> Words:
+    """Of sentences such as "Lpp 3.0 m, B = .489, d .201", and of rows between bars."""
+    long = sorted((x for names in _NAMES.values() for x in names if len(x) > 1), key=len)
+    known = "|".join([f"(?i:{re.escape(x)})" for x in reversed(long)] + [*_LETTERS])
+    stated = re.compile(
+        rf"(?<![\w./])({known})(?:\s*(?:=|:|\bis\b|\bof\b)\s*|\s+){_WRITTEN}"
+        r"(?![\d.:]|\s*%)\s*([a-zA-Z]+[23²³]?)?"
+    )
+    words: dict[str, tuple[float, str, str]] = {}
+    for line, said in enumerate(text.splitlines(), 1):
+        for name, written, unit in stated.findall(re.sub(r"[|*`$]+", " ", said)):
+            number = float(written.replace(",", "."))
+            told = f"{name} = {f'{number:g} {unit}'.strip()}, line {line}"
+            words.setdefault(name.casefold(), (number, unit, told))
+    return words
+
+
+def _listed(words: Words) -> dict[str, tuple[float, str]]:
+    """Numbers by our names, and their names with the rows."""
     found = {}
     for key, names in _NAMES.items():
         there = [words[name] for name in names if name in words]
