@@ -13,8 +13,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.base import DataError, ModelError, Problem, UnknownNameError
-from pmmkit.conventions import Convention
+from pmmkit.base import DataError, ModelError, Problem, UnknownNameError, did_you_mean
+from pmmkit.conventions import STRUCTURES, Convention
 from pmmkit.effects import is_fault
 from pmmkit.files import CAMPAIGN, MODEL, read_toml, refuse_other, toml_text, write_text
 from pmmkit.models.library import SHIPS, read_ship, read_water, ships
@@ -153,10 +153,24 @@ def load_model(name_or_path: str | Path) -> Model:
     )
     if Path(text).is_dir() and not (is_name and text in ships()):
         raise _folder(Path(text))
+    if is_name and text not in SHIPS:
+        raise _no_ship(text)
     path = SHIPS[text].file if is_name else Path(name_or_path)
     content = read_toml(path)
     refuse_other(content, MODEL, str(path), ModelError)
     return model_from(content, str(path))
+
+
+def _no_ship(name: str) -> UnknownNameError:
+    """The error of a name that no ship has; a structure may be meant."""
+    if name in STRUCTURES:
+        return UnknownNameError(
+            f"{name!r} is a structure and no ship: pmmkit reduce --structure {name} makes a model "
+            "of tests with it; diagnose, plan and workbench take it as it is."
+        )
+    near = did_you_mean(name, STRUCTURES)
+    said = f" Structures are taken by diagnose, plan and workbench{near}" if near else ""
+    return UnknownNameError(SHIPS.unknown(name) + said)
 
 
 def _folder(path: Path) -> ModelError:

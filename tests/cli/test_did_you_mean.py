@@ -38,6 +38,7 @@ def desk(tmp_path_factory):
         ("model set model.toml ruder.area=1", 1, "rudder_mmg"),
         ("add model.toml crossflow_drga --fit small", 1, "crossflow_drag"),
         ("diagnose linear small --given memori", 1, "memory"),
+        ("diagnose cubc small", 1, "cubic"),
         ("reduce small --structure abkowitz", 1, "abkowitz3"),
         ("check table", 1, "water"),
         ("check entry", 1, "rho"),
@@ -52,6 +53,15 @@ def test_the_nearest_name_is_said(order, status, meant, desk, monkeypatch, capsy
         assert re.search(rf"No such .*\W{meant}\b", words)
     else:
         assert f"did you mean '{meant}'" in words
+
+
+@pytest.mark.parametrize("order", ["simulate cubic --speed 8", "add cubic memory --fit small"])
+def test_a_structure_in_the_place_of_a_ship_is_told_what_makes_a_model(
+    order, desk, monkeypatch, capsys
+):
+    monkeypatch.chdir(desk)
+    assert main(order.split()) == 1
+    assert "pmmkit reduce --structure cubic makes a model" in capsys.readouterr().err
 
 
 def test_a_derivative_that_a_table_lacks_is_guessed(desk):
