@@ -13,7 +13,14 @@ import numpy as np
 
 from pmmkit.base import DataError, Progress, SimulationError
 from pmmkit.identification.binding import Binding, driven
-from pmmkit.identification.lack import LackOfFit, RecordPiece, colour_of, lack_of, stretches
+from pmmkit.identification.lack import (
+    LackOfFit,
+    RecordPiece,
+    colour_of,
+    lack_of,
+    stretches,
+    with_room,
+)
 from pmmkit.identification.passes import Pass, Process, Steps, passed, seen, state_steps
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
@@ -246,6 +253,7 @@ def _lack(
     values: Array,
     covariance: Array,
     innovations: Mapping[str, Innovations],
+    method: Literal["ekf", "ukf"],
 ) -> LackOfFit:
     """What the records say against the model; values that wander need no more room.
 
@@ -272,6 +280,8 @@ def _lack(
         record.name: setup.L / record.speed / float(np.median(np.diff(record.t)))
         for record in setup.records
     }
+    if method == "ukf":
+        covariance = with_room(setup.prior, covariance, pieces)
     return lack_of(setup.prior, covariance, pieces, colour_of(innovations, samples))
 
 
@@ -287,7 +297,7 @@ def _filtered(
     z, P, runs = _pass(setup, method, roughness, about)
     by_name = {record.name: run for record, run in zip(setup.records, runs, strict=True)}
     innovations = {name: run.innovations for name, run in by_name.items()}
-    lack = _lack(setup, roughness, z, P, innovations)
+    lack = _lack(setup, roughness, z, P, innovations, method)
     return Filtered(
         method=method,
         names=setup.prior.names,

@@ -133,10 +133,7 @@ def lack_of(
     between = _between_records(narrow, pieces) if clustered else np.zeros_like(narrow)
     if not (colour or shift or between.any()):
         return LackOfFit(covariance=covariance, alone=covariance, colour={}, shift=0.0)
-    wide, known = narrow, prior.precision
-    if colour:
-        told = np.linalg.inv(narrow) - known
-        wide = np.asarray(np.linalg.inv(known + told / max(colour.values())))
+    wide = _told_less(narrow, prior.covariance / scale, max(colour.values())) if colour else narrow
     if shift > 0.0:
         groups = sorted({item.record for item in pieces})
         by_record = [
@@ -149,6 +146,18 @@ def lack_of(
     return LackOfFit(
         covariance=_larger(narrow, wide) * scale, alone=covariance, colour=dict(colour), shift=shift
     )
+
+
+def with_room(prior: Prior, covariance: Array, pieces: Sequence[RecordPiece]) -> Array:
+    """A covariance (m, m) that is nowhere narrower than what pieces of records tell together.
+
+    Sigma points that straddle the stall of a rudder are surer along one axis than all records: a
+    thousandth of what these tell, and what is inferred from it is 20 times as wide as the prior.
+    """
+    scale = np.outer(prior.std, prior.std)
+    told = sum((item.information for item in pieces), prior.precision)
+    _, inverse = _root(told)
+    return _larger(covariance / scale, inverse.T @ inverse) * scale
 
 
 def _between_records(narrow: Array, pieces: Sequence[RecordPiece]) -> Array:
@@ -200,10 +209,31 @@ def _shift(pieces: Sequence[RecordPiece], sharper: float) -> float:
     return math.exp(log) if loss(-math.inf) - loss(log) > EVIDENCE else 0.0
 
 
+def _root(covariance: Array) -> tuple[Array, Array]:
+    """A root of a covariance and its inverse, of one too whose least variance is rounding: that of
+    an unscented filter may be 1e-11 of the prior's along what it is most sure of."""
+    sizes, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    own = np.sqrt(np.maximum(sizes, np.finfo(float).eps * sizes.max()))
+    return vectors * own, (vectors / own).T
+
+
+def _told_less(narrow: Array, prior: Array, ratio: float) -> Array:
+    """Covariance of which the information beyond the prior's is divided by a ratio.
+
+    Along axes in which the prior is 1 and the covariance λ it is cλ/(1 + (c - 1)λ): no inverse of
+    what is nearly certain is taken.
+    """
+    root, inverse = _root(prior)
+    sizes, vectors = np.linalg.eigh(inverse @ narrow @ inverse.T)
+    sizes = np.maximum(sizes, 0.0)
+    half = root @ (vectors * np.sqrt(ratio * sizes / (1.0 + (ratio - 1.0) * sizes)))
+    found: Array = half @ half.T
+    return found
+
+
 def _larger(one: Array, other: Array) -> Array:
     """The smallest covariance, of like axes, that is nowhere narrower than either of two."""
-    root = np.linalg.cholesky(one)
-    inverse = np.linalg.inv(root)
+    root, inverse = _root(one)
     sizes, vectors = np.linalg.eigh(inverse @ other @ inverse.T)
     half = root @ (vectors * np.sqrt(np.maximum(sizes, 1.0)))
     larger: Array = half @ half.T

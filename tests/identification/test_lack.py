@@ -16,7 +16,14 @@ from test_filters import SENSORS, SPEED, TANKER, off, sailed
 import pmmkit as pk
 from pmmkit import FreeRecord, identify
 from pmmkit.identification import Prior
-from pmmkit.identification.lack import RecordPiece, colour_of, lack_of, lasting, stretches
+from pmmkit.identification.lack import (
+    RecordPiece,
+    colour_of,
+    lack_of,
+    lasting,
+    stretches,
+    with_room,
+)
 from pmmkit.inference import Innovations
 from pmmkit.models import Part, load_model
 
@@ -260,6 +267,29 @@ def test_values_that_an_overconfident_filter_holds_to_six_digits_may_wander():
     found = lack_of(unit_prior(n), narrow, pieces, {})
     assert 0.5 < found.shift < 2.0
     assert np.all(np.diagonal(found.covariance) >= np.diagonal(narrow))
+
+
+@pytest.mark.parametrize("colour", [{}, {"psi": 1.65}])
+def test_an_axis_that_sigma_points_alone_are_sure_of_is_as_wide_as_records_tell(colour):
+    """4e-11 of the prior's variance came of a stalling rudder: inverted twice it was negative, and
+    intervals that were found with it 20 times as wide as the prior's."""
+    rng, n = np.random.default_rng(1), 14
+    axes = np.linalg.qr(rng.normal(size=(n, n)))[0]
+    told = [(axes * np.geomspace(1e-3, 1e4, n) * s) @ axes.T for s in (0.2, 0.3, 0.5)]
+    pieces = [
+        RecordPiece(record=i, information=x, score=x @ rng.normal(size=n))
+        for i, x in enumerate(told)
+    ]
+    sound = np.linalg.inv(np.eye(n) + sum(told))
+    sure = axes[:, -1:] @ axes[:, -1:].T
+    narrow = sound - (axes[:, -1] @ sound @ axes[:, -1] - 4e-11) * sure
+    prior = unit_prior(n)
+    mended = with_room(prior, narrow, pieces)
+    np.testing.assert_allclose(mended, sound, rtol=1e-6, atol=1e-10)
+    for covariance in (narrow, mended):
+        found = lack_of(prior, covariance, pieces, colour)
+        assert np.linalg.eigvalsh(found.covariance)[0] > 0.0
+    assert np.max(np.diagonal(found.covariance)) < 3.0
 
 
 @pytest.mark.slow
