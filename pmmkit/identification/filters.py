@@ -13,14 +13,7 @@ import numpy as np
 
 from pmmkit.base import DataError, Progress, SimulationError
 from pmmkit.identification.binding import Binding, driven
-from pmmkit.identification.lack import (
-    LackOfFit,
-    RecordPiece,
-    colour_of,
-    lack_of,
-    stretches,
-    with_room,
-)
+from pmmkit.identification.lack import LackOfFit, RecordPiece, colour_of, lack_of, stretches
 from pmmkit.identification.passes import Pass, Process, Steps, passed, seen, state_steps
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
@@ -280,9 +273,8 @@ def _lack(
         record.name: setup.L / record.speed / float(np.median(np.diff(record.t)))
         for record in setup.records
     }
-    if method == "ukf":
-        covariance = with_room(setup.prior, covariance, pieces)
-    return lack_of(setup.prior, covariance, pieces, colour_of(innovations, samples))
+    colour = colour_of(innovations, samples)
+    return lack_of(setup.prior, covariance, pieces, colour, sigma_points=method == "ukf")
 
 
 def _filtered(

@@ -97,6 +97,7 @@ def lack_of(
     sharper: float = 1.0,
     *,
     clustered: bool = False,
+    sigma_points: bool = False,
 ) -> LackOfFit:
     """Widen a covariance by what the records say against the model.
 
@@ -118,6 +119,10 @@ def lack_of(
     `_between_records`), whatever else is found: what lasts through a whole record is in no
     difference between its windows, and what is wrong with a whole model in none of its innovations.
 
+    By sigma points, the covariance is nowhere narrower than what the pieces tell together, by which
+    they are weighed: points that straddle the stall of a rudder are surer along one axis than all
+    records, and what is inferred from that is a hundred times as wide as the prior.
+
     Examples
     --------
     >>> prior = Prior(names=("Yv",), mean=np.zeros(1), covariance=np.eye(1))
@@ -129,10 +134,15 @@ def lack_of(
     """
     scale = np.outer(prior.std, prior.std)
     narrow: Array = covariance / scale
+    alone, weights = covariance, narrow
+    if sigma_points:
+        weights = _told_by(prior, pieces)
+        narrow = _larger(narrow, weights)
+        alone = narrow * scale
     shift = _shift(pieces, sharper)
     between = _between_records(narrow, pieces) if clustered else np.zeros_like(narrow)
     if not (colour or shift or between.any()):
-        return LackOfFit(covariance=covariance, alone=covariance, colour={}, shift=0.0)
+        return LackOfFit(covariance=alone, alone=alone, colour={}, shift=0.0)
     wide = _told_less(narrow, prior.covariance / scale, max(colour.values())) if colour else narrow
     if shift > 0.0:
         groups = sorted({item.record for item in pieces})
@@ -141,23 +151,19 @@ def lack_of(
             for group in groups
         ]
         spread = shift**2 * sum((x @ x for x in by_record), np.zeros_like(narrow))
-        wide = _larger(wide, narrow + narrow @ spread @ narrow)
+        wide = _larger(wide, narrow + weights @ spread @ weights)
     wide = _larger(wide, between)
     return LackOfFit(
-        covariance=_larger(narrow, wide) * scale, alone=covariance, colour=dict(colour), shift=shift
+        covariance=_larger(narrow, wide) * scale, alone=alone, colour=dict(colour), shift=shift
     )
 
 
-def with_room(prior: Prior, covariance: Array, pieces: Sequence[RecordPiece]) -> Array:
-    """A covariance (m, m) that is nowhere narrower than what pieces of records tell together.
-
-    Sigma points that straddle the stall of a rudder are surer along one axis than all records: a
-    thousandth of what these tell, and what is inferred from it is 20 times as wide as the prior.
-    """
-    scale = np.outer(prior.std, prior.std)
+def _told_by(prior: Prior, pieces: Sequence[RecordPiece]) -> Array:
+    """Covariance of what pieces of records tell together, over the prior's standard deviations."""
     told = sum((item.information for item in pieces), prior.precision)
     _, inverse = _root(told)
-    return _larger(covariance / scale, inverse.T @ inverse) * scale
+    found: Array = inverse.T @ inverse
+    return found
 
 
 def _between_records(narrow: Array, pieces: Sequence[RecordPiece]) -> Array:

@@ -16,14 +16,7 @@ from test_filters import SENSORS, SPEED, TANKER, off, sailed
 import pmmkit as pk
 from pmmkit import FreeRecord, identify
 from pmmkit.identification import Prior
-from pmmkit.identification.lack import (
-    RecordPiece,
-    colour_of,
-    lack_of,
-    lasting,
-    stretches,
-    with_room,
-)
+from pmmkit.identification.lack import RecordPiece, colour_of, lack_of, lasting, stretches
 from pmmkit.inference import Innovations
 from pmmkit.models import Part, load_model
 
@@ -284,12 +277,12 @@ def test_an_axis_that_sigma_points_alone_are_sure_of_is_as_wide_as_records_tell(
     sure = axes[:, -1:] @ axes[:, -1:].T
     narrow = sound - (axes[:, -1] @ sound @ axes[:, -1] - 4e-11) * sure
     prior = unit_prior(n)
-    mended = with_room(prior, narrow, pieces)
-    np.testing.assert_allclose(mended, sound, rtol=1e-6, atol=1e-10)
-    for covariance in (narrow, mended):
-        found = lack_of(prior, covariance, pieces, colour)
-        assert np.linalg.eigvalsh(found.covariance)[0] > 0.0
-    assert np.max(np.diagonal(found.covariance)) < 3.0
+    plain, mended = (
+        lack_of(prior, narrow, pieces, colour, sigma_points=points) for points in (False, True)
+    )
+    assert np.linalg.eigvalsh(plain.covariance)[0] > 0.0
+    np.testing.assert_allclose(mended.alone, sound, rtol=1e-6, atol=1e-10)
+    assert np.max(np.diagonal(mended.covariance)) < 3.0
 
 
 @pytest.mark.slow
