@@ -637,11 +637,12 @@ def _notes(model: Model, question: RecordQuestion, last: SetFit) -> tuple[str, .
         notes.append(f"{question.outliers} averages left out that no motion explains")
     records = [item.record for item in question.stretches]
     notes += sea_notes(question.model, records)
-    felt = bool(model.in_role("depth")) or "shallow_water" in last.names
+    named = filter(None, map(CATALOGUE.get, last.names))  # those of users have no such role
+    felt = bool(model.in_role("depth")) or any("depth" in item.roles for item in named)
     if np.any(last.z) and not felt and "depth" in excited(model, records):
         least = min(item.depth or math.inf for item in records) / model.ship.d
         notes.append(
             f"the water is {least:.3g} draughts deep: what moved may be the bottom's, which need "
-            "not grow as the formulas of shallow_water say; the values are those of this depth"
+            "not grow as the formulas of the catalogue say; the values are those of this depth"
         )
     return tuple(notes)
