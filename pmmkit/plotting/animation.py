@@ -5,6 +5,8 @@ from __future__ import annotations
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -99,34 +101,42 @@ def _writer(target: Path) -> Callable[[Iterator[Image], Path, int], None]:
     ending = target.suffix.lower()
     if ending not in (".gif", ".mp4"):
         raise DataError(f"{target.name}: an animation is a file .gif or .mp4.")
-    if ending == ".mp4" and shutil.which("ffmpeg") is None:
+    if ending == ".gif":
+        return _gif
+    coder = shutil.which("ffmpeg")
+    # Windows looks into the folder of the data first: nothing that lies there is run.
+    if coder is None or Path(coder).resolve().parent == Path.cwd():
         raise DataError(
             f"{target.name}: MP4 is written by the program ffmpeg, which is not found. Install it "
             f"(ffmpeg.org; apt, brew, winget or conda install ffmpeg), or name a file .gif."
         )
-    return _gif if ending == ".gif" else _mp4
+    return partial(_mp4, coder)
 
 
 def _gif(pictures: Iterator[Image], path: Path, fps: int) -> None:
     from PIL.Image import Dither
 
     first = next(pictures)
-    palette = first.quantize()  # one for all pictures: each of its own takes ten times as long
+    palette = first.quantize()  # one for all pictures: with one for each the colours flicker
     drawn = (
         item.quantize(palette=palette, dither=Dither.NONE) for item in chain([first], pictures)
     )
     next(drawn).save(path, save_all=True, append_images=drawn, duration=1000 / fps, loop=0)
 
 
-def _mp4(pictures: Iterator[Image], path: Path, fps: int) -> None:
+def _mp4(coder: str, pictures: Iterator[Image], path: Path, fps: int) -> None:
     first = next(pictures)
     size = f"{first.width}x{first.height}"
     come = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", str(fps), "-i", "-"]
-    order = ["ffmpeg", "-y", "-loglevel", "error", *come, "-pix_fmt", "yuv420p", str(path)]
-    content = b"".join(item.tobytes() for item in chain([first], pictures))
-    done = subprocess.run(order, input=content, capture_output=True, check=False)
-    if done.returncode:
-        raise DataError(f"ffmpeg cannot write MP4: {done.stderr.decode(errors='replace').strip()}")
+    order = [coder, "-y", "-loglevel", "error", *come, "-pix_fmt", "yuv420p", str(path)]
+    with subprocess.Popen(order, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        assert running.stdin is not None
+        with suppress(BrokenPipeError):  # it has ended, and says why
+            for item in chain([first], pictures):
+                running.stdin.write(item.tobytes())
+        _, said = running.communicate()
+    if running.returncode:
+        raise DataError(f"ffmpeg cannot write MP4: {said.decode(errors='replace').strip()}")
 
 
 def _pictures(track: TrackLike, forces: Mapping[str, Array], frames: int) -> Iterator[Image]:

@@ -128,14 +128,27 @@ def test_mp4_without_ffmpeg_says_how_to_get_it(turn, tmp_path, monkeypatch):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a script stands in for ffmpeg")
-@pytest.mark.parametrize("status", [0, 1])
-def test_ffmpeg_gets_whole_pictures_or_its_words_are_told(turn, tmp_path, monkeypatch, status):
-    """A stand-in counts the bytes that it is given, in place of coding them."""
+def test_no_program_that_lies_beside_the_data_is_run(turn, tmp_path, monkeypatch):
+    (tmp_path / "ffmpeg").write_text("#!/bin/sh\ntouch run\n")
+    (tmp_path / "ffmpeg").chmod(0o755)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", f".:{tmp_path}")
+    with pytest.raises(DataError, match="Install it"):
+        turn.animate("turn.mp4", frames=2)
+    assert [item.name for item in tmp_path.iterdir()] == ["ffmpeg"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a script stands in for ffmpeg")
+@pytest.mark.parametrize(("status", "reads"), [(0, True), (1, True), (1, False)])
+def test_ffmpeg_gets_whole_pictures_or_its_words_are_told(
+    turn, tmp_path, monkeypatch, status, reads
+):
+    """A stand-in counts the bytes that it is given, in place of coding them; or ends at once."""
     tool = tmp_path / "bin" / "ffmpeg"
     tool.parent.mkdir()
     tool.write_text(
         f"#!{sys.executable}\nimport sys\n"
-        "size = len(sys.stdin.buffer.read())\n"
+        f"size = len(sys.stdin.buffer.read()) if {reads} else 0\n"
         "width, height = map(int, sys.argv[sys.argv.index('-s') + 1].split('x'))\n"
         "open(sys.argv[-1], 'w').write(str(size / (3 * width * height)))\n"
         f"sys.stderr.write('no such codec')\nsys.exit({status})\n"
