@@ -29,22 +29,27 @@ def water_forces(
     structure: EquationStructure, k: Sequence[Any], motion: Mapping[str, Array]
 ) -> dict[str, Array]:
     """Forces of the water on the ship along a history: `Prepared.water_forces`."""
-    return _along(structure, k, motion)[0]
+    return dict(zip(CHANNELS, _along(structure, k, motion), strict=True))
 
 
 def forces_by_effect(
     structure: EquationStructure, k: Sequence[Any], motion: Mapping[str, Array]
 ) -> dict[str, Array]:
     """X, Y, N (3, n) of each effect that pushes the ship: `DenseHistory.forces`."""
-    _, parts = _along(structure, k, motion)
-    stacked = {name: np.stack([own[channel] for channel in PLANE]) for name, own in parts.items()}
-    return {name: own for name, own in stacked.items() if np.any(own)}
+    names = (DERIVATIVES, *(item.effect for item in structure.used))
+    rows = np.stack(_along(structure, k, motion, apart=True))
+    every = zip(names, rows.reshape(len(names), len(PLANE), -1), strict=True)
+    return {name: own for name, own in every if np.any(own)}
 
 
 def _along(
-    structure: EquationStructure, k: Sequence[Any], motion: Mapping[str, Array]
-) -> tuple[dict[str, Array], dict[str, dict[str, Array]]]:
-    """Forces along a history in all, and of each effect."""
+    structure: EquationStructure,
+    k: Sequence[Any],
+    motion: Mapping[str, Array],
+    *,
+    apart: bool = False,
+) -> list[Array]:
+    """X, Y, N, K along a history; apart X, Y, N of the derivatives and of each effect in turn."""
     size = max((len(values) for values in motion.values()), default=1)
     zero = np.zeros(size)
     given = {name: np.asarray(motion.get(name, zero), float) for name in HISTORY}
@@ -58,13 +63,8 @@ def _along(
         lacking = [name for name in states if name not in motion]
         if lacking:
             given |= _followed(structure, constants, given, lacking, motion.get("t"))
-        found, _, parts = _function(structure)(constants, **given)
-
-    def spread(forces: Mapping[str, Any]) -> dict[str, Array]:
-        return {name: np.broadcast_to(x, (size,)).copy() for name, x in forces.items()}
-
-    whole = spread(dict(zip(CHANNELS, found, strict=True)))
-    return whole, {name: spread(own) for name, own in parts.items()}
+        found, _ = _function(structure, apart=apart)(constants, **given)
+    return [np.broadcast_to(x, (size,)).copy() for x in found]
 
 
 def repeating_states(
@@ -82,7 +82,7 @@ def repeating_states(
     function = _function(structure)
 
     def rates(level: float) -> dict[str, Array]:
-        _, found, _ = function(list(k), **given, **{name: np.full(size, level) for name in names})
+        _, found = function(list(k), **given, **{name: np.full(size, level) for name in names})
         return {name: np.broadcast_to(found[name], (size,)) for name in names}
 
     zero, one, two = rates(0.0), rates(1.0), rates(2.0)
@@ -133,8 +133,8 @@ def _followed(
 
     size = len(given["u"])
     function = _function(structure)
-    _, at_zero, _ = function(constants, **given, **dict.fromkeys(names, np.zeros(size)))
-    _, at_one, _ = function(constants, **given, **dict.fromkeys(names, np.ones(size)))
+    _, at_zero = function(constants, **given, **dict.fromkeys(names, np.zeros(size)))
+    _, at_one = function(constants, **given, **dict.fromkeys(names, np.ones(size)))
     found = {}
     for name in names:
         begin = np.broadcast_to(at_zero[name], (size,))
@@ -154,8 +154,8 @@ def _followed(
 
 @cache
 def _function(
-    structure: EquationStructure,
-) -> Callable[..., tuple[tuple[Array, ...], dict[str, Array], dict[str, dict[str, Any]]]]:
+    structure: EquationStructure, *, apart: bool = False
+) -> Callable[..., tuple[tuple[Array, ...], dict[str, Array]]]:
     module = ModuleType("pmmkit_histories")
     module.__dict__.update(
         sqrt=np.sqrt,
@@ -168,17 +168,17 @@ def _function(
             if item.known.force is not None
         },
     )
-    exec(compile(_text(structure), "<forces of a model>", "exec"), module.__dict__)
-    made: Callable[..., tuple[tuple[Array, ...], dict[str, Array], dict[str, dict[str, Any]]]]
-    made = module.__dict__["forces"]
+    exec(compile(_text(structure, apart), "<forces of a model>", "exec"), module.__dict__)
+    made: Callable[..., tuple[tuple[Array, ...], dict[str, Array]]] = module.__dict__["forces"]
     return made
 
 
-def _text(structure: EquationStructure) -> str:
+def _text(structure: EquationStructure, apart: bool) -> str:
     """Python text of a function of arrays, from the same lines as the equations of motion."""
     lines, extra_mass, rates = summed(structure)
     body = ["U = maximum(sqrt(u * u + v * v), 1e-9)", *lines]
-    body.append(f"parts = {_parts(structure)}")
+    if apart:
+        body.append(f"parts = {_parts(structure)}")
     body += [
         f"X = X + k[{Constant.coriolis_x}] * v * r",
         f"Y = Y + k[{Constant.coriolis_y}] * u * r",
@@ -189,24 +189,16 @@ def _text(structure: EquationStructure) -> str:
         body.append(f"{name[0]} = {name[0]} + ({shares}) * {name[1:]}")
     assert set(MOTION) - {"U", "beta", "Fn"} <= set(HISTORY)
     arguments = ", ".join((*HISTORY, *(name for name in structure.brought if name not in HISTORY)))
-    left = ", ".join(f"{name!r}: {rate}" for name, rate in rates.items())
-    body.append(f"return (X, Y, N, K), {{{left}}}, parts")
+    told, left = "parts" if apart else "(X, Y, N, K)", [f"{n!r}: {x}" for n, x in rates.items()]
+    body.append(f"return {told}, {{{', '.join(left)}}}")
     return "\n    ".join([f"def forces(k, {arguments}):", *body]) + "\n"
 
 
 def _parts(structure: EquationStructure) -> str:
-    """Text of the forces of each effect; the polynomial of the derivatives is what is left."""
-    rest: dict[str, str] = {channel: channel for channel in PLANE}
-    written = []
-    for item in structure.used:
-        own = {
-            channel: f"{item.effect}_{channel}" if channel in item.known.outputs else "0.0"
-            for channel in PLANE
-        }
-        rest = {channel: f"{rest[channel]} - {own[channel]}" for channel in PLANE}
-        written.append((item.effect, own))
-    entries = (
-        f"{name!r}: {{{', '.join(f'{channel!r}: {x}' for channel, x in own.items())}}}"
-        for name, own in [(DERIVATIVES, rest), *written]
-    )
-    return f"{{{', '.join(entries)}}}"
+    """Text of X, Y, N of each effect, behind what the derivatives' polynomial leaves of the sum."""
+    written = [
+        [f"{item.effect}_{x}" if x in item.known.outputs else "0.0" for x in PLANE]
+        for item in structure.used
+    ]
+    rest = [" - ".join([x, *(own[i] for own in written)]) for i, x in enumerate(PLANE)]
+    return f"({', '.join([*rest, *(x for own in written for x in own)])})"

@@ -43,7 +43,6 @@ Panel = tuple[list[Any], Callable[[int], None]]
 
 def animate(
     track: TrackLike,
-    forces: Mapping[str, Array],
     path: str | Path,
     *,
     frames: int = 100,
@@ -55,9 +54,7 @@ def animate(
     Parameters
     ----------
     track : TrackLike
-        Of the manoeuvre.
-    forces : mapping of str to array (3, m)
-        X, Y [N] and N [N m] about midship by effect; nothing where they are not known.
+        Of the manoeuvre, with the forces that it keeps.
     path : path
         A file ``.gif`` or ``.mp4``.
     frames : int
@@ -86,7 +83,7 @@ def animate(
     write = _writer(target)
 
     def told() -> Iterator[Image]:
-        for place, picture in enumerate(_pictures(track, forces, frames), 1):
+        for place, picture in enumerate(_pictures(track, frames), 1):
             yield picture
             if progress is not None:
                 progress(place, frames, f"frames of {target.name}")
@@ -139,7 +136,7 @@ def _mp4(coder: str, pictures: Iterator[Image], path: Path, fps: int) -> None:
         raise DataError(f"ffmpeg cannot write MP4: {said.decode(errors='replace').strip()}")
 
 
-def _pictures(track: TrackLike, forces: Mapping[str, Array], frames: int) -> Iterator[Image]:
+def _pictures(track: TrackLike, frames: int) -> Iterator[Image]:
     """The frames; what stands still is drawn once."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL.Image import frombuffer
@@ -149,7 +146,10 @@ def _pictures(track: TrackLike, forces: Mapping[str, Array], frames: int) -> Ite
         name: np.interp(t, track.t, getattr(track, name))
         for name in ("x", "y", "psi", "u", "v", "delta")
     }
-    pushing = {name: np.array([np.interp(t, track.t, x) for x in f]) for name, f in forces.items()}
+    pushing = {
+        name: np.array([np.interp(t, track.t, x) for x in own])
+        for name, own in track.forces.items()
+    }
     figure = style.canvas(5.6)
     figure.set_dpi(DOTS)
     axes = figure.subplots(1, 2, width_ratios=[3, 2])

@@ -304,7 +304,7 @@ class Track(Described):
         """
         from pmmkit.plotting import animate
 
-        return animate(self, self.forces, path, frames=frames, fps=fps, progress=progress)
+        return animate(self, path, frames=frames, fps=fps, progress=progress)
 
     def _headline(self) -> str:
         angle = f" {self.rudder_deg:.1f}°" if self.rudder_deg else ""
