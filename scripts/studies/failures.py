@@ -23,6 +23,7 @@ import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 from pmmkit.presentation import aligned
 from scripts.datasets.campaign_text import S175
@@ -105,7 +106,8 @@ def run(
 ) -> Done:
     """A command typed in a folder; variables that are None are not set."""
     with tempfile.TemporaryFile() as heard:
-        process = start(words, place, env, python, heard)
+        out = subprocess.DEVNULL if python[0] == "-m" else heard
+        process = start(words, place, env, python, out=out, heard=heard)
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         heard.seek(0)
@@ -119,16 +121,18 @@ def start(
     place: Path,
     env: Mapping[str, str | None] | None = None,
     python: Sequence[str] = ("-m", "pmmkit"),
-    heard: int | object = subprocess.DEVNULL,
+    *,
+    out: int | IO[bytes] = subprocess.DEVNULL,
+    heard: int | IO[bytes] = subprocess.DEVNULL,
 ) -> subprocess.Popen[bytes]:
-    """Begin a command in a folder."""
+    """Begin a command in a folder; `out` takes its standard output, `heard` its errors."""
     setting = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2]), **(env or {})}
     return subprocess.Popen(
         [sys.executable, *python, *words],
         cwd=place,
         env={name: value for name, value in setting.items() if value is not None},
-        stdout=subprocess.DEVNULL if python[0] == "-m" else heard,  # type: ignore[arg-type]
-        stderr=heard,  # type: ignore[arg-type]
+        stdout=out,
+        stderr=heard,
     )
 
 
@@ -212,13 +216,7 @@ def disk(bench: Bench, _: int) -> Iterator[Row]:
             subprocess.run(["umount", str(place)], check=True)
     place = empty()
     with os.fdopen(os.open(os.devnull, os.O_RDONLY), "rb") as unwritable:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "pmmkit", *bench.reduce],
-            cwd=place,
-            env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
-            stdout=unwritable,
-            stderr=subprocess.PIPE,
-        )
+        process = start(bench.reduce, place, out=unwritable, heard=subprocess.PIPE)
         said = process.communicate()[1].decode(errors="replace")
     same = content(place / "out") == bench.usual
     held = same and process.returncode != 0 and "Traceback" not in said
