@@ -79,6 +79,12 @@ def settled(page):
     page.wait(f"!{words}")
 
 
+def focused(page, selector):
+    """Keys go to an element, as soon as it is drawn."""
+    element = f"document.querySelector({selector!r})"
+    page.wait(f"{element} && ({element}.focus(), document.activeElement === {element})")
+
+
 def test_each_place_shows_itself_and_complains_of_nothing(opened):
     shows = {
         "data": ".card .spark path, .card",
@@ -164,14 +170,13 @@ def test_an_own_effect_is_checked_while_it_is_typed(opened):
 def test_a_turn_is_seen_in_motion_with_the_forces_of_each_effect(opened, axe):
     """By keys alone; it stays open where another angle is sailed, and plays to its end."""
     opened.run("location.hash = 'ship'")
-    opened.wait("document.querySelectorAll('.motion summary').length")
     settled(opened)
-    opened.run("document.querySelector('.motion summary').focus()")
+    focused(opened, ".motion summary")
     opened.key("Enter", "\r")
     opened.wait("document.querySelectorAll('.motion .hull').length === 2")
     drawn = "[...document.querySelectorAll('.motion .hull, .motion .force')].map(x => x.outerHTML)"
     before = opened.run(drawn)
-    opened.run("document.querySelector('.motion input').focus()")
+    focused(opened, ".motion input")
     for _ in range(20):
         opened.key("ArrowRight")
     after = opened.run(drawn)
@@ -180,15 +185,26 @@ def test_a_turn_is_seen_in_motion_with_the_forces_of_each_effect(opened, axe):
     ]
     assert opened.run("document.querySelector('.motion output').textContent").startswith("t ")
     assert broken(opened, axe) == []
-    opened.run("document.querySelector('.motion button').focus()")
+    focused(opened, ".motion button")
     opened.key("Enter", "\r")
     opened.wait("document.querySelector('.motion button').textContent === 'Pause'")
     opened.wait("Number(document.querySelector('.motion input').value) > 0")
-    opened.run("document.querySelector('.slider input').focus()")
+    focused(opened, ".slider input")
     opened.key("ArrowLeft")
     settled(opened)
     assert opened.run("document.querySelector('.motion').open")
     assert opened.complaints == []
+
+
+def test_keys_stay_in_the_motion_where_the_ships_around_come_late(opened):
+    opened.run("location.hash = 'ship'")
+    settled(opened)
+    opened.run("window.drawn = document.querySelector('.motion')")
+    focused(opened, ".slider input")
+    opened.key("ArrowRight")
+    focused(opened, ".motion summary")
+    opened.wait("!window.drawn.isConnected")
+    assert opened.run("document.activeElement === document.querySelector('.motion summary')")
 
 
 def test_all_that_can_be_clicked_has_a_name_and_a_place_among_the_keys(opened):

@@ -19,8 +19,9 @@ export function motionPanel(track, before = null) {
   const slider = before?.querySelector("input");
   const since = slider ? Number(slider.value) / Number(slider.max) : 0;
   const goes = before?.querySelector("button")?.ariaPressed === "true";
-  const panel = el("details", { class: "motion", open: before?.open, on: { toggle: () => { if (panel.open && !inside.firstChild) inside.append(...scene(track, since, goes)); } } },
-    el("summary", {}, t("in_motion")), inside);
+  const fill = () => { if (panel.open && !inside.firstChild) inside.append(...scene(track, since, goes)); };
+  const panel = el("details", { class: "motion", open: before?.open, on: { toggle: fill } }, el("summary", {}, t("in_motion")), inside);
+  fill();
   return panel;
 }
 

@@ -24,7 +24,8 @@ export async function showShip(root, app, shown) {
   const tested = Math.abs(trials.zigzag?.[0]?.rudder ?? 0);
   const asked = app.sailing ?? { manoeuvre: "turning", rudder_deg: settings.rudder_deg.usual[1], zigzag_deg: tested ? Math.min(Math.max(Math.round(tested), angle[0]), angle[1]) : 10, speed: speeds[Math.floor(speeds.length / 2)], wind_speed: settings.wind_speed.default, wind_direction_deg: settings.wind_direction_deg.default, depth: settings.depth.default };
   app.sailing = asked;
-  const picture = el("section", { class: "panel", "aria-live": "polite", "aria-label": t("track") });
+  const picture = el("section", { class: "panel", "aria-live": "polite", "aria-label": t("track") },
+    el("p", { class: "soft", role: "status" }, t("computing")));
   const controls = el("section", { class: "panel", "aria-label": t("settings") });
   let waiting = null;
 
@@ -114,6 +115,8 @@ function draw(root, asked, found, trials) {
   time.root.append(path(time, found.t, found.psi, "model"));
   const tracks = [...others.map((trial) => [trial, "measured faint"]), ...(near ? [[near, "measured"]] : []), [found, "model"]];
   const key = (name, text) => el("span", {}, el("i", { class: `line ${name}` }), text);
+  const moving = root.querySelector(".motion");
+  const held = moving?.contains(document.activeElement) ? document.activeElement.localName : null;
   refill(root,
     el("div", { class: "head" }, el("h2", {}, t(asked.manoeuvre)), el("span", { class: "soft small" }, `Fn ${num(found.Fn)}`),
       found.band ? el("span", { class: "soft small right" }, bandOf(found.band)) : null),
@@ -127,8 +130,9 @@ function draw(root, asked, found, trials) {
     el("div", { class: "plot" }, time.root),
     el("p", { class: "legend" }, key("c-model", t("heading")), key("c-rudder", t("rudder")), near ? key("c-measured", `${t("heading")}, ${t("measured")}`) : null,
       near ? key("c-rudder dashed", `${t("rudder")}, ${t("measured")}`) : null),
-    motionPanel(found, root.querySelector(".motion")),
+    motionPanel(found, moving),
     found.notes.map((text) => el("p", { class: "soft small" }, text)));
+  if (held) root.querySelector(`.motion ${held}`)?.focus();
 }
 
 // Whose band it is: ships of the model, or of all sets that the tests accept.
