@@ -1,7 +1,8 @@
 """How often what is hidden in free-running records is found: campaigns diagnosed one by one.
 
     python -m scripts.studies.free_hidden [--cases none roll …] [--sizes 1 0.3] [--runs 6 3]
-                                          [--seeds 5] [--first 0] [--ship s175] [--workers 2]
+                                          [--seeds 5] [--first 0] [--ship s175] [--follow]
+                                          [--workers 2]
     python -m scripts.studies.free_hidden --folder DIR      # campaigns that lie there
     python -m scripts.studies.free_hidden … --write DIR     # only make them
 
@@ -17,13 +18,17 @@ wrong : no set of the group holds the truth; where nothing is hidden, something 
 silent : nothing is named; where nothing is hidden, that is right.
 failed : the diagnosis ended in an error.
 
-Right, in the table, is alone, group, and silent where nothing is hidden. Seconds are those of the
-processor, of a diagnosis with its children.
+Right, in the table, is alone, group, and silent where nothing is hidden; held, of the coefficients
+of effects that were rightly named and have the form of the catalogue, those within their 95 %
+intervals. Seconds are those of the processor, of a diagnosis with its children. ``--follow`` types
+what a diagnosis advises, and counts what ends well.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import io
 import itertools
 import json
 import os
@@ -37,9 +42,11 @@ from typing import Any
 import numpy as np
 
 import pmmkit as pk
+from pmmkit.cli import main as pmmkit
+from pmmkit.diagnosis import Diagnosis
 from pmmkit.effects import CATALOGUE
 from pmmkit.intake import examine
-from pmmkit.presentation import aligned
+from pmmkit.presentation import WIDE, aligned
 from scripts.studies.workers import add_workers, as_done, crew
 from tests.support.free_tank.campaigns import SHIPS, Setup, write, write_all
 from tests.support.free_tank.cases import CASES
@@ -51,11 +58,13 @@ SMALL = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Job:
-    """A campaign to diagnose: one to be made, or one that lies in a folder."""
+    """A campaign to diagnose: one to be made, or one that lies in a folder; whether the advice is
+    followed."""
 
     truth: Mapping[str, Any]
     setup: Setup | None = None
     folder: Path | None = None
+    follow: bool = False
 
     @property
     def title(self) -> str:
@@ -73,7 +82,12 @@ class Job:
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What the diagnosis said of one campaign."""
+    """What the diagnosis said of one campaign.
+
+    `sizes`: of each coefficient whose truth is known, by effect: how far it is from the truth over
+    half of its 95 % interval, and that half over the truth. `advised`: how the advised command
+    ended, empty where there was none or it was not followed.
+    """
 
     job: Job
     verdict: str
@@ -82,6 +96,8 @@ class Answer:
     log_evidence: float = float("nan")
     flags: tuple[str, ...] = ()
     checks: tuple[str, ...] = ()
+    sizes: tuple[tuple[str, float, float], ...] = ()
+    advised: str = ""
     seconds: float = float("nan")
     error: str = ""
 
@@ -106,6 +122,12 @@ class Answer:
         good = ("alone", "group") if self.job.truth["expect"] else ("silent",)
         return self.verdict in self.job.truth["verdict"] and self.outcome in good
 
+    @property
+    def held(self) -> tuple[int, int]:
+        """Coefficients within their intervals, of those that an effect rightly named has."""
+        known = self.sizes if self.outcome in ("alone", "group") else ()
+        return sum(abs(away) <= 1.0 for _, away, _ in known), len(known)
+
     def __str__(self) -> str:
         group = "; ".join(
             f"{' + '.join(names)} {odds:.2g}"
@@ -113,10 +135,13 @@ class Answer:
         )
         checks = f", checks: {' '.join(self.checks)}" if self.checks else ""
         flags = f", flags: {' | '.join(self.flags)}" if self.flags else ""
+        missed = [f"{name} {away:+.1f}" for name, away, _ in self.sizes if abs(away) > 1.0]
+        outside = f", beyond the interval: {' '.join(missed)}" if missed else ""
+        advised = f", advised: {self.advised}" if self.advised else ""
         return (
             f"{self.job.title}: {self.outcome}, {self.verdict}, {group or '-'}, "
             f"ln evidence {self.log_evidence:.1f}, {self.seconds:.0f} s"
-            f"{checks}{flags}{self.error and f', {self.error}'}"
+            f"{checks}{flags}{outside}{advised}{self.error and f', {self.error}'}"
         )
 
 
@@ -173,8 +198,35 @@ def asked(job: Job, folder: Path) -> Answer:
         log_evidence=best.log_evidence if best else 0.0,
         flags=tuple(found.flags),
         checks=checks,
+        sizes=tuple(sizes_of(found, job.truth.get("coefficients", {}))),
         seconds=processor() - began,
+        advised=followed(job, found, folder) if job.follow and found.proposed else "",
     )
+
+
+def sizes_of(
+    found: Diagnosis, truth: Mapping[str, Mapping[str, float]]
+) -> Iterator[tuple[str, float, float]]:
+    """How well coefficients are told, as `Answer.sizes` has it."""
+    for item in found.findings:
+        for name, true in truth.get(item.effect, {}).items():
+            if name in item.coefficients:
+                half = WIDE * item.std[name]
+                yield name, (item.coefficients[name] - true) / half, half / (abs(true) or np.nan)
+
+
+def followed(job: Job, found: Diagnosis, folder: Path) -> str:
+    """How the command ends that a diagnosis advises."""
+    said = io.StringIO()
+    with tempfile.TemporaryDirectory() as place:
+        model = Path(place) / "model2.toml"
+        effects = [item.effect for item in found.proposed]
+        line = ["add", job.truth["model"], *effects, "--fit", str(folder), "-o", str(model)]
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            status = pmmkit(line)
+        if status == 0 and model.is_file():
+            return "well"
+    return f"status {status}: {said.getvalue().strip().splitlines()[-1]}"
 
 
 def processor() -> float:
@@ -187,11 +239,11 @@ def jobs_of(o: argparse.Namespace) -> list[Job]:
     if o.folder is not None:
         truths = json.loads((o.folder / "truth.json").read_text(encoding="utf-8"))
         return [
-            Job(truth=truth, folder=o.folder / name)
+            Job(truth=truth, folder=o.folder / name, follow=o.follow)
             for name, truth in truths.items()
             if o.cases is None or truth["case"] in o.cases
         ]
-    return [Job(truth=setup.truth, setup=setup) for setup in setups_of(o)]
+    return [Job(truth=setup.truth, setup=setup, follow=o.follow) for setup in setups_of(o)]
 
 
 def setups_of(o: argparse.Namespace) -> Iterator[Setup]:
@@ -211,20 +263,40 @@ def table(answers: Sequence[Answer]) -> str:
         counts = Counter(item.outcome for item in own)
         rows.append([*key, *_counted(own, counts)])
     every = Counter(item.outcome for item in answers)
-    head = ["case", "size", "runs", "campaigns", "right", *OUTCOMES, "s (median)", "s (most)"]
+    times = ["s (median)", "s (most)"]
+    head = ["case", "size", "runs", "campaigns", "right", *OUTCOMES, "flagged", "held", *times]
     return aligned(head, [*rows, ["all", "", "", *_counted(answers, every)]])
 
 
 def _counted(answers: Sequence[Answer], counts: Mapping[str, int]) -> list[str]:
     seconds = [item.seconds for item in answers]
     right = sum(item.right for item in answers)
+    flagged = sum(bool(item.flags) for item in answers)
+    held, known = np.sum([item.held for item in answers], axis=0)
     return [
         str(len(answers)),
         str(right),
         *(str(counts[name]) if counts[name] else "" for name in OUTCOMES),
+        str(flagged) if flagged else "",
+        f"{held} of {known}" if known else "",
         f"{np.median(seconds):.0f}",
         f"{max(seconds):.0f}",
     ]
+
+
+def told_sizes(answers: Sequence[Answer]) -> Iterator[str]:
+    """How intervals of all coefficients hold, and how the advised commands ended."""
+    held, known = np.sum([item.held for item in answers], axis=0)
+    if known:
+        halves = [half for item in answers for _, _, half in item.sizes if np.isfinite(half)]
+        yield (
+            f"Coefficients in their 95 % intervals: {held} of {known} ({held / known:.1%}); half "
+            f"of the interval over the truth: {np.median(halves):.1%} (median), "
+            f"{min(halves):.2%} the least."
+        )
+    ends = Counter(item.advised for item in answers if item.advised)
+    for end, count in ends.most_common():
+        yield f"Advised commands that ended {end}: {count} of {sum(ends.values())}."
 
 
 def unknown(jobs: Sequence[Job]) -> list[str]:
@@ -249,6 +321,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, nargs="+", default=[6, 3], choices=(3, 6))
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--follow", action="store_true", help="type the command that is advised")
     add_workers(parser, usual=2)
     o = parser.parse_args()
     jobs = jobs_of(o)
@@ -262,8 +335,11 @@ def main() -> None:
         for place, answer in as_done(answered, jobs, executor):
             answers.append((place, answer))
             print(answer, flush=True)
+    found = [answer for _, answer in sorted(answers, key=lambda item: item[0])]
     print()
-    print(table([answer for _, answer in sorted(answers, key=lambda item: item[0])]))
+    print(table(found))
+    for line in told_sizes(found):
+        print(line)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ import numpy as np
 from .cases import CASES, FLEETS, Case, Fleet
 from .hidden import NOTHING, Hidden
 from .sailing import Order, Sailed, sail
-from .sensors import recorded
+from .sensors import fault_coefficients, recorded
 
 SHIPS = tuple(FLEETS)
 LARGE, SMALL = (25, 30, 35), (10, 15, 20)
@@ -65,7 +65,17 @@ class Setup:
             "size": self.size,
             "runs": self.runs,
             "seed": self.seed,
+            "coefficients": self.coefficients,
         }
+
+    @property
+    def coefficients(self) -> dict[str, dict[str, float]]:
+        """Of each effect that is hidden in the form of the catalogue: memory, stall, wind and the
+        bottom are of the tank's own."""
+        hidden = hidden_in(self)
+        every = self.fleet.build(hidden).coefficients | fault_coefficients(hidden)
+        named = [name for names in self.known.expect for name in names]
+        return {name: every[name] for name in named if any(every.get(name, {}).values())}
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .flow import Body, Motion, hidden_forces, normal_lift, revolutions_for
+from .flow import Body, Motion, hidden_forces, hull_coefficients, normal_lift, revolutions_for
 from .hidden import Hidden
 
 BODY = Body(
@@ -99,6 +99,24 @@ class Container:
             rates[2] * scale / L,
             rates[1] * scale / L,
         )
+
+    @property
+    def coefficients(self) -> dict[str, dict[str, float]]:
+        """What is hidden, as coefficients of the effects that have the same form."""
+        h = self.hidden
+        lean = {
+            f"{force}{product}": h.heel * float(value)
+            for force in "YN"
+            for product, value in zip(
+                ("p", "phi", "vvphi", "vphiphi", "rrphi", "rphiphi"), HEEL[force], strict=True
+            )
+        }
+        return hull_coefficients(BODY, h) | {
+            "heel_coupling": lean | {"Xphiphi": h.heel * X["ff"], "Ypdot": h.heel * my * ly},
+            "scale_effect": {"Xuu": h.resistance * X["uu"]},
+            "flow_straightening": {"gamma": h.straightening, "cRr": h.crossing},
+            "wake_in_drift": {"tau": h.drift_wake},
+        }
 
     @cached_property
     def mobility(self) -> np.ndarray:

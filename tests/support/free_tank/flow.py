@@ -122,6 +122,33 @@ def hidden_forces(
     return X, Y, N
 
 
+def hull_coefficients(body: Body, hidden: Hidden) -> dict[str, dict[str, float]]:
+    """What is hidden on the hull, as coefficients of the effects that have the same form."""
+    drag = body.d / body.L
+    plate = -hidden.plate * drag
+    ends = -hidden.ends * drag * (1.0 - TAPER * STRIPS) * STRIPS * np.abs(STRIPS)
+    return {
+        "asymmetry": {"Y0": hidden.side, "N0": hidden.turn},
+        "yaw_sway_coupling": {
+            "Yvvr": hidden.vvr[0],
+            "Yvrr": hidden.vrr[0],
+            "Nvvr": hidden.vvr[1],
+            "Nvrr": hidden.vrr[1],
+        },
+        "surge_yaw_coupling": {"Xvr": hidden.vr},
+        "modulus_sway_drag": {"Yv|v|": plate, "Nv|v|": -0.2 * plate},
+        "modulus_yaw_drag": {"Yr|r|": float(ends.mean()), "Nr|r|": float((ends * STRIPS).mean())},
+        "crossflow_drag": {"CD": hidden.strips},
+        "current": {"current_x": hidden.current[0], "current_y": hidden.current[1]},
+        "propeller_load": {"wp": hidden.wake, "t": hidden.deduction},
+        "rudder_hull_interaction": {
+            "aH": hidden.hull_share,
+            "xH": hidden.hull_point,
+            "tR": hidden.steering_drag,
+        },
+    }
+
+
 def relative_wind(now: Motion, blows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Speed of the wind past the ship [m/s], and where it comes from, off the bow [rad]."""
     ahead = blows[0] * np.cos(blows[1] - now.psi) + now.u

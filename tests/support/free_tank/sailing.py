@@ -30,6 +30,9 @@ class Ship(Protocol):
     @property
     def rate(self) -> float: ...
 
+    @property
+    def coefficients(self) -> dict[str, dict[str, float]]: ...
+
     def revolutions(self, U: np.ndarray) -> np.ndarray: ...
 
     def accelerations(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -39,3 +40,14 @@ def recorded(
     }
     seen |= {"t": run.t[::every], "n": np.full(len(run.t[::every]), run.n)}
     return {name: seen[name] for name in COLUMNS if name in seen}
+
+
+def fault_coefficients(hidden: Hidden) -> dict[str, dict[str, float]]:
+    """What is hidden in the instruments, as coefficients of the faults of the same form."""
+    return {
+        "fault_rudder_zero": {"angle": math.degrees(hidden.rudder_zero)},
+        "fault_clock_lag": {"clock_lag": hidden.late_positions},
+        "fault_antenna": {"antenna_x": hidden.antenna, "antenna_y": 0.0},
+        "fault_heading_offset": {"heading_offset": math.degrees(hidden.heading_offset)},
+        "fault_log": {"log_gain": hidden.log_gain},
+    }

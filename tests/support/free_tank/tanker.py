@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .flow import Body, Motion, hidden_forces, normal_lift, revolutions_for
+from .flow import Body, Motion, hidden_forces, hull_coefficients, normal_lift, revolutions_for
 from .hidden import Hidden
 
 BODY = Body(
@@ -71,6 +71,20 @@ class Tanker:
         sway, yaw = np.linalg.solve(masses, np.stack(left))
         surge = (X + swaying * now.v * now.r + XG * MASS * now.r**2) / surging
         return surge, sway, yaw, np.zeros_like(yaw)
+
+    @property
+    def coefficients(self) -> dict[str, dict[str, float]]:
+        """What is hidden, as coefficients of the effects that have the same form."""
+        h = self.hidden
+        return hull_coefficients(BODY, h) | {
+            "scale_effect": {"Xuu": -R0 * h.resistance},
+            "flow_straightening": {
+                "gamma_positive": h.straightening,
+                "gamma_negative": h.straightening,
+                "lR": h.crossing,
+            },
+            "wake_in_drift": {"C2_positive": h.drift_wake, "C2_negative": h.drift_wake},
+        }
 
     def _propeller(
         self, u: np.ndarray, beta: np.ndarray, r: np.ndarray, n: np.ndarray
