@@ -18,6 +18,8 @@ MOST: Final = 2000
 """Files of a set."""
 LONGEST: Final = 120
 """Characters of a name."""
+DEEPEST: Final = 8
+"""Folders below one another: a case of OpenFOAM has six."""
 PLACE: Final = "dropped"
 """Folder of the first set below that of the workbench; others have a number."""
 _SET: Final = re.compile(rf"{PLACE}(-[0-9]{{1,4}})?")
@@ -53,6 +55,26 @@ def safe_name(name: str) -> str:
     raise DataError(f"“{shown}” cannot be kept: {why}. Rename it and drop it again.")
 
 
+def safe_path(name: str) -> Path:
+    r"""Where a file of a set lies, by its name and those of the folders it was dropped with.
+
+    Examples
+    --------
+    >>> safe_path("drift/run 01.csv").parts
+    ('drift', 'run 01.csv')
+    >>> safe_path("../run.csv")
+    Traceback (most recent call last):
+    pmmkit.base.errors.DataError: “..” cannot be kept: it begins or ends with a point ...
+    """
+    parts = name.split("/")
+    if len(parts) > DEEPEST or len(name) > 2 * LONGEST:
+        raise DataError(
+            f"“{name[:40]} …” lies too deep: at most {DEEPEST - 1} folders and {2 * LONGEST} "
+            "characters are kept. Name its folder instead, then it is read where it lies."
+        )
+    return Path(*map(safe_name, parts))
+
+
 def place_of(folder: Path, into: str) -> Path:
     """The folder of a set that is there, or of a new one where none is named."""
     if not into:
@@ -65,9 +87,12 @@ def place_of(folder: Path, into: str) -> Path:
 
 
 async def keep(place: Path, name: str, chunks: AsyncIterator[bytes]) -> int:
-    """Write a file as it comes, under a temporary name until it is whole; nothing is replaced."""
-    target = place / safe_name(name)
-    _refuse_twice(place, name)
+    """Write a file as it comes, under a temporary name until it is whole; nothing is replaced.
+
+    `name` may lead through folders, each after a slash.
+    """
+    target = place / safe_path(name)
+    _refuse_twice(place, target)
     part = place / f".{uuid.uuid4().hex[:12]}.part"
     size = 0
     try:
@@ -84,11 +109,12 @@ async def keep(place: Path, name: str, chunks: AsyncIterator[bytes]) -> int:
             os.fsync(stream.fileno())
         if not size:
             raise DataError(f"{name} is empty (0 bytes): it was not kept.")
-        _refuse_twice(place, name)
+        _refuse_twice(place, target)
+        target.parent.mkdir(parents=True, exist_ok=True)
         # The name is taken first, and closed: Windows replaces no file that is open.
         target.open("xb").close()
         os.replace(part, target)
-    except FileExistsError as error:
+    except (FileExistsError, NotADirectoryError) as error:
         raise _twice(name) from error
     except OSError as error:
         raise DataError(f"{name} cannot be kept: {error.strerror}.") from error
@@ -117,19 +143,19 @@ def sets(folder: Path) -> list[dict[str, Any]]:
 
 
 def files_of(place: Path) -> list[dict[str, Any]]:
-    """Names and sizes of the files of a set."""
+    """Names and sizes of the files of a set, those of its folders too."""
     return [
-        {"name": file.name, "size": file.stat().st_size}
-        for file in sorted(place.iterdir())
-        if file.is_file() and not file.name.startswith(".") and file.name != CAMPAIGN.file
+        {"name": file.relative_to(place).as_posix(), "size": file.stat().st_size}
+        for file in sorted(place.rglob("*"))
+        if file.is_file() and not file.name.startswith(".") and file != place / CAMPAIGN.file
     ]
 
 
-def _refuse_twice(place: Path, name: str) -> None:
-    files = [file.name.casefold() for file in place.iterdir()]
-    if name.casefold() in files:
-        raise _twice(name)
-    if len(files) >= MOST:
+def _refuse_twice(place: Path, target: Path) -> None:
+    beside = target.parent.iterdir() if target.parent.is_dir() else ()
+    if target.name.casefold() in {file.name.casefold() for file in beside}:
+        raise _twice(target.relative_to(place).as_posix())
+    if sum(len(files) for _, _, files in os.walk(place)) >= MOST:
         raise DataError(f"A set has at most {MOST} files. Name their folder instead.")
 
 

@@ -74,6 +74,13 @@ class Page:
         names = [str(file) for file in files]
         self._ask("DOM.setFileInputFiles", {"nodeId": node, "files": names})
 
+    def drop(self, script: str, paths: Sequence[Path]) -> None:
+        """Files and folders are dropped on the middle of an element."""
+        x, y = self._middle(script)
+        data = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
+        for kind in ("dragEnter", "dragOver", "drop"):
+            self._ask("Input.dispatchDragEvent", {"type": kind, "x": x, "y": y, "data": data})
+
     def key(self, name: str, text: str = "") -> None:
         for kind in ("keyDown", "keyUp"):
             own = {"type": kind, "key": name, "code": name}
@@ -94,14 +101,19 @@ class Page:
 
     def point(self, script: str, *, click: bool = False) -> None:
         """Move the mouse to the middle of an element, and click it if asked."""
-        self.run(f"({script}).scrollIntoView({{block: 'center'}})")
-        box = f"(({script}).getBoundingClientRect())"
-        x, y = self.run(f"[{box}.x + {box}.width / 2, {box}.y + {box}.height / 2]")
+        x, y = self._middle(script)
         at = {"x": x, "y": y}
         self._ask("Input.dispatchMouseEvent", {"type": "mouseMoved", **at})
         for kind in ("mousePressed", "mouseReleased") if click else ():
             pressed = {"type": kind, **at, "button": "left", "clickCount": 1}
             self._ask("Input.dispatchMouseEvent", pressed)
+
+    def _middle(self, script: str) -> tuple[float, float]:
+        """Of an element, brought into view."""
+        self.run(f"({script}).scrollIntoView({{block: 'center'}})")
+        box = f"(({script}).getBoundingClientRect())"
+        x, y = self.run(f"[{box}.x + {box}.width / 2, {box}.y + {box}.height / 2]")
+        return x, y
 
     def _ask(self, method: str, params: dict[str, Any]) -> dict[str, Any]:
         self._number += 1

@@ -102,3 +102,24 @@ def test_from_a_strangers_files_to_a_window_with_its_reason(page, desk, tmp_path
     assert page.wait(f"!!{button('Do it anew')}")
     assert page.run("document.documentElement.scrollWidth <= innerWidth")
     assert page.complaints == []
+
+
+def test_a_folder_is_dropped_with_those_inside(page, tmp_path):
+    folder = tmp_path / "Tank 7"
+    write_files(folder / "drift")
+    (folder / ".git").mkdir()
+    (folder / ".git" / "config").write_text("[core]")
+    (folder / "read me.txt").write_text("Breadth at the waterline 0.7 m")
+    own = Desk(tmp_path / "workbench", [tmp_path], action)
+    with served(own) as address:
+        page.open(address)
+        page.wait("!!document.querySelector('.drop')")
+        page.drop("document.querySelector('.drop')", [folder])
+        page.wait("document.querySelectorAll('.channel path').length === 6")
+        title = "document.getElementsByName('answer campaign.title')[0].value"
+        assert page.run(title) == "Tank 7"
+        assert page.complaints == []
+    own.close()
+    place = own.folder / "dropped"
+    kept = {x.relative_to(place).as_posix() for x in place.rglob("*") if x.is_file()}
+    assert kept == {"read me.txt", *(f"drift/run00{n}.csv" for n in (1, 2, 3))}

@@ -88,7 +88,17 @@ def test_the_file_is_that_of_the_command(browser, strange, tmp_path):
 @pytest.mark.parametrize(
     "name",
     [
-        *("../up.csv", "a/b.csv", "..\\up.csv", "C:\\x.csv", "..", ".hidden", "", " ", "a\0b.csv"),
+        *(
+            "../up.csv",
+            "a/../b.csv",
+            "..\\up.csv",
+            "C:\\x.csv",
+            "..",
+            ".hidden",
+            "",
+            " ",
+            "a\0b.csv",
+        ),
         *("con", "NUL.csv", "com1.txt", "<b>x</b>.csv", "a:b.csv", "a?.csv", "end.", "x" * 130),
         *("‮txt.csv", "line\nbreak.csv"),
     ],
@@ -181,3 +191,36 @@ def test_bad_folders_are_told_in_place(browser, tmp_path):
     assert "no folder" in told(damaged / "run001.csv").json["error"]
     assert "outside" in told("/etc").json["error"]
     assert len(told(damaged).json["groups"]) == 1
+
+
+def test_a_file_lies_in_the_folders_it_was_dropped_with(browser, desk, strange):
+    into = ""
+    for file in sorted(strange.glob("*.csv")):
+        into = drop(browser, f"drift/1.0 m/{file.name}", file.read_bytes(), into).json["into"]
+    place = desk.folder / into
+    assert len(list((place / "drift" / "1.0 m").iterdir())) == 3
+    (found,) = browser.get("/api/incoming").json
+    assert found["files"][0]["name"] == "drift/1.0 m/run001.csv"
+    written = browser.post("/api/campaign", {"folder": str(place), "answers": ANSWERS}).json
+    assert (written["complete"], len(open_campaign(place))) == (True, 3)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("../run.csv", "a/../../run.csv", "/etc/run.csv", "a//run.csv", "a/./run.csv"),
+        *("a\\run.csv", "/".join("abcdefghi"), "con/run.csv", "/".join(["x" * 115] * 3)),
+    ],
+)
+def test_no_name_of_a_folder_leads_elsewhere(browser, desk, name):
+    answer = drop(browser, name, b"t,Y\n0,1\n")
+    assert answer.status == 400
+    assert not [x for x in desk.folder.rglob("*") if x.is_file() and x.suffix == ".csv"]
+
+
+def test_a_file_is_no_folder_of_others(browser):
+    into = drop(browser, "run", b"t,Y\n0,1\n").json["into"]
+    assert drop(browser, "run/1.csv", b"t,Y\n0,1\n", into).status == 400
+    assert drop(browser, "drift/1.csv", b"t,Y\n0,1\n", into).status == 200
+    assert drop(browser, "drift", b"t,Y\n0,1\n", into).status == 400
+    assert drop(browser, "drift/1.CSV", b"t,Y\n0,1\n", into).status == 400

@@ -22,16 +22,18 @@ export function intake(app) {
 
 function taker(draw) {
   const { app } = draw;
-  const files = el("input", { type: "file", multiple: true, id: "files", on: { change: () => take(draw, [...files.files]) } });
+  const files = el("input", { type: "file", multiple: true, id: "files", on: { change: () => take(draw, [...files.files].map((file) => [file.name, file])) } });
+  const folder = el("input", { type: "file", webkitdirectory: true, id: "folder", on: { change: () => take(draw, [...folder.files].map((file) => [file.webkitRelativePath, file])) } });
   const zone = el("div", { class: "drop", on: {
     dragover: (event) => { event.preventDefault(); zone.classList.add("over"); },
     dragleave: () => zone.classList.remove("over"),
     drop: (event) => {
       event.preventDefault();
       zone.classList.remove("over");
-      take(draw, filesOf(event.dataTransfer), event.dataTransfer);
+      dropped(event.dataTransfer).then((found) => take(draw, found), (problem) => { app.intake.refused = [problem.message]; tell(draw); });
     },
-  } }, el("p", {}, el("b", {}, t("drop_here"))), el("p", { class: "soft small" }, t("drop_about")), el("label", { class: "button", for: "files" }, t("choose_files")), files);
+  } }, el("p", {}, el("b", {}, t("drop_here"))), el("p", { class: "soft small" }, t("drop_about")),
+  el("p", {}, folder, el("label", { class: "button", for: "folder" }, t("choose_folder")), " ", files, el("label", { class: "button", for: "files" }, t("choose_files"))));
   const where = el("input", { type: "text", "aria-label": t("folder"), placeholder: t("folder_any"), name: "campaign", spellcheck: "false", value: app.intake.into ? "" : app.intake.folder || (app.state.opened ? app.state.campaign : "") });
   const earlier = el("div", {});
   get("incoming").then((sets) => refill(earlier, sets.filter((own) => own.files.length).map((own) => el("p", { class: "small" },
@@ -44,11 +46,28 @@ function taker(draw) {
     el("p", { class: "soft small" }, t("look_about")));
 }
 
-// A folder that is dropped has no content of its own: it is told to be named instead.
-function filesOf(transfer) {
-  const items = [...(transfer.items ?? [])];
-  const whole = items.filter((item) => item.webkitGetAsEntry?.()?.isDirectory);
-  return whole.length ? items.filter((item) => !whole.includes(item)).map((item) => item.getAsFile()).filter(Boolean) : [...transfer.files];
+// Files with their names, those of dropped folders with the names of the folders before them.
+async function dropped(transfer) {
+  // The entries are gone after the first pause.
+  const entries = [...(transfer.items ?? [])].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
+  return entries.length ? (await Promise.all(entries.map(within))).flat() : [...transfer.files].map((file) => [file.name, file]);
+}
+
+async function within(entry) {
+  if (entry.isFile) return [[entry.fullPath.slice(1), await new Promise((give, fail) => entry.file(give, fail))]];
+  const reader = entry.createReader();
+  const found = [];
+  // A reader gives a hundred entries at a time.
+  for (let some; (some = await new Promise((give, fail) => reader.readEntries(give, fail))).length;) found.push(...some);
+  return (await Promise.all(found.map(within))).flat();
+}
+
+// The folder that holds all files is the set's own, and its title; hidden files are nobody's tests.
+function unpacked(files) {
+  const shown = files.filter(([name]) => !name.split("/").some((part) => part.startsWith(".")));
+  const top = shown[0]?.[0].split("/")[0];
+  if (!shown.every(([name]) => name.startsWith(`${top}/`))) return { title: "", files: shown };
+  return { title: top ?? "", files: shown.map(([name, file]) => [name.slice(top.length + 1), file]) };
 }
 
 function begun(draw, folder, into) {
@@ -57,20 +76,21 @@ function begun(draw, folder, into) {
   return look(draw);
 }
 
-async function take(draw, files, transfer) {
+async function take(draw, given) {
   const own = draw.app.intake;
+  const { title, files } = unpacked(given);
   // Files of a campaign that is written, or of a named folder, are left alone: these are a new set.
   if (own.folder && (!own.into || own.page?.new === false)) Object.assign(own, fresh());
-  own.refused = [];
-  if (transfer && files.length < (transfer.items?.length ?? 0)) own.refused.push(t("drop_folder"));
+  own.refused = files.length ? [] : [t("drop_empty")];
+  if (title) own.answers["campaign.title"] ??= title.slice(0, 80);
   let number = 0;
-  for (const file of files) {
+  for (const [name, file] of files) {
     number += 1;
-    refill(draw.said, el("p", { class: "soft", role: "status" }, t("taking", { name: file.name, number, count: files.length })));
+    refill(draw.said, el("p", { class: "soft", role: "status" }, t("taking", { name, number, count: files.length })));
     try {
-      const kept = await send("drop", { into: own.into, name: file.name }, file);
-      Object.assign(own, { into: kept.into, folder: kept.folder });
-      own.kept.push(kept.name);
+      const place = await send("drop", { into: own.into, name }, file);
+      Object.assign(own, { into: place.into, folder: place.folder });
+      own.kept.push(place.name);
     } catch (problem) {
       own.refused.push(problem.message);
     }
