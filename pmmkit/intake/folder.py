@@ -56,7 +56,7 @@ _PASSED: Final = frozenset(
     }
 )
 """Suffixes of files that are not measurements and are not opened."""
-_LISTS: Final = frozenset({".csv", ".txt", ".tsv", ".dat"})
+_LISTS: Final = frozenset({".csv", ".txt", ".tsv", ".dat", ".yml", ".yaml", ".json", ".ini"})
 _PROSE: Final = frozenset({".md"})
 _SHORT: Final = 64_000
 """Size of a text up to which it is looked through for particulars [bytes]: some hundred rows."""

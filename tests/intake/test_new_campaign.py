@@ -19,6 +19,9 @@ from pmmkit.base import CampaignError
 from pmmkit.cli import main
 from pmmkit.intake.drafts.motion import motion_facts
 from pmmkit.intake.drafts.names import facts_of
+from pmmkit.intake.drafts.questions import questions_of
+from pmmkit.intake.guessing import suggest
+from tests.support.free_tank.campaigns import Setup, records
 from tests.support.small_campaign import SHIP
 
 
@@ -451,18 +454,87 @@ def test_noise_is_no_oscillation():
     assert "period" not in motion_facts(t, forces, "pure_sway").settings
 
 
-def test_zigzags_of_hsva_are_told_by_their_names(shared_data, tmp_path, capsys):
+def test_zigzags_of_hsva_are_told_by_their_names_and_columns_without_one_by_their_motion(
+    shared_data, tmp_path, capsys
+):
+    """Columns as its README found them by differentiating; a rudder to port is positive."""
     folder = shared_data / "kvlcc2_hsva_free"
-    status, content, words = drafted(capsys, folder, "-o", tmp_path / "campaign.toml")
+    status, content, _ = drafted(capsys, folder, "-o", tmp_path / "campaign.toml")
     assert (status, content["kind"]) == (0, "free-running")
     orders = {
         run["id"][17:]: (run["settings"]["rudder_deg"], run["settings"]["switch_deg"])
         for run in content["runs"]
     }
-    assert orders["Z_35_05"] == (35.0, 5.0)
-    assert orders["Z_10_10_P"] == (10.0, 10.0)
+    assert orders["Z_35_05"] == (-35.0, 5.0)
+    assert (orders["Z_10_10_P"], orders["Z_10_10_S"]) == ((10.0, 10.0), (-10.0, 10.0))
     assert len(orders) == 13
-    assert "[columns] psi: which column" in words
+    written = (tmp_path / "campaign.toml").read_text("utf-8")
+    told = tomllib.loads(written)
+    places = {name: own["column"] for name, own in told["columns"].items()}
+    assert places == {"t": 1, "x": 2, "y": 3, "psi": 4, "xdot": 5, "ydot": 6, "r": 7, "delta": 9}
+    assert told["columns"]["r"]["unit"] == "deg/s"
+    assert told["campaign"]["rudder_positive"] == "port"
+    ship = {"L": 7.0, "B": 1.269, "d": 0.455, "volume": 3.27, "mass": 3272.0, "Izz": 9909.0}
+    assert told["ship"] == {**ship, "xG": 0.2436}
+    needed = [item.key for item in questions_of(written) if item.kind == "needed"]
+    assert needed == ["water.rho"]
+
+
+@pytest.mark.parametrize("unit", ["deg", "rad"])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_track_of_a_ship_is_told_without_names_in_any_order(unit, side, seed):
+    """Records of a tank that shares no code with the package, noise of its instruments in them."""
+    factor = {"deg": 180.0 / math.pi, "rad": 1.0}[unit]
+    rng = np.random.default_rng(seed)
+    for record in records(Setup(ship="kvlcc2-l7", runs=3, seed=seed)).values():
+        angles = {name: factor * record[name] for name in ("psi", "delta", "r")}
+        kept = {"x": record["x"], "y": side * record["y"], "n": record["n"], **angles}
+        names = list(rng.permutation(list(kept)))
+        table = [record["t"], *(kept[name] for name in names)]
+        found = suggest([""] * len(table), [None] * len(table), dict(enumerate(table)))
+        told = {names[k - 1]: item for k, item in enumerate(found) if item and k}
+        assert {name: item.name for name, item in told.items()} == {
+            name: name for name in ("x", "y", "psi", "delta", "r") if name in told
+        }
+        assert {"x", "y", "psi", "delta"} <= set(told)
+        assert (told["psi"].unit, told["delta"].unit, told["y"].scale) == (unit, unit, side)
+
+
+def test_columns_that_wander_are_no_track():
+    rng = np.random.default_rng(3)
+    t = np.arange(0.0, 100.0, 0.1)
+    for _ in range(100):
+        walks = np.cumsum(rng.standard_normal((6, len(t))), axis=1) * rng.uniform(0.01, 1.0, (6, 1))
+        found = suggest([""] * 7, [None] * 7, {0: t, **{k + 1: x for k, x in enumerate(walks)}})
+        assert [item.name for item in found if item] == ["t"]
+
+
+def test_a_towed_hull_that_goes_to_and_fro_is_no_ship_under_way():
+    """Pure sway with the carriage's place and its sway, and gauges: no heading follows a course."""
+    t = np.arange(0.0, 60.0, 0.05)
+    sway = 0.25 * np.sin(0.6 * t)
+    gauges = [20.0 * np.cos(0.6 * t), 8.0 * np.sin(0.6 * t), -3.0 * np.cos(0.6 * t + 0.3)]
+    values = dict(enumerate([t, 1.2 * t, sway, *gauges]))
+    assert [x and x.name for x in suggest([""] * 6, [None] * 6, values)] == ["t", *[None] * 5]
+
+
+PAIRS = {
+    "ship.yml": "L: 3.0  # m\nB: 0.489\nT: 0.2\n#m: 99\nm: 244.6\nI_z: 145.0\nD: 0.084\n",
+    "ship.json": '{\n  "L": 3.0,\n  "B": 0.489,\n  "T": 0.2,\n  "m": 244.6,\n  "I_z": 145.0\n}\n',
+    "ship.ini": "[ship]\nL = 3.0 m\nB = 489 mm\nT = 20 cm ; even keel\nm = 244.6 kg\nI_z = 145\n",
+}
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_particulars_stand_in_pairs_of_name_and_number(name, tmp_path, capsys):
+    (tmp_path / name).write_text(PAIRS[name])
+    (tmp_path / "turn.csv").write_text(
+        "t,x,y,psi,delta\n" + "".join(f"{k / 10},{k / 10},0,0,0\n" for k in range(60))
+    )
+    drafted(capsys, tmp_path)
+    told = tomllib.loads((tmp_path / "campaign.toml").read_text("utf-8"))["ship"]
+    assert told == {"L": 3.0, "B": 0.489, "d": 0.2, "mass": 244.6, "Izz": 145.0}
 
 
 def test_turns_and_zigzags_of_the_esso_osaka_are_told_by_their_records(

@@ -66,7 +66,8 @@ class RunDraft:
     not. `samples`: whether rows of one id are samples: ``cycle``. `rest`: what the gauges show
     while the hull stands at the head of its record, as `rest_facts` has it. `template`: id of the
     rows of a table, with columns in braces; empty where it is to be found. `columns`: columns that
-    are others than those of all tables.
+    are others than those of all tables. `turned`: side to which a positive rudder turned her, as
+    `RunFacts` has it.
     """
 
     id: str
@@ -87,6 +88,7 @@ class RunDraft:
     rest: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     template: str = ""
     columns: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    turned: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -365,6 +367,7 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
                 notes=READERS[item.format].prescribed(item.request)[1],
                 computation=_computation(item, test),
                 rest=rest,
+                turned=moved.turned,
             )
         )
     return drafts

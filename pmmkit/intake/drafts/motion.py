@@ -73,12 +73,14 @@ class RunFacts:
     `settings`: value and where it was seen, by key of the campaign file; ``froude`` is the Froude
     number. `alone`: numbers with a unit and no letter, by what they can only be; a record that
     disagrees counts instead. `hints`: values whose meaning a person must confirm, and why.
+    `turned`: 1 where a positive rudder raises the heading, -1 where it lowers it, else 0.
     """
 
     test: str | None = None
     settings: Mapping[str, tuple[float, str]] = field(default_factory=dict)
     alone: Mapping[str, tuple[float, str]] = field(default_factory=dict)
     hints: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    turned: int = 0
 
 
 def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> RunFacts:
@@ -422,7 +424,7 @@ def _held(seen: Mapping[str, Array]) -> dict[str, tuple[float, str]]:
 def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> RunFacts:
     """Settings of a free-running test, by its rudder, heading and track."""
     settings: dict[str, tuple[float, str]] = {}
-    begun = 0
+    begun = turned = 0
     heading = unwrapped(channels["psi"]) if "psi" in channels else None
     if kind is None and heading is not None and np.ptp(heading) < _KEPT and not _slows(t, channels):
         kind = TEST_KINDS["straight"]
@@ -446,10 +448,22 @@ def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Run
                 settings["rudder_deg"] = (_tidy(side * math.degrees(held), 0), "recorded delta")
             if kind is TEST_KINDS["zigzag"] and heading is not None:
                 settings |= _switch(heading, long)
+            turned = 0 if heading is None else _turned(heading, long)
     if "n" in channels:
         settings |= _held({"n": channels["n"]})
     found = settings | _approach(t, channels, begun)
-    return RunFacts(test=kind.name if kind else None, settings=found)
+    return RunFacts(test=kind.name if kind else None, settings=found, turned=turned)
+
+
+def _turned(psi: Array, held: Sequence[tuple[float, int, int]]) -> int:
+    """Whether the heading gathers way to the side of the rudder, while that is held."""
+    bends = np.array([s * (psi[b] - 2.0 * psi[(a + b) // 2] + psi[a]) for s, a, b in held])
+    sure = abs(bends.sum()) > _ONE_WAY * np.abs(bends).sum()
+    return int(np.sign(bends.sum())) if sure else 0
+
+
+_ONE_WAY: Final = 0.8
+"""Share of the bends of a heading that must go one way."""
 
 
 def _slows(t: Array, channels: Mapping[str, Array]) -> bool:

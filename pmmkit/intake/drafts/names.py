@@ -376,7 +376,12 @@ def settled(
     sources = {"name": said, "header": above, "record": moved.settings}
     wanted = ("speed", *asked_of(test))
     free = test is not None and TEST_KINDS[test].free_running
-    out = [_one(key, sources, named, said.get("froude"), unsure=free) for key in wanted]
+    # Before a rudder that was seen to be laid, the speed is measured and no guess.
+    sure = {"speed"} if "rudder_deg" in moved.settings else set()
+    out = [
+        _one(key, sources, named, said.get("froude"), unsure=free and key not in sure)
+        for key in wanted
+    ]
     first = {**moved.settings, **above, **said}
     out += [
         _one(key, sources, named, unsure=free)
@@ -429,6 +434,9 @@ def _one(
     told = {source: facts[key] for source, facts in sources.items() if key in facts}
     if told:
         (source, (value, text)), *others = told.items()
+        if key == "rudder_deg" and source == "name" and not re.search(r"[-+]", text):
+            # A name tells how much, and seldom to which side.
+            value = next((x for _, (x, _) in others if _agree(key, value, abs(x))), value)
         apart = [
             f"the {other} ({where}) {number:g}"
             for other, (number, where) in others
@@ -473,7 +481,14 @@ _INSTEAD: Final[dict[str, tuple[str, str]]] = {
 """What a name may state instead of a key, and what that is."""
 
 
+_LATE: Final = 2.5
+"""By how much a heading passes that of its reversal before the rudder leaves its angle [°]: HSVA's
+free model of 7 m by 1 to 2°."""
+
+
 def _agree(key: str, value: float, other: float) -> bool:
+    if key == "switch_deg":
+        return -0.6 < other - value < _LATE
     if key.endswith("_deg"):
         return abs(value - other) < 0.6 + 0.03 * abs(value)
     return abs(value - other) <= _CLOSE.get(key, 0.06) * abs(value)

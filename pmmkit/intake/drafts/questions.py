@@ -27,7 +27,7 @@ _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "B": ("b", "bwl", "breadth", "beam"),
     "d": ("tm", "t", "d", "draught", "draft", "tiefgang", "diepgang"),
     "volume": ("vol", "volume", "displacement volume", "displaced volume"),
-    "mass": ("mass", "model mass", "mass of the model", "masse", "massa"),
+    "mass": ("mass", "m", "model mass", "mass of the model", "masse", "massa"),
     "Izz": ("iz", "izz", "i z", "i zz"),
     "xG": ("xg", "x g", "lcg"),
     "propeller.D": ("dp", "d p", "propeller d", "propeller diameter", "diameter of the propeller"),
@@ -76,9 +76,10 @@ def particulars_of(
             return found, depths
         if not look.has_sheets:
             text = look.path.read_text(encoding="utf-8", errors="replace")
-            found = dict(_model(_listed(_in_prose(text)), look.shown))
-            if {"L", "B", "d"} <= set(found) and found["L"] > found["B"] > found["d"]:
-                return found, {}
+            for words in (_in_pairs(text), _in_prose(text)):
+                found = dict(_model(_listed(words), look.shown))
+                if {"L", "B", "d"} <= set(found) and found["L"] > found["B"] > found["d"]:
+                    return found, {}
     return {}, {}
 
 
@@ -88,6 +89,11 @@ _WRITTEN: Final = r"(?:1\s*:\s*)?([-+]?(?:\d+(?:[.,]\d+)?|[.,]\d+)(?:[eE][-+]?\d
 """In prose: digits before the point may lack, and a scale may be written 1:46.4."""
 _LETTERS: Final = ("L", "B", "T", "d")
 """Names of one letter that prose is believed: as they are written, no others."""
+_PAIR: Final = re.compile(
+    rf"\s*[\"']?(?P<name>[^\W\d_][\w .]*?)[\"']?\s*[:=]\s*(?P<number>{_WRITTEN})"
+    r"\s*(?P<unit>[a-zA-Z]+[23²³]?)?\s*,?\s*(?:(?:#|;|//).*)?"
+)
+"""A name, a number, perhaps a unit and a remark: all of a line."""
 
 
 def _cells(look: FileLook) -> Cells | None:
@@ -112,6 +118,21 @@ def _in_rows(cells: Cells) -> Words:
             unit = row[2] if len(row) > 2 and isinstance(row[2], str) else own or ""
             told = f"{name.strip()} = {number:g} {unit}, row {line}"
             words.setdefault(plain.strip().casefold(), (number, unit.strip(), told))
+    return words
+
+
+def _in_pairs(text: str) -> Words:
+    """Of lines such as ``I_z: 9908.6  # measured`` or ``"B": 1.2688,``, as YAML, INI and JSON have
+    them; a lone D is the depth of one ship and the propeller of another, and is left."""
+    words: dict[str, tuple[float, str, str]] = {}
+    for line, said in enumerate(text.splitlines(), 1):
+        found = _PAIR.fullmatch(said)
+        if found is None or found["name"] == "D":
+            continue
+        number, unit = float(found["number"].replace(",", ".")), found["unit"] or ""
+        told = f"{found['name']} = {f'{number:g} {unit}'.strip()}, line {line}"
+        name = found["name"].replace("_", " ").casefold()
+        words.setdefault(name, (number, unit, told))
     return words
 
 

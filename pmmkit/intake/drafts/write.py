@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Final
 
 from pmmkit.campaigns import Campaign
 from pmmkit.intake.drafts.columns import Todo, aligned, column_lines, commented, source_lines, toml
 from pmmkit.intake.drafts.conventions import Proposal
-from pmmkit.intake.drafts.draft import Draft
+from pmmkit.intake.drafts.draft import Draft, RunDraft
 from pmmkit.intake.drafts.entries import (
     Computed,
     axes_lines,
@@ -118,7 +119,7 @@ def _campaign(draft: Draft, todo: Todo) -> list[str]:
         return [*lines, *_as_saved(draft.saved[0][1], todo)]
     if draft.kind == "free-running":
         todo.add("[campaign] rudder_positive, and [axes] if x, y or z point the other way.")
-        return [*lines, _TURNS]
+        return [*lines, _turns(draft.runs)]
     todo.add("[campaign] moment_reference_x: to which point do the moments refer?")
     return [
         *lines,
@@ -127,6 +128,16 @@ def _campaign(draft: Draft, todo: Todo) -> list[str]:
         "# moment_reference_x = 0.0       # TODO point to which moments refer, forward of midship",
         '# free = ["heave", "pitch"]      # TODO what the mount leaves free',
     ]
+
+
+def _turns(runs: Sequence[RunDraft]) -> str:
+    """Which way a positive rudder turns the ship, by all records that tell it."""
+    told = [run.turned for run in runs if run.turned]
+    if not told or abs(sum(told)) < len(told):
+        return _TURNS
+    side, way = ("starboard", "raises") if told[0] > 0 else ("port", "lowers")
+    seen = f"+ rudder {way} psi in {len(told)} of {len(runs)} records"
+    return aligned(f'rudder_positive = "{side}"', f"{seen}; TODO right, with psi + to starboard?")
 
 
 _TURNS: Final = 'rudder_positive = "starboard"    # TODO "port" if + rudder turns her to port'
