@@ -80,6 +80,10 @@ def of_turning(path: TrialPath, order: Order, circle: Circle | None, notes: list
     return found
 
 
+_OFF: Final = 1.0
+"""From how far a reversal of the rudder is told that is not where it was ordered [°]."""
+
+
 def of_zigzag(
     path: TrialPath, orders: Sequence[Order], switch: float, notes: list[str]
 ) -> tuple[Measures, list[float]]:
@@ -110,12 +114,13 @@ def of_zigzag(
         back = crossing(path.t, -side * path.psi, 0.0, path.half, begin)
         if back is not None:
             zeros.append(back)
-        wrong = side * heading - switch
-        if abs(wrong) > math.radians(1.0):
-            notes.append(
-                f"The rudder is reversed at {side * math.degrees(heading):.1f}° of heading "
-                f"(execute {count + 1}), not at {math.degrees(switch):g}°."
-            )
+    off = [value for value in headings if abs(value - math.degrees(switch)) > _OFF]
+    if off:
+        low, high = f"{min(off):.1f}", f"{max(off):.1f}"
+        notes.append(
+            f"The rudder is reversed at {low if low == high else f'{low} to {high}'}° of heading "
+            f"({len(off)} of {len(headings)} times), not at {math.degrees(switch):g}°."
+        )
     for count, order in enumerate(orders[1:], start=2):
         std = math.hypot(order.std, first.std)
         found.add(f"time_execute_{count}", order.t - first.t, std)

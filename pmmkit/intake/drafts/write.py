@@ -137,7 +137,7 @@ def _turns(runs: Sequence[RunDraft]) -> str:
         return _TURNS
     side, way = ("starboard", "raises") if told[0] > 0 else ("port", "lowers")
     seen = f"+ rudder {way} psi in {len(told)} of {len(runs)} records"
-    return aligned(f'rudder_positive = "{side}"', f"{seen}; TODO right, with psi + to starboard?")
+    return aligned(f'rudder_positive = "{side}"', f"{seen}; TODO right where psi is + to starboard")
 
 
 _TURNS: Final = 'rudder_positive = "starboard"    # TODO "port" if + rudder turns her to port'
