@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import shutil
 import sys
+import time
 import uuid
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -67,7 +69,7 @@ def atomic_folder(path: str | Path) -> Iterator[Path]:
 
     A folder that is not there yet appears with everything in it at once; in one that is, files of
     the same name are replaced, each by the whole new one, and others are left alone. On an error
-    nothing is changed.
+    nothing is changed. Temporary files that a stopped program left here a week ago go.
 
     Parameters
     ----------
@@ -87,6 +89,7 @@ def atomic_folder(path: str | Path) -> Iterator[Path]:
     if target.exists() and not target.is_dir():
         raise FileExists(f"{target} is a file; the results need a folder.")
     target.parent.mkdir(parents=True, exist_ok=True)
+    _clear(target.parent, target)
     part = target.with_name(f".{target.name}-{uuid.uuid4().hex[:12]}.part")
     part.mkdir()
     try:
@@ -98,6 +101,22 @@ def atomic_folder(path: str | Path) -> Iterator[Path]:
             os.replace(part, target)
     finally:
         shutil.rmtree(part, ignore_errors=True)
+
+
+_PART: Final = re.compile(r"\.(?:.+-)?[0-9a-f]{12}\.part(?:\.\w+)?")
+"""Names of what is being written."""
+_ABANDONED: Final = 7 * 86400.0
+"""Seconds after which no program writes it any more: none of ours runs for a week."""
+
+
+def _clear(*folders: Path) -> None:
+    """Remove what stopped programs have left half written."""
+    for entry in chain.from_iterable(map(Path.iterdir, filter(Path.is_dir, folders))):
+        if not _PART.fullmatch(entry.name):
+            continue
+        with suppress(OSError):  # another program clears it too
+            if entry.lstat().st_mtime < time.time() - _ABANDONED:
+                shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
 
 
 def write_results(path: str | Path, results: Iterable[tuple[str, Any]]) -> list[str]:

@@ -7,6 +7,7 @@ import json
 import os
 import sys
 import threading
+import time
 from pathlib import Path
 
 import pandas as pd
@@ -137,6 +138,23 @@ def test_results_join_a_folder_and_leave_its_other_files(tmp_path: Path) -> None
         (part / "a.csv").write_text("new")
     assert (tmp_path / "a.csv").read_text() == "new"
     assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+def test_what_a_stopped_program_left_a_week_ago_goes_and_nothing_else(tmp_path: Path) -> None:
+    old = time.time() - 8 * 86400
+    left = [tmp_path / ".results-0123456789ab.part", tmp_path / ".0123456789ab.part.toml"]
+    kept = [tmp_path / name for name in (".notes.part", ".results-0123456789ab.parts", "a.part")]
+    fresh = tmp_path / ".results-ba9876543210.part"
+    for folder in (left[0], fresh):
+        folder.mkdir()
+        (folder / "half.csv").write_text("t,")
+    for file in (left[1], *kept):
+        file.write_text("half")
+    for path in (*left, *kept):
+        os.utime(path, (old, old))
+    with atomic_folder(tmp_path / "results") as part:
+        (part / "note.txt").write_text("all of it")
+    assert sorted(tmp_path.iterdir()) == sorted([*kept, fresh, tmp_path / "results"])
 
 
 def test_results_are_written_by_what_they_are(tmp_path: Path) -> None:
