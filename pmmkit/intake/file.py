@@ -44,12 +44,22 @@ def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = (
         _seen(_doubted(replace(column, suggestion=item), kind), values.get(column.position))
         for column, item in zip(look.columns, found, strict=True)
     )
+    if kind == "table":
+        columns = tuple(map(_swung, columns))
     look = replace(look, kind=kind, columns=columns)
     time = look.known.get("t") if kind == "history" else None
     if time is None or time.position not in values:
         return look
     look = replace(look, clock=clock_of(values[time.position], seams))
     return look if seams else _with_rates(look, values, time.position)
+
+
+def _swung(column: ColumnLook) -> ColumnLook:
+    """Without an amplitude that is nought in every row: of tests that do not swing."""
+    item = column.suggestion
+    if item is None or "amplitude" not in item.name or (column.low, column.high) != (0.0, 0.0):
+        return column
+    return replace(column, suggestion=None, remark=_also(column, "0 in every row"))
 
 
 def _with_rates(look: FileLook, values: Mapping[int, Array], clock: int) -> FileLook:

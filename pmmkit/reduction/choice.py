@@ -41,7 +41,8 @@ def largest_determined(
     columns: Callable[[Structure], DerivativeNames],
     fit: Callable[[DerivativeNames], Solution],
 ) -> tuple[Structure, str]:
-    """The largest structure of which the runs determine every term, and what speaks for it.
+    """The largest structure of which the runs determine every term, and what speaks for it; where
+    there is none, the largest of which they determine some.
 
     Notes
     -----
@@ -53,23 +54,26 @@ def largest_determined(
     """
     lacking: dict[str, list[str]] = {}
     best: tuple[float, Structure] | None = None
+    part: Structure | None = None
     for structure in candidates(measured):
         if best and len(structure.derivatives) < len(best[1].derivatives):
             break
         asked = columns(structure)
         solution = fit(asked)
-        open_ = sorted(_judged(asked) - _valued(solution))
-        if open_:
-            lacking[structure.name] = open_
+        judged, valued = _judged(asked), _valued(solution)
+        if judged - valued:
+            lacking[structure.name] = sorted(judged - valued)
+            part = part or (structure if judged & valued else None)
         elif best is None or _left(solution) < best[0]:
             best = (_left(solution), structure)
-    if best is None:
-        smallest, names = list(lacking.items())[-1]
-        raise CampaignError(
-            f"These runs do not determine the structure {smallest}: nothing shows "
-            f"{listed(names)}. Name the derivatives that you want."
-        )
-    return best[1], _because(best[1], lacking)
+    if best is not None:
+        return best[1], _because(best[1], lacking)
+    if part is None:
+        raise CampaignError("These runs show no derivative of side force and moment.")
+    return part, (
+        f"Structure {part.name}: no structure is determined by these runs; of this one they do not "
+        f"show {listed(lacking[part.name])}."
+    )
 
 
 def _judged(columns: DerivativeNames) -> set[str]:

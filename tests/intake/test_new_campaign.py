@@ -21,6 +21,7 @@ from pmmkit.intake.drafts.motion import motion_facts
 from pmmkit.intake.drafts.names import facts_of
 from pmmkit.intake.drafts.questions import questions_of
 from pmmkit.intake.guessing import suggest
+from pmmkit.models import read_table
 from tests.support.free_tank.campaigns import Setup, records
 from tests.support.small_campaign import SHIP
 
@@ -517,6 +518,37 @@ def test_a_towed_hull_that_goes_to_and_fro_is_no_ship_under_way():
     gauges = [20.0 * np.cos(0.6 * t), 8.0 * np.sin(0.6 * t), -3.0 * np.cos(0.6 * t + 0.3)]
     values = dict(enumerate([t, 1.2 * t, sway, *gauges]))
     assert [x and x.name for x in suggest([""] * 6, [None] * 6, values)] == ["t", *[None] * 5]
+
+
+def test_a_table_of_static_tests_in_prime_units_goes_through_as_it_lies(tmp_path, capsys):
+    """Run numbers that are used twice, a rate of turn that is nought, a system told by the primes
+    of its headers, a rudder that is positive to port: the derivatives are those that the table was
+    made of."""
+    rng = np.random.default_rng(1)
+    rows = ["Run No.,beta(deg),delta(deg),r,Speed(m/s),rps,X',Y',N',test type"]
+    cases = [(b, 0, "drift angle") for b in range(-12, 13, 2)]
+    cases += [(0, d, "rudder angle") for d in range(-20, 21, 5)]
+    cases += [(b, d, "drift + rudder angle") for b in (-8, 8) for d in (-10, 10)]
+    for beta, delta, kind in cases:
+        v, d = -math.sin(math.radians(beta)), math.radians(delta)
+        X = -0.0003 - 0.004 * v**2 - 0.0012 * d**2
+        Y = -0.0235 * v - 0.040 * v**3 + 0.0044 * d
+        N = -0.0073 * v + 0.003 * v**3 - 0.0021 * d
+        told = [f"{x + 2e-6 * rng.standard_normal():.4E}" for x in (X, Y, N)]
+        rows.append(f"{300 + abs(beta)},{beta},{delta},0,1.17,9.9,{','.join(told)},{kind}")
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests" / "captive.csv").write_text("\n".join(rows) + "\n")
+    (tmp_path / "tests" / "ship.yml").write_text(
+        "L: 7.0\nB: 1.27\nT: 0.46\nm: 3270\nvolume: 3.27\nI_z: 10014\n"
+    )
+    out = tmp_path / "first"
+    status = main(["demo", "--my-data", str(tmp_path / "tests"), "--out", str(out), "--json"])
+    told = json.loads(capsys.readouterr().out)
+    assert (status, told["result"]["structure"]) in ((0, "abkowitz3"), (3, "abkowitz3"))
+    found = read_table(out / "results" / "derivatives.csv")
+    for name, value in {"Yv": -0.0235, "Nv": -0.0073, "Yd": -0.0044, "Nd": 0.0021}.items():
+        own = found.names.index(name)
+        assert abs(found.value[0, own] - value) < max(4 * found.std[0, own], 0.02 * abs(value))
 
 
 PAIRS = {

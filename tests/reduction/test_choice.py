@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import pmmkit as pk
 from pmmkit.api import model_of
-from pmmkit.base import CampaignError
 from pmmkit.models import Standing
 from pmmkit.models.estimates import COUPLINGS
 from pmmkit.reduction import reduce_campaign
@@ -79,6 +79,18 @@ def test_couplings_that_runs_show_and_nobody_asked_for_are_open_in_bands(tanker)
     assert many.nominal["tactical_diameter_L"] == pytest.approx(found, rel=1e-6)
 
 
-def test_drift_alone_determines_no_structure(tanker):
-    with pytest.raises(CampaignError, match="nothing shows Nr and Yr"):
-        reduced(only(tanker, "static_drift"))
+def test_drift_alone_determines_no_structure_and_gives_what_it_shows(tanker):
+    """Yv and Nv as of all tests together; what only a turn shows is named, and is no number."""
+    drift, whole = reduced(only(tanker, "static_drift")), reduced(tanker)
+    (note,) = [text for text in drift.notes if text.startswith("Structure ")]
+    assert "no structure is determined by these runs" in note
+    assert "Nr" in note
+    assert "Yr" in note
+    assert np.isnan(drift.table.value[:, drift.table.names.index("Nr")]).all()
+    for name in ("Yv", "Nv"):
+        (value, std), (other, spread) = (
+            (item.table.value[0, k], item.table.std[0, k])
+            for item in (drift, whole)
+            for k in [item.table.names.index(name)]
+        )
+        assert abs(value - other) < 3 * np.hypot(std, spread)
