@@ -477,8 +477,8 @@ def test_zigzags_of_hsva_are_told_by_their_names_and_columns_without_one_by_thei
     assert told["campaign"]["rudder_positive"] == "port"
     ship = {"L": 7.0, "B": 1.269, "d": 0.455, "volume": 3.27, "mass": 3272.0, "Izz": 9909.0}
     assert told["ship"] == {**ship, "xG": 0.2436}
-    needed = [item.key for item in questions_of(written) if item.kind == "needed"]
-    assert needed == ["water.rho"]
+    assert told["water"] == {"rho": 1000.0}
+    assert [item.key for item in questions_of(written)] == ["campaign.rudder_positive"]
 
 
 @pytest.mark.parametrize("unit", ["deg", "rad"])
@@ -552,9 +552,13 @@ def test_a_table_of_static_tests_in_prime_units_goes_through_as_it_lies(tmp_path
 
 
 PAIRS = {
-    "ship.yml": "L: 3.0  # m\nB: 0.489\nT: 0.2\n#m: 99\nm: 244.6\nI_z: 145.0\nD: 0.084\n",
-    "ship.json": '{\n  "L": 3.0,\n  "B": 0.489,\n  "T": 0.2,\n  "m": 244.6,\n  "I_z": 145.0\n}\n',
-    "ship.ini": "[ship]\nL = 3.0 m\nB = 489 mm\nT = 20 cm ; even keel\nm = 244.6 kg\nI_z = 145\n",
+    "ship.yml": "rho: 998.6\nL: 3.0  # m\nB: 0.489\nT: 0.2\n#m: 99\nm: 244.6\nI_z: 145.0\nD: 0.1",
+    "ship.json": json.dumps(
+        {"L": 3.0, "B": 0.489, "T": 0.2, "m": 244.6, "I_z": 145.0, "rho": 998.6, "name": "S"},
+        indent=2,
+    ),
+    "ship.ini": "[ship]\nL = 3.0 m\nB = 489 mm\nT = 20 cm ; even keel\nm = 244.6 kg\n"
+    "I_z = 145 kg m2\n[water]\ndensity = 998.6 kg/m3\n",
 }
 
 
@@ -565,8 +569,9 @@ def test_particulars_stand_in_pairs_of_name_and_number(name, tmp_path, capsys):
         "t,x,y,psi,delta\n" + "".join(f"{k / 10},{k / 10},0,0,0\n" for k in range(60))
     )
     drafted(capsys, tmp_path)
-    told = tomllib.loads((tmp_path / "campaign.toml").read_text("utf-8"))["ship"]
-    assert told == {"L": 3.0, "B": 0.489, "d": 0.2, "mass": 244.6, "Izz": 145.0}
+    told = tomllib.loads((tmp_path / "campaign.toml").read_text("utf-8"))
+    assert told["ship"] == {"L": 3.0, "B": 0.489, "d": 0.2, "mass": 244.6, "Izz": 145.0}
+    assert told["water"] == {"rho": 998.6}
 
 
 def test_turns_and_zigzags_of_the_esso_osaka_are_told_by_their_records(

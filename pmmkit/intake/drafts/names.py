@@ -436,7 +436,7 @@ def _one(
         (source, (value, text)), *others = told.items()
         if key == "rudder_deg" and source == "name" and not re.search(r"[-+]", text):
             # A name tells how much, and seldom to which side.
-            value = next((x for _, (x, _) in others if _agree(key, value, abs(x))), value)
+            value = math.copysign(value, next((x for _, (x, _) in others), value))
         apart = [
             f"the {other} ({where}) {number:g}"
             for other, (number, where) in others

@@ -31,6 +31,7 @@ _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "Izz": ("iz", "izz", "i z", "i zz"),
     "xG": ("xg", "x g", "lcg"),
     "propeller.D": ("dp", "d p", "propeller d", "propeller diameter", "diameter of the propeller"),
+    "rho": ("rho", "ρ", "density", "density of the water", "water density"),
     "rudder.area": ("ar", "a r", "rudder area", "area of the rudder"),
 }
 """Usual names in such lists; the first that is there counts."""
@@ -54,6 +55,8 @@ _LONGEST: Final = 20.0
 _GYRADIUS: Final = (0.18, 0.32)
 """Radius of gyration over L: tells whether Izz is that of the model or of the ship."""
 _DEPTHS: Final = ("hmodel", "h model", "model depth", "water depth", "depth of water", "depth")
+_WATERS: Final = (990.0, 1035.0)
+"""Density of what a ship floats in, from a warm tank to a salt sea [kg/m³]."""
 _RHO: Final = 1000.0
 """Density by which the mass that goes with Izz is told [kg/m³]."""
 
@@ -91,7 +94,7 @@ _LETTERS: Final = ("L", "B", "T", "d")
 """Names of one letter that prose is believed: as they are written, no others."""
 _PAIR: Final = re.compile(
     rf"\s*[\"']?(?P<name>[^\W\d_][\w .]*?)[\"']?\s*[:=]\s*(?P<number>{_WRITTEN})"
-    r"\s*(?P<unit>[a-zA-Z]+[23²³]?)?\s*,?\s*(?:(?:#|;|//).*)?"
+    r"\s*(?P<unit>[a-zA-Z]+(?:[ /][a-zA-Z]+)?[23²³]?)?\s*,?\s*(?:(?:#|;|//).*)?"
 )
 """A name, a number, perhaps a unit and a remark: all of a line."""
 
@@ -178,6 +181,8 @@ def _model(
             values[key] = listed[key][0] / (scale**power if ship else 1.0)
             told = f", over {scale:g}{' ²³'[power - 1].strip()}" if ship else ""
             yield key, (float(f"{values[key]:.4g}"), f"{shown}: {listed[key][1]}{told}")
+    if "rho" in listed and _WATERS[0] < listed["rho"][0] < _WATERS[1]:
+        yield "rho", (listed["rho"][0], f"{shown}: {listed['rho'][1]}")
     if "volume" not in values and "mass" in values:
         values["volume"] = values["mass"] / _RHO
     if "Izz" in listed and {"L", "volume"} <= set(values):

@@ -226,11 +226,7 @@ def _ship(draft: Draft, todo: Todo) -> list[str]:
         lines = [
             "[ship]",
             '# name = "..."                   # TODO a ship of the library (pmmkit ships), or:',
-            "# L = ...                        # TODO length between perpendiculars [m]",
-            "# B = ...                        # TODO breadth [m]",
-            "# d = ...                        # TODO draught [m]",
-            "# mass = ...                     # TODO mass as tested [kg], or volume = ... [m³]",
-            "# Izz = ...                      # TODO yaw inertia about midship [kg m²]",
+            *map(_asked, _OF_SHIP_ASKED),
             "# xG = 0.0                       # TODO centre of gravity forward of midship [m]; if "
             "absent 0 ± 0.04 L where a balance weighs the model",
             *(_ROLL if any("K" in entry.look.known for entry in draft.runs) else ()),
@@ -239,11 +235,29 @@ def _ship(draft: Draft, todo: Todo) -> list[str]:
 
 
 def _density(draft: Draft, todo: Todo) -> str:
-    """That of a tank is taken for fresh water's, 0.1 % true from 10 to 20 °C; the sea's is not."""
+    """As listed; that of a tank is else taken for fresh water's, 0.1 % true from 10 to 20 °C; the
+    sea's is not."""
+    if "rho" in draft.particulars:
+        rho, where = draft.particulars["rho"]
+        return aligned(f"rho = {rho:g}", where)
     if draft.kind == "captive":
         return _RHO
     todo.add("[water] rho: the density of the water [kg/m³].")
     return "# rho = ...                      # TODO density [kg/m³]; fresh water of 15 °C: 999.1"
+
+
+def _asked(key: str) -> str:
+    """The line of a particular that nobody stated."""
+    return aligned(f"# {key} = ...", f"TODO {_OF_SHIP_ASKED.get(key, key)}")
+
+
+_OF_SHIP_ASKED: Final = {
+    "L": "length between perpendiculars [m]",
+    "B": "breadth [m]",
+    "d": "draught [m]",
+    "mass": "mass as tested [kg], or volume = ... [m³]",
+    "Izz": "yaw inertia about midship [kg m²]",
+}
 
 
 def _listed(draft: Draft, todo: Todo) -> list[str]:
@@ -255,7 +269,7 @@ def _listed(draft: Draft, todo: Todo) -> list[str]:
         if key in found:
             lines.append(aligned(f"{key} = {toml(found[key][0])}", found[key][1]))
         elif key not in ("mass", "xG") and not (key == "volume" and "mass" in found):
-            lines.append(f"# {key} = ...   # TODO")
+            lines.append(_asked(key))
             todo.add(f"[ship] {key}: it is not in the list.")
     lines += ["", "[water]", _density(draft, todo)]
     if "depth" in found:
