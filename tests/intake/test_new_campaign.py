@@ -478,6 +478,7 @@ def test_zigzags_of_hsva_are_told_by_their_names_and_columns_without_one_by_thei
     ship = {"L": 7.0, "B": 1.269, "d": 0.455, "volume": 3.27, "mass": 3272.0, "Izz": 9909.0}
     assert told["ship"] == {**ship, "xG": 0.2436}
     assert told["water"] == {"rho": 1000.0}
+    assert told["propeller"]["open_water"].endswith("open_water_INSEAN_propeller.csv")
     assert [item.key for item in questions_of(written)] == ["campaign.rudder_positive"]
 
 
@@ -549,6 +550,27 @@ def test_a_table_of_static_tests_in_prime_units_goes_through_as_it_lies(tmp_path
     for name, value in {"Yv": -0.0235, "Nv": -0.0073, "Yd": -0.0044, "Nd": 0.0021}.items():
         own = found.names.index(name)
         assert abs(found.value[0, own] - value) < max(4 * found.std[0, own], 0.02 * abs(value))
+
+
+@pytest.mark.parametrize(
+    ("curves", "taken"),
+    [
+        ({"ow.csv": "J,KT,10KQ\n0,0.33,0.37\n0.5,0.19,0.25\n0.9,0.01,0.06\n"}, True),
+        # A column a hundred times KQ, two propellers: neither is taken for hers.
+        ({"ow.csv": "J,Kt,Kq\n0,0.31,3.18\n0.5,0.17,2.1\n0.8,0.01,0.5\n"}, False),
+        (dict.fromkeys(("a.csv", "b.csv"), "J,KT,KQ\n0,0.33,0.04\n0.5,0.2,0.03\n"), False),
+    ],
+)
+def test_the_curve_of_her_propeller_is_taken_where_it_is_the_only_one(
+    curves, taken, tmp_path, capsys
+):
+    for name, text in curves.items():
+        (tmp_path / name).write_text(text)
+    track = "".join(f"{k / 10},{k / 10},0,0,{0.1 * (k > 5)}\n" for k in range(60))
+    (tmp_path / "turn.csv").write_text("t,x,y,psi,delta\n" + track)
+    drafted(capsys, tmp_path)
+    told = tomllib.loads((tmp_path / "campaign.toml").read_text("utf-8"))
+    assert told.get("propeller", {}) == ({"open_water": "ow.csv"} if taken else {})
 
 
 PAIRS = {

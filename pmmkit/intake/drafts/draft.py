@@ -98,6 +98,7 @@ class Draft:
     `ship_name`: ship of the library. `runs, tables`: histories; tables whose rows are runs.
     `matrices`: tables that list runs: one for the files, one for each workbook with a sheet per
     run. `particulars`: of the model, as a list beside the tests has them, and where.
+    `open_water`: file of the propeller's tested curve, empty where there is none or several.
     `proposal`: axes and signs by the physics of all runs; None where they were not asked.
     `saved`: saved campaigns by their files. `unused`: files with numbers that are none of
     these, and why.
@@ -113,6 +114,7 @@ class Draft:
     look: Look
     matrices: tuple[MatrixDraft, ...] = ()
     particulars: Found = field(default_factory=lambda: MappingProxyType({}))
+    open_water: str = ""
     proposal: Proposal | None = None
 
     @property
@@ -183,12 +185,13 @@ def draft_of(
     left = [_does_not_belong(run, kind) for run in runs]
     kept = [run for run, why in zip(runs, left, strict=True) if not why]
     unused = [f"{run.file}: {why}" for run, why in zip(runs, left, strict=True) if why]
+    curve = "" if ship else _curve(seen)
     unused += [
         f"{base}{item.shown}: {_NOT_RUNS[group.first.kind]}"
         for group in seen.groups
         if group.first.kind in _NOT_RUNS
         for item in group.files
-        if (item.path, item.options) not in listing
+        if (item.path, item.options) not in listing and item.shown != curve
     ]
     sheets = [str(item.options.sheet) for item in listed if item.options.sheet is not None]
     unused += [line for item in listed for line in (*left_lines(item), *strangers(item, sheets))]
@@ -204,8 +207,24 @@ def draft_of(
         unused=tuple(unused),
         look=seen,
         matrices=matrices,
+        open_water=curve and base + curve,
         particulars=particulars,
     )
+
+
+def _curve(seen: Look) -> str:
+    """The one file of an open-water test whose coefficients are those of a propeller."""
+    found = [x for group in seen.groups if group.first.kind == "open water" for x in group.files]
+    alone = found[0] if len(found) == 1 and found[0].path.suffix.lower() == ".csv" else None
+    tops = {} if alone is None else {x.header.lower(): x.high for x in alone.columns}
+    torque = max(tops.get("kq", 0.0), tops.get("10kq", 0.0) / 10.0)
+    sound = 0.0 < tops.get("kt", 0.0) < _LARGEST_KT and 0.0 < torque < _LARGEST_KQ
+    return alone.shown if alone is not None and sound else ""
+
+
+_LARGEST_KT: Final = 1.2
+_LARGEST_KQ: Final = 0.2
+"""Of the Wageningen B series at J = 0: KT 0.8 and KQ 0.15 for a pitch of 1.4 D."""
 
 
 def _over_its_bottom(entry: RunDraft, depths: Mapping[str, tuple[float, str]]) -> RunDraft:

@@ -60,6 +60,7 @@ def written(draft: Draft) -> CampaignText:
         *_campaign(draft, todo),
         "",
         *_ship(draft, todo),
+        *_behind(draft),
     ]
     if any(READERS[entry.look.format].computed for entry in draft.runs):
         computed = computed_in(draft.runs)
@@ -274,12 +275,20 @@ def _listed(draft: Draft, todo: Todo) -> list[str]:
     lines += ["", "[water]", _density(draft, todo)]
     if "depth" in found:
         lines.append(aligned(f"depth = {toml(found['depth'][0])}", found["depth"][1]))
-    for place in ("propeller.D", "rudder.area"):
-        if place in found:
-            table, key = place.split(".")
-            lines += ["", f"[{table}]"]
-            lines.append(aligned(f"{key} = {toml(found[place][0])}", found[place][1]))
     return lines
+
+
+def _behind(draft: Draft) -> list[str]:
+    """What is known of propeller and rudder."""
+    known: dict[str, list[str]] = {"propeller": [], "rudder": []}
+    for place, (value, where) in draft.particulars.items():
+        table, _, key = place.partition(".")
+        if key:
+            known[table].append(aligned(f"{key} = {toml(value)}", where))
+    if draft.open_water:
+        why = "the only file with J, KT and KQ"
+        known["propeller"].append(aligned(f"open_water = {toml(draft.open_water)}", why))
+    return [line for table, own in known.items() if own for line in ("", f"[{table}]", *own)]
 
 
 _OF_SHIP: Final = ("L", "B", "d", "volume", "mass", "Izz", "xG")
