@@ -573,6 +573,24 @@ def test_the_curve_of_her_propeller_is_taken_where_it_is_the_only_one(
     assert told.get("propeller", {}) == ({"open_water": "ow.csv"} if taken else {})
 
 
+@pytest.mark.parametrize(("start", "asked"), [(1.0, False), (0.3, True)])
+def test_an_approach_below_her_speed_is_asked_for(start, asked, tmp_path, capsys):
+    """A turn whose record begins at her speed, and one that begins while she gathers way."""
+    t = np.arange(0.0, 60.0, 0.1)
+    speed = 1.0 - (1.0 - start) * np.exp(-t / 5.0)
+    delta = np.minimum(0.3 * np.maximum(t - 1.0, 0.0), 0.6)
+    psi = np.cumsum(0.05 * delta / 0.6) * 0.1
+    x, y = (np.cumsum(speed * along) * 0.1 for along in (np.cos(psi), np.sin(psi)))
+    table = np.column_stack([t, x, y, psi, delta])
+    head = "t,x,y,psi,delta"
+    np.savetxt(tmp_path / "turn.csv", table, delimiter=",", header=head, comments="")
+    drafted(capsys, tmp_path)
+    lines = (tmp_path / "campaign.toml").read_text("utf-8").splitlines()
+    (line,) = [text for text in lines if text.startswith("speed = ")]
+    assert ("TODO" in line) == asked
+    assert start - 0.01 < float(line.split("=")[1].split()[0]) < start + 0.2
+
+
 PAIRS = {
     "ship.yml": "rho: 998.6\nL: 3.0  # m\nB: 0.489\nT: 0.2\n#m: 99\nm: 244.6\nI_z: 145.0\nD: 0.1",
     "ship.json": json.dumps(

@@ -74,6 +74,7 @@ class RunFacts:
     number. `alone`: numbers with a unit and no letter, by what they can only be; a record that
     disagrees counts instead. `hints`: values whose meaning a person must confirm, and why.
     `turned`: 1 where a positive rudder raises the heading, -1 where it lowers it, else 0.
+    `steady`: whether a ship had come to her speed before her rudder was laid.
     """
 
     test: str | None = None
@@ -81,6 +82,7 @@ class RunFacts:
     alone: Mapping[str, tuple[float, str]] = field(default_factory=dict)
     hints: Mapping[str, tuple[float, str]] = field(default_factory=dict)
     turned: int = 0
+    steady: bool = False
 
 
 def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> RunFacts:
@@ -452,7 +454,12 @@ def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Run
     if "n" in channels:
         settings |= _held({"n": channels["n"]})
     found = settings | _approach(t, channels, begun)
-    return RunFacts(test=kind.name if kind else None, settings=found, turned=turned)
+    return RunFacts(
+        test=kind.name if kind else None,
+        settings=found,
+        turned=turned,
+        steady=bool(begun) and not _sped_up(t, channels, found),
+    )
 
 
 def _turned(psi: Array, held: Sequence[tuple[float, int, int]]) -> int:
@@ -529,6 +536,25 @@ def _approach(t: Array, channels: Mapping[str, Array], begun: int) -> dict[str, 
         speed = float(np.sum(np.hypot(*steps)) / np.ptp(t[first]))
         return {"speed": (_rounded(speed, 3), f"recorded x and y, {when}")}
     return {}
+
+
+def _sped_up(
+    t: Array, channels: Mapping[str, Array], found: Mapping[str, tuple[float, str]]
+) -> bool:
+    """Whether a ship went faster after her rudder was laid: then she had not come to her speed."""
+    if "speed" not in found:
+        return False
+    edges = np.arange(0, len(t), max(2, len(t) // 60))
+    if {"u", "v"} <= set(channels):
+        way = np.hypot(channels["u"], channels["v"])
+    else:
+        steps = (np.diff(channels[name][edges]) for name in ("x", "y"))
+        way = np.hypot(*steps) / np.diff(t[edges])
+    return bool(np.percentile(way, 75) > _FASTER * found["speed"][0])
+
+
+_FASTER: Final = 1.3
+"""Ratio of speeds: gusts, jumps of fixes and a current along the track make less."""
 
 
 def _rounded(value: float, digits: int) -> float:

@@ -376,8 +376,7 @@ def settled(
     sources = {"name": said, "header": above, "record": moved.settings}
     wanted = ("speed", *asked_of(test))
     free = test is not None and TEST_KINDS[test].free_running
-    # Before a rudder that was seen to be laid, the speed is measured and no guess.
-    sure = {"speed"} if "rudder_deg" in moved.settings else set()
+    sure = {"speed"} if moved.steady else set()
     out = [
         _one(key, sources, named, said.get("froude"), unsure=free and key not in sure)
         for key in wanted
