@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 from pmmkit.campaigns import Campaign
 from pmmkit.intake.drafts.columns import Todo, aligned, column_lines, commented, source_lines, toml
@@ -280,15 +280,15 @@ def _listed(draft: Draft, todo: Todo) -> list[str]:
 
 def _behind(draft: Draft) -> list[str]:
     """What is known of propeller and rudder."""
-    known: dict[str, list[str]] = {"propeller": [], "rudder": []}
-    for place, (value, where) in draft.particulars.items():
+    known: dict[str, tuple[Any, str]] = dict(draft.particulars)
+    if draft.open_water:
+        known["propeller.open_water"] = (draft.open_water, "the only file with J, KT and KQ")
+    tables: dict[str, list[str]] = {}
+    for place, (value, where) in known.items():
         table, _, key = place.partition(".")
         if key:
-            known[table].append(aligned(f"{key} = {toml(value)}", where))
-    if draft.open_water:
-        why = "the only file with J, KT and KQ"
-        known["propeller"].append(aligned(f"open_water = {toml(draft.open_water)}", why))
-    return [line for table, own in known.items() if own for line in ("", f"[{table}]", *own)]
+            tables.setdefault(table, []).append(aligned(f"{key} = {toml(value)}", where))
+    return [line for table, own in tables.items() for line in ("", f"[{table}]", *own)]
 
 
 _OF_SHIP: Final = ("L", "B", "d", "volume", "mass", "Izz", "xG")
