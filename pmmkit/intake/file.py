@@ -14,8 +14,9 @@ import numpy as np
 
 from pmmkit.base import CampaignError, Problem
 from pmmkit.intake.blocks import blocks_of
-from pmmkit.intake.guessing import Suggestion, bare_header, rates_of, suggest, wrong_unit
+from pmmkit.intake.guessing import Suggestion, bare_header, suggest, wrong_unit
 from pmmkit.intake.seen import Clock, ColumnLook, FileLook, concerns, doubt_in, without_doubt
+from pmmkit.intake.under_way import rates_of, track_told
 from pmmkit.numerics import ABSURD, Array
 from pmmkit.readers import (
     READERS,
@@ -40,6 +41,8 @@ def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = (
     kind = _kind(headers, found, values, look.columns)
     if kind in ("table", "open water"):
         found = suggest(headers, units, values, table=True)
+    elif kind == "history":
+        found = track_told(found, headers, values)
     columns = tuple(
         _seen(_doubted(replace(column, suggestion=item), kind), values.get(column.position))
         for column, item in zip(look.columns, found, strict=True)

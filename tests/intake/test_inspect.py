@@ -19,7 +19,8 @@ from pmmkit.base import CampaignError, PmmkitError
 from pmmkit.cli import main
 from pmmkit.intake import look
 from pmmkit.intake.file import clock_of, look_at
-from pmmkit.intake.guessing import bare_header, rates_of, suggest
+from pmmkit.intake.guessing import bare_header, suggest
+from pmmkit.intake.under_way import rates_of
 from pmmkit.readers import Columns, Options, Reader, Request, TextLayout, reader_for, recognise
 from pmmkit.readers.registry import format_of
 from pmmkit.views.figures.inspecting import envelope

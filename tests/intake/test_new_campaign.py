@@ -21,6 +21,7 @@ from pmmkit.intake.drafts.motion import motion_facts
 from pmmkit.intake.drafts.names import facts_of
 from pmmkit.intake.drafts.questions import questions_of
 from pmmkit.intake.guessing import suggest
+from pmmkit.intake.under_way import track_told
 from pmmkit.models import read_table
 from tests.support.free_tank.campaigns import Setup, records
 from tests.support.small_campaign import SHIP
@@ -482,6 +483,12 @@ def test_zigzags_of_hsva_are_told_by_their_names_and_columns_without_one_by_thei
     assert [item.key for item in questions_of(written)] == ["campaign.rudder_positive"]
 
 
+def without_names(table):
+    """What columns are taken for by their numbers alone."""
+    headers, values = [""] * len(table), dict(enumerate(table))
+    return track_told(suggest(headers, [None] * len(table), values), headers, values)
+
+
 @pytest.mark.parametrize("unit", ["deg", "rad"])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize("seed", range(4))
@@ -494,7 +501,7 @@ def test_the_track_of_a_ship_is_told_without_names_in_any_order(unit, side, seed
         kept = {"x": record["x"], "y": side * record["y"], "n": record["n"], **angles}
         names = list(rng.permutation(list(kept)))
         table = [record["t"], *(kept[name] for name in names)]
-        found = suggest([""] * len(table), [None] * len(table), dict(enumerate(table)))
+        found = without_names(table)
         told = {names[k - 1]: item for k, item in enumerate(found) if item and k}
         assert {name: item.name for name, item in told.items()} == {
             name: name for name in ("x", "y", "psi", "delta", "r") if name in told
@@ -508,8 +515,7 @@ def test_columns_that_wander_are_no_track():
     t = np.arange(0.0, 100.0, 0.1)
     for _ in range(100):
         walks = np.cumsum(rng.standard_normal((6, len(t))), axis=1) * rng.uniform(0.01, 1.0, (6, 1))
-        found = suggest([""] * 7, [None] * 7, {0: t, **{k + 1: x for k, x in enumerate(walks)}})
-        assert [item.name for item in found if item] == ["t"]
+        assert [item.name for item in without_names([t, *walks]) if item] == ["t"]
 
 
 def test_a_towed_hull_that_goes_to_and_fro_is_no_ship_under_way():
@@ -517,8 +523,8 @@ def test_a_towed_hull_that_goes_to_and_fro_is_no_ship_under_way():
     t = np.arange(0.0, 60.0, 0.05)
     sway = 0.25 * np.sin(0.6 * t)
     gauges = [20.0 * np.cos(0.6 * t), 8.0 * np.sin(0.6 * t), -3.0 * np.cos(0.6 * t + 0.3)]
-    values = dict(enumerate([t, 1.2 * t, sway, *gauges]))
-    assert [x and x.name for x in suggest([""] * 6, [None] * 6, values)] == ["t", *[None] * 5]
+    told = without_names([t, 1.2 * t, sway, *gauges])
+    assert [item and item.name for item in told] == ["t", *[None] * 5]
 
 
 def test_a_table_of_static_tests_in_prime_units_goes_through_as_it_lies(tmp_path, capsys):
