@@ -1,4 +1,4 @@
-"""Columns without a name that are the track of a ship under way: by her motion alone."""
+"""Columns whose names tell nothing and that are the track of a ship: by her motion alone."""
 
 from __future__ import annotations
 
@@ -16,22 +16,26 @@ from pmmkit.numerics import Array
 def track_told(
     found: Sequence[Suggestion | None], headers: Sequence[str], values: Mapping[int, Array]
 ) -> tuple[Suggestion | None, ...]:
-    """What columns are, with those of a track that have no name: two along whose course a third one
-    heads, their rates, and what was held in steps before she turned."""
-    clock = next((k for k, item in enumerate(found) if item and item.name == "t"), None)
+    """What columns are, with those of a track whose names tell nothing: two along whose course a
+    third one heads, their rates, and what was held in steps before she turned."""
+    named = {item.name: place for place, item in enumerate(found) if item}
+    clock = named.get("t")
     bare = {
         place: numbers
         for place, numbers in values.items()
-        if found[place] is None and not headers[place] and np.all(np.isfinite(numbers))
+        if found[place] is None and np.all(np.isfinite(numbers))
     }
-    if clock is None or clock not in values or not 3 <= len(bare) <= _MOST_BARE:
+    taken = {"x", "y", "psi", "X", "Y", "N"} & {*named}
+    if taken or clock is None or clock not in values:
+        return tuple(found)
+    if not 3 <= len(bare) <= _MOST_BARE:
         return tuple(found)
     rates = rates_of(values[clock], bare)
     track = _track(bare, rates, len(values[clock]))
     if track is None:
         return tuple(found)
     x, y, psi, unit, side = track
-    names = {x: f"column {x + 1}", y: f"column {y + 1}", psi: f"column {psi + 1}"}
+    names = {place: headers[place] or f"column {place + 1}" for place in (x, y, psi)}
     course = f"the course along {names[x]} and {names[y]}"
     told = {
         x: Suggestion(
@@ -66,7 +70,7 @@ def track_told(
 
 
 _MOST_BARE: Final = 16
-"""Columns without a name among which a track is looked for."""
+"""Columns among which a track is looked for, at most."""
 _TURNED: Final = math.radians(4.0)
 """A heading that changes by less than this tells no track."""
 _ASTRAY: Final = math.radians(25.0)

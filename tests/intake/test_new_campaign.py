@@ -483,9 +483,10 @@ def test_zigzags_of_hsva_are_told_by_their_names_and_columns_without_one_by_thei
     assert [item.key for item in questions_of(written)] == ["campaign.rudder_positive"]
 
 
-def without_names(table):
+def without_names(table, title=""):
     """What columns are taken for by their numbers alone."""
-    headers, values = [""] * len(table), dict(enumerate(table))
+    headers = ["", *(title and f"{title} {k}" for k in range(1, len(table)))]
+    values = dict(enumerate(table))
     return track_told(suggest(headers, [None] * len(table), values), headers, values)
 
 
@@ -501,7 +502,7 @@ def test_the_track_of_a_ship_is_told_without_names_in_any_order(unit, side, seed
         kept = {"x": record["x"], "y": side * record["y"], "n": record["n"], **angles}
         names = list(rng.permutation(list(kept)))
         table = [record["t"], *(kept[name] for name in names)]
-        found = without_names(table)
+        found = without_names(table, title="Kanal" if seed % 2 else "")
         told = {names[k - 1]: item for k, item in enumerate(found) if item and k}
         assert {name: item.name for name, item in told.items()} == {
             name: name for name in ("x", "y", "psi", "delta", "r") if name in told
