@@ -88,7 +88,7 @@ def facts_of(name: str) -> RunFacts:
     settings: dict[str, tuple[float, str]] = {}
     marks: dict[str, tuple[float, str]] = {}
     for part in parts:
-        for key, item in _zigzag(part) if test == "zigzag" else ():
+        for key, item in _orders(test, part):
             settings.setdefault(key, item)
         for token in _tokens(part):
             for key, value in _values(token):
@@ -174,25 +174,42 @@ def test_named(part: str) -> str | None:
         return in_other_words[0]
     codes = _codes()
     for token in re.split(r"[_\s-]+", part):
-        found = re.fullmatch(r"([A-Z]{2,3})\d*", token)
+        found = re.fullmatch(r"([A-Z]{2,3})\d*[A-Z]?", token)
         if found and found[1] in codes:
             return codes[found[1]]
-    return "zigzag" if _ORDERS.search(part) else None
+    return next((test for test, orders in _ORDERS.items() if orders.search(part)), None)
 
 
-_ORDERS: Final = re.compile(
-    r"(?<![A-Za-z\d])(?:ZZ?|[Zz]ig[-_ ]?[Zz]ag)[-_ ]?(?P<rudder>[+-]?\d{1,2}(?:\.\d+)?)(?:deg)?"
-    r"(?:[-_ /x](?P<switch>\d{1,2}(?:\.\d+)?)(?!\d|[-_]\w{3}[-_]))?(?![\dA-Za-z.]|-\w{3}-)"
-)
+_ANGLE: Final = r"(?P<rudder>[+-]?\d{1,2}(?:\.\d+)?)(?:deg)?"
+_SIDE: Final = r"(?:[-_ ]?(?:[PpSs]|[Pp]ort|PORT|[Ss]tbd|STBD|[Ss]tarboard|SB|PS))?"
+_ORDERS: Final = {
+    "zigzag": re.compile(
+        r"(?<![A-Za-z\d])(?:ZZ?|zz|[Zz]ig[-_ ]?[Zz]ag)[-_ ]?"
+        r"(?:(?P<both>\d\d)(?P<after>\d\d)|" + _ANGLE + r")"
+        r"(?:[-_ /x](?P<switch>\d{1,2}(?:\.\d+)?)(?!\d|[-_]\w{3}[-_]))?"
+        rf"(?![\d.]|[-_ ]\+\d|_-\d|-\w{{3}}-){_SIDE}(?![A-Za-z])"
+    ),
+    # A bare number behind "turn" is that of a run as often as not, unless rudders are laid to it.
+    "turning": re.compile(
+        rf"(?<![A-Za-z\d])(?:(?:TC|tc){_SIDE}[-_ ]?(?=[+-]?\d\d)|"
+        rf"[Tt]urn(?:ing)?(?:[-_ ]?[Cc]ircle)?{_SIDE}[-_ ]?(?=[+-]?(?:[123][05])(?!\d)))"
+        rf"{_ANGLE}{_SIDE}(?![\dA-Za-z.]|[-_ ]*[+-]?\d|-\w{{3}}-)"
+    ),
+}
+"""Orders of manoeuvres in names, such as ``Z_10_05``, ``zigzag2020``, ``tc_-35``, ``TC35S``."""
 
 
-def _zigzag(part: str) -> Iterable[tuple[str, tuple[float, str]]]:
-    """Rudder and switching heading of a zigzag such as ``Z_10_05``."""
-    found = _ORDERS.search(part)
+def _orders(test: str | None, part: str) -> Iterable[tuple[str, tuple[float, str]]]:
+    """Rudder and switching heading of a zigzag, rudder of a turn."""
+    found = _ORDERS[test].search(part) if test in _ORDERS else None
     if found is None:
         return
-    yield "rudder_deg", (float(found["rudder"]), found[0])
-    yield "switch_deg", (float(found["switch"] or abs(float(found["rudder"]))), found[0])
+    told = found.groupdict()
+    rudder = told.get("both") or told["rudder"]
+    yield "rudder_deg", (float(rudder), found[0])
+    if test == "zigzag":
+        switch = told.get("after") or told["switch"] or abs(float(rudder))
+        yield "switch_deg", (float(switch), found[0])
 
 
 def _refined(test: str | None, settings: Mapping[str, tuple[float, str]]) -> str | None:
@@ -421,6 +438,10 @@ def _with_speed(
     return said
 
 
+_SIGNED: Final = r"\+|(?<![A-Za-z\d])-(?=\d)"
+"""A sign of a number in a name; a stroke behind a letter or a digit parts two words."""
+
+
 def _one(
     key: str,
     sources: Mapping[str, Mapping[str, tuple[float, str]]],
@@ -433,7 +454,7 @@ def _one(
     told = {source: facts[key] for source, facts in sources.items() if key in facts}
     if told:
         (source, (value, text)), *others = told.items()
-        if key == "rudder_deg" and source == "name" and not re.search(r"[-+]", text):
+        if key == "rudder_deg" and source == "name" and not re.search(_SIGNED, text):
             # A name tells how much, and seldom to which side.
             value = math.copysign(value, next((x for _, (x, _) in others), value))
         apart = [
