@@ -174,7 +174,7 @@ def test_named(part: str) -> str | None:
         return in_other_words[0]
     codes = _codes()
     for token in re.split(r"[_\s-]+", part):
-        found = re.fullmatch(r"([A-Z]{2,3})\d*[A-Z]?", token)
+        found = re.fullmatch(r"([A-Z]{2,3})(?:\d+[A-Z]?)?", token)
         if found and found[1] in codes:
             return codes[found[1]]
     return next((test for test, orders in _ORDERS.items() if orders.search(part)), None)

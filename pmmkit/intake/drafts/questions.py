@@ -181,7 +181,8 @@ def _model(
             values[key] = listed[key][0] / (scale**power if ship else 1.0)
             told = f", over {scale:g}{' ²³'[power - 1].strip()}" if ship else ""
             yield key, (float(f"{values[key]:.4g}"), f"{shown}: {listed[key][1]}{told}")
-    if "rho" in listed and _WATERS[0] < listed["rho"][0] < _WATERS[1]:
+    # A list of the full-scale ship tells the sea and not the tank.
+    if not ship and "rho" in listed and _WATERS[0] < listed["rho"][0] < _WATERS[1]:
         yield "rho", (listed["rho"][0], f"{shown}: {listed['rho'][1]}")
     if "volume" not in values and "mass" in values:
         values["volume"] = values["mass"] / _RHO
