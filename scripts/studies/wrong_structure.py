@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 import pmmkit as pk
+from pmmkit.base import DataError
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, candidates_for
 from pmmkit.effects import OUTSIDE
@@ -166,12 +167,18 @@ def extended(
 def held(
     model: Model, records: Sequence[FreeRecord], prior: Prior, case: Case, true: np.ndarray
 ) -> dict[str, float]:
-    """Share of the intervals of the derivatives of the case that hold the truth, by method."""
+    """Share of the intervals of the derivatives that hold the truth, by method; NaN where one
+    refuses."""
     found = {}
     for method in METHODS:
-        item = identify(
-            model, records, prior.names, method=method, prior=prior, sensors=case.sensors
-        )
+        found |= {method: math.nan, f"{method} width": math.nan}
+        try:
+            item = identify(
+                model, records, prior.names, method=method, prior=prior, sensors=case.sensors
+            )
+        except DataError as error:
+            print(f"    {method} refuses: {error}", flush=True)
+            continue
         count = len(case.names)
         inside = np.abs(item.values[:count] - true) < 1.96 * item.std[:count]
         found[method] = float(np.mean(inside))
@@ -217,8 +224,8 @@ def main() -> None:
         rows = [play(name, seed) for seed in range(options.seeds)]
         print(name, "95 % intervals that hold the truth, before and after; std over the prior's")
         for key in METHODS:
-            shares = [np.mean([row[i][key] for row in rows]) for i in (0, 1)]
-            widths = [np.median([row[i][f"{key} width"] for row in rows]) for i in (0, 1)]
+            shares = [np.nanmean([row[i][key] for row in rows]) for i in (0, 1)]
+            widths = [np.nanmedian([row[i][f"{key} width"] for row in rows]) for i in (0, 1)]
             print(
                 f"  {key:12} {100 * shares[0]:3.0f} % {100 * shares[1]:3.0f} %   "
                 f"{widths[0]:.2f} {widths[1]:.2f}",
