@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -26,9 +27,7 @@ def track_told(
         if found[place] is None and np.all(np.isfinite(numbers))
     }
     taken = {"x", "y", "psi", "X", "Y", "N"} & {*named}
-    if taken or clock is None or clock not in values:
-        return tuple(found)
-    if not 3 <= len(bare) <= _MOST_BARE:
+    if taken or clock is None or clock not in values or not 3 <= len(bare) <= _MOST_BARE:
         return tuple(found)
     rates = rates_of(values[clock], bare)
     track = _track(bare, rates, len(values[clock]))
@@ -36,34 +35,29 @@ def track_told(
         return tuple(found)
     x, y, psi, unit, side = track
     names = {place: headers[place] or f"column {place + 1}" for place in (x, y, psi)}
+    along = f"{names[psi]} heads along its course"
     course = f"the course along {names[x]} and {names[y]}"
+    probable = partial(Suggestion, certainty="probably")
     told = {
-        x: Suggestion(
-            name="x", certainty="probably", reason=f"{names[psi]} heads along its course"
-        ),
-        y: Suggestion(
-            name="y",
-            certainty="probably",
-            reason=f"{names[psi]} heads along its course" + ("" if side > 0 else ", to port"),
-            scale=side,
-        ),
-        psi: Suggestion(name="psi", certainty="probably", reason=f"it follows {course}", unit=unit),
+        x: probable(name="x", reason=along),
+        y: probable(name="y", reason=along + ("" if side > 0 else ", to port"), scale=side),
+        psi: probable(name="psi", reason=f"it follows {course}", unit=unit),
     }
     for place, (of, factor) in rates.items():
-        why = f"the rate of {names.get(of)}"
-        if of in (x, y) and np.isclose(factor, 1.0, rtol=0.03):
-            name, scale = ("xdot", 1.0) if of == x else ("ydot", side)
-            told[place] = Suggestion(name=name, certainty="probably", reason=why, scale=scale)
+        why, alike = f"the rate of {names.get(of)}", np.isclose(factor, 1.0, rtol=0.03)
+        if of == x and alike:
+            told[place] = probable(name="xdot", reason=why)
+        elif of == y and alike:
+            told[place] = probable(name="ydot", reason=why, scale=side)
         elif of == psi:
-            alike = np.isclose(factor, 1.0, rtol=0.03)
             own = "deg/s" if (unit == "deg") == alike else "rad/s"
-            told[place] = Suggestion(name="r", certainty="probably", reason=why, unit=own)
+            told[place] = probable(name="r", reason=why, unit=own)
     heading = np.unwrap(bare[psi] * _ANGLES[unit])
     steered = _steered(heading, {k: v for k, v in bare.items() if k not in told})
     if steered is not None:
         place, held = steered
         why = f"held in steps, and {names[psi]} turns after them"
-        told[place] = Suggestion(name="delta", certainty="probably", reason=why, unit=held)
+        told[place] = probable(name="delta", reason=why, unit=held)
     elif np.ptp(heading) < _CIRCLE:
         return tuple(found)
     return tuple(told.get(place, item) for place, item in enumerate(found))

@@ -544,10 +544,10 @@ def _sped_up(
     """Whether a ship went faster after her rudder was laid: then she had not come to her speed."""
     if "speed" not in found:
         return False
-    edges = np.arange(0, len(t), max(2, len(t) // 60))
     if {"u", "v"} <= set(channels):
         way = np.hypot(channels["u"], channels["v"])
     else:
+        edges = np.arange(0, len(t), max(2, len(t) // 60))
         steps = (np.diff(channels[name][edges]) for name in ("x", "y"))
         way = np.hypot(*steps) / np.diff(t[edges])
     return bool(np.percentile(way, 75) > _FASTER * found["speed"][0])
