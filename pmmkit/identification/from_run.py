@@ -156,8 +156,9 @@ def _record(
     lost = [name for name in ("delta", "n") if not np.isfinite(columns.get(name, [])).any()]
     if lost:
         raise DataError(
-            f"Run {run.id} has no {' and no '.join(lost)}: rudder and revolutions must be "
-            f"measured to identify a model from it."
+            f"it has no {' and no '.join(lost)}: the forces of rudder and propeller hang on it.",
+            run=run.id,
+            remedy="Name their columns under [columns] of the campaign file.",
         )
     known = [name for name in FreeRecord.CHANNELS if name in columns]
     if not model.rolls:

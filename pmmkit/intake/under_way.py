@@ -18,7 +18,8 @@ def track_told(
     found: Sequence[Suggestion | None], headers: Sequence[str], values: Mapping[int, Array]
 ) -> tuple[Suggestion | None, ...]:
     """What columns are, with those of a track whose names tell nothing: two along whose course a
-    third one heads, their rates, and what was held in steps before she turned."""
+    third one heads, their rates, what was held in steps before she turned, and perhaps what was
+    held throughout."""
     named = {item.name: place for place, item in enumerate(found) if item}
     clock = named.get("t")
     bare = {
@@ -60,6 +61,11 @@ def track_told(
         told[place] = probable(name="delta", reason=why, unit=held)
     elif np.ptp(heading) < _CIRCLE:
         return tuple(found)
+    still = [k for k, v in bare.items() if k not in told and v.min() == v.max() > _FEWEST_TURNS]
+    if len(still) == 1 and "n" not in named:
+        own = "rpm" if bare[still[0]][0] > _MOST_TURNS else "rps"
+        why = f"held throughout, {own} by its size"
+        told[still[0]] = Suggestion(name="n", reason=why, certainty="perhaps", unit=own)
     return tuple(told.get(place, item) for place, item in enumerate(found))
 
 
@@ -72,6 +78,10 @@ _ASTRAY: Final = math.radians(25.0)
 KVLCC2 with a rudder of 35°."""
 _ANGLES: Final = {"deg": math.pi / 180.0, "rad": 1.0}
 """Radians of a unit."""
+_FEWEST_TURNS: Final = 0.5
+_MOST_TURNS: Final = 30.0
+"""Revolutions of a propeller [1/s]: those of a ship's turn more than 0.5, a model's less than 30;
+a number beyond that counts minutes."""
 _CIRCLE: Final = math.radians(90.0)
 """A heading that changes by more is that of no towed model."""
 

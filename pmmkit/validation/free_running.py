@@ -28,7 +28,7 @@ from pmmkit.identification import (
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Model
 from pmmkit.numerics import Array, rms
-from pmmkit.presentation import WIDE, counted
+from pmmkit.presentation import WIDE, counted, listed
 from pmmkit.reduction import idle
 from pmmkit.simulation import Manoeuvre as Orders
 from pmmkit.simulation import Track, executed_at, simulate
@@ -233,7 +233,7 @@ def compare_free(
     campaign = known.taken_off(campaign)
     runs: list[FreeRun] = []
     manoeuvres: list[ManoeuvreComparison] = []
-    reasons: list[str] = []
+    lost: dict[str, list[str]] = {}
     used: list[FreeRecord] = []
     apart: list[str] = []
     for number, run in enumerate(campaign, start=1):
@@ -253,13 +253,17 @@ def compare_free(
             used += found
             apart += [item.name for item in records if item.disagrees]
         except PmmkitError as error:
-            reasons.append(f"{run.id} is left out: {error}")
+            lost.setdefault(_beside_run(error), []).append(run.id)
             continue
         if run.kind_of_test.of_standard:
             try:
                 manoeuvres.append(_sailed(made, held, campaign, known, extrapolate))
             except PmmkitError as error:
                 notes.append(f"{run.id} has no measures: {error}")
+    reasons = [
+        f"{listed(ids)} {'is' if len(ids) == 1 else 'are'} left out: {why}"
+        for why, ids in lost.items()
+    ]
     if not runs:
         raise DataError(reasons or ["There is no run."], title="Nothing can be compared")
     notes += sea_notes(made, used)
@@ -276,6 +280,13 @@ def compare_free(
     if not any(known.current):
         notes += _drifting(manoeuvres)
     return tuple(runs), tuple(manoeuvres), (*notes, *reasons)
+
+
+def _beside_run(error: PmmkitError) -> str:
+    """What an error says but for the run, so that many runs with one reason are one sentence."""
+    if not isinstance(error, DataError):
+        return str(error)
+    return str(DataError([replace(x, run=None) for x in error.problems], title=error.title))
 
 
 def _steering_gear(model: Model, manoeuvres: Sequence[ManoeuvreComparison]) -> list[str]:

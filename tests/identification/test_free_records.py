@@ -229,14 +229,14 @@ def test_channels_are_chosen():
 
 def test_errors_say_what_to_do():
     values = columns()
-    with pytest.raises(DataError, match=r"Z20 has no delta and no n: .* must be measured"):
+    with pytest.raises(DataError, match=r"Z20: it has no delta and no n: .* under \[columns\]"):
         free_records(run_of(without(values, "delta", "n")), TANKER)
     with pytest.raises(DataError, match=r"Z20 has no sog to measure by\. It has x, y, psi"):
         free_records(run_of(values), TANKER, channels=["x", "sog"])
     with pytest.raises(DataError, match=r"has no phi to measure by"):
         free_records(run_of(values | {"phi": values["r"]}), TANKER, channels=["phi"])
     lost = values | {"delta": np.full(len(values["t"]), np.nan)}
-    with pytest.raises(DataError, match=r"Z20 has no delta: .* must be measured"):
+    with pytest.raises(DataError, match=r"Z20: it has no delta: .* under \[columns\]"):
         free_records(run_of(lost), TANKER)
 
 

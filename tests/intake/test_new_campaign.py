@@ -490,7 +490,20 @@ def test_zigzags_of_hsva_are_told_by_their_names_and_columns_without_one_by_thei
     assert told["ship"] == {**ship, "xG": 0.2436}
     assert told["water"] == {"rho": 1000.0}
     assert told["propeller"]["open_water"].endswith("open_water_INSEAN_propeller.csv")
-    assert [item.key for item in questions_of(written)] == ["campaign.rudder_positive"]
+    assert [item.key for item in questions_of(written)] == ["campaign.rudder_positive", "columns.n"]
+    assert '# n = { column = 10, unit = "rps" } # TODO perhaps: held throughout' in written
+
+
+def test_a_track_without_rudder_and_revolutions_is_asked_for_them(tmp_path, capsys):
+    """No model can be compared with it; a trial can be measured."""
+    record = next(iter(records(Setup(ship="kvlcc2-l7", runs=3, seed=1)).values()))
+    rows = np.column_stack([record[name] for name in ("t", "x", "y", "psi")])
+    np.savetxt(tmp_path / "zz_10_10.csv", rows, delimiter=",", header="t,x,y,psi", comments="")
+    status, *_ = drafted(capsys, tmp_path, "-o", tmp_path / "campaign.toml")
+    written = (tmp_path / "campaign.toml").read_text("utf-8")
+    assert status == 0
+    for name, means in (("delta", "the rudder angle"), ("n", "the revolutions of the propeller")):
+        assert f"# {name} = ...   # TODO which column is {means}" in written
 
 
 def without_names(table, title=""):
@@ -515,9 +528,10 @@ def test_the_track_of_a_ship_is_told_without_names_in_any_order(unit, side, seed
         found = without_names(table, title="Kanal" if seed % 2 else "")
         told = {names[k - 1]: item for k, item in enumerate(found) if item and k}
         assert {name: item.name for name, item in told.items()} == {
-            name: name for name in ("x", "y", "psi", "delta", "r") if name in told
+            name: name for name in ("x", "y", "psi", "delta", "r", "n") if name in told
         }
-        assert {"x", "y", "psi", "delta"} <= set(told)
+        assert {"x", "y", "psi", "delta", "n"} <= set(told)
+        assert (told["n"].certainty, told["n"].unit) == ("perhaps", "rps")
         assert (told["psi"].unit, told["delta"].unit, told["y"].scale) == (unit, unit, side)
 
 

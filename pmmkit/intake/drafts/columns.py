@@ -212,7 +212,11 @@ _MEANS: Final[dict[str, str]] = {
     "x": "the position along the first course [m]",
     "y": "the position to starboard [m]",
     "psi": "the heading [rad]",
+    "delta": "the rudder angle [rad]",
+    "n": "the revolutions of the propeller [1/s]",
 }
+_STEERED: Final = ("delta", "n")
+"""What a model needs of a free-running record besides its track."""
 
 
 def source_lines(look: FileLook, options: Options, *, every: bool = False) -> list[str]:
@@ -264,7 +268,10 @@ def column_lines(
         for name, column in look.known.items()
         if column.suggestion and column.suggestion.certainty != "perhaps"
     }
-    for name in () if table else Campaign.REQUIRED[kind]:
+    wanted = () if table else Campaign.REQUIRED[kind]
+    if kind == "free-running" and not table:
+        wanted = (*wanted, *(name for name in _STEERED if name not in look.known))
+    for name in wanted:
         if name not in known and not any(other.startswith(f"{name}_") for other in known):
             lines.append(f"# {name} = ...   # TODO which column is {_MEANS[name]}? (false if none)")
             todo.add(f"[columns] {name}: which column of {look.shown} is {_MEANS[name]}?")
