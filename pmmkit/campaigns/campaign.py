@@ -27,6 +27,7 @@ from pmmkit.conventions import Ship, Water
 from pmmkit.files import sha256
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
+from pmmkit.readers import READERS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -108,6 +109,14 @@ class Campaign(Described):
         {"captive": ("t", "X", "Y", "N"), "free-running": ("t", "x", "y", "psi")}
     )
     """Channels that a history must have, by kind."""
+
+    @property
+    def computed(self) -> bool:
+        """Whether a solver stands for the tank: as is stated, or by the format of its files."""
+        formats = {request.options.format for run in self.runs for request in run.requests}
+        return bool(self.cfd or self.numerical) or any(
+            READERS[name].computed for name in formats if name is not None
+        )
 
     def __len__(self) -> int:
         return len(self.runs)

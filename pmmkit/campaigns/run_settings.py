@@ -45,9 +45,10 @@ _OURS: Final = (
         asked="speed of the carriage, or of the approach [m/s]",
         resolution=SPEED,
         in_names=(
-            (r"(?:U|Uc|Uo|U0|[Ss]peed|[Vv]el|V(?=\d+[.,]\d))#(?:m/s|ms|mps)?", 1.0),
+            (r"(?:U|Uc|Uo|U0|[Ss]peed|[Vv]el|V(?=\d+[.,p]\d))#(?:m/s|ms|mps)?", 1.0),
             (r"V?#(?:mps|ms|m/s)", 1.0),
             (r"[VvUu]?#(?:kn|kts|knots)", 1852 / 3600),
+            (r"[VvUu]?#(?:fps|ft/s)", 0.3048),
         ),
         header="speed(?: m s)?|v|u|(?:towing )?carriage speed|towing speed|v ?carriage|u ?c",
         sensors=(
@@ -218,7 +219,10 @@ _OURS: Final = (
         stated_std=True,
         asked="amplitude of the displacement [m]",
         resolution=LENGTH,
-        in_names=((r"(?:a|A|[Aa]mp|y|ya)#(?:m)?", 1.0), (r"(?:a|A|[Aa]mp|y|ya)#mm", 1e-3)),
+        in_names=tuple(
+            (rf"(?:a|A|[Aa]mp|y|ya)#{unit}", factor)
+            for unit, factor in (("m?", 1.0), ("mm", 1e-3), ("ft", 0.3048), ("in", 0.0254))
+        ),
         header="(?:sway |motion |y )?ampl?(?:itude)?|y ?[a0]",
         code="a",
         typical=0.3,

@@ -409,10 +409,16 @@ _UNITS: Final[dict[str, tuple[str, float]]] = {
     "kgf-m": ("N m", 9.80665),
     "kgf·m": ("N m", 9.80665),
     "kgf・m": ("N m", 9.80665),
-    "lbf ft": ("N m", 1.3558179483314004),
-    "lbf-ft": ("N m", 1.3558179483314004),
     "kg": ("kg", 1.0),
     "t": ("kg", 1e3),
+    "lb": ("kg", 0.45359237),
+    "lbs": ("kg", 0.45359237),
+    **{
+        text.format(stroke): ("N m", lever * 4.4482216152605)
+        for unit, lever in (("ft", 0.3048), ("in", 0.0254))
+        for text in (f"lbf{{}}{unit}", f"{unit}{{}}lbf", f"lb{{}}{unit}", f"{unit}{{}}lb")
+        for stroke in (" ", "-", "·", ".", "*", "")
+    },
 }
 _CASED: Final = {
     "kN": "kn_force",

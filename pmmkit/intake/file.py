@@ -375,7 +375,7 @@ def look_at(path: Path, shown: str, *, numbers: bool = True) -> tuple[FileLook, 
     try:
         if base.has_sheets:
             return _sheets(base, numbers)
-        return (_other(base, numbers),)
+        return _others(base, numbers)
     except CampaignError as error:
         return (replace(base, problems=error.problems),)
 
@@ -479,6 +479,24 @@ def _sheet(look: FileLook, count: int, numbers: bool) -> FileLook:
         options = replace(look.options, last_row=blocks.last_row)
         look = replace(look, blocks=blocks, options=options)
     return with_numbers(look) if numbers else look
+
+
+def _others(look: FileLook, numbers: bool) -> tuple[FileLook, ...]:
+    """A container as a whole, or each of its groups where they hold the same columns."""
+    groups = READERS[look.format].groups(look.request)
+    if not groups:
+        return (_other(look, numbers),)
+    return tuple(
+        _other(
+            replace(
+                look,
+                shown=f"{look.shown}, group {group}",
+                options=replace(look.options, group=group),
+            ),
+            numbers,
+        )
+        for group in groups
+    )
 
 
 def _other(look: FileLook, numbers: bool) -> FileLook:

@@ -78,7 +78,8 @@ def suggest(
         if item is not None:
             known.add(item.name)
             if numbers is not None and unit is None and item.unit is None:
-                found[position] = _with_unit(item, numbers)
+                size = float(np.max(np.abs(numbers[np.isfinite(numbers)]), initial=0.0))
+                found[position] = by_size(item, size)
     return _each_once(found, table=table)
 
 
@@ -270,11 +271,14 @@ def _by_shape(header: str, unit: str | None, numbers: Array, position: int) -> S
     )
 
 
-def _with_unit(item: Suggestion, numbers: Array) -> Suggestion:
-    """The unit that only the numbers tell."""
-    finite = numbers[np.isfinite(numbers)]
-    size = float(np.max(np.abs(finite), initial=0.0))
+def by_size(item: Suggestion, size: float, *, towed: bool = False) -> Suggestion:
+    """With the unit that only the numbers tell, the largest of which is `size`.
+
+    The heading of a model that is `towed` stays within a right angle.
+    """
     unit, limit = _TELLING.get(item.name, (None, 0.0))
+    if towed and item.name == "psi":
+        limit = _RIGHT_ANGLE
     if unit is None or size <= limit:
         return item
     why = f"{item.reason}; {unit}, since numbers reach {size:.3g}"
@@ -293,6 +297,7 @@ _TELLING: Final[dict[str, tuple[str, float]]] = {
     "r": ("deg/s", 2.0),
 }
 """Unit other than SI, and the number beyond which SI cannot be."""
+_RIGHT_ANGLE: Final = 1.6
 
 
 def _dimension(unit: str | None) -> str | None:

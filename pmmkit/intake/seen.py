@@ -276,12 +276,20 @@ class FileLook:
 
     @property
     def lines_above(self) -> tuple[str, ...]:
-        """The lines of a text file above the names of its columns."""
-        if self.layout is None or not self.options.skip_rows:
+        """The lines of a text file above the names of its columns, or what else a container
+        says beside them."""
+        if self.layout is None:
+            return READERS[self.format].remarks(self.request) if self.format else ()
+        if not self.options.skip_rows:
             return ()
         with self.path.open(encoding=self.layout.encoding, errors="replace") as stream:
             lines = [line.rstrip() for line in itertools.islice(stream, self.options.skip_rows)]
         return tuple(line for line in lines if line)
+
+    @property
+    def file(self) -> str:
+        """Its name without the sheet or the group."""
+        return self.shown.partition(", sheet ")[0].removesuffix(f", group {self.options.group}")
 
     @property
     def is_campaign(self) -> bool:

@@ -614,6 +614,14 @@ class Reader(ABC):
         """Names of the sheets among which the key ``sheet`` chooses."""
         return ()
 
+    def groups(self, request: Request) -> tuple[str, ...]:  # noqa: ARG002
+        """Groups with the same columns, a run each, among which the key ``group`` chooses."""
+        return ()
+
+    def remarks(self, request: Request) -> tuple[str, ...]:  # noqa: ARG002
+        """Single numbers and texts beside the columns, such as ``beta_deg: 4``, a line each."""
+        return ()
+
     def computation(self, request: Request) -> Mapping[str, Any]:  # noqa: ARG002
         """What lies beside the files of a computation and says what ``[cfd]`` asks, by its keys."""
         return MappingProxyType({})

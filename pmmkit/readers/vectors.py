@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -209,8 +209,33 @@ def left_out_problem(left_out: Sequence[str], request: Request) -> list[Problem]
     return [request.problem(f"left out, not being columns: {', '.join(left_out[:_SHOWN])}{more}.")]
 
 
+def alike(names: Sequence[str], stroke: str) -> tuple[str, ...]:
+    """Groups that hold all columns of the layout that most groups share; none where each differs.
+
+    Examples
+    --------
+    >>> alike(["a/t [s]", "a/Fx [N]", "b/t [s]", "b/Fx [N]", "b/n", "L"], "/")
+    ('a', 'b')
+    """
+    held: dict[str, set[str]] = {}
+    for name in names:
+        group, between, _ = name.partition(" [")[0].rpartition(stroke)
+        if between:
+            held.setdefault(group, set()).add(name.removeprefix(f"{group}{stroke}"))
+    shared = Counter(frozenset(own) for own in held.values())
+    layout, count = max(shared.items(), key=lambda item: item[1], default=(frozenset(), 0))
+    if count < 2 or len(layout) < 2:
+        return ()
+    return tuple(group for group, own in held.items() if own >= layout)
+
+
 class VectorReader(Reader):
-    """A format of containers, of which it tells the vectors."""
+    """A format of containers, of which it tells the vectors.
+
+    `stroke`: what stands between a group and its columns in their names.
+    """
+
+    stroke: ClassVar[str] = "/"
 
     @abstractmethod
     def contents(self, request: Request) -> AbstractContextManager[tuple[list[Vector], list[str]]]:
@@ -220,6 +245,11 @@ class VectorReader(Reader):
         """Headers of the columns."""
         with self.contents(request) as (vectors, left_out):
             return headers_of(numbers_only(vectors, left_out, request))
+
+    def groups(self, request: Request) -> tuple[str, ...]:
+        """Groups with the same columns, a run each."""
+        with self.contents(request) as (vectors, _):
+            return alike([item.name for item in vectors if item.texts is None], self.stroke)
 
     def columns(self, request: Request, choose: Choose) -> Columns:
         """Some vectors, or columns of matrices, as numbers."""

@@ -1,4 +1,4 @@
-"""From the files of six strangers to a turn of their hulls, by typed commands.
+"""From the files of eleven strangers to a turn of their hulls, by typed commands.
 
     python -m scripts.studies.strangers [--out FOLDER] [NAME ...]
 
@@ -33,10 +33,6 @@ Typed = Callable[[Sequence[str]], dict[str, Any]]
 
 BALANCE = ('forces = "hydrodynamic"', 'forces = "balance"')
 EDITS: Mapping[str, tuple[tuple[str, str], ...]] = {
-    "workbook": (),
-    "text": (),
-    "openfoam": (),
-    "openfoam_v10": (),
     "heeled": (("# speed = ...", f"speed = {FAST}"),),
     "rotating_arm": (
         BALANCE,
@@ -44,7 +40,7 @@ EDITS: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("[source]", '[cfd]\nforces_in = "carriage"\n\n[source]'),
     ),
 }
-"""What a person changes in each draft besides ship and water: found, put in its place."""
+"""What a person changes in some drafts besides ship and water: found, put in its place."""
 OPTIONS: Mapping[str, tuple[str, ...]] = {"heeled": ("--structure", "auto")}
 """What is typed behind `pmmkit reduce FOLDER`."""
 SCREW = ("D", "t", "wp")
@@ -135,8 +131,8 @@ def play(name: str, place: Path, run: Typed = typed) -> Played:
     run(["new-campaign", str(folder)])
     file = folder / "campaign.toml"
     draft = file.read_text(encoding="utf-8")
-    with_ship = filled(draft, list(particulars(hull)))
-    whole = filled(with_ship, EDITS[name])
+    with_ship = filled(draft, [item for item in particulars(hull) if item[0] in draft])
+    whole = filled(with_ship, EDITS.get(name, ()))
     file.write_text(whole, encoding="utf-8")
     run(["check", str(folder)])
     told = run(["reduce", str(folder), "--out", str(reduced), *OPTIONS.get(name, ())])

@@ -204,7 +204,7 @@ def floor_for(campaign: Campaign, views: Sequence[View], floor: float | None) ->
         for name, V in view.covariance.items()
         if name in scale
     ]
-    if campaign.cfd or float(np.median(noise)) < LEAST:
+    if campaign.computed or float(np.median(noise)) < LEAST:
         raise DataError(
             Problem(
                 message="These forces have no noise of their own (CFD): every small difference "

@@ -176,7 +176,7 @@ def examine_gauges(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
     """
     histories = [item for item in summaries if item.run.kind == "history"]
     # A solver that has converged in a steady run holds its value, to the digits that it prints.
-    solver = bool(campaign.cfd or campaign.numerical)
+    solver = campaign.computed
     for channel in CHANNELS:
         varies = any(
             item.facts.get(f"{channel}_constant") == 0.0
@@ -194,7 +194,8 @@ def examine_gauges(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
             ]
             yield from _told(channel, fault, hit, len(histories))
         yield from _changes(channel, histories)
-        yield from _quiet(channel, histories)
+        if not solver:
+            yield from _quiet(channel, histories)
 
 
 def _rightly_zero(channel: str, item: Summary) -> bool:

@@ -160,7 +160,7 @@ class _Seen:
     @property
     def computed(self) -> bool:
         """Whether a solver stands for the tank."""
-        return bool(self.campaign.cfd or self.campaign.numerical)
+        return self.campaign.computed
 
     def always(self, fact: str) -> bool:
         """Whether a fact holds of every run that was read."""

@@ -232,6 +232,7 @@ def source_lines(look: FileLook, options: Options, *, every: bool = False) -> li
         values |= {"units_row": True} if options.units_row else {}
         values |= {"sheet": options.sheet} if options.sheet else {}
         values |= {"last_row": options.last_row} if options.last_row else {}
+    values |= {"group": options.group} if options.group else {}
     return [f"{key} = {toml(value)}" for key, value in values.items()]
 
 

@@ -46,6 +46,7 @@ from pmmkit.intake.drafts.names import RunKey, facts_of, facts_of_header, settle
 from pmmkit.intake.drafts.questions import Found, particulars_of
 from pmmkit.intake.file import LARGE, values_of
 from pmmkit.intake.folder import FileGroup, Look, look
+from pmmkit.intake.guessing import by_size
 from pmmkit.intake.seen import ColumnLook, FileLook, SheetBlock
 from pmmkit.numerics import Array
 from pmmkit.presentation import counted
@@ -59,15 +60,15 @@ class RunDraft:
     `id, file`: name of the run; its file relative to the campaign file. `look`: how the file is
     read. `test`: kind of test, None where nobody knows. `problems`: what is wrong with its file.
     `motion`: where the motion of the hull lies beside its forces. `sheet`: sheet of the workbook
-    that holds the run, where it has several. `skip_rows`: lines above its columns. `computation`:
-    what lies beside it, or the format says, of what ``[cfd]`` asks. `listed`: whether a matrix says
-    what it was set to. `notes`: what of the motion that it was told to make was not followed.
-    `where`: which rows of a table are meant, by their columns. `skip`: rows of a table that are
-    not. `samples`: whether rows of one id are samples: ``cycle``. `rest`: what the gauges show
-    while the hull stands at the head of its record, as `rest_facts` has it. `template`: id of the
-    rows of a table, with columns in braces; empty where it is to be found. `columns`: columns that
-    are others than those of all tables. `turned`: side to which a positive rudder turned her, as
-    `RunFacts` has it.
+    that holds the run, where it has several; `group` of a container likewise. `skip_rows`: lines
+    above its columns. `computation`: what lies beside it, or the format says, of what ``[cfd]``
+    asks. `listed`: whether a matrix says what it was set to. `notes`: what of the motion that it
+    was told to make was not followed. `where`: which rows of a table are meant, by their columns.
+    `skip`: rows of a table that are not. `samples`: whether rows of one id are samples: ``cycle``.
+    `rest`: what the gauges show while the hull stands at the head of its record, as `rest_facts`
+    has it. `template`: id of the rows of a table, with columns in braces; empty where it is to be
+    found. `columns`: columns that are others than those of all tables. `turned`: side to which a
+    positive rudder turned her, as `RunFacts` has it.
     """
 
     id: str
@@ -78,6 +79,7 @@ class RunDraft:
     problems: tuple[str, ...] = ()
     motion: str | None = None
     sheet: str | int | None = None
+    group: str | None = None
     skip_rows: int = 0
     computation: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     listed: bool = False
@@ -255,7 +257,7 @@ def _matrices(seen: Look, base: str, runs: Sequence[RunDraft]) -> tuple[MatrixDr
     for book in books:
         own = [run for run in likes if (run.file if run.sheet is not None else None) == book]
         places = [run.file if book is None else str(run.sheet) for run in own if not run.problems]
-        beside = [item for item in looks if base + _file(item) == book]
+        beside = [item for item in looks if base + item.file == book]
         matrix = matrix_of(beside, base, places, book) or matrix_of(looks, base, places, book)
         found += [] if matrix is None else [matrix]
     names = Counter(name for matrix in found for name in matrix.runs)
@@ -346,6 +348,7 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
     clock = group.first.known["t"]
     drift = drift_column(group.first)
     drafts = []
+    sizes: dict[str, float] = {}
     for item in group.files:
         named, headed = facts_of(_name(item)), facts_of_header(item.lines_above)
         columns = {**wanted, "t": clock, **({} if drift is None else {"drift": drift})}
@@ -360,6 +363,8 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
             columns,
         )
         time = channels.pop("t", np.zeros(0))
+        for name, numbers in channels.items():
+            sizes[name] = max(sizes.get(name, 0.0), _size(numbers))
         test = named.test or headed.test
         moved = motion_facts(time, channels, test) if len(time) else RunFacts()
         told = _told(item, test)
@@ -375,8 +380,9 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
         drafts.append(
             RunDraft(
                 id=PurePosixPath(_name(item)).name,
-                file=base + _file(item),
+                file=base + item.file,
                 sheet=item.options.sheet,
+                group=item.options.group,
                 skip_rows=item.options.skip_rows,
                 look=group.first,
                 test=test,
@@ -389,7 +395,30 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
                 turned=moved.turned,
             )
         )
-    return drafts
+    told_by_all = _by_sizes(group, sizes)
+    return drafts if told_by_all == group else _runs(told_by_all, base, length)
+
+
+def _size(numbers: Array) -> float:
+    """The largest number of a channel, of one that goes one way all the time (an arm) its start."""
+    if not numbers.size:
+        return 0.0
+    one_way = abs(numbers[-1] - numbers[0]) > 0.9 * np.ptp(numbers) > 0.0
+    return float(abs(numbers[0]) if one_way else np.abs(numbers).max())
+
+
+def _by_sizes(group: FileGroup, sizes: Mapping[str, float]) -> FileGroup:
+    """With units that the first file does not tell and the largest numbers of all files do."""
+    towed = bool({"X", "Y", "N"} & {*sizes})
+    columns = tuple(
+        replace(column, suggestion=by_size(item, sizes.get(_channel(column), 0.0), towed=towed))
+        if (item := column.suggestion) is not None
+        and item.certainty != "perhaps"
+        and (item.unit, column.unit, unit_in_name(item.name)) == (None, None, None)
+        else column
+        for column in group.first.columns
+    )
+    return replace(group, files=(replace(group.first, columns=columns), *group.files[1:]))
 
 
 _PHASE: Final = RunKey(
@@ -636,15 +665,10 @@ def _named_apart(runs: Sequence[RunDraft], taken: Collection[str] = ()) -> tuple
     return tuple(out)
 
 
-def _file(item: FileLook) -> str:
-    """The file of a look, without the sheet."""
-    return item.shown.partition(", sheet ")[0]
-
-
 def _name(item: FileLook) -> str:
-    """What names a run: the file without suffix, and the sheet where there are several."""
-    sheet = item.options.sheet
-    return _stem(item.shown) if sheet is None else f"{_stem(item.shown)}/{sheet}"
+    """What names a run: the file without suffix, and sheet or group where there are several."""
+    part = item.options.group if item.options.sheet is None else item.options.sheet
+    return _stem(item.file) if part is None else f"{_stem(item.file)}/{part}"
 
 
 def _with_folders(run: RunDraft) -> str:

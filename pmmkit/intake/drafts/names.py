@@ -124,6 +124,7 @@ def _alone(test: str | None, tokens: Sequence[str]) -> Iterator[tuple[str, tuple
 def _tokens(part: str) -> list[str]:
     """Parts of a name between separators, a word joined with the number that follows it."""
     part = re.sub(rf"(?<=[A-Za-zβδψφ])\s*=\s*(?={_NUMBER})", "", part)
+    part = _LETTERED.sub(lambda found: found[1] + {"m": "-", "p": "+"}[found[2].lower()], part)
     part = re.sub(r"(?<=\d)\s(?=(?:deg|°|mm|m|s)(?![A-Za-z]))", "", part)
     parts = re.split(r"(?:[_\s;=()\[\]]|(?<!\d),|,(?!\d))+|(?<=[A-Za-z\d])-(?=[A-Za-z])", part)
     pieces = [piece for piece in parts if piece]
@@ -148,6 +149,10 @@ def _values(token: str) -> Iterable[tuple[str, float]]:
         return
 
 
+_LETTERED: Final = re.compile(
+    r"((?<![A-Za-z])(?:beta|drift|delta|rudder|rud|heel|phi|b)[_-]?)([mp])(?=\d)", re.IGNORECASE
+)
+"""A sign as a letter, such as ``beta_m04``: file names do not like a plus."""
 _BELOW_ONE: Final = ("froude", "amplitude_m")
 """Of these 025 in a name is 0.25."""
 
@@ -407,19 +412,30 @@ def settled(
     return tuple(out)
 
 
+_FEET: Final = (("ft", 0.3048), ("in", 0.0254))
 _POINTED: Final = ("speed", "amplitude_m", "path_amplitude_m")
 """Settings that are seldom whole numbers."""
+_OTHER_UNITS: Final = {
+    "speed": (("ft/s", 0.3048), ("kn", 1852 / 3600)),
+    "amplitude_m": _FEET,
+    "path_amplitude_m": _FEET,
+}
+"""Units of a number in a name that states none, and their factors to ours."""
 
 
 def _with_point(
     key: str, said: tuple[float, str], recorded: Mapping[str, tuple[float, str]]
 ) -> tuple[float, str]:
-    """A number whose point names left out, such as U12 for 1.2, where the record says so."""
+    """A number whose point names left out, such as U12 for 1.2, or that is in feet or knots,
+    where the record says so."""
     value, text = said
-    if key in _POINTED and key in recorded and not re.search(r"\d[.,p]\d", text):
-        for tenth in (1.0, 0.1, 0.01, 0.001):
-            if _agree(key, value * tenth, recorded[key][0]):
-                return float(f"{value * tenth:.6g}"), text
+    if key not in _POINTED or key not in recorded:
+        return said
+    tenths = () if re.search(r"\d[.,p]\d", text) else (1.0, 0.1, 0.01, 0.001)
+    for unit, factor in (*(("", x) for x in tenths), *_OTHER_UNITS[key]):
+        if _agree(key, value * factor, recorded[key][0]):
+            told = f"{text}, as {unit}," if unit else text
+            return float(f"{value * factor:.6g}"), told
     return said
 
 

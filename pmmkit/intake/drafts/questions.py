@@ -21,13 +21,15 @@ from pmmkit.readers import READERS, Cell, Cells, to_number
 
 
 Found = Mapping[str, tuple[float, str]]
+_DISPLACEMENT: Final = "displacement"
+"""A mass or a volume, as its unit tells."""
 _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "scale": ("sc", "scale", "lambda", "λ", "model scale", "maßstab", "massstab", "schaal"),
     "L": ("lpp", "l pp", "lbp", "l", "length between perpendiculars", "länge zw. loten"),
     "B": ("b", "bwl", "breadth", "beam"),
     "d": ("tm", "t", "d", "draught", "draft", "tiefgang", "diepgang"),
     "volume": ("vol", "volume", "displacement volume", "displaced volume"),
-    "mass": ("mass", "m", "model mass", "mass of the model", "masse", "massa"),
+    "mass": ("mass", "m", "model mass", "mass of the model", "masse", "massa", _DISPLACEMENT),
     "Izz": ("iz", "izz", "i z", "i zz"),
     "xG": ("xg", "x g", "lcg"),
     "propeller.D": ("dp", "d p", "propeller d", "propeller diameter", "diameter of the propeller"),
@@ -160,11 +162,13 @@ def _listed(words: Words) -> dict[str, tuple[float, str]]:
     """Numbers by our names, and their names with the rows."""
     found = {}
     for key, names in _NAMES.items():
-        there = [words[name] for name in names if name in words]
-        for number, unit, told in there[:1]:
-            target = _UNITS.get(key, "")
+        target = _UNITS.get(key, "")
+        for name in names:
+            number, unit, told = words.get(name, (math.nan, "", ""))
             factor = factor_to(unit, target) if target and is_unit(unit) else None
-            found[key] = (number * (factor or 1.0), told)
+            if math.isfinite(number) and (factor or name != _DISPLACEMENT):
+                found[key] = (number * (factor or 1.0), told)
+                break
     return found
 
 

@@ -51,7 +51,7 @@ def written(draft: Draft) -> CampaignText:
     """
     base = None if draft.saved else _largest(draft)
     computed = Computed()
-    apart = len({entry.sheet for entry in draft.runs if entry.look is base}) > 1
+    apart = len({(x.sheet, x.group) for x in draft.runs if x.look is base}) > 1
     todo = Todo()
     lines = [
         "# A draft made from the files that lie here. Check every line; TODO marks what the files",
@@ -70,7 +70,11 @@ def written(draft: Draft) -> CampaignText:
         lines += axes_lines(draft.proposal, todo, computed=False)
     if base is not None:
         several = apart or not draft.runs
-        shared = replace(base.options, sheet=None, last_row=None) if several else base.options
+        shared = (
+            replace(base.options, sheet=None, group=None, last_row=None)
+            if several
+            else base.options
+        )
         lines += ["", "[source]", *source_lines(base, shared)]
         lines += ["", "[columns]                        # our name = theirs"]
         lines += column_lines(base, draft.kind, todo, table=not draft.runs)

@@ -33,3 +33,9 @@ class Hdf5(VectorReader):
         from pmmkit.readers.hdf5.reader import contents
 
         return contents(request)
+
+    def remarks(self, request: Request) -> tuple[str, ...]:
+        """The attributes of the file or of the group."""
+        from pmmkit.readers.hdf5.reader import remarks
+
+        return remarks(request)

@@ -101,6 +101,25 @@ def contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
         yield _sorted_out(list(_datasets(_group(file, request), "", request, set())))
 
 
+_UNITS: Final = ("units", "unit", "Units", "Unit", "UNIT")
+"""Attributes that hold the unit of a dataset."""
+
+
+def remarks(request: Request) -> tuple[str, ...]:
+    """The attributes of the file or of the group: numbers and short texts."""
+    with request.path.open("rb") as stream:
+        if is_netcdf3(stream.read(HEAD)):
+            return ()
+    with opened(request) as file:
+        held = _group(file, request).attrs
+        said = {name: number_of(held, name) for name in held}
+        told = {
+            name: text_of(held, name) if number is None else f"{number:g}"
+            for name, number in said.items()
+        }
+    return tuple(f"{name}: {value}" for name, value in told.items() if value)
+
+
 def _sorted_out(found: Sequence[_Found]) -> tuple[list[Vector], list[str]]:
     usable = [item for item in found if item.is_column]
     bare = Counter(item.path.rpartition("/")[2] for item in usable)
@@ -191,7 +210,7 @@ def _dataset(item: Any, path: str, request: Request) -> Iterator[_Found]:
             path=path,
             shape=shape,
             read=functools.partial(numbers, item, request),
-            unit=_unit(text_of(item.attrs, "units")),
+            unit=_unit(next(filter(None, (text_of(item.attrs, x) for x in _UNITS)), None)),
             factor=1.0 if factor is None else factor,
             offset=offset or 0.0,
             missing=tuple(number for number in missing if number is not None),

@@ -18,6 +18,7 @@ class Matlab(VectorReader):
     suffixes = (".mat",)
     binary = True
     keys = ("group", "missing")
+    stroke = "."
 
     def recognises(self, path: Path, head: bytes) -> bool:  # noqa: ARG002
         """Whether a file is one of MATLAB, by its first bytes."""
@@ -31,3 +32,9 @@ class Matlab(VectorReader):
         from pmmkit.readers.matlab.reader import contents
 
         return contents(request)
+
+    def remarks(self, request: Request) -> tuple[str, ...]:
+        """The single numbers."""
+        from pmmkit.readers.matlab.reader import remarks
+
+        return remarks(request)

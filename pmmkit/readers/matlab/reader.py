@@ -43,6 +43,16 @@ def contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
         yield offered, [_described(variable) for variable in chosen if not _is_column(variable)]
 
 
+def remarks(request: Request) -> tuple[str, ...]:
+    """The variables of one number, and of a struct its fields."""
+    with _variables(request) as found:
+        return tuple(
+            f"{item.name}: {float(item.read().item()):g}"
+            for item in _group(found, request)
+            if item.shape == (1, 1) and item.texts is None and item.other is None
+        )
+
+
 @contextmanager
 def _variables(request: Request) -> Iterator[list[MatlabVariable]]:
     try:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from scripts.datasets.strangers.houses import HOUSES
 from scripts.datasets.strangers.hulls import (
     CONTAINER,
     RHO,
@@ -352,6 +353,7 @@ FOLDERS: Mapping[str, Callable[[Path], None]] = {
     "openfoam_v10": lambda folder: openfoam(folder, version="v10"),
     "heeled": heeled,
     "rotating_arm": rotating_arm,
+    **HOUSES,
 }
 """The captive campaigns, each by its writer."""
 HULLS: Mapping[str, Hull] = {name: CONTAINER if name == "heeled" else TANKER for name in FOLDERS}

@@ -277,7 +277,7 @@ def of_uncertainties(campaign: Campaign, channels: Sequence[str]) -> list[Item]:
                 key=kind.key,
             )
         )
-    if campaign.cfd or campaign.numerical:
+    if campaign.computed:
         items += [
             Item(
                 what=f"Numerical standard uncertainty U_SN of {channel} [{CHANNEL_UNITS[channel]}]",

@@ -1,0 +1,235 @@
+"""Five more laboratories, each with its own habits of files, names, units and axes.
+
+All but the computation begin at rest, gather way, and weigh the model's inertia with the water's
+force; the speed of the carriage is recorded.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from scripts.datasets.strangers.hulls import TANKER, Array, forces, inertia
+from scripts.datasets.strangers.motions import Driven, drift, sway, yaw
+
+SPEED = 1.2
+"""Of all tests [m/s]."""
+NOISE: Mapping[str, float] = {"X": 0.15, "Y": 0.4, "N": 0.5}
+"""Of a sample [N, N m]."""
+REST, RAMP = 3.0, 4.0
+"""Seconds at rest, and of gathering way."""
+FOOT, POUND = 0.3048, 4.4482216
+
+
+@dataclass(frozen=True)
+class Order:
+    """A test: its kind, what it was set to (degrees, seconds, metres), what drives the hull."""
+
+    kind: str
+    set_to: Mapping[str, float]
+    driven: Driven
+    duration: float
+
+
+@dataclass(frozen=True)
+class Record:
+    """What was recorded, SI, y to starboard: time, carriage, place across, heading, X, Y, N."""
+
+    t: Array
+    carriage: Array
+    y: Array
+    psi: Array
+    forces: Mapping[str, Array]
+
+
+def programme() -> Iterator[Order]:
+    """Nine drift angles, three pure sway and three pure yaw tests."""
+    for beta in (-8, -4, 0, 2, 4, 6, 8, 10, 12):
+        yield Order("drift", {"beta": beta}, drift(SPEED, beta), 30.0)
+    swings = ((9.0, 0.25), (9.0, 0.40), (13.0, 0.50))
+    for T, a in swings:
+        yield Order("sway", {"T": T, "a": a}, sway(SPEED, T, a), 5 * T)
+    for T, a in swings:
+        heading = float(np.degrees(np.arctan(2 * np.pi * a / T / SPEED)))
+        yield Order("yaw", {"T": T, "psi": heading}, yaw(SPEED, T, heading), 5 * T)
+
+
+def recorded(
+    order: Order,
+    rng: np.random.Generator,
+    *,
+    step: float = 0.05,
+    run_out: float = 0.0,
+    zeros: Mapping[str, float] | None = None,
+) -> Record:
+    """A record of a towed model: rest, ramp, test, and a ramp at the end of so many seconds."""
+    end = REST + RAMP + order.duration + run_out
+    t = np.arange(0.0, end, step)
+    moved = order.driven(t - REST - RAMP)
+    way = _smooth((t - REST) / RAMP)
+    if run_out:
+        way = way * _smooth((end - t) / run_out)
+    water, pull = forces(TANKER, moved), inertia(TANKER, moved)
+    read = {
+        key: way**2 * (water[key] - pull[key])
+        + (zeros or {}).get(key, 0.0)
+        + std * rng.standard_normal(t.size)
+        for key, std in NOISE.items()
+    }
+    return Record(t, SPEED * way, way * moved["y"], way * moved["psi"], read)
+
+
+def _smooth(share: Array) -> Array:
+    """From 0 to 1 without a kink."""
+    part = np.clip(share, 0.0, 1.0)
+    return part * part * (3.0 - 2.0 * part)
+
+
+def _table(file: Path, columns: Mapping[str, Array], form: str = "%.5f") -> None:
+    with file.open("w", newline="", encoding="utf-8") as stream:
+        stream.write(",".join(columns) + "\n")
+        np.savetxt(stream, np.column_stack(list(columns.values())), fmt=form, delimiter=",")
+
+
+def pounds(folder: Path, *, seed: int = 11) -> None:
+    """Pounds and feet, in names too; gauges with zeros; a ramp at either end; a list of ship."""
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    zeros = {"X": 2.1, "Y": -3.3, "N": 1.2}
+    for number, order in enumerate(programme(), start=201):
+        read, own = recorded(order, rng, step=0.02, run_out=4.0, zeros=zeros), order.set_to
+        told = {
+            "drift": "SD_V3.94_B{beta:+03.0f}",
+            "sway": "PS_V3.94_T{T:.1f}_A{feet:.3f}ft",
+            "yaw": "PY_V3.94_T{T:.1f}_P{psi:.2f}deg",
+        }[order.kind].format(**own, feet=own.get("a", 0.0) / FOOT)
+        columns = {
+            "Time (s)": read.t,
+            "Carriage Speed (ft/s)": read.carriage / FOOT,
+            "Surge Force (lbf)": read.forces["X"] / POUND,
+            "Sway Force (lbf)": read.forces["Y"] / POUND,
+            "Yaw Moment (ft-lbf)": read.forces["N"] / POUND / FOOT,
+            "Sway Pos (ft)": read.y / FOOT,
+            "Yaw Angle (deg)": np.degrees(read.psi),
+        }
+        _table(folder / f"Run{number}_{told}.csv", columns)
+    lines = ("Lpp  13.123 ft", "B  2.297 ft", "T  0.820 ft", "Displacement 992.1 lb", "LCG 0.197 ft")
+    (folder / "particulars.txt").write_text("\n".join(("Model 5512", *lines, "")))
+
+
+def listed_tdms(folder: Path, *, seed: int = 12) -> None:
+    """LabVIEW files with numbers for names, a German list of the tests beside; y to port, z up."""
+    from nptdms import ChannelObject, TdmsWriter
+
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    words = {"drift": "Schräg", "sway": "Querschwingen", "yaw": "Gieren"}
+    head = ("Versuch", "Art", "v [m/s]", "Driftwinkel [°]", "Periode [s]", "Amplitude [m]")
+    with (folder / "Versuchsplan.csv").open("w", newline="", encoding="utf-8") as stream:
+        plan = csv.writer(stream, delimiter=";")
+        plan.writerow((*head, "Kurswinkel [°]"))
+        for number, order in enumerate(programme(), start=1):
+            numbers = (SPEED, *(order.set_to.get(key) for key in ("beta", "T", "a", "psi")))
+            cells = ["" if x is None else f"{x:.6g}".replace(".", ",") for x in numbers]
+            plan.writerow([f"V{number:03d}", words[order.kind], *cells])
+            read = recorded(order, rng, step=0.01)
+            clock = {"wf_increment": 0.01, "wf_start_offset": 0.0}
+            channels = [
+                ChannelObject("Messung", name, values, {**clock, "unit_string": unit})
+                for name, values, unit in (
+                    ("Wagengeschwindigkeit", read.carriage, "m/s"),
+                    ("Fx", read.forces["X"], "N"),
+                    ("Fy", -read.forces["Y"], "N"),
+                    ("Mz", -read.forces["N"], "Nm"),
+                    ("Querweg", -1000 * read.y, "mm"),
+                    ("Gierwinkel", -np.degrees(read.psi), "°"),
+                )
+            ]
+            with TdmsWriter(folder / f"V{number:03d}.tdms") as file:
+                file.write_segment(channels)
+
+
+def monitors(folder: Path, *, seed: int = 13) -> None:
+    """Monitors of STAR-CCM+, a file a computation; y to port, z up; steady ones converge."""
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    for order in programme():
+        t = np.arange(0.02, order.duration, 0.02)
+        felt = forces(TANKER, order.driven(t))
+        start = 1 + 0.5 * np.exp(-t / 1.2) * np.cos(5 * t)
+        told = {
+            "drift": "drift_{beta:g}deg_V1p2",
+            "sway": "pure_sway_T{T:g}s_A{a:g}m_V1p2",
+            "yaw": "pure_yaw_T{T:g}s_psi{psi:.3f}deg_V1p2",
+        }[order.kind].format(**order.set_to)
+        columns = {
+            '"Physical Time: Physical Time (s)"': t,
+            '"Force X Monitor: Force (N)"': start * felt["X"],
+            '"Force Y Monitor: Force (N)"': _restless(-start * felt["Y"], rng),
+            '"Moment Z Monitor: Moment (N-m)"': _restless(-start * felt["N"], rng),
+        }
+        _table(folder / f"{told}.csv", columns, "%.8e")
+
+
+def _restless(values: Array, rng: np.random.Generator) -> Array:
+    return values + 0.02 * rng.standard_normal(values.size)
+
+
+def one_hdf5(folder: Path, *, seed: int = 14) -> None:
+    """One HDF5 file with a group a run, whose attributes say what it was set to."""
+    import h5py
+
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    words = {"drift": "static_drift", "sway": "pure_sway", "yaw": "pure_yaw"}
+    keys = {"beta": "beta_deg", "T": "period_s", "a": "amplitude_m", "psi": "psi_deg"}
+    with h5py.File(folder / "campaign.h5", "w") as file:
+        for number, order in enumerate(programme(), start=1):
+            read = recorded(order, rng)
+            run = file.create_group(f"run_{number:02d}_{words[order.kind]}")
+            run.attrs["speed"] = SPEED
+            run.attrs.update({keys[key]: value for key, value in order.set_to.items()})
+            for name, values, unit in _channels(read):
+                run.create_dataset(name, data=values).attrs["unit"] = unit
+
+
+def _channels(read: Record) -> Sequence[tuple[str, Array, str]]:
+    """Channels in SI with degrees of heading."""
+    return (
+        ("time", read.t, "s"),
+        ("carriage_speed", read.carriage, "m/s"),
+        ("Fx", read.forces["X"], "N"),
+        ("Fy", read.forces["Y"], "N"),
+        ("Mz", read.forces["N"], "Nm"),
+        ("sway", read.y, "m"),
+        ("yaw", np.degrees(read.psi), "deg"),
+    )
+
+
+def structs(folder: Path, *, seed: int = 15) -> None:
+    """One MATLAB file with a struct a run; no units, angles in degrees, settings as scalars."""
+    from scipy.io import savemat
+
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    runs: dict[str, dict[str, Any]] = {}
+    for number, order in enumerate(programme(), start=1):
+        read = recorded(order, rng)
+        columns = {name: values for name, values, _ in _channels(read)}
+        runs[f"run{number:02d}_{order.kind}"] = {**columns, **order.set_to, "U": SPEED}
+    savemat(folder / "tests.mat", runs)
+
+
+HOUSES = {
+    "pounds": pounds,
+    "listed_tdms": listed_tdms,
+    "monitors": monitors,
+    "one_hdf5": one_hdf5,
+    "structs": structs,
+}
+"""Folders of the coaster's tests, each by its writer."""

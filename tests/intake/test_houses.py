@@ -1,0 +1,99 @@
+"""Five laboratories with habits of their own: pounds and feet, numbered LabVIEW files with a list
+of the tests, monitors of a computation, one HDF5 file, one MATLAB file of structs.
+
+The files and the truth share no code with the package (`scripts.datasets.strangers`).
+"""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from pictures import without_pictures
+
+from pmmkit.campaigns import open_campaign
+from pmmkit.cli import main
+from pmmkit.intake.drafts.names import facts_of
+from scripts.datasets.strangers.houses import HOUSES, SPEED, programme
+from scripts.datasets.strangers.hulls import TANKER
+from scripts.studies.strangers import filled, held, particulars
+
+QUESTIONS = 4
+"""That a draft may leave to a person."""
+OUTSIDE = 4
+"""Intervals of 95 % that may miss among 16, in one draw of the noise."""
+
+
+@pytest.fixture(scope="module", params=list(HOUSES))
+def house(request, tmp_path_factory):
+    """Name of a laboratory, and its folder with the draft as it was written."""
+    folder = tmp_path_factory.mktemp(request.param) / "tests"
+    HOUSES[request.param](folder)
+    assert main(["new-campaign", str(folder), "--quiet"]) == 0
+    return request.param, folder
+
+
+@pytest.fixture(scope="module")
+def stated(house):
+    """The folder with the ship stated where the draft asks for her."""
+    _, folder = house
+    file = folder / "campaign.toml"
+    draft = file.read_text(encoding="utf-8")
+    asked = [item for item in particulars(TANKER) if item[0] in draft]
+    file.write_text(filled(draft, asked), encoding="utf-8")
+    return folder
+
+
+def test_a_draft_leaves_few_questions_and_every_run_is_as_it_was_set(house, stated, capsys):
+    name, folder = house
+    again = ["new-campaign", str(folder), "-o", str(folder / "again.toml"), "--json"]
+    assert main(again) == 0
+    assert len(json.loads(capsys.readouterr().out)["todo"]) <= QUESTIONS
+    kinds = {"drift": "static_drift", "sway": "pure_sway", "yaw": "pure_yaw"}
+    wanted = sorted(
+        (kinds[order.kind], round(order.set_to.get("beta", 0.0), 2), order.set_to.get("T", 0.0))
+        for order in programme()
+    )
+    campaign = open_campaign(stated)
+    # Forces and headings that count to port may be taken for those of the ship in a mirror.
+    side = -1.0 if name == "listed_tdms" else 1.0
+    found = sorted(
+        (run.test, side * round(float(np.degrees(run.settings.drift)), 2), run.settings.period or 0)
+        for run in campaign
+    )
+    assert [item[0] for item in found] == [item[0] for item in wanted]
+    assert np.array([x[1:] for x in found]) == pytest.approx(
+        np.array([x[1:] for x in wanted]), abs=0.02
+    )
+    assert {round(run.settings.speed, 2) for run in campaign} == {SPEED}
+    if name == "pounds":
+        assert campaign.ship.mass == pytest.approx(TANKER.mass, rel=1e-3)
+
+
+def test_nothing_sound_is_accused(stated, capsys):
+    assert main(["check", str(stated), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["findings"]
+    assert [item["message"] for item in found if item["severity"] != "info"] == []
+
+
+def test_the_derivatives_hold_the_truth(stated, tmp_path):
+    with without_pictures():
+        assert main(["reduce", str(stated), "--out", str(tmp_path / "reduced"), "-q"]) == 0
+    inside, missed, _ = held(TANKER, tmp_path / "reduced" / "derivatives.csv")
+    assert (inside + len(missed), len(missed) <= OUTSIDE) == (16, True), missed
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "value"),
+    [
+        ("ST_beta_m04", "drift_deg", -4.0),
+        ("drift_bp08", "drift_deg", 8.0),
+        ("rudder_m10_beta_p02", "rudder_deg", -10.0),
+        ("drift_0deg_V1p2", "speed", 1.2),
+        ("SD_V3.94fps", "speed", 3.94 * 0.3048),
+        ("pure_sway_A0.82ft", "amplitude_m", 0.82 * 0.3048),
+    ],
+)
+def test_signs_as_letters_and_feet_in_names(name, key, value):
+    assert facts_of(name).settings[key][0] == pytest.approx(value)
