@@ -16,6 +16,7 @@ from pmmkit.base import CampaignError, Problem
 from pmmkit.intake.blocks import blocks_of
 from pmmkit.intake.guessing import Suggestion, bare_header, suggest, wrong_unit
 from pmmkit.intake.seen import Clock, ColumnLook, FileLook, concerns, doubt_in, without_doubt
+from pmmkit.intake.stacked import runs_in
 from pmmkit.intake.under_way import rates_of, track_told
 from pmmkit.numerics import ABSURD, Array
 from pmmkit.readers import (
@@ -37,7 +38,10 @@ def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = (
     headers = [without_doubt(column.header) for column in look.columns]
     units = [column.unit for column in look.columns]
     usual = READERS[look.format].usual(headers)
-    found = suggest(headers, units, values, usual=usual)
+    found = tuple(
+        None if item and item.name == "t" and _no_clock(values.get(place)) else item
+        for place, item in enumerate(suggest(headers, units, values, usual=usual))
+    )
     kind = _kind(headers, found, values, look.columns)
     if kind in ("table", "open water"):
         found = suggest(headers, units, values, table=True)
@@ -55,6 +59,11 @@ def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = (
         return look
     look = replace(look, clock=clock_of(values[time.position], seams))
     return look if seams else _with_rates(look, values, time.position)
+
+
+def _no_clock(numbers: Array | None) -> bool:
+    """Whether numbers go back or stand still as often as not: T in a list of tests is a period."""
+    return numbers is not None and len(numbers) > 1 and not np.mean(np.diff(numbers) > 0) > 0.5
 
 
 def _swung(column: ColumnLook) -> ColumnLook:
@@ -371,7 +380,7 @@ def look_at(path: Path, shown: str, *, numbers: bool = True) -> tuple[FileLook, 
     if name == "csv":
         layout = TextLayout.of(head)
         if layout is not None:
-            return (_text(base, layout, numbers),)
+            return _texts(base, layout, numbers)
     try:
         if base.has_sheets:
             return _sheets(base, numbers)
@@ -411,12 +420,23 @@ def _size(path: Path) -> int:
     return sum(part.stat().st_size for part in path.rglob("*") if part.is_file())
 
 
-def _text(look: FileLook, layout: TextLayout, numbers: bool) -> FileLook:
-    """A text file."""
+def _texts(look: FileLook, layout: TextLayout, numbers: bool) -> tuple[FileLook, ...]:
+    """A text file, or each of the runs that stand in it below each other."""
     units = layout.units or ("",) * len(layout.headers)
     columns = _columns(layout.headers, units, layout.numeric)
     look = replace(look, layout=layout, options=layout.options, columns=columns)
-    return with_numbers(look) if numbers else judged(look, {})
+    bare = judged(look, {})
+    runs = [
+        replace(
+            look,
+            shown=", ".join((look.shown, *(f"{name} {value}" for name, value in where))),
+            options=replace(look.options, where=where),
+        )
+        for where in runs_in(bare)
+    ]
+    if not numbers:
+        return tuple(judged(item, {}) for item in runs) or (bare,)
+    return tuple(map(with_numbers, runs or [look]))
 
 
 def with_numbers(look: FileLook) -> FileLook:

@@ -400,7 +400,7 @@ def _grouped(looks: Sequence[FileLook]) -> tuple[tuple[FileGroup, ...], list[Pro
 def _key(item: FileLook) -> tuple[object, ...]:
     """What files of a group have alike: histories may have more or fewer lines above."""
     above = 0 if item.kind == "history" else item.options.skip_rows
-    own = replace(item.options, sheet=None, group=None, last_row=None, skip_rows=above)
+    own = replace(item.options, sheet=None, group=None, where=(), last_row=None, skip_rows=above)
     return item.format, item.titles, own
 
 

@@ -387,7 +387,8 @@ _NAMES: Final = tuple(
         "y_forward": "y ?(?:forward|fwd|fore)|(?:forward|fore) (?:strut|post|ram)(?: y)?",
         "y_aft": "y ?aft|aft (?:strut|post|ram)(?: y)?",
         "speed": "speed|model speed",
-        "t": "t|time(?: s)?|physical time(?: physical time)?|zeit|temps|tiempo|tijd|时间|時間",
+        "t": "t|time(?: s)?|(?:utc|gmt|local|ship) ?time|utc|gmt|time ?stamp|date ?time|"
+        "zeitstempel|physical time(?: physical time)?|zeit|temps|tiempo|tijd|时间|時間",
     }.items()
 )
 

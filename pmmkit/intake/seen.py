@@ -288,8 +288,11 @@ class FileLook:
 
     @property
     def file(self) -> str:
-        """Its name without the sheet or the group."""
-        return self.shown.partition(", sheet ")[0].removesuffix(f", group {self.options.group}")
+        """Its name without the sheet, the group or the run."""
+        bare = self.shown.partition(", sheet ")[0].removesuffix(f", group {self.options.group}")
+        for name, value in self.options.where:
+            bare = bare.removesuffix(f", {name} {value}")
+        return bare
 
     @property
     def is_campaign(self) -> bool:

@@ -74,6 +74,8 @@ class Options:
         Sheet of a workbook by name, or by its place counted from 1.
     group : str or None
         Group (struct, run) of an HDF5, MATLAB or TDMS file.
+    where : tuple of pairs
+        Column and value of the rows of a text that belong to the run.
     sample_rate : float or None
         Samples a second [Hz] of files without a column of time.
     missing : {"error", "drop"}
@@ -97,6 +99,7 @@ class Options:
     order: tuple[str, ...] = ()
     sheet: str | int | None = None
     group: str | None = None
+    where: tuple[tuple[str, Plain], ...] = ()
     sample_rate: float | None = None
     missing: Literal["error", "drop"] = "error"
     nondimensional: str | None = None
@@ -317,7 +320,7 @@ class Cells:
             chosen = [
                 index
                 for index in chosen
-                if any(_is_cell(self.rows[index][place], value, self.decimal) for value in either)
+                if any(is_cell(self.rows[index][place], value, self.decimal) for value in either)
             ]
         return chosen, problems
 
@@ -491,7 +494,8 @@ def mostly_numbers(cells: Sequence[Cell], decimal: str) -> bool:
     return len(numbers) > len(found) / 2 and any(number == number for number in numbers)
 
 
-def _is_cell(cell: Cell, wanted: Plain, decimal: str) -> bool:
+def is_cell(cell: Cell, wanted: Plain, decimal: str) -> bool:
+    """Whether a cell is as stated: as numbers where both are numbers, else as text."""
     number = to_number(cell, decimal)
     if isinstance(wanted, bool):
         return as_text(cell).lower() == str(wanted).lower()

@@ -125,6 +125,8 @@ def _words(kind: Any) -> list[str]:
         return _words(get_args(kind)[0])
     if origin in (Union, UnionType):
         return [word for part in get_args(kind) for word in _words(part)]
+    if origin is tuple and get_origin(get_args(kind)[0]) is tuple:
+        return ["table"]
     if origin in (list, tuple):
         inner = " or ".join(dict.fromkeys(_words(get_args(kind)[0])))
         return [f"list of {inner}"]

@@ -1,5 +1,5 @@
-"""Five laboratories with habits of their own: pounds and feet, numbered LabVIEW files with a list
-of the tests, monitors of a computation, one HDF5 file, one MATLAB file of structs.
+"""Six laboratories with habits of their own: pounds and feet, numbered LabVIEW files with a list
+of the tests, monitors of a computation, one HDF5 file, one MATLAB file of structs, one text.
 
 The files and the truth share no code with the package (`scripts.datasets.strangers`).
 """

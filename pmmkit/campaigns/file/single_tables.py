@@ -146,6 +146,10 @@ Widths = Annotated[
 Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple)]
 Format = Annotated[str, PlainValidator(_known_format)]
 Plain = str | float | int | bool
+Pairs = Annotated[
+    tuple[tuple[str, Plain], ...],
+    BeforeValidator(lambda it: tuple(it.items()) if isinstance(it, dict) else it),
+]
 
 
 class StrictTable(BaseModel):
@@ -255,6 +259,7 @@ class SourceEntry(StrictTable):
         "sheet of a workbook, by name or number", None
     )
     group: str | None = said("struct, group or run of a MATLAB, TDMS or HDF5 file", None)
+    where: Pairs = said("rows of a text that are the run's: `{ Run = 7 }`", ())
     sample_rate: Positive | None = said("samples a second [Hz] where no column is a time", None)
     missing: Literal["error", "drop"] = said(
         "`drop` leaves out rows with empty values; else they are errors", "error"

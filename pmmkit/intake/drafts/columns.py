@@ -233,6 +233,7 @@ def source_lines(look: FileLook, options: Options, *, every: bool = False) -> li
         values |= {"sheet": options.sheet} if options.sheet else {}
         values |= {"last_row": options.last_row} if options.last_row else {}
     values |= {"group": options.group} if options.group else {}
+    values |= {"where": dict(options.where)} if options.where else {}
     return [f"{key} = {toml(value)}" for key, value in values.items()]
 
 
@@ -270,6 +271,8 @@ def column_lines(
         if column.suggestion and column.suggestion.certainty != "perhaps"
     }
     wanted = () if table else Campaign.REQUIRED[kind]
+    if {"lat", "lon"} <= known:
+        wanted = tuple(name for name in wanted if name not in ("x", "y"))
     if kind == "free-running" and not table:
         wanted = (*wanted, *(name for name in _STEERED if name not in look.known))
     for name in wanted:

@@ -39,6 +39,7 @@ from pmmkit.intake.drafts.motion import (
     drift_column,
     is_track,
     motion_facts,
+    on_plane,
     sharper,
     with_drift,
 )
@@ -60,15 +61,15 @@ class RunDraft:
     `id, file`: name of the run; its file relative to the campaign file. `look`: how the file is
     read. `test`: kind of test, None where nobody knows. `problems`: what is wrong with its file.
     `motion`: where the motion of the hull lies beside its forces. `sheet`: sheet of the workbook
-    that holds the run, where it has several; `group` of a container likewise. `skip_rows`: lines
-    above its columns. `computation`: what lies beside it, or the format says, of what ``[cfd]``
-    asks. `listed`: whether a matrix says what it was set to. `notes`: what of the motion that it
-    was told to make was not followed. `where`: which rows of a table are meant, by their columns.
-    `skip`: rows of a table that are not. `samples`: whether rows of one id are samples: ``cycle``.
-    `rest`: what the gauges show while the hull stands at the head of its record, as `rest_facts`
-    has it. `template`: id of the rows of a table, with columns in braces; empty where it is to be
-    found. `columns`: columns that are others than those of all tables. `turned`: side to which a
-    positive rudder turned her, as `RunFacts` has it.
+    that holds the run, where it has several; `group` of a container likewise, and `only` the rows
+    of a text. `skip_rows`: lines above its columns. `computation`: what lies beside it, or the
+    format says, of what ``[cfd]`` asks. `listed`: whether a matrix says what it was set to.
+    `notes`: what of the motion that it was told to make was not followed. `where`: which rows of a
+    table are meant, by their columns. `skip`: rows of a table that are not. `samples`: whether rows
+    of one id are samples: ``cycle``. `rest`: what the gauges show while the hull stands at the head
+    of its record, as `rest_facts` has it. `template`: id of the rows of a table, with columns in
+    braces; empty where it is to be found. `columns`: columns that are others than those of all
+    tables. `turned`: side to which a positive rudder turned her, as `RunFacts` has it.
     """
 
     id: str
@@ -80,6 +81,7 @@ class RunDraft:
     motion: str | None = None
     sheet: str | int | None = None
     group: str | None = None
+    only: tuple[tuple[str, Any], ...] = ()
     skip_rows: int = 0
     computation: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     listed: bool = False
@@ -363,6 +365,7 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
             columns,
         )
         time = channels.pop("t", np.zeros(0))
+        channels = on_plane(channels)
         for name, numbers in channels.items():
             sizes[name] = max(sizes.get(name, 0.0), _size(numbers))
         test = named.test or headed.test
@@ -383,6 +386,7 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
                 file=base + item.file,
                 sheet=item.options.sheet,
                 group=item.options.group,
+                only=item.options.where,
                 skip_rows=item.options.skip_rows,
                 look=group.first,
                 test=test,
@@ -666,9 +670,11 @@ def _named_apart(runs: Sequence[RunDraft], taken: Collection[str] = ()) -> tuple
 
 
 def _name(item: FileLook) -> str:
-    """What names a run: the file without suffix, and sheet or group where there are several."""
+    """What names a run: the file without suffix, and what of it where it holds several."""
     part = item.options.group if item.options.sheet is None else item.options.sheet
-    return _stem(item.file) if part is None else f"{_stem(item.file)}/{part}"
+    for name, value in item.options.where:
+        part = value if isinstance(value, str) else f"{name}_{value}"
+    return _stem(item.file) if part is None else f"{_stem(item.file)}/{str(part).replace('/', '-')}"
 
 
 def _with_folders(run: RunDraft) -> str:

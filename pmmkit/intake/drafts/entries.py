@@ -319,6 +319,8 @@ def entry_lines(
         lines.append(f"source = {{ sheet = {toml(entry.sheet)} }}")
     elif entry.look is base and entry.group is not None and apart:
         lines.append(f"source = {{ group = {toml(entry.group)} }}")
+    elif entry.look is base and entry.only and apart:
+        lines.append(f"source = {{ where = {toml(dict(entry.only))} }}")
     elif entry.look is base and table == "runs" and entry.skip_rows != base.options.skip_rows:
         lines.append(f"source = {{ skip_rows = {entry.skip_rows} }}")
     shared = base is not None and entry.look is not base and entry.look.columns == base.columns
@@ -340,7 +342,9 @@ def entry_lines(
     if entry.problems:
         todo.of_run('the file is damaged or lacks values (missing = "drop" in [source])', entry.id)
     if apart_columns:
-        options = replace(entry.look.options, sheet=entry.sheet, group=entry.group)
+        options = replace(
+            entry.look.options, sheet=entry.sheet, group=entry.group, where=entry.only
+        )
         if table == "runs":
             options = replace(options, skip_rows=entry.skip_rows)
         source = source_lines(entry.look, options, every=base is not None)
@@ -363,7 +367,12 @@ def entry_lines(
 def _apart(entry: RunDraft) -> list[str]:
     """What a table whose columns are those of all tables says of its sheet."""
     options = entry.look.options
-    said = {"sheet": entry.sheet, "group": entry.group, "last_row": options.last_row}
+    said = {
+        "sheet": entry.sheet,
+        "group": entry.group,
+        "where": dict(entry.only) or None,
+        "last_row": options.last_row,
+    }
     return [f"{key} = {toml(value)}" for key, value in said.items() if value is not None]
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from pmmkit.base import DataError
 from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, TestKind
 from pmmkit.intake.blocks import held_too, kind_with
+from pmmkit.intake.checks.positions import METRES_PER_DEGREE
 from pmmkit.intake.folder import FileGroup, Look
 from pmmkit.intake.guessing import suggest
 from pmmkit.intake.seen import ColumnLook, FileLook
@@ -127,7 +128,17 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> R
 
 def is_track(channels: Collection[str]) -> bool:
     """Whether channels are those of a ship that runs free: a path and no forces."""
-    return {"x", "y"} <= {*channels} and not {"X", "Y", "N"} & {*channels}
+    placed = {"x", "y"} <= {*channels} or {"lat", "lon"} <= {*channels}
+    return placed and not {"X", "Y", "N"} & {*channels}
+
+
+def on_plane(channels: Mapping[str, Array]) -> dict[str, Array]:
+    """With x and y where a record holds latitudes and longitudes, near enough to tell a speed."""
+    if not {"lat", "lon"} <= {*channels} or {"x", "y"} & {*channels} or not channels["lat"].size:
+        return dict(channels)
+    lat, lon = channels["lat"], channels["lon"]
+    east = METRES_PER_DEGREE * math.cos(math.radians(float(np.median(lat))))
+    return {**channels, "x": METRES_PER_DEGREE * lat, "y": east * np.unwrap(lon, period=360.0)}
 
 
 def sharper(test: str | None, moved: RunFacts) -> str | None:

@@ -398,14 +398,15 @@ def settled(
     sources = {"name": said, "header": above, "record": moved.settings}
     wanted = ("speed", *asked_of(test))
     free = test is not None and TEST_KINDS[test].free_running
-    sure = {"speed"} if moved.steady else set()
+    # What a sensor shows is not asked; a heading at which the rudder turned may be late.
+    sure = {"rudder_deg", "propeller_rps", *(("speed",) if moved.steady else ())}
     out = [
         _one(key, sources, named, said.get("froude"), unsure=free and key not in sure)
         for key in wanted
     ]
     first = {**moved.settings, **above, **said}
     out += [
-        _one(key, sources, named, unsure=free)
+        _one(key, sources, named, unsure=free and key not in sure)
         for key in _ALSO
         if key not in wanted and abs(first.get(key, (0.0, ""))[0]) > 0.2
     ]

@@ -51,7 +51,7 @@ def written(draft: Draft) -> CampaignText:
     """
     base = None if draft.saved else _largest(draft)
     computed = Computed()
-    apart = len({(x.sheet, x.group) for x in draft.runs if x.look is base}) > 1
+    apart = len({(x.sheet, x.group, x.only) for x in draft.runs if x.look is base}) > 1
     todo = Todo()
     lines = [
         "# A draft made from the files that lie here. Check every line; TODO marks what the files",
@@ -71,7 +71,7 @@ def written(draft: Draft) -> CampaignText:
     if base is not None:
         several = apart or not draft.runs
         shared = (
-            replace(base.options, sheet=None, group=None, last_row=None)
+            replace(base.options, sheet=None, group=None, where=(), last_row=None)
             if several
             else base.options
         )

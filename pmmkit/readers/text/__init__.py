@@ -25,6 +25,7 @@ class DelimitedText(Reader):
         "units_row",
         "comment",
         "widths",
+        "where",
         "missing",
     )
 

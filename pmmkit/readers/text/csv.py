@@ -10,15 +10,18 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from pmmkit.base import Problem
 from pmmkit.numerics import ABSURD, Array
-from pmmkit.readers.base import LISTED, Cells, Choose, Columns, Request, abridged
-from pmmkit.readers.text.heading import BLANKS, line_end
+from pmmkit.readers.base import LISTED, Cells, Choose, Columns, Request, abridged, is_cell
+from pmmkit.readers.text.heading import BLANKS, fields_of, line_end
 from pmmkit.readers.text.splitting import Text, blocks, comments_left_out, cut_off, take_apart
+from pmmkit.readers.text.stamps import elapsed, is_stamp, seconds_of
 
 
 def names(request: Request) -> tuple[str, ...]:
@@ -37,29 +40,37 @@ def columns(request: Request, choose: Choose) -> Columns:
     notes: tuple[str, ...] = ()
     parts: list[Sequence[Array]] = []
     problems: list[Problem] = []
+    stamped: frozenset[int] = frozenset()
     dropped = comments = 0
     for text in blocks(request):
         if not parts and not problems:
             headers = text.headers or ("",) * text.width
             positions = tuple(choose(headers, text.width))
+            stamped = _stamped(text, positions)
             notes = text.notes
-        values, missing, faults = _numbers(text, positions, request)
-        dropped, comments, problems = (
-            dropped + missing,
-            comments + len(text.comments),
-            [*problems, *faults],
-        )
+        comments += len(text.comments)
+        text = _of_one_run(text, request)
+        if text.stop <= text.start:
+            continue
+        values, missing, faults = _numbers(text, positions, request, stamped)
+        dropped, problems = dropped + missing, [*problems, *faults]
         if len(problems) > LISTED:
             break
         parts.append(values)
     if problems:
         raise request.error(*abridged(problems, request))
+    if not parts and request.options.where:
+        said = " and ".join(f"{name} = {wanted}" for name, wanted in request.options.where)
+        raise request.error(f"no row has {said}.")
     if not sum(len(part[0]) for part in parts if part):
         raise request.error("there are no rows of numbers.")
     return Columns(
         headers=headers,
         positions=positions,
-        values=_joined(parts),
+        values=tuple(
+            elapsed(column) if place in stamped else column
+            for place, column in zip(positions, _joined(parts), strict=True)
+        ),
         dropped=dropped,
         notes=(*notes, *comments_left_out(comments)),
     )
@@ -82,14 +93,69 @@ def numbers(text: Text, positions: Sequence[int], request: Request) -> Columns:
 
 
 def _numbers(
-    text: Text, positions: Sequence[int], request: Request
+    text: Text, positions: Sequence[int], request: Request, stamped: Collection[int] = ()
 ) -> tuple[Sequence[Array], int, list[Problem]]:
-    """The numbers of a text, rows that were dropped, what is wrong."""
-    values = None if cut_off(text) else _fast(text, positions)
+    """The numbers of a text, rows that were dropped, what is wrong; instants in seconds."""
+    values = None if cut_off(text) else _fast(text, positions, stamped)
     if values is not None:
         return values, 0, []
-    table, dropped, problems = _careful(text, request).numbers(positions, request)
+    cells = _in_seconds(_careful(text, request), stamped)
+    table, dropped, problems = cells.numbers(positions, request)
     return tuple(table.T), dropped, problems
+
+
+def _stamped(text: Text, positions: Sequence[int]) -> frozenset[int]:
+    """Columns whose first row is an instant."""
+    fields = fields_of(text.data[text.start : line_end(text.data, text.start)], text.delimiter)
+    return frozenset(x for x in positions if x < len(fields) and is_stamp(fields[x]))
+
+
+def _in_seconds(cells: Cells, stamped: Collection[int]) -> Cells:
+    """Cells with instants in seconds; what is no instant stays as it is."""
+    if not stamped or not cells.rows:
+        return cells
+    import pandas as pd
+
+    columns = list(zip(*cells.rows, strict=True))
+    for place in stamped:
+        found = seconds_of(pd.Series(columns[place], dtype=str))
+        columns[place] = tuple(
+            text if math.isnan(number) else float(number)
+            for text, number in zip(columns[place], found, strict=True)
+        )
+    return replace(cells, rows=tuple(zip(*columns, strict=True)))
+
+
+def _of_one_run(text: Text, request: Request) -> Text:
+    """The rows that are asked for by the values of columns; the others count as comments do."""
+    if not request.options.where:
+        return text
+    numbers = text.numbers_of_lines
+    kept = np.ones(len(numbers), bool)
+    titles = Cells(headers=text.headers or (), rows=(), lines=())
+    for name, wanted in request.options.where:
+        place = titles.column_named(name)
+        if place is None:
+            raise request.error(titles.no_column(name, request))
+        cells, codes = np.unique(column_of(text, place), return_inverse=True)
+        kept &= np.array([is_cell(str(cell), wanted, text.decimal) for cell in cells])[codes]
+    data = b"".join(line + b"\n" for line, own in zip(text.lines, kept, strict=True) if own)
+    first = int(np.argmax(kept))
+    others = (numbers[row] for row in np.flatnonzero(~kept) if row > first)
+    return replace(
+        text,
+        data=data,
+        start=0,
+        stop=max(len(data) - 1, 0),
+        first_line=numbers[first],
+        comments=(*text.comments, *others),
+    )
+
+
+def column_of(text: Text, place: int) -> list[str]:
+    """The cells of a column, empty where a line is too short."""
+    fields = (_strict_fields(line, text.delimiter) for line in text.lines)
+    return [row[place].strip() if place < len(row) else "" for row in fields]
 
 
 def _joined(parts: Sequence[Sequence[Array]]) -> tuple[Array, ...]:
@@ -101,14 +167,16 @@ def _joined(parts: Sequence[Sequence[Array]]) -> tuple[Array, ...]:
 
 def cells(request: Request) -> Cells:
     """All cells of a small file as text."""
-    text = take_apart(request)
+    text = _of_one_run(take_apart(request), request)
     found = _careful(text, request)
     if found.problems:
         raise request.error(*found.problems)
     return found
 
 
-def _fast(text: Text, positions: Sequence[int]) -> tuple[Array, ...] | None:
+def _fast(
+    text: Text, positions: Sequence[int], stamped: Collection[int] = ()
+) -> tuple[Array, ...] | None:
     """The numbers, or None where anything is not as it should be."""
     import pandas as pd
 
@@ -126,7 +194,7 @@ def _fast(text: Text, positions: Sequence[int]) -> tuple[Array, ...] | None:
             buffer,
             header=None,
             usecols=None if every else sorted(set(positions)),
-            dtype=np.float64,
+            dtype={place: str if place in stamped else np.float64 for place in range(width)},
             na_filter=False,
             quoting=csv.QUOTE_NONE,
             decimal=text.decimal,
@@ -137,7 +205,12 @@ def _fast(text: Text, positions: Sequence[int]) -> tuple[Array, ...] | None:
         return None
     if len(table) != count:
         return None
-    values = tuple(np.ascontiguousarray(table[place].to_numpy()) for place in positions)
+    values = tuple(
+        seconds_of(table[place])
+        if place in stamped
+        else np.ascontiguousarray(table[place].to_numpy())
+        for place in positions
+    )
     within = all(
         float(column.max()) <= ABSURD and float(column.min()) >= -ABSURD for column in values
     )

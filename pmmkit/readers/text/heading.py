@@ -12,6 +12,7 @@ from typing import Final
 from pmmkit.conventions import is_unit, split_unit
 from pmmkit.readers.base import Request, to_number
 from pmmkit.readers.text.decoding import CUT
+from pmmkit.readers.text.stamps import is_date, is_stamp
 
 BLANKS: Final = " "
 COMMENTS: Final = ("#", "%", "!", "//")
@@ -267,8 +268,11 @@ def _refuse_grouped(lines: Sequence[bytes], delimiter: str, decimal: str, reques
 
 
 def count_numbers(fields: Sequence[str], decimal: str) -> int:
-    """How many fields are numbers."""
-    return sum(bool(cell) and to_number(cell, decimal) is not None for cell in fields)
+    """How many fields are numbers, or dates and instants."""
+    return sum(
+        bool(cell) and (to_number(cell, decimal) is not None or is_stamp(cell) or is_date(cell))
+        for cell in fields
+    )
 
 
 def _reads(lines: Sequence[_Line], delimiter: str, decimal: str, request: Request) -> bool:

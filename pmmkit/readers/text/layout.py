@@ -23,6 +23,7 @@ from pmmkit.readers.text.heading import (
     headers_of,
     within,
 )
+from pmmkit.readers.text.stamps import is_stamp
 
 _SAMPLE: Final = 24
 """Lines on which delimiters and decimal signs are tried."""
@@ -114,8 +115,8 @@ class TextLayout:
             headers=headers or ("",) * width,
             units=units,
             numeric=tuple(
-                mostly_numbers([fields[place] for fields in body], decimal)
-                for place in range(width)
+                mostly_numbers(cells, decimal) or all(map(is_stamp, cells))
+                for cells in zip(*body, strict=True)
             ),
         )
 

@@ -1,4 +1,4 @@
-"""Five more laboratories, each with its own habits of files, names, units and axes.
+"""Six more laboratories, each with its own habits of files, names, units and axes.
 
 All but the computation begin at rest, gather way, and weigh the model's inertia with the water's
 force; the speed of the carriage is recorded.
@@ -225,11 +225,34 @@ def structs(folder: Path, *, seed: int = 15) -> None:
     savemat(folder / "tests.mat", runs)
 
 
+def one_text(folder: Path, *, seed: int = 16) -> None:
+    """All runs below each other in one text, told by a column; a list of the tests beside."""
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    words = {"drift": "static drift", "sway": "pure sway", "yaw": "pure yaw"}
+    with (
+        (folder / "timeseries.csv").open("w", newline="", encoding="utf-8") as series,
+        (folder / "tests.csv").open("w", newline="", encoding="utf-8") as listed,
+    ):
+        rows, tests = csv.writer(series), csv.writer(listed)
+        tests.writerow(["run", "test type", "beta [deg]", "T [s]", "y0 [m]", "psi0 [deg]"])
+        for number, order in enumerate(programme(), start=1):
+            read, own = recorded(order, rng), order.set_to
+            cells = [own.get(key, "") for key in ("beta", "T", "a", "psi")]
+            tests.writerow([number, words[order.kind], *cells])
+            channels = _channels(read)
+            if number == 1:
+                rows.writerow(["run", *(f"{name} [{unit}]" for name, _, unit in channels)])
+            table = np.column_stack([values for _, values, _ in channels])
+            rows.writerows([number, *(f"{x:.5f}" for x in row)] for row in table)
+
+
 HOUSES = {
     "pounds": pounds,
     "listed_tdms": listed_tdms,
     "monitors": monitors,
     "one_hdf5": one_hdf5,
     "structs": structs,
+    "one_text": one_text,
 }
 """Folders of the coaster's tests, each by its writer."""
