@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -152,6 +154,31 @@ def unwrapped(psi: Array) -> Array:
     found: Array = np.array(psi, float)
     found[there] = np.unwrap(found[there])
     return found
+
+
+def dead_reckoned(
+    t: Array, velocity: Sequence[Array], rate: Array | None = None, psi: Array | None = None
+) -> tuple[Array, Array, Array]:
+    """Place and heading from the velocity along the ship and to starboard, by trapezoids.
+
+    t [s]; velocity: u and v [m/s]; rate of turn [rad/s], asked where there is no heading [rad].
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 10.0, 1001)
+    >>> x, y, psi = dead_reckoned(t, (0 * t + 2.0, 0 * t), rate=0 * t + np.pi / 10)
+    >>> [round(float(end[-1]), 3) for end in (x, y, psi)]
+    [0.0, 12.732, 3.142]
+    """
+    from scipy.integrate import cumulative_trapezoid
+
+    if psi is None:
+        psi = cumulative_trapezoid(np.zeros(len(t)) if rate is None else rate, t, initial=0.0)
+    u, v = velocity
+    north, east = u * np.cos(psi) - v * np.sin(psi), u * np.sin(psi) + v * np.cos(psi)
+    x: Array = cumulative_trapezoid(north, t, initial=0.0)
+    y: Array = cumulative_trapezoid(east, t, initial=0.0)
+    return x, y, psi
 
 
 def turned(psi: Array) -> Array:

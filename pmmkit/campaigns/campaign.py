@@ -578,7 +578,17 @@ class Campaign(Described):
         ----------
         campaigns : sequence of Campaign
             One without a title goes by its ship.
+
+        Raises
+        ------
+        DataError
+            If what is given is the path of one.
         """
+        if isinstance(campaigns, (str, Path)):
+            raise DataError(
+                f"{campaigns} is a path and no campaign.",
+                remedy=f"Open it first: pk.open_campaign({str(campaigns)!r}).",
+            )
         found: dict[str, Campaign] = {}
         for place, item in enumerate(campaigns, 1):
             name = item.title or item.ship.name

@@ -83,6 +83,8 @@ class Run(StatedRun, Described):
     loader: Callable[[], xr.Dataset] = field(repr=False, compare=False)
     OTHERWISE: ClassVar[tuple[float, ...]] = (0.005, 0.01, 0.02, 0.04, 0.08)
     """Sizes of what a group of runs may read otherwise, over the rms force of a channel."""
+    RECKONED: ClassVar[str] = "reckoned"
+    """Attribute of a channel that follows from others and was not measured."""
     DOUBTFUL: ClassVar[str] = "doubtful: "
     """How a note on its data begins that somebody should look at."""
 

@@ -236,6 +236,7 @@ def compare_free(
     lost: dict[str, list[str]] = {}
     used: list[FreeRecord] = []
     apart: list[str] = []
+    reckoned = 0
     for number, run in enumerate(campaign, start=1):
         if progress is not None:
             progress(number, len(campaign), f"compare {run.id}")
@@ -252,6 +253,7 @@ def compare_free(
             runs += [_compared(made, held, item, window, extrapolate) for item in records]
             used += found
             apart += [item.name for item in records if item.disagrees]
+            reckoned += "x" in data and Run.RECKONED in data["x"].attrs
         except PmmkitError as error:
             lost.setdefault(_beside_run(error), []).append(run.id)
             continue
@@ -272,6 +274,11 @@ def compare_free(
             f"In {len(apart)} of {counted(len(runs), 'record')} the sensors disagree: positions "
             "are not where heading and velocities lead. Each channel is compared with its own "
             "sensor."
+        )
+    if reckoned:
+        notes.append(
+            f"{counted(reckoned, 'record')} without positions: the track is dead reckoning from "
+            "the measured velocities."
         )
     if known.values:
         notes.append(f"The records are taken as the model's steps say: {known.words}.")

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from free_tank.campaigns import Setup, records
 
+import pmmkit as pk
 from pmmkit.base import CampaignError
 from pmmkit.campaigns import open_campaign
 from pmmkit.cli import main
@@ -110,3 +111,30 @@ def test_a_fault_is_told_with_the_row_of_the_file(tmp_path):
     request = Request(path=file, shown="trials.csv", options=options)
     with pytest.raises(CampaignError, match=f"row {row + 1}"):
         READERS["csv"].columns(request, lambda *_: (1, 6))
+
+
+@pytest.mark.parametrize("channels", ["u v r psi", "u v r"])
+def test_velocities_alone_tell_the_track(channels, tmp_path, capsys):
+    """Of an inertial unit, as data of system identification are published."""
+    names = ["t", *channels.split(), "delta", "n"]
+    for name, record in RECORDS.items():
+        table = np.column_stack([record[channel] for channel in names])
+        np.savetxt(
+            tmp_path / f"{name}.csv", table, delimiter=",", header=",".join(names), comments=""
+        )
+    assert main(["new-campaign", str(tmp_path), "--ship", "s175", "--json"]) == 0
+    asked = json.loads(capsys.readouterr().out)["todo"]
+    assert not any("which column" in text for text in asked)
+    campaign = open_campaign(tmp_path)
+    for run in campaign:
+        record, data = RECORDS[run.id], run.data
+        assert "dead reckoning" in data.attrs["conversions"]
+        gone = np.hypot(*(np.asarray(data[name]) - record[name] for name in ("x", "y")))
+        length = np.hypot(np.diff(record["x"]), np.diff(record["y"])).sum()
+        assert gone.max() < 0.01 * length
+        assert np.asarray(data["psi"]) == pytest.approx(record["psi"], abs=0.03)
+    found = pk.compare("s175", campaign)
+    assert len(found.free) == len(RECORDS)
+    assert any("3 records without positions" in note for note in found.notes)
+    share = [row["error"] <= row["uncertainty"] for row in found.rows()]
+    assert np.mean(share) > 0.9

@@ -815,6 +815,8 @@ def test_a_record_without_revolutions_is_left_out_with_the_reason(tanker, sea):
     assert any("lame is left out" in note and "no n" in note for note in found.notes)
     with pytest.raises(DataError, match="lame is left out"):
         pk.compare(tanker, sea.with_(runs=runs[:1]))
+    with pytest.raises(DataError, match=r"Open it first: pk\.open_campaign"):
+        pk.compare(tanker, "tests")
     both = (runs[0], runs[0].with_(id="halt"))
     with pytest.raises(DataError, match="lame and halt are left out: it has no n"):
         pk.compare(tanker, sea.with_(runs=both))

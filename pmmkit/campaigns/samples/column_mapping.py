@@ -103,8 +103,11 @@ def pick(
                 picked, name, position, ColumnSpec(), headers, bare, request, problems, table=table
             )
     on_earth = {"lat", "lon"} <= set(picked)
+    steered = {"u", "v"} <= set(picked) and bool({"psi", "r"} & set(picked))
     for name in required:
-        if on_earth and name in ("x", "y"):
+        if (on_earth or steered) and name in ("x", "y"):
+            continue
+        if steered and name == "psi" and "r" in picked:
             continue
         if name not in picked and (name not in specs or (name == "t" and specs[name].absent)):
             problems.append(_not_there(name, headers, request))

@@ -28,9 +28,9 @@ from pmmkit.campaigns.samples.conversions import (
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.stated_run import Correction, Kind, StatedRun
 from pmmkit.campaigns.test_kinds.kind import Struts, place_on_struts
-from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Ship, Water, unit_factor
-from pmmkit.numerics import Array
-from pmmkit.presentation import with_uncertainty
+from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, FORCE_CHANNELS, Ship, Water, unit_factor
+from pmmkit.numerics import Array, dead_reckoned
+from pmmkit.presentation import listed, with_uncertainty
 from pmmkit.readers import Columns, Request, reader_for
 from pmmkit.signals import FEWEST, head_rest, steady_mean
 
@@ -553,10 +553,15 @@ def dataset(
     converted, corrections, tared = correct(
         converted, context.corrections, file=request.shown, run=request.run or ""
     )
+    reckoned = _reckoned(converted) if kind == "history" else {}
+    converted = {**converted, **reckoned}
     said += [*more, *seen, *corrections]
+    if reckoned:
+        said.append(f"{listed([*reckoned])} by dead reckoning from the velocities: not measured")
     variables: dict[str, tuple[object, ...]] = {}
     for name, numbers in converted.items():
         unit = {"units": CHANNEL_UNITS[_channel(name)]}
+        unit |= {Run.RECKONED: "from velocities"} if name in reckoned else {}
         if kind == "history":
             variables[name] = ("t", numbers, unit)
         elif len(numbers) > 1 or (name not in CHANNEL_UNITS and not name.endswith("_std")):
@@ -579,6 +584,17 @@ def dataset(
             **({"tared": json.dumps(tared)} if tared else {}),
         },
     )
+
+
+def _reckoned(values: Mapping[str, Array]) -> dict[str, Array]:
+    """The track of a ship that runs free, where only her velocities are recorded."""
+    free = {"u", "v", "t"} <= set(values) and not {"x", "y", *FORCE_CHANNELS} & set(values)
+    if not free or not {"psi", "r"} & set(values):
+        return {}
+    x, y, psi = dead_reckoned(
+        values["t"], (values["u"], values["v"]), rate=values.get("r"), psi=values.get("psi")
+    )
+    return {"x": x, "y": y, **({} if "psi" in values else {"psi": psi})}
 
 
 def _carried(

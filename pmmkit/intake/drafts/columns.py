@@ -271,8 +271,11 @@ def column_lines(
         if column.suggestion and column.suggestion.certainty != "perhaps"
     }
     wanted = () if table else Campaign.REQUIRED[kind]
-    if {"lat", "lon"} <= known:
+    steered = {"u", "v"} <= known and bool({"psi", "psi_deg", "r", "r_deg_s"} & known)
+    if {"lat", "lon"} <= known or steered:
         wanted = tuple(name for name in wanted if name not in ("x", "y"))
+    if steered and {"r", "r_deg_s"} & known:
+        wanted = tuple(name for name in wanted if name != "psi")
     if kind == "free-running" and not table:
         wanted = (*wanted, *(name for name in _STEERED if name not in look.known))
     for name in wanted:

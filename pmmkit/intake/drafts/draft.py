@@ -365,7 +365,7 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
             columns,
         )
         time = channels.pop("t", np.zeros(0))
-        channels = on_plane(channels)
+        channels = on_plane(time, channels)
         for name, numbers in channels.items():
             sizes[name] = max(sizes.get(name, 0.0), _size(numbers))
         test = named.test or headed.test

@@ -18,7 +18,7 @@ from pmmkit.intake.checks.positions import METRES_PER_DEGREE
 from pmmkit.intake.folder import FileGroup, Look
 from pmmkit.intake.guessing import suggest
 from pmmkit.intake.seen import ColumnLook, FileLook
-from pmmkit.numerics import Array, unwrapped
+from pmmkit.numerics import Array, dead_reckoned, unwrapped
 from pmmkit.presentation import WIDE
 from pmmkit.signals import FEWEST, at_size, at_speed, design_matrix, estimate_frequency
 
@@ -128,13 +128,21 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> R
 
 def is_track(channels: Collection[str]) -> bool:
     """Whether channels are those of a ship that runs free: a path and no forces."""
-    placed = {"x", "y"} <= {*channels} or {"lat", "lon"} <= {*channels}
-    return placed and not {"X", "Y", "N"} & {*channels}
+    tracks = ({"x", "y"}, {"lat", "lon"}, {"u", "v", "r", "delta"})
+    return any(x <= {*channels} for x in tracks) and not {"X", "Y", "N"} & {*channels}
 
 
-def on_plane(channels: Mapping[str, Array]) -> dict[str, Array]:
-    """With x and y where a record holds latitudes and longitudes, near enough to tell a speed."""
-    if not {"lat", "lon"} <= {*channels} or {"x", "y"} & {*channels} or not channels["lat"].size:
+def on_plane(t: Array, channels: Mapping[str, Array]) -> dict[str, Array]:
+    """With x and y where a record holds latitudes and longitudes, near enough to tell a speed, or
+    velocities alone."""
+    if {"x", "y", "X", "Y", "N"} & {*channels} or not len(t):
+        return dict(channels)
+    if {"u", "v"} <= {*channels} and {"psi", "r"} & {*channels}:
+        x, y, psi = dead_reckoned(
+            t, (channels["u"], channels["v"]), channels.get("r"), channels.get("psi")
+        )
+        return {**channels, "x": x, "y": y, "psi": psi}
+    if not {"lat", "lon"} <= {*channels}:
         return dict(channels)
     lat, lon = channels["lat"], channels["lon"]
     east = METRES_PER_DEGREE * math.cos(math.radians(float(np.median(lat))))
