@@ -186,6 +186,7 @@ def _record(
     sea = run.settings
     return FreeRecord(
         name=run.id,
+        reckoned=tuple(name for name in measured if Run.RECKONED in data[name].attrs),
         t=t,
         delta=delta,
         turns=_filled(t, columns["n"], Fixes.GAP),

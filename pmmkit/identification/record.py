@@ -60,6 +60,8 @@ class FreeRecord:
         Of the water [m]; by default that of the model's water, deep if it has none.
     current : (float, float)
         Velocity of the water over ground, to north and east [m/s].
+    reckoned : tuple of str
+        Those of `measured` that follow from others: a track from velocities.
     campaign : str
         Title of the tests.
     """
@@ -84,6 +86,7 @@ class FreeRecord:
     depth: float | None = None
     current: tuple[float, float] = (0.0, 0.0)
     campaign: str = ""
+    reckoned: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         inputs = (self.delta, self.turns, *(x for x in self._optional.values() if x is not None))

@@ -253,7 +253,7 @@ def compare_free(
             runs += [_compared(made, held, item, window, extrapolate) for item in records]
             used += found
             apart += [item.name for item in records if item.disagrees]
-            reckoned += "x" in data and Run.RECKONED in data["x"].attrs
+            reckoned += any(item.reckoned for item in found)
         except PmmkitError as error:
             lost.setdefault(_beside_run(error), []).append(run.id)
             continue

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -29,6 +31,8 @@ def made(tied):
         blocks=np.arange(ROWS),
         counts=np.full(ROWS, 4.0),
         spacing=0.5,
+        begun=np.zeros(6),
+        loose=np.full(6, np.inf),
     )
 
 
@@ -51,3 +55,22 @@ def test_starts_and_forces_are_those_of_generalised_least_squares(tied):
     left = (np.eye(ROWS) - taken) @ sheet.errors / np.sqrt(noise)
     np.testing.assert_allclose(found.left, left, atol=1e-4)
     np.testing.assert_allclose(found.leverage, np.diagonal(taken), atol=1e-4)
+
+
+def test_a_start_that_nothing_measures_stays_as_near_to_zero_as_is_known():
+    """Its probability is a factor of the normal vector: the mean of both, in closed form."""
+    sheet = made(1.0)
+    known, begun = 1e-3, 0.2
+    loose = np.array([np.inf, np.inf, np.inf, np.inf, np.inf, known])
+    (free,) = smoothed([sheet], SIGMA, FORCES)
+    (tied,) = smoothed(
+        [replace(sheet, begun=np.array([0, 0, 0, 0, 0, begun]), loose=loose)], SIGMA, FORCES
+    )
+    size = np.linalg.norm(
+        sheet.starts / (SIGMA[sheet.channels] / np.sqrt(sheet.counts))[:, None], axis=0
+    )
+    variance = free.known.covariance[5, 5] / size[5] ** 2
+    share = variance / (variance + known**2)
+    expected = free.start[5] + share * (-begun - free.start[5])
+    assert tied.start[5] == pytest.approx(expected, rel=1e-6)
+    assert abs(begun + tied.start[5]) < abs(begun + free.start[5])

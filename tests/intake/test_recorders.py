@@ -26,9 +26,9 @@ COURSE = 30.0
 RADIUS = 6371.0e3
 
 
-def recorder(folder):
+def recorder(folder, sailed=RECORDS):
     """A file a trial: UTC, latitude, longitude, knots, degrees, rpm, at 1 Hz."""
-    for name, record in RECORDS.items():
+    for name, record in sailed.items():
         t, turn = record["t"], np.radians(COURSE)
         north = np.cos(turn) * record["x"] - np.sin(turn) * record["y"]
         east = np.sin(turn) * record["x"] + np.cos(turn) * record["y"]
@@ -63,6 +63,16 @@ def one_text(folder):
             table = [record["t"], record["x"], record["y"], np.degrees(record["psi"])]
             table += [np.degrees(record["delta"]), record["n"]]
             rows.writerows([name, *(f"{x:.5f}" for x in row)] for row in zip(*table, strict=True))
+
+
+def velocities(folder, sailed=RECORDS, channels="u v r psi"):
+    """A file a trial, of an inertial unit, as data of system identification are published."""
+    names = ["t", *channels.split(), "delta", "n"]
+    for name, record in sailed.items():
+        table = np.column_stack([record[channel] for channel in names])
+        np.savetxt(
+            folder / f"{name}.csv", table, delimiter=",", header=",".join(names), comments=""
+        )
 
 
 @pytest.mark.parametrize("write", [recorder, one_text])
@@ -115,13 +125,7 @@ def test_a_fault_is_told_with_the_row_of_the_file(tmp_path):
 
 @pytest.mark.parametrize("channels", ["u v r psi", "u v r"])
 def test_velocities_alone_tell_the_track(channels, tmp_path, capsys):
-    """Of an inertial unit, as data of system identification are published."""
-    names = ["t", *channels.split(), "delta", "n"]
-    for name, record in RECORDS.items():
-        table = np.column_stack([record[channel] for channel in names])
-        np.savetxt(
-            tmp_path / f"{name}.csv", table, delimiter=",", header=",".join(names), comments=""
-        )
+    velocities(tmp_path, channels=channels)
     assert main(["new-campaign", str(tmp_path), "--ship", "s175", "--json"]) == 0
     asked = json.loads(capsys.readouterr().out)["todo"]
     assert not any("which column" in text for text in asked)
@@ -138,3 +142,23 @@ def test_velocities_alone_tell_the_track(channels, tmp_path, capsys):
     assert any("3 records without positions" in note for note in found.notes)
     share = [row["error"] <= row["uncertainty"] for row in found.rows()]
     assert np.mean(share) > 0.9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("case", "write", "named"),
+    [
+        ("none", recorder, []),
+        ("none", velocities, []),
+        ("stall", recorder, ["rudder_stall"]),
+        ("stall", velocities, ["rudder_stall"]),
+        ("current", recorder, ["current"]),
+        ("current", velocities, []),
+    ],
+)
+def test_what_is_hidden_is_found_in_records_without_roll(case, write, named, tmp_path):
+    """She heels, and nothing measures it; a current does not show in velocities through water."""
+    write(tmp_path, records(Setup(case=case, ship="s175", runs=6, seed=2)))
+    assert main(["new-campaign", str(tmp_path), "--ship", "s175", "-q"]) == 0
+    found = pk.diagnose(pk.load_model("s175"), open_campaign(tmp_path))
+    assert [item.effect for item in found.findings] == named

@@ -50,7 +50,12 @@ def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequen
     )
     if not listed:
         raise DataError("There is no record: give free-running tests that have a usable segment.")
-    return listed
+    # What follows from other channels has their noise once more, summed up: it names faults. Only a
+    # heading that follows from the rate of turn stands for it.
+    kept = {item.name: {*item.reckoned} - {"psi"} for item in listed}
+    for item in listed:
+        kept[item.name] |= {"r"} if "psi" in item.reckoned else set()
+    return [item.only([x for x in item.measured if x not in kept[item.name]]) for item in listed]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -233,7 +233,9 @@ def _smoothed(
     if moved is not None:
         e = e - rows[:, :, split:-1] @ moved
     std = np.concatenate([np.full(size, VAGUE), np.ones(pieces * channels)])
-    known = InformationRoot.of(np.zeros(len(std)), std).with_rows(A, e)
+    known = InformationRoot.of(np.zeros(len(std)), std).with_rows(
+        *_with_loose(sheets, A, e, length)
+    )
     mean = known.mean[:, :, None]
     left = e - (A @ mean)[:, :, 0]
     pushes = (root @ mean[:, size:]).reshape(len(sheets), pieces, channels)
@@ -248,6 +250,18 @@ def _smoothed(
         )
         for w in range(len(sheets))
     ]
+
+
+def _with_loose(sheets: Sequence[Sheet], A: Array, e: Array, length: Array) -> tuple[Array, Array]:
+    """Rows and errors of windows with what is known of starts that nothing measures."""
+    loose = sheets[0].loose
+    places = np.flatnonzero(np.isfinite(loose))
+    if not places.size:
+        return A, e
+    extra = np.zeros((len(sheets), places.size, A.shape[2]))
+    extra[:, np.arange(places.size), places] = 1.0 / (length[:, places] * loose[places])
+    begun = np.stack([sheet.begun for sheet in sheets])[:, places]
+    return np.concatenate([A, extra], axis=1), np.concatenate([e, -begun / loose[places]], axis=1)
 
 
 def _told(

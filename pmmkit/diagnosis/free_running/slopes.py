@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -39,7 +40,8 @@ class Sheet:
     `along (p, f)`: unknown forces on that path. `channels (b,)`: of the stretch's channels, the
     one that a row belongs to. `blocks (b,)`: number of the block of each row. `counts (b,)`:
     samples that are averaged in a row. `spacing`: length of the pieces in ship lengths over
-    the speed.
+    the speed. `begun (s,)`: the first states. `loose (s,)`: what is known of them before anything
+    is measured, as standard deviations about zero; infinite of all that is measured.
     """
 
     starts: Array
@@ -51,6 +53,8 @@ class Sheet:
     blocks: NDArray[np.int64]
     counts: Array
     spacing: float
+    begun: Array
+    loose: Array
 
 
 def sheets_of(
@@ -82,6 +86,7 @@ def sheets_of(
     along = by_piece(stretch, stretch.forces)
     edges = np.searchsorted(begins, stretch.begins[:-1])
     last = np.append(edges[1:], len(begins))
+    loose = _loose(stretch)
     of_windows = np.searchsorted(stretch.begins, blocks, side="right") - 1
     ends = np.searchsorted(of_windows, np.arange(len(edges) + 1))
     return [
@@ -95,16 +100,32 @@ def sheets_of(
             blocks=stretch.blocks[blocks[a:b]],
             counts=stretch.samples * counts[a:b],
             spacing=float(spacing),
+            begun=begun,
+            loose=loose,
         )
-        for a, b, begin, end, spacing in zip(
+        for a, b, begin, end, spacing, begun in zip(
             ends[:-1].tolist(),
             ends[1:].tolist(),
             edges.tolist(),
             last.tolist(),
             stretch.spacing,
+            stretch.starts[:, : stretch.own],
             strict=True,
         )
     ]
+
+
+_HEEL: Final = 0.1
+"""Usual size of a heel that is not measured [rad], and of its rate over U/L."""
+
+
+def _loose(stretch: RecordWindows) -> Array:
+    """How far first states of roll may lie from zero, where nothing measures it: the forces alone
+    would tell a ship that lies on her side."""
+    heels = {"phi": _HEEL, "p": _HEEL * stretch.pace}
+    free = not {"phi", "p"} & {*stretch.channels}
+    sizes = [heels.get(name, math.inf) if free else math.inf for name in stretch.states]
+    return np.array(sizes[: stretch.own])
 
 
 def _averaged(

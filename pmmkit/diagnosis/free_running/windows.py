@@ -122,6 +122,10 @@ def stretches_of(
     )
 
 
+_UNSEEN: Final = 1e-3
+"""Of an unknown roll moment that nothing shows: the forces of heel would tell any."""
+
+
 def _stretch(
     model: Model,
     record: FreeRecord,
@@ -136,6 +140,8 @@ def _stretch(
     begins = _begins(record, window / pace)
     pieces, spacing = _pieces(record, begins, pace)
     by = record.force_units(model)
+    if not {"phi", "p"} & {*record.measured}:
+        by = {channel: size * (_UNSEEN if channel == "K" else 1.0) for channel, size in by.items()}
     made = RecordWindows(
         record=record,
         names=names,
