@@ -50,12 +50,14 @@ def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequen
     )
     if not listed:
         raise DataError("There is no record: give free-running tests that have a usable segment.")
-    # What follows from other channels has their noise once more, summed up: it names faults. Only a
-    # heading that follows from the rate of turn stands for it.
-    kept = {item.name: {*item.reckoned} - {"psi"} for item in listed}
-    for item in listed:
-        kept[item.name] |= {"r"} if "psi" in item.reckoned else set()
-    return [item.only([x for x in item.measured if x not in kept[item.name]]) for item in listed]
+    return [_measured_once(item) for item in listed]
+
+
+def _measured_once(record: FreeRecord) -> FreeRecord:
+    """A record without what follows from other channels: their noise, once more and summed up,
+    would name faults. A heading that follows from the rate of turn stands for that."""
+    twice = {*record.reckoned} - {"psi"} | ({"r"} if "psi" in record.reckoned else set())
+    return record.only([name for name in record.measured if name not in twice])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
