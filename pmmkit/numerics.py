@@ -165,10 +165,10 @@ def dead_reckoned(
 
     Examples
     --------
-    >>> t = np.linspace(0.0, 10.0, 1001)
+    >>> t = np.linspace(0.0, 5.0, 1001)
     >>> x, y, psi = dead_reckoned(t, (0 * t + 2.0, 0 * t), rate=0 * t + np.pi / 10)
     >>> [round(float(end[-1]), 3) for end in (x, y, psi)]
-    [0.0, 12.732, 3.142]
+    [6.366, 6.366, 1.571]
     """
     from scipy.integrate import cumulative_trapezoid
 

@@ -214,8 +214,9 @@ def alike(names: Sequence[str], stroke: str) -> tuple[str, ...]:
 
     Examples
     --------
-    >>> alike(["a/t [s]", "a/Fx [N]", "b/t [s]", "b/Fx [N]", "b/n", "L"], "/")
-    ('a', 'b')
+    >>> of_two = ["a/t [s]", "a/Fx [N]", "b/t [s]", "b/Fx [N]"]
+    >>> alike([*of_two, "c/t [s]", "c/Fx [N]", "c/n", "L"], "/"), alike(["a/t", "b/n"], "/")
+    (('a', 'b', 'c'), ())
     """
     held: dict[str, set[str]] = {}
     for name in names:

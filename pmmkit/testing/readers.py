@@ -38,6 +38,7 @@ _ODD: Final[Mapping[str, object]] = {
     "units_row": True,
     "comment": "0",
     "widths": (1, 2),
+    "where": (("Run", 7),),
     "order": ("nowhere.dat",),
     "sheet": "nowhere",
     "group": "nowhere",
