@@ -315,12 +315,8 @@ def entry_lines(
     own = {} if computed is None else computed.own(entry)
     if own:
         lines.append(f"cfd = {toml(own)}")
-    if entry.look is base and entry.sheet is not None and apart:
-        lines.append(f"source = {{ sheet = {toml(entry.sheet)} }}")
-    elif entry.look is base and entry.group is not None and apart:
-        lines.append(f"source = {{ group = {toml(entry.group)} }}")
-    elif entry.look is base and entry.only and apart:
-        lines.append(f"source = {{ where = {toml(dict(entry.only))} }}")
+    if entry.look is base and _part(entry) and apart:
+        lines.append(f"source = {toml(_part(entry))}")
     elif entry.look is base and table == "runs" and entry.skip_rows != base.options.skip_rows:
         lines.append(f"source = {{ skip_rows = {entry.skip_rows} }}")
     shared = base is not None and entry.look is not base and entry.look.columns == base.columns
@@ -366,14 +362,15 @@ def entry_lines(
 
 def _apart(entry: RunDraft) -> list[str]:
     """What a table whose columns are those of all tables says of its sheet."""
-    options = entry.look.options
-    said = {
-        "sheet": entry.sheet,
-        "group": entry.group,
-        "where": dict(entry.only) or None,
-        "last_row": options.last_row,
-    }
-    return [f"{key} = {toml(value)}" for key, value in said.items() if value is not None]
+    last_row = entry.look.options.last_row
+    said = {**_part(entry), **({} if last_row is None else {"last_row": last_row})}
+    return [f"{key} = {toml(value)}" for key, value in said.items()]
+
+
+def _part(entry: RunDraft) -> dict[str, Any]:
+    """Which part of its file an entry is, by the keys of ``[source]``."""
+    said = {"sheet": entry.sheet, "group": entry.group, "where": dict(entry.only) or None}
+    return {key: value for key, value in said.items() if value is not None}
 
 
 def guessed_source(entries: Sequence[RunDraft]) -> dict[str, str]:

@@ -194,7 +194,9 @@ def _fast(
             buffer,
             header=None,
             usecols=None if every else sorted(set(positions)),
-            dtype={place: str if place in stamped else np.float64 for place in range(width)},
+            dtype={x: str if x in stamped else np.float64 for x in range(width)}
+            if stamped
+            else np.float64,
             na_filter=False,
             quoting=csv.QUOTE_NONE,
             decimal=text.decimal,
