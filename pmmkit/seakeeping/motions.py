@@ -12,10 +12,18 @@ from numpy.typing import ArrayLike
 from pmmkit.base import DataError
 from pmmkit.numerics import Array
 from pmmkit.seakeeping.hull_forms.hull import Hull
-from pmmkit.seakeeping.lengthwise import Complex, Flags, second, weights
+from pmmkit.seakeeping.lengthwise import Complex, Flags
 from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.seas import Sea
-from pmmkit.seakeeping.strips import Strips, coefficients, excitation, strips_of
+from pmmkit.seakeeping.strips import (
+    Strips,
+    coefficients,
+    critical_of,
+    excitation,
+    mass_matrix,
+    restoring,
+    strips_of,
+)
 from pmmkit.seakeeping.transfer import Rao
 
 _ROUNDS: Final = 60
@@ -99,7 +107,7 @@ def rao(
         damped[3, 3] += 1j * safe * damping * critical
         return _solved(damped, force, slow, stiffness, mass.KG - hull.draught)
 
-    motion = _damped(solved, mass, sea if waves is None else waves, encounter, w)
+    motion, damping = _damped(solved, mass, sea if waves is None else waves, encounter, w)
     return Rao(
         name=hull.name,
         engine="strip theory",
@@ -113,6 +121,7 @@ def rao(
         motion=motion,
         force=force,
         quasi_static=slow,
+        roll_damping=np.where(slow, 0.0, damping * critical),
         strips=strips,
         loading=mass,
         rho=rho,
@@ -152,15 +161,15 @@ def _damped(
     waves: float | Sea | None,
     encounter: Array,
     omega: Array,
-) -> Complex:
-    """Motions with a roll damping that is linear about their own size.
+) -> tuple[Complex, Array | float]:
+    """Motions with a roll damping that is linear about their own size, and that damping.
 
     B₁ + 8/(3π) ωφ B₂ takes as much energy from a harmonic roll as the quadratic damping does,
     B₁ + √(8/π) σ B₂ from a Gaussian one. It is found by iteration, half of each step taken.
     """
     motion = solved(loading.roll_damping)
     if loading.roll_quadratic == 0.0:
-        return motion
+        return motion, loading.roll_damping
     if waves is None:
         raise DataError(
             "roll_quadratic makes the damping depend on the height of the waves: give sea=, or "
@@ -179,7 +188,7 @@ def _damped(
             break
         damping = 0.5 * (damping + wanted)
         motion = solved(damping)
-    return motion
+    return motion, damping
 
 
 def _axes(
@@ -205,41 +214,6 @@ def _axes(
     if wrong:
         raise DataError(wrong, title="Motions in waves")
     return U, beta, w
-
-
-def mass_matrix(strips: Strips, loading: Loading, rho: float) -> Array:
-    """The mass matrix about the water above the centre of gravity."""
-    mass = rho * strips.hull.hydrostatics.volume
-    height = loading.KG - strips.hull.draught
-    found = np.diag([mass] * 3 + [mass * r**2 for r in (loading.kxx, loading.kyy, loading.kzz)])
-    found[3, 3] += mass * height**2
-    found[4, 4] += mass * height**2
-    found[0, 4] = found[4, 0] = mass * height
-    found[1, 3] = found[3, 1] = -mass * height
-    return np.asarray(found)
-
-
-def restoring(strips: Strips, loading: Loading) -> Array:
-    """Restoring by buoyancy and weight over ρ, with the sums along the hull that excite it."""
-    still, x = strips.hull.hydrostatics, strips.x
-    level, tilted = weights(x, np.zeros(1))[:, 0].real
-    b = strips.hull.breadths
-    found = np.zeros((6, 6))
-    found[2, 2] = level @ b
-    found[2, 4] = found[4, 2] = -tilted @ b
-    found[4, 4] = second(x) @ b + still.volume * (still.KB - loading.KG)
-    found[3, 3] = still.volume * (still.KM - loading.KG)
-    if found[3, 3] <= 0.0:
-        raise DataError(
-            f"KG = {loading.KG:.3f} m lies above the metacentre, {still.KM:.3f} m: the ship does "
-            "not stand upright."
-        )
-    return np.asarray(strips.g * found)
-
-
-def critical_of(stiffness: Array, inertia: Array, added: Complex) -> Array:
-    """Critical damping of roll, over which that beside the waves is stated [N m s]."""
-    return np.asarray(2 * np.sqrt(stiffness[3, 3] * (inertia[3, 3] + added[3, 3].real)))
 
 
 def _solved(

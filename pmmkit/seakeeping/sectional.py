@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -125,6 +126,7 @@ def answers(maps: Array, wavenumber: Array) -> tuple[Complex, Complex, Complex, 
     return points, weights, even, odd
 
 
+@cache
 def _running_sums() -> Array:
     """Integrals from the keel to each node by what stands at all nodes, weights taken."""
     legendre = np.polynomial.legendre

@@ -14,9 +14,11 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.base import DataError
 from pmmkit.numerics import Array
 from pmmkit.seakeeping.hull_forms.hull import Hull
 from pmmkit.seakeeping.lengthwise import Complex, second, weights
+from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.mapping import SectionFit, fit_sections
 from pmmkit.seakeeping.sectional import HEAVE, ROLL, SWAY, Sections, normals, solve
 
@@ -134,6 +136,53 @@ def coefficients(strips: Strips, speed: Array, omega: Array) -> Complex:
         whole(SWAY, SWAY, squared) - drift**2 * t + drift * xA**2 * tA - drift**2 * xA * tA
     )
     return found
+
+
+def mass_matrix(strips: Strips, loading: Loading, rho: float) -> Array:
+    """The mass matrix about the water above the centre of gravity."""
+    mass = rho * strips.hull.hydrostatics.volume
+    height = loading.KG - strips.hull.draught
+    found = np.diag([mass] * 3 + [mass * r**2 for r in (loading.kxx, loading.kyy, loading.kzz)])
+    found[3, 3] += mass * height**2
+    found[4, 4] += mass * height**2
+    found[0, 4] = found[4, 0] = mass * height
+    found[1, 3] = found[3, 1] = -mass * height
+    return np.asarray(found)
+
+
+def restoring(strips: Strips, loading: Loading) -> Array:
+    """Restoring by buoyancy and weight over ρ, with the sums along the hull that excite it."""
+    still, x = strips.hull.hydrostatics, strips.x
+    level, tilted = weights(x, np.zeros(1))[:, 0].real
+    b = strips.hull.breadths
+    found = np.zeros((6, 6))
+    found[2, 2] = level @ b
+    found[2, 4] = found[4, 2] = -tilted @ b
+    found[4, 4] = second(x) @ b + still.volume * (still.KB - loading.KG)
+    found[3, 3] = still.volume * (still.KM - loading.KG)
+    if found[3, 3] <= 0.0:
+        raise DataError(
+            f"KG = {loading.KG:.3f} m lies above the metacentre, {still.KM:.3f} m: the ship does "
+            "not stand upright."
+        )
+    return np.asarray(strips.g * found)
+
+
+def critical_of(stiffness: Array, inertia: Array, added: Complex) -> Array:
+    """Critical damping of roll, over which that beside the waves is stated [N m s]."""
+    return np.asarray(2 * np.sqrt(stiffness[3, 3] * (inertia[3, 3] + added[3, 3].real)))
+
+
+def critical_damping(
+    strips: Strips, loading: Loading, rho: float, speed: Array, omega: Array
+) -> Array:
+    """`critical_of` a hull at speeds and frequencies of encounter [m/s, rad/s].
+
+    rho [kg/m³].
+    """
+    felt = np.where(omega < 0.0, -1.0, 1.0) * np.maximum(np.abs(omega), strips.omega[0])
+    added = rho * coefficients(strips, speed, felt)
+    return critical_of(rho * restoring(strips, loading), mass_matrix(strips, loading, rho), added)
 
 
 def excitation(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -105,6 +105,8 @@ class Rao(Described):
         The mass, where a hull is known.
     second_order : array, shape (3, speeds, headings, frequencies), optional
         Mean drift by the engine itself: X forward, Y to port [N/m²], N about midship [N m/m²].
+    roll_damping : array, shape (speeds, headings, frequencies)
+        Of roll beside that of waves, as linear as it was taken [N m s]; it takes power out of them.
     rho, g : float
         Density [kg/m³], gravity [m/s²].
     notes : tuple of str
@@ -123,6 +125,7 @@ class Rao(Described):
     motion: Complex
     force: Complex
     quasi_static: Flags
+    roll_damping: Array
     rho: float
     g: float
     strips: Strips | None = None
@@ -171,6 +174,27 @@ class Rao(Described):
                 else f"Let {self.engine} compute more frequencies.",
             )
         return share
+
+    def at_speed(self, place: int) -> Rao:
+        """The same at one of the speeds alone.
+
+        Parameters
+        ----------
+        place : int
+            Of the speed.
+        """
+        a = slice(place, place + 1)
+        second = self.second_order
+        return replace(
+            self,
+            speed=self.speed[a],
+            encounter=self.encounter[a],
+            motion=self.motion[:, a],
+            force=self.force[:, a],
+            quasi_static=self.quasi_static[a],
+            roll_damping=self.roll_damping[a],
+            second_order=None if second is None else second[:, a],
+        )
 
     def mode(self, name: str) -> Complex:
         """The transfer function of one of `MODES`.

@@ -20,7 +20,7 @@ from pmmkit.numerics import Array
 from pmmkit.seakeeping.hull_forms.hull import Hull
 from pmmkit.seakeeping.lengthwise import Complex
 from pmmkit.seakeeping.loading import Loading
-from pmmkit.seakeeping.strips import strips_of
+from pmmkit.seakeeping.strips import critical_damping, strips_of
 from pmmkit.seakeeping.transfer import MODES, Rao
 
 if TYPE_CHECKING:
@@ -145,10 +145,13 @@ def read_rao(
     k = found.omega**2 / found.g
     heading = found.heading[order]
     encounter = found.omega - np.multiply.outer(np.multiply.outer(found.speed, np.cos(heading)), k)
-    strips = None
+    strips, damping = None, np.zeros(encounter.shape)
     if hull is not None:
         strips = strips_of(hull, float(np.abs(encounter).max()), g=found.g)
         loading = loading or Loading.of(hull)
+        damping += loading.roll_damping * critical_damping(
+            strips, loading, found.rho, found.speed[:, None, None], encounter
+        )
     return Rao(
         name=found.name or path.stem,
         engine=found.engine,
@@ -162,6 +165,7 @@ def read_rao(
         motion=motion[:, :, order],
         force=force[:, :, order],
         quasi_static=np.zeros(encounter.shape, dtype=bool),
+        roll_damping=damping,
         strips=strips,
         loading=loading if hull is not None else None,
         second_order=second,

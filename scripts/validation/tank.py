@@ -47,6 +47,7 @@ WAVENUMBERS: Final = np.unique(
 )  # fmt: skip
 """Of the waves that they were tested in, and of some between [1/m]."""
 METHODS: Final = {
+    "momentum": "momentum",
     "Gerritsma-Beukelman": "Gerritsma and Beukelman",
     "with reflection": "Gerritsma and Beukelman with reflection",
     "SNNM": "SNNM",

@@ -195,11 +195,11 @@ def test_the_lever_is_held_in_waves_and_the_speed_if_asked(table):
     lever, speed = (sailed(0.0, 3.0, table, duration=60.0, revolutions=x) for x in (None, "speed"))
     assert lever.n[0] == calm.n[0]
     assert Track.LEVER_HELD in lever.notes
-    assert speed.n[0] > 1.02 * calm.n[0]
+    assert speed.n[0] > 1.015 * calm.n[0]
     assert Track.SPEED_HELD in speed.notes
     assert not {Track.LEVER_HELD, Track.SPEED_HELD} & set(calm.notes)
     before = slice(0, 2)  # the rudder has hardly begun to move
-    assert np.ptp(speed.u[before]) < 0.3 * np.ptp(lever.u[before])
+    assert np.ptp(speed.u[before]) < 0.4 * np.ptp(lever.u[before])
 
 
 def test_waves_that_nothing_feels_are_said():

@@ -22,8 +22,9 @@ from pmmkit.seakeeping.second_order.mean_drift import (
     drift,
     mean_force,
     radiated_force,
-    resting_drift,
     sectional_drift,
+    significant,
+    whole_drift,
 )
 from pmmkit.seakeeping.transfer import Rao, between, nearest
 
@@ -199,9 +200,10 @@ LEAVES_OUT: Final[Mapping[str, str]] = MappingProxyType(
         "with reflection": "The same in long waves, Faltinsen's (1980) reflection at the waterline "
         "in short ones, blended by the energy that a plate of the draught reflects. The blend is "
         "our own; the waterline is that at rest, without the wave that the bow makes.",
-        "momentum": "At rest alone: Maruo (1960), the momentum of the waves that all sections send "
-        "out together, and Faltinsen's reflection in short ones. Sections answer each by itself, "
-        "the ends as if alone in the wave: in head waves a fixed ship loses energy.",
+        "momentum": "Maruo (1960, 1963): the momentum of the waves that all sections send out "
+        "together, and Faltinsen's reflection in short ones. Sections answer each by itself and "
+        "know nothing of the speed: too small of a beamy ship that is slow; in waves from abaft "
+        "the beam they answer as at rest.",
         "STAWAVE-2": "A formula fitted to tank tests, for waves within 45° of the bow, ships of "
         "75 to 350 m and Fn 0.1 to 0.3; no form of the hull but its block coefficient.",
         "SNNM": "Liu and Papanikolaou's (2020) formula, fitted to tank tests at all headings, as "
@@ -330,13 +332,11 @@ def added_resistance(rao: Rao) -> AddedResistance:
     >>> hull = hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.7)
     >>> found = added_resistance(rao(hull, speeds=5.0, omega=[0.5, 0.7]))
     >>> sorted(found.methods)
-    ['Gerritsma-Beukelman', 'SNNM', 'STAWAVE-2', 'with reflection']
+    ['Gerritsma-Beukelman', 'SNNM', 'STAWAVE-2', 'momentum', 'with reflection']
     """
     if rao.strips is None or rao.loading is None:
         return AddedResistance(rao=rao, methods={rao.engine: -drift(rao)[0]})
     brought = {} if rao.second_order is None else {rao.engine: -rao.second_order[0]}
-    rest = (rao.speed == 0.0)[:, None, None]
-    momentum = {"momentum": np.where(rest, -resting_drift(rao)[0], np.nan)} if rest.any() else {}
     along = np.cos(rao.heading)[:, None] * radiated_force(rao)
     form = form_of(rao.strips.hull, rao.loading.kyy)
     given: dict[str, Callable[..., Array]] = {"STAWAVE-2": stawave2, "SNNM": snnm}
@@ -348,9 +348,9 @@ def added_resistance(rao: Rao) -> AddedResistance:
         rao=rao,
         methods={
             **brought,
-            "Gerritsma-Beukelman": -along,
-            "with reflection": -sectional_drift(rao)[0],
-            **momentum,
+            "momentum": -significant(whole_drift(rao))[0],
+            "Gerritsma-Beukelman": -significant(along[None])[0],
+            "with reflection": -significant(sectional_drift(rao))[0],
             **formulas,
         },
     )

@@ -14,7 +14,7 @@ from pmmkit.seakeeping.hull_forms.particulars import hull_of, hulls, load_hull
 from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.motions import rao
 from pmmkit.seakeeping.seas import Sea
-from pmmkit.seakeeping.second_order.mean_drift import drift_table
+from pmmkit.seakeeping.second_order.mean_drift import Method, drift_table
 from pmmkit.seakeeping.transfer import Rao
 
 HEADINGS: Final = tuple(range(0, 181, 10))
@@ -77,7 +77,14 @@ def motions_in(
     )
 
 
-def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: float = 0.0) -> Part:
+def drift_part(
+    found: Rao,
+    sea: Sea,
+    *,
+    speed: float | None = None,
+    from_deg: float = 0.0,
+    method: Method | None = None,
+) -> Part:
     """The part ``wave_drift`` of a model for a sea.
 
     Parameters
@@ -91,6 +98,9 @@ def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: fl
         One of those of `found`, which then holds all through [m/s].
     from_deg : float
         Where the waves come from, from the heading of the approach, to starboard [deg].
+    method : {"momentum", "sections"}, optional
+        Of the drift: by what the whole ship sends out, or by what each section does alone; that of
+        the engine where absent, and momentum where it has none.
 
     Returns
     -------
@@ -112,7 +122,7 @@ def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: fl
     ('speeds', (0.0, 6.0), 6)
     """
     speeds = sorted(set(found.speed.tolist())) if speed is None else [speed]
-    rows = [drift_table(found, sea, speed=each) for each in speeds]
+    rows = [drift_table(found, sea, speed=each, method=method) for each in speeds]
     several = len(speeds) > 1
     values: dict[str, float | tuple[float, ...]] = {
         "Hs": sea.Hs,

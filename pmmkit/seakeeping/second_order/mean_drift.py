@@ -1,4 +1,4 @@
-"""Mean drift of waves: by momentum at rest, by the energy sent out at speed, and by reflection.
+"""Mean drift of waves: by momentum, by what sections do alone, and by reflection.
 
 Forces are means of second order over the square of the amplitude of the wave [N/m²].
 """
@@ -6,7 +6,7 @@ Forces are means of second order over the square of the amplitude of the wave [N
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
@@ -167,33 +167,52 @@ def sectional_drift(rao: Rao) -> Array:
     return np.asarray((1 - share) * long + share * reflected_force(rao))
 
 
-def resting_drift(rao: Rao) -> Array:
-    """Mean X, Y and N about midship of a ship at rest, (3, headings, frequencies) [N/m², N m/m²].
+_ALL: Final = 1 - 1e-5
+"""Share of reflection beyond which nothing of the waves sent out is left to see."""
 
-    The momentum of the waves that the whole ship sends out (`momentum_drift`), blended into what
-    the sides reflect by the energy that a plate of half the draught reflects.
+
+def whole_drift(rao: Rao) -> Array:
+    """Mean X, Y and N about midship by what the whole ship sends out [N/m², N m/m²].
+
+    The momentum of these waves (`momentum_drift`), blended into what the sides reflect by the
+    energy that a plate of half the draught reflects.
     """
     share = plate_reflection(_HALF * rao.wavenumber * rao.strip_sections.hull.draught)
-    still = reflected_force(rao)[:, rao.speed == 0.0][:, 0]
-    return np.asarray((1 - share) * momentum_drift(rao) + share * still)
+    long = momentum_drift(rao, among=share < _ALL)
+    return np.asarray((1 - share) * long + share * reflected_force(rao))
 
 
-def drift(rao: Rao) -> Array:
+Method = Literal["momentum", "sections"]
+
+
+def drift(rao: Rao, *, method: Method | None = None) -> Array:
     """Mean drift X (forward), Y (port) and N about midship of waves [N/m², N m/m²].
 
-    At rest `resting_drift`, at speed `sectional_drift`. What the engine itself computed comes
-    first.
+    By ``momentum`` (`whole_drift`) or by ``sections`` alone (`sectional_drift`); where no method is
+    named what the engine itself computed, and momentum where it did not.
+
+    Raises
+    ------
+    DataError
+        If there is no such method.
     """
-    if rao.second_order is not None:
+    if method is None and rao.second_order is not None:
         return rao.second_order
-    rest = rao.speed == 0.0
-    still = resting_drift(rao)[:, None] if rest.any() else 0.0
-    if rest.all():
-        return np.broadcast_to(still, (3, *rao.motion.shape[1:])).copy()
-    return np.where(rest[:, None, None], still, sectional_drift(rao))
+    if method not in (None, "momentum", "sections"):
+        raise DataError(f"There is no drift by {method!r}. There is momentum, and sections.")
+    found = sectional_drift(rao) if method == "sections" else whole_drift(rao)
+    return significant(found)
 
 
-def drift_table(rao: Rao, sea: Sea, *, speed: float | None = None) -> dict[str, tuple[float, ...]]:
+def significant(values: Array) -> Array:
+    """Values with rounding beside the largest of its kind, 1e-12 of it, as 0."""
+    largest = np.abs(values).max(axis=tuple(range(1, values.ndim)), keepdims=True)
+    return np.where(np.abs(values) < 1e-12 * largest, 0.0, values)
+
+
+def drift_table(
+    rao: Rao, sea: Sea, *, speed: float | None = None, method: Method | None = None
+) -> dict[str, tuple[float, ...]]:
     """Mean drift of a sea as the table that a manoeuvring model takes.
 
     A DataError is raised where the frequencies leave out a tenth of the sea (`Rao.share_of`).
@@ -206,7 +225,7 @@ def drift_table(rao: Rao, sea: Sea, *, speed: float | None = None) -> dict[str, 
         raise DataError("A table of drift needs headings from 0 to 180°, both ends among them.")
     rao.share_of(sea)
     scale = rao.rho * rao.g * sea.Hs**2 * rao.L
-    found = drift(rao)[:, a]
+    found = drift(rao.at_speed(a), method=method)[:, 0]
     order = np.argsort(-headings)
     # waves of heading β run to starboard; those from starboard are their mirror, and y turns round
     X, Y, N = (
