@@ -24,7 +24,7 @@ from pmmkit.seakeeping.strips import (
     restoring,
     strips_of,
 )
-from pmmkit.seakeeping.transfer import Rao
+from pmmkit.seakeeping.transfer import ENGINE, Rao
 
 _ROUNDS: Final = 60
 _SETTLED: Final = 1e-6  # of critical damping
@@ -110,7 +110,7 @@ def rao(
     motion, damping = _damped(solved, mass, sea if waves is None else waves, encounter, w)
     return Rao(
         name=hull.name,
-        engine="strip theory",
+        engine=ENGINE,
         L=hull.L,
         B=float(hull.breadths.max()),
         x=hull.hydrostatics.xB,

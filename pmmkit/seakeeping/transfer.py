@@ -15,7 +15,7 @@ from pmmkit.presentation import Described, Grid, Group, Section, counted
 from pmmkit.seakeeping.figures import over_wave_length
 from pmmkit.seakeeping.lengthwise import Complex, Flags
 from pmmkit.seakeeping.loading import Loading
-from pmmkit.seakeeping.strips import Strips
+from pmmkit.seakeeping.strips import Strips, coefficients, excitation, mass_matrix, restoring
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -63,6 +63,12 @@ def between(computed: Array, heading_deg: float) -> tuple[tuple[int, ...], tuple
 
 LEAST_SHARE: Final = 0.9
 """Least share of the energy of a sea of which something is summed."""
+MIRRORED: Final = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+"""Modes in axes mirrored at the middle, as of capytaine and WAMIT."""
+DRIFT: Final = ("drift_X", "drift_Y", "drift_N")
+"""Columns of the mean drift in tables."""
+ENGINE: Final = "strip theory"
+"""What pmmkit computes motions by."""
 MODES: Final = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 _CURVES: Final = 8
 
@@ -137,6 +143,11 @@ class Rao(Described):
     def wavenumber(self) -> Array:
         """k = ω²/g [1/m]."""
         return self.omega**2 / self.g
+
+    @property
+    def moored(self) -> bool:
+        """Whether strip theory computed her at rest too, so that `to_capytaine` can tell it."""
+        return self.engine == ENGINE and self.loading is not None and 0.0 in self.speed
 
     @property
     def strip_sections(self) -> Strips:
@@ -270,6 +281,8 @@ class Rao(Described):
             size = {"units": unit, "long_name": f"amplitude of {mode} per wave amplitude"}
             data[f"{mode}_amplitude"] = (axes, np.abs(self.motion[number]), size)
             data[f"{mode}_phase"] = (axes, np.angle(self.motion[number]), lead)
+        for name, (values, unit) in self._loads().items():
+            data[name] = (axes, values, {"units": unit, "long_name": name.replace("_", " ")})
         frequency = "sea_surface_wave_angular_frequency"
         coords = {
             "speed": (
@@ -303,6 +316,88 @@ class Rao(Described):
         }
         return xr.Dataset(data, coords=coords, attrs=attributes)
 
+    def _loads(self) -> dict[str, tuple[Array, str]]:
+        """Forces of the waves and mean drift, where they are known, with their units."""
+        found = {}
+        for mode, force in zip(MODES, self.force, strict=True):
+            if np.isfinite(force).any():
+                unit = "N m-1" if mode in MODES[:3] else "N"
+                found[f"{mode}_force"] = np.abs(force), unit
+                found[f"{mode}_force_phase"] = np.angle(force), "rad"
+        if self.second_order is not None:
+            for name, drift in zip(DRIFT, self.second_order, strict=True):
+                found[name] = drift, "N m-1" if name == DRIFT[2] else "N m-2"
+        return found
+
+    def to_capytaine(self) -> xr.Dataset:
+        """The dataset that capytaine writes, of a ship at rest, which capytaine moves by alike.
+
+        Axes, sides and time are capytaine's: waves of 90° run to port, time goes as exp(-iωt). The
+        damping of roll beside that of waves stands in `radiation_damping`.
+
+        Returns
+        -------
+        xarray.Dataset
+            Added mass, damping, mass, stiffness and forces of waves about the point on the water
+            above the centre of gravity [SI].
+
+        Raises
+        ------
+        DataError
+            If it is not strip theory that computed her, at rest.
+        """
+        import xarray as xr
+
+        strips, loading = self.strip_sections, self.loading
+        if loading is None or not (self.speed == 0.0).any():
+            raise DataError(
+                "A dataset of capytaine is of a ship at rest: let 0 be among the speeds."
+            )
+        at = self.at_speed(int(np.flatnonzero(self.speed == 0.0)[0]))
+        added = self.rho * coefficients(strips, np.zeros(1), self.omega)
+        damping = -added.imag * self.omega
+        damping[3, 3] += at.roll_damping[0, 0]
+        incident, whole = excitation(strips, at.speed, self.heading, self.omega, at.encounter)
+        sides = np.outer(MIRRORED, MIRRORED)
+        forced, moved = "influenced_dof", "radiating_dof"
+
+        def varying(values: Array) -> tuple[tuple[str, ...], Array]:
+            return ("omega", moved, forced), (sides[..., None] * values).T
+
+        def steady(values: Array) -> tuple[tuple[str, ...], Array]:
+            return (forced, moved), sides * values
+
+        def force(values: Complex) -> tuple[tuple[str, ...], Array]:
+            turned = self.rho * (values[:, 0] * MIRRORED[:, None, None]).conj().T
+            return ("complex", "omega", "wave_direction", forced), np.stack(
+                [turned.real, turned.imag]
+            )
+
+        return xr.Dataset(
+            {
+                "added_mass": varying(added.real),
+                "radiation_damping": varying(damping),
+                "inertia_matrix": steady(mass_matrix(strips, loading, self.rho)),
+                "hydrostatic_stiffness": steady(self.rho * restoring(strips, loading)),
+                "Froude_Krylov_force": force(incident),
+                "diffraction_force": force(whole - incident),
+                "excitation_force": force(whole),
+                "rho": self.rho,
+                "g": self.g,
+                "water_depth": np.inf,
+                "forward_speed": 0.0,
+            },
+            coords={
+                "omega": self.omega,
+                "wave_direction": self.heading,
+                "complex": ["re", "im"],
+                "body_name": self.name,
+                forced: [mode.capitalize() for mode in MODES],
+                moved: [mode.capitalize() for mode in MODES],
+            },
+            attrs={"source": f"pmmkit, {self.engine}", "origin_m": self.x},
+        )
+
     def to_pandas(self) -> pd.DataFrame:
         """One row for each speed, heading and frequency [SI; heading in degrees]."""
         import pandas as pd
@@ -318,6 +413,7 @@ class Rao(Described):
         for number, mode in enumerate(MODES):
             columns[mode] = np.abs(self.motion[number])
             columns[f"{mode}_phase"] = np.angle(self.motion[number])
+        columns |= {name: values for name, (values, _) in self._loads().items()}
         return pd.DataFrame({name: values.ravel() for name, values in columns.items()})
 
     def plot(self) -> Figure:

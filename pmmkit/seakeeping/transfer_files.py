@@ -8,7 +8,7 @@ port) sway, roll and yaw do. Where time goes as exp(-iωt) (capytaine) all are c
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -21,7 +21,7 @@ from pmmkit.seakeeping.hull_forms.hull import Hull
 from pmmkit.seakeeping.lengthwise import Complex
 from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.strips import critical_damping, strips_of
-from pmmkit.seakeeping.transfer import MODES, Rao
+from pmmkit.seakeeping.transfer import DRIFT, MIRRORED, MODES, Rao
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 TURNED: Final = np.array([-1.0, -1.0, 1.0, -1.0, -1.0, 1.0])
 """Modes in axes turned half about z."""
-MIRRORED: Final = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
-"""Modes in axes mirrored at the middle."""
 HORIZONTAL: Final = (0, 1, 5)
 """Modes of the mean drift."""
 TABLE: Final = ("speed", "heading_deg", "omega", *MODES, *(f"{mode}_phase" for mode in MODES))
@@ -470,6 +468,17 @@ def _table(frame: pd.DataFrame, path: Path, given: _Given) -> _Found:
     shape = tuple(axis.size for axis in axes)
     motion: Complex = np.full((6, *shape), np.nan, dtype=complex)
     motion[:, places[0], places[1], places[2]] = columns[3:9] * np.exp(1j * columns[9:])
+
+    def table(names: Sequence[str]) -> Array:
+        values = np.full((len(names), *shape), np.nan)
+        for row, name in zip(values, names, strict=True):
+            if name in frame:
+                row[places[0], places[1], places[2]] = frame[name].to_numpy(float)
+        return values
+
+    size, lead = (table([f"{mode}_force{of}" for mode in MODES]) for of in ("", "_phase"))
+    pushed = table(DRIFT)
+    pushed[2] -= given.x * pushed[1]  # about the origin, as files of others
     return _Found(
         engine="a table",
         name="",
@@ -483,7 +492,8 @@ def _table(frame: pd.DataFrame, path: Path, given: _Given) -> _Found:
         heading=np.radians(axes[1]),
         omega=axes[2],
         motion=motion,
-        force=np.full_like(motion, np.nan),
+        force=size * np.exp(1j * lead),
+        second_order=pushed if np.isfinite(pushed).all() else None,
     )
 
 
@@ -540,7 +550,7 @@ def _capytaine(data: xr.Dataset, path: Path, given: _Given) -> _Found:
     )
     return _Found(
         engine="capytaine",
-        name=str(data["body"].values) if "body" in data.coords else "",
+        name=next((str(data[x].values) for x in ("body_name", "body") if x in data.coords), ""),
         L=L,
         B=B,
         x=given.x,

@@ -173,7 +173,35 @@ def test_a_wigley_hull_comes_back_from_a_mesh(name, tmp_path):
     assert any("length of the mesh" in note for note in hull.notes)
 
 
-def test_a_bulb_below_the_water_is_left_out_and_said(tmp_path):
+@pytest.mark.parametrize("suffix", [".gdf", ".stl"])
+def test_a_hull_comes_back_from_the_mesh_that_it_was_written_to(suffix, tmp_path):
+    ship = load_hull("s175-design")
+    ship.write(tmp_path / f"ship{suffix}")
+    there, back = ship.hydrostatics, read_hull(tmp_path / f"ship{suffix}", draught=9.5).hydrostatics
+    assert back.volume == pytest.approx(there.volume, rel=0.01)
+    assert pytest.approx(there.KM, rel=0.02) == back.KM
+    assert (back.xB, back.xF) == pytest.approx((there.xB, there.xF), abs=0.002 * 175)
+
+
+def test_panels_are_closed_below_the_water():
+    """Of a closed surface the areas add up to none, but for the water above and the middle line."""
+    hull = load_hull("s175-design")
+    panels = hull.panels(across=40)
+    area = 0.5 * np.cross(panels[:, 2] - panels[:, 0], panels[:, 3] - panels[:, 1])
+    assert area[:, 0].sum() == pytest.approx(0.0, abs=1.0)
+    assert -2 * area[:, 2].sum() == pytest.approx(hull.hydrostatics.waterplane, rel=0.01)
+    middle = panels.mean(axis=1)
+    volume = 2 * np.sum(middle * area, axis=-1).sum() / 3
+    assert volume == pytest.approx(hull.hydrostatics.volume, rel=0.01)
+
+
+def test_a_hull_is_not_written_as_anything(tmp_path):
+    with pytest.raises(DataError, match=r"written as \.gdf and \.stl"):
+        load_hull("s175-design").write(tmp_path / "ship.iges")
+
+
+def test_a_bulb_below_the_water_keeps_its_volume(tmp_path):
+    """8 m of a ring of 4 m², of which 3 lie in the ship."""
     panels = wigley_panels()
     bulb = np.linspace(-3.0, 5.0, 9)
     ring = np.array([[1.0, -4.0], [1.5, -3.0], [0.0, -2.0]])
@@ -184,8 +212,13 @@ def test_a_bulb_below_the_water_is_left_out_and_said(tmp_path):
     ]
     as_gdf(tmp_path / "bulb.gdf", np.concatenate([panels, corners]))
     hull = read_hull(tmp_path / "bulb.gdf", draught=5.0, L=80.0)
-    assert hull.x.max() < 40.0
-    assert any("closed below the water" in note for note in hull.notes)
+    assert hull.x.max() > 44.0
+    assert any("keep their volume under a narrow neck" in note for note in hull.notes)
+    as_gdf(tmp_path / "bare.gdf", panels)
+    bare = read_hull(tmp_path / "bare.gdf", draught=5.0, L=80.0)
+    more = hull.hydrostatics.volume - bare.hydrostatics.volume
+    assert 5 * 4.0 < more < 8 * 4.0
+    assert hull.hydrostatics.waterplane == pytest.approx(bare.hydrostatics.waterplane, rel=0.01)
 
 
 @pytest.mark.parametrize(

@@ -214,6 +214,29 @@ def test_its_own_table_comes_back_in_any_order(own, tmp_path):
     assert lifted == pytest.approx(as_before, rel=1e-12)
 
 
+def test_forces_and_mean_drift_come_back_too(own, tmp_path):
+    pushed = replace(own, second_order=added_resistance(own).drift)
+    pushed.to_xarray().to_netcdf(tmp_path / "rao.nc", engine="h5netcdf")
+    pushed.to_pandas().to_csv(tmp_path / "rao.csv", index=False)
+    for found in (
+        read_rao(tmp_path / "rao.nc"),
+        read_rao(tmp_path / "rao.csv", L=own.L, B=own.B, x=own.x),
+    ):
+        size = np.abs(own.force).max(axis=(1, 2, 3), keepdims=True)
+        assert (np.abs(found.force - own.force) <= 1e-12 * size).all()
+        np.testing.assert_allclose(found.second_order, pushed.second_order, rtol=1e-9, atol=1e-3)
+
+
+def test_a_ship_at_rest_as_a_dataset_of_capytaine_moves_as_before(own, tmp_path):
+    """capytaine 3.0.0 itself moves by it to 1e-15 of the wave."""
+    own.to_capytaine().to_netcdf(tmp_path / "ship.nc", engine="h5netcdf")
+    found = read_rao(tmp_path / "ship.nc", L=own.L, B=own.B, x=own.x)
+    np.testing.assert_allclose(found.motion[:, 0], own.motion[:, 0], atol=1e-12)
+    assert found.name == "ship"
+    with pytest.raises(DataError, match="0 be among the speeds"):
+        own.at_speed(1).to_capytaine()
+
+
 def test_with_its_hull_mean_drift_is_computed_by_sections_too(own, tmp_path):
     own.to_xarray().to_netcdf(tmp_path / "rao.nc", engine="h5netcdf")
     bare = read_rao(tmp_path / "rao.nc")

@@ -420,8 +420,13 @@ def _files(
     from pmmkit.plotting import save
     from pmmkit.seakeeping import drift_part
 
-    yield "rao.csv", found.to_pandas()
-    yield "rao.nc", partial(found.to_xarray().to_netcdf, engine="h5netcdf")
+    whole = found if added is None else replace(found, second_order=added.drift)
+    yield "rao.csv", whole.to_pandas()
+    yield "rao.nc", partial(whole.to_xarray().to_netcdf, engine="h5netcdf")
+    if found.strips is not None:
+        yield "hull.gdf", found.strips.hull.write
+        if found.moored:
+            yield "capytaine.nc", partial(found.to_capytaine().to_netcdf, engine="h5netcdf")
     if waves is not None:
         yield "responses.csv", pd.DataFrame([row for one in answers for row in one.rows()])
     if added is not None:

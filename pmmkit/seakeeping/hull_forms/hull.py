@@ -6,15 +6,20 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from pmmkit.base import DataError, Problem
+from pmmkit.files import atomic_path, write_text
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section
 from pmmkit.seakeeping.lengthwise import Complex
 
+FACET: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+"""A triangle of a binary STL."""
 FEWEST: Final = 11
 """Stations that a hull needs."""
 
@@ -186,6 +191,77 @@ class Hull(Described):
     def hydrostatics(self) -> Hydrostatics:
         """Volume, centres and second moments."""
         return _hydrostatics(self)
+
+    def panels(self, across: int = 12) -> Array:
+        """Port half below the water in panels between the stations, with flat ends.
+
+        Parameters
+        ----------
+        across : int
+            Panels from the keel to the water.
+
+        Returns
+        -------
+        array, shape (panels, 4, 3)
+            Corners [m], x forward of midship, y to port, z up from the water, in turn as seen from
+            the water around. Those of which two corners are one are triangles.
+
+        Examples
+        --------
+        >>> from pmmkit.seakeeping.hull_forms.particulars import load_hull
+        >>> load_hull("s175-design").panels().shape[1:]
+        (4, 3)
+        """
+        sections = []
+        for x, contour in zip(self.x, self.contours, strict=True):
+            along = np.r_[0.0, np.cumsum(np.abs(np.diff(contour)))]
+            places = np.linspace(0.0, along[-1], across + 1)
+            depth, half = (np.interp(places, along, part) for part in (contour.real, contour.imag))
+            sections.append(np.column_stack([np.full(across + 1, x), half, -depth]))
+        aft, fore = sections[0], sections[-1]
+        middle = np.array([1.0, 0.0, 1.0])
+        # the ends lie between the middle line and the section
+        strips = [(middle * aft, aft), *pairwise(sections), (fore, middle * fore)]
+        corners = [
+            np.stack([first[:-1], first[1:], second[1:], second[:-1]], axis=1)
+            for first, second in strips
+        ]
+        found = np.concatenate(corners)
+        diagonals = found[:, 2] - found[:, 0], found[:, 3] - found[:, 1]
+        whole = np.linalg.norm(np.cross(*diagonals), axis=1) > 1e-12 * self.L**2
+        return np.asarray(found[whole])
+
+    def write(self, path: str | Path) -> None:
+        """Write the hull below the water as a mesh that other programs and `read_hull` read.
+
+        Parameters
+        ----------
+        path : path
+            ``.gdf`` of WAMIT (port half, metres, 9.81 m/s²) or ``.stl`` (both halves).
+
+        Raises
+        ------
+        DataError
+            If it is of another kind.
+        """
+        path, panels = Path(path), self.panels()
+        if path.suffix.lower() == ".gdf":
+            head = f"{self.name}\n1.0 9.81\n0 1\n{len(panels)}\n"
+            rows = (" ".join(f"{number:.6f}" for number in row) for row in panels.reshape(-1, 12))
+            write_text(path, head + "\n".join(rows) + "\n")
+        elif path.suffix.lower() == ".stl":
+            sides = np.concatenate([panels, panels[:, ::-1] * np.array([1.0, -1.0, 1.0])])
+            facets = np.concatenate([sides[:, [0, 1, 2]], sides[:, [0, 2, 3]]])
+            normal = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
+            size = np.linalg.norm(normal, axis=1)
+            facets, normal = facets[size > 0.0], (normal / np.maximum(size, 1e-300)[:, None])
+            content = np.zeros(len(facets), FACET)
+            content["normal"], content["corners"] = normal[size > 0.0], facets
+            title = self.name.encode("ascii", "replace")[:79].ljust(80)
+            with atomic_path(path) as part:
+                part.write_bytes(title + len(facets).to_bytes(4, "little") + content.tobytes())
+        else:
+            raise DataError(f"{path.name}: hulls are written as .gdf and .stl.")
 
     def _headline(self) -> str:
         return (

@@ -9,7 +9,7 @@ import numpy as np
 
 from pmmkit.base import DataError, Problem
 from pmmkit.numerics import Array
-from pmmkit.seakeeping.hull_forms.hull import Station
+from pmmkit.seakeeping.hull_forms.hull import FACET, Station
 
 STATIONS: Final = 41
 """Cuts of a mesh: of an S175 in 24 stations hydrostatics differ by less than .5 % from there on."""
@@ -27,8 +27,8 @@ def is_mesh(path: Path) -> bool:
     return path.suffix.lower() in (".gdf", ".stl")
 
 
-def mesh_stations(path: Path, draught: float) -> tuple[list[Station], float, tuple[str, ...]]:
-    """Stations of a mesh, from aft to forward, its length [m], and what is left out.
+def mesh_stations(path: Path, draught: float) -> tuple[list[Station], float]:
+    """Stations of a mesh, from aft to forward, and its length [m].
 
     Heights count from the water (keel at -draught) or from the base line (keel at zero).
     """
@@ -55,17 +55,16 @@ def mesh_stations(path: Path, draught: float) -> tuple[list[Station], float, tup
         half = triangles[side <= 0.0] * np.array([1.0, -1.0, 1.0])
     share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, STATIONS))
     places = float(x.min()) + length * (ENDS + (1.0 - 2.0 * ENDS) * share)
-    stations, closed = [], []
+    stations = []
     for place in places.tolist():
         y, z = _cut(half, place, SAME * length).T
         if z.size > 1 and z[-1] < draught - CLOSED * draught:
-            closed.append(place)
+            y, z = np.r_[y, 0.0], np.r_[z, z[-1]]
         elif z.size > 1:
             z[-1] = max(z[-1], draught)
+        if z.size > 1:
             stations.append(Station(x=place, y=np.maximum(y, 0.0), z=z))
-    told = ", ".join(f"{place:.4g}" for place in closed)
-    notes = (f"Sections that are closed below the water are left out: x = {told} m.",)
-    return stations, length, notes if closed else ()
+    return stations, length
 
 
 def _cut(triangles: Array, x: float, same: float) -> Array:
@@ -121,8 +120,7 @@ def _stl(path: Path) -> Array:
     content = path.read_bytes()
     count = int.from_bytes(content[80:84], "little") if len(content) >= 84 else -1
     if len(content) == 84 + 50 * count:
-        facet = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-        return np.frombuffer(content, facet, offset=84)["corners"].astype(float)
+        return np.frombuffer(content, FACET, offset=84)["corners"].astype(float)
     words = [line.split() for line in _text(path).splitlines()]
     try:
         corners = np.array([row[1:4] for row in words if row[:1] == ["vertex"]], float)

@@ -52,10 +52,10 @@ def read_hull(path: str | Path, *, draught: float, L: float | None = None) -> Hu
     """
     path = Path(path)
     if is_mesh(path):
-        cut, length, closed = mesh_stations(path, draught)
+        cut, length = mesh_stations(path, draught)
         found = _hull(path.stem, L or length, draught, cut)
         own = f"L, {length:.4g} m, is the length of the mesh between its ends."
-        return replace(found, notes=(*found.notes, *closed, *([] if L else [own])))
+        return replace(found, notes=(*found.notes, *([] if L else [own])))
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
@@ -117,6 +117,22 @@ LEADING: Final = 0.005
 S175 and a tanker of 320 m it lies 2.4 and 3.3 % aft of it."""
 
 
+NECK: Final = 0.02
+"""Part of its breadth by which a section that is closed below the water reaches it: its volume
+stays, and hardly any waterplane is added."""
+
+
+def _necked(station: Station, draught: float) -> Station:
+    """A section that is closed below the water, under a neck; others as they are."""
+    y, z = station.y, station.z
+    wide = np.flatnonzero(y > 0.0)
+    top = int(wide[-1]) + 1 if wide.size else y.size
+    if top >= y.size or z[top] >= draught:
+        return station
+    neck = NECK * float(y.max())
+    return replace(station, y=np.r_[y[:top], neck, neck], z=np.r_[z[: top + 1], draught])
+
+
 def _hull(name: str, L: float, draught: float, given: Iterable[Station]) -> Hull:
     """A hull of stations as a file has them: from aft, without those above the water, and without
     steps that are the rounding of a drawing."""
@@ -129,6 +145,14 @@ def _hull(name: str, L: float, draught: float, given: Iterable[Station]) -> Hull
         (dry if station.z.size and station.z.min() >= draught else stations).append(station)
     above = ", ".join(f"{station.x:.4g}" for station in dry)
     notes = [f"Stations above the water are left out: x = {above} m."] if dry else []
+    necked = [_necked(station, draught) for station in stations]
+    bulbs = [new.x for new, old in zip(necked, stations, strict=True) if new is not old]
+    if 0 < len(bulbs) < len(stations) / 2:
+        stations = necked
+        notes.append(
+            "Sections that are closed below the water keep their volume under a narrow neck: "
+            f"x = {', '.join(f'{x:.4g}' for x in bulbs)} m."
+        )
     hull = Hull(name=name, L=L, draught=draught, stations=tuple(stations))
     if (ahead := hull.hydrostatics.xF - hull.hydrostatics.xB) > LEADING * L:
         notes.append(

@@ -18,14 +18,7 @@ from pmmkit.presentation import Described, Grid, Group, Section, number
 from pmmkit.seakeeping.figures import over_wave_length
 from pmmkit.seakeeping.hull_forms.hull import Hull
 from pmmkit.seakeeping.seas import Sea
-from pmmkit.seakeeping.second_order.mean_drift import (
-    drift,
-    mean_force,
-    radiated_force,
-    sectional_drift,
-    significant,
-    whole_drift,
-)
+from pmmkit.seakeeping.second_order.mean_drift import drift, mean_force, radiated_force, significant
 from pmmkit.seakeeping.transfer import Rao, between, nearest
 
 if TYPE_CHECKING:
@@ -224,10 +217,13 @@ class AddedResistance(Described):
     methods : mapping of str to array, shape (speeds, headings, frequencies)
         Resistance (against the course) over the square of the amplitude [N/m²]; NaN out of the
         range of a method.
+    drift : array, shape (3, speeds, headings, frequencies)
+        Mean X, Y and N by the engine, or by momentum [N/m², N m/m²].
     """
 
     rao: Rao
     methods: Mapping[str, Array]
+    drift: Array
 
     @property
     def unit(self) -> float:
@@ -335,8 +331,10 @@ def added_resistance(rao: Rao) -> AddedResistance:
     ['Gerritsma-Beukelman', 'SNNM', 'STAWAVE-2', 'momentum', 'with reflection']
     """
     if rao.strips is None or rao.loading is None:
-        return AddedResistance(rao=rao, methods={rao.engine: -drift(rao)[0]})
+        pushed = drift(rao)
+        return AddedResistance(rao=rao, methods={rao.engine: -pushed[0]}, drift=pushed)
     brought = {} if rao.second_order is None else {rao.engine: -rao.second_order[0]}
+    momentum = drift(rao, method="momentum")
     along = np.cos(rao.heading)[:, None] * radiated_force(rao)
     form = form_of(rao.strips.hull, rao.loading.kyy)
     given: dict[str, Callable[..., Array]] = {"STAWAVE-2": stawave2, "SNNM": snnm}
@@ -348,11 +346,12 @@ def added_resistance(rao: Rao) -> AddedResistance:
         rao=rao,
         methods={
             **brought,
-            "momentum": -significant(whole_drift(rao))[0],
+            "momentum": -momentum[0],
             "Gerritsma-Beukelman": -significant(along[None])[0],
-            "with reflection": -significant(sectional_drift(rao))[0],
+            "with reflection": -drift(rao, method="sections")[0],
             **formulas,
         },
+        drift=momentum if rao.second_order is None else rao.second_order,
     )
 
 
